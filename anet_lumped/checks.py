@@ -1,0 +1,69 @@
+"""Checks of what a user writes, made once, at the edge: what must hold, what was given, where."""
+
+import difflib
+import math
+from collections.abc import Iterable
+from numbers import Integral, Real
+from typing import Any
+
+Vector = tuple[float, float, float]
+
+
+class SceneError(ValueError):
+    """A scene, or a part of one, that cannot be what its author meant."""
+
+
+def check_number(argument: str, value: Any, unit: str, owner: str, *, sign: str = "") -> float:
+    """Return `value` as a finite float.
+
+    Parameters
+    ----------
+    argument : name of the argument, for the message
+    value : what the user gave
+    unit : its unit, for the message; "" if it has none
+    owner : who has it, for the message: 'cable "s0-p0"'
+    sign : "" (any), "positive" or "non-negative"
+
+    Raises
+    ------
+    SceneError : `value` is no number, not finite, or has the wrong sign
+    """
+    real = isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    if not real or (sign == "positive" and value <= 0) or (sign == "non-negative" and value < 0):
+        demand = f"{sign} and finite" if sign else "a finite number"
+        raise SceneError(_sentence(argument, demand, unit, owner, value))
+    return float(value)
+
+
+def check_count(argument: str, value: Any, owner: str) -> int:
+    """Return `value` as an integer of at least 1."""
+    if not isinstance(value, Integral) or isinstance(value, bool) or value < 1:
+        raise SceneError(_sentence(argument, "an integer of at least 1", "", owner, value))
+    return int(value)
+
+
+def check_vector(argument: str, value: Any, unit: str, owner: str) -> Vector:
+    """Return `value` as a tuple of three finite floats."""
+    entries = tuple(value) if isinstance(value, Iterable) and not isinstance(value, str | bytes) else ()
+    good = all(isinstance(x, Real) and not isinstance(x, bool) and math.isfinite(x) for x in entries)
+    if len(entries) != 3 or not good:
+        raise SceneError(_sentence(argument, "three finite numbers (x, y, z)", unit, owner, value))
+    return float(entries[0]), float(entries[1]), float(entries[2])
+
+
+def check_name(value: Any, what: str) -> str:
+    """Return the name `value` of a point or cable (`what`), which must be a string with something in it."""
+    if not isinstance(value, str) or not value.strip():
+        raise SceneError(f"The name of a {what} must be a non-empty string, but is {value!r}.")
+    return value
+
+
+def nearest(name: str, known: Iterable[str], quote: str = '"') -> str:
+    """Return ', did you mean "p0"?' for the known name nearest to `name`, or '' if none is near."""
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    return f", did you mean {quote}{near[0]}{quote}?" if near else ""
+
+
+def _sentence(argument: str, demand: str, unit: str, owner: str, value: Any) -> str:
+    shown = repr(value) if isinstance(value, str) else str(value)
+    return f"Argument `{argument}` must be {demand}{f' [{unit}]' if unit else ''}, but {owner} has {argument}={shown}."

@@ -1,0 +1,291 @@
+"""What a user writes: points, cables and effects, checked when made and never changed afterwards."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from anet_lumped.checks import SceneError, Vector, check_count, check_name, check_number, check_vector, nearest
+from anet_lumped.paths import Path
+
+if TYPE_CHECKING:
+    import numpy as np
+
+__all__ = ["COMPRESSION", "Cable", "Driven", "Fixed", "Free", "Point", "Scene", "SceneError"]
+
+COMPRESSION = ("none", "damped", "linear")
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A point that never moves.
+
+    Parameters
+    ----------
+    name : name of the point, unique in its scene
+    at : (3,) array_like [m], its place
+    """
+
+    name: str
+    at: Vector
+
+    def __post_init__(self):
+        check_name(self.name, "point")
+        object.__setattr__(self, "at", check_vector("at", self.at, "m", f'fixed point "{self.name}"'))
+
+
+@dataclass(frozen=True)
+class Driven:
+    """A point whose motion is prescribed.
+
+    Parameters
+    ----------
+    name : name of the point, unique in its scene
+    path : its motion, made by `paths.line`, `paths.samples` or `paths.harmonic`
+    """
+
+    name: str
+    path: Path
+
+    def __post_init__(self):
+        check_name(self.name, "point")
+        if not isinstance(self.path, Path):
+            raise SceneError(
+                f"Argument `path` must be made by paths.line, paths.samples or paths.harmonic, "
+                f'but driven point "{self.name}" has path={self.path!r}.'
+            )
+
+
+@dataclass(frozen=True)
+class Free:
+    """A point moved by its cables alone: a junction, a payload, a loose end.
+
+    Parameters
+    ----------
+    name : name of the point, unique in its scene
+    mass : float [kg], carried besides the half segments that end here
+    at : (3,) array_like [m] or None, where it starts; found from its cables if None
+    """
+
+    name: str
+    mass: float = 0.0
+    at: Vector | None = None
+
+    def __post_init__(self):
+        check_name(self.name, "point")
+        owner = f'free point "{self.name}"'
+        object.__setattr__(self, "mass", check_number("mass", self.mass, "kg", owner, sign="non-negative"))
+        if self.at is not None:
+            object.__setattr__(self, "at", check_vector("at", self.at, "m", owner))
+
+
+Point = Fixed | Driven | Free
+
+
+@dataclass(frozen=True)
+class Cable:
+    """A chain of equal segments between two points, with tension T = EA·eps + BA·(dl/dt)/L0 in each.
+
+    Parameters
+    ----------
+    start, end : names of the points that it joins
+    length : float [m], unstretched
+    mass_per_length : float [kg/m]
+    EA : float [N], axial stiffness
+    segments : number of segments
+    zeta : damping ratio of one segment, BA = zeta·L0·√(EA·mu)
+    BA : float [N·s] or None, axial viscosity, in place of `zeta`
+    compression : what a segment shorter than L0 does: "none" (carries nothing), "damped" (the damper acts, the
+        spring does not), "linear" (spring and damper push as they pull)
+    name : "start-end" if None
+    """
+
+    start: str
+    end: str
+    length: float = field(kw_only=True)
+    mass_per_length: float = field(kw_only=True)
+    EA: float = field(kw_only=True)
+    segments: int = field(kw_only=True)
+    zeta: float = field(default=0.0, kw_only=True)
+    BA: float | None = field(default=None, kw_only=True)
+    compression: str = field(default="none", kw_only=True)
+    name: str | None = field(default=None, kw_only=True)
+
+    def __post_init__(self):
+        for point in (self.start, self.end):
+            check_name(point, "point")
+        name = f"{self.start}-{self.end}" if self.name is None else check_name(self.name, "cable")
+        owner = f'cable "{name}"'
+        checked: dict[str, Any] = {
+            "name": name,
+            "length": check_number("length", self.length, "m", owner, sign="positive"),
+            "mass_per_length": check_number("mass_per_length", self.mass_per_length, "kg/m", owner, sign="positive"),
+            "EA": check_number("EA", self.EA, "N", owner, sign="positive"),
+            "segments": check_count("segments", self.segments, owner),
+            "zeta": check_number("zeta", self.zeta, "", owner, sign="non-negative"),
+        }
+        if self.BA is not None:
+            checked["BA"] = check_number("BA", self.BA, "N·s", owner, sign="non-negative")
+        for key, value in checked.items():
+            object.__setattr__(self, key, value)
+        if self.start == self.end:
+            raise SceneError(f'A cable must join two different points, but {owner} runs from "{self.start}" to itself.')
+        if self.zeta and self.BA is not None:
+            raise SceneError(
+                f"Only one of `zeta` and `BA` may be given, but {owner} has zeta={self.zeta} and BA={self.BA}."
+            )
+        if self.compression not in COMPRESSION:
+            hint = nearest(str(self.compression), COMPRESSION).rstrip("?")
+            raise SceneError(
+                'Argument `compression` must be "none", "damped" or "linear", '
+                f"but {owner} has compression={self.compression!r}{hint + '?' if hint else '.'}"
+            )
+
+    @property
+    def L0(self) -> float:
+        """Unstretched length of one segment [m]."""
+        return self.length / self.segments
+
+    @property
+    def stiffness(self) -> float:
+        """Spring of one segment, k = EA/L0 [N/m]."""
+        return self.EA / self.L0
+
+    @property
+    def dashpot(self) -> float:
+        """Damper of one segment, c = BA/L0 [N·s/m]."""
+        return self.axial_viscosity / self.L0
+
+    @property
+    def axial_viscosity(self) -> float:
+        """Axial viscosity, BA as given or zeta·L0·√(EA·mu) [N·s]."""
+        if self.BA is not None:
+            return self.BA
+        return self.zeta * self.L0 * math.sqrt(self.EA * self.mass_per_length)
+
+    @property
+    def damping_ratio(self) -> float:
+        """Damping ratio of one segment, zeta as given or BA/(L0·√(EA·mu))."""
+        if self.BA is None:
+            return self.zeta
+        return self.BA / (self.L0 * math.sqrt(self.EA * self.mass_per_length))
+
+    @property
+    def omega_max(self) -> float:
+        """Bound of the axial frequencies of the lumped chain, (2/L0)·√(EA/mu) [rad/s]."""
+        return 2.0 / self.L0 * math.sqrt(self.EA / self.mass_per_length)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Points, the cables between them and the effects that act on them.
+
+    Parameters
+    ----------
+    points : sequence of Fixed, Driven and Free
+    cables : sequence of Cable
+    effects : sequence of effects (package `anet_lumped.effects`), at most one of each type
+
+    Raises
+    ------
+    SceneError : names that are not unique or not known, a free point that no cable reaches, an effect given twice
+    """
+
+    points: tuple[Point, ...]
+    cables: tuple[Cable, ...]
+    effects: tuple[Any, ...] = ()
+
+    def __post_init__(self):
+        for argument, kinds in (("points", Point), ("cables", Cable)):
+            entries = _as_tuple(argument, getattr(self, argument))
+            wrong = [entry for entry in entries if not isinstance(entry, kinds)]
+            if wrong or not entries:
+                what = "Fixed, Driven or Free points" if argument == "points" else "at least one Cable"
+                given = f"{argument}[{entries.index(wrong[0])}] is {wrong[0]!r}" if wrong else "is empty"
+                raise SceneError(f"Argument `{argument}` of a scene must hold {what}, but {given}.")
+            object.__setattr__(self, argument, entries)
+        object.__setattr__(self, "effects", _as_tuple("effects", self.effects))
+        self._check_names()
+        self._check_effects()
+
+    def _check_names(self):
+        names = set()
+        for point in self.points:
+            if point.name in names:
+                raise SceneError(f'Names of points must be unique, but two points are named "{point.name}".')
+            names.add(point.name)
+        cables = {}
+        for cable in self.cables:
+            if cable.name in cables:
+                raise SceneError(
+                    f'Names of cables must be unique, but two cables are named "{cable.name}"; '
+                    "give cables that join the same points a `name` each."
+                )
+            cables[cable.name] = cable
+            for end in ("start", "end"):
+                point = getattr(cable, end)
+                if point not in names:
+                    raise SceneError(
+                        f'Argument `{end}` must name a point of the scene, but cable "{cable.name}" has '
+                        f'{end}="{point}"' + (nearest(point, names) or ".")
+                    )
+        reached = {name for cable in self.cables for name in (cable.start, cable.end)}
+        for point in self.points:
+            if isinstance(point, Free) and point.name not in reached:
+                raise SceneError(f'A free point must hold at least one cable, but no cable ends at "{point.name}".')
+
+    def _check_effects(self):
+        if not self.effects:
+            return
+        from anet_lumped.effects import REGISTRY
+
+        seen = set()
+        for effect in self.effects:
+            if type(effect) not in REGISTRY.values():
+                known = ", ".join(kind.__name__ for kind in REGISTRY.values())
+                raise SceneError(f"Argument `effects` of a scene must hold effects ({known}), but holds {effect!r}.")
+            if type(effect) in seen:
+                raise SceneError(f"A scene may have one effect of a type, but {type(effect).__name__} is given twice.")
+            seen.add(type(effect))
+
+    @cached_property
+    def _points(self) -> dict[str, Point]:
+        return {point.name: point for point in self.points}
+
+    @cached_property
+    def _cables(self) -> dict[str, Cable]:
+        return {cable.name: cable for cable in self.cables}
+
+    def point(self, name: str) -> Point:
+        """Return the point called `name`."""
+        return _look_up("point", name, self._points)
+
+    def cable(self, name: str) -> Cable:
+        """Return the cable called `name`."""
+        return _look_up("cable", name, self._cables)
+
+    @property
+    def gravity(self) -> "np.ndarray":
+        """Acceleration of gravity, (3,) float64 [m/s²]; zero without a Gravity effect."""
+        import numpy as np
+
+        if self.effects:
+            from anet_lumped.effects import Gravity
+
+            for effect in self.effects:
+                if isinstance(effect, Gravity):
+                    return effect.acceleration
+        return np.zeros(3)
+
+
+def _as_tuple(argument: str, value: Any) -> tuple:
+    if not isinstance(value, Iterable) or isinstance(value, str):
+        raise SceneError(f"Argument `{argument}` of a scene must be a sequence, but is {value!r}.")
+    return tuple(value)
+
+
+def _look_up(what: str, name: str, known: dict) -> Any:
+    if name not in known:
+        raise SceneError(f'The scene has no {what} "{name}"' + (nearest(str(name), known) or "."))
+    return known[name]
