@@ -60,7 +60,8 @@ def check_name(value: Any, what: str) -> str:
 
 def nearest(name: str, known: Iterable[str], quote: str = '"') -> str:
     """Return ', did you mean "p0"?' for the known name nearest to `name`, or '' if none is near."""
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    cutoff = 0.5 if len(name) <= 2 else 0.6  # "p1" and "p0" share half their letters
+    near = difflib.get_close_matches(name, known, n=1, cutoff=cutoff)
     return f", did you mean {quote}{near[0]}{quote}?" if near else ""
 
 

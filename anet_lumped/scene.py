@@ -136,10 +136,9 @@ class Cable:
                 f"Only one of `zeta` and `BA` may be given, but {owner} has zeta={self.zeta} and BA={self.BA}."
             )
         if self.compression not in COMPRESSION:
-            hint = nearest(str(self.compression), COMPRESSION).rstrip("?")
             raise SceneError(
-                'Argument `compression` must be "none", "damped" or "linear", '
-                f"but {owner} has compression={self.compression!r}{hint + '?' if hint else '.'}"
+                'Argument `compression` must be "none", "damped" or "linear", but '
+                f"{owner} has compression={self.compression!r}" + (nearest(str(self.compression), COMPRESSION) or ".")
             )
 
     @property
