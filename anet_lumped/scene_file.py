@@ -146,10 +146,12 @@ def _make(maker: Callable, entry: dict[str, Any], place: str) -> Any:
         return maker(**entry)
     except ValidationError as error:
         first = error.errors()[0]
-        key = str(first["loc"][0])
-        if first["type"] == "missing" and len(first["loc"]) == 1:
+        key = str(first["loc"][0]) + "".join(f"[{index}]" for index in first["loc"][1:])
+        if first["type"] == "missing":
             raise SceneError(f"{place}: key `{key}` is missing.") from None
-        raise SceneError(f"{place}: key `{key}` has the wrong type: {first['msg']}, but got {entry[key]!r}.") from None
+        raise SceneError(
+            f"{place}: key `{key}` has the wrong type: {first['msg']}, but it is {first['input']!r}."
+        ) from None
     except ValueError as error:
         raise SceneError(f"{place}: {error}") from None
 
