@@ -1,0 +1,283 @@
+"""What an integrator asks of a net: forces, prescribed motion, the residual of a stage, the Newton step, the energies."""
+
+from numba import float64, int64, njit, types, void
+
+from integrators.stage import BETWEEN, STAGE, STATE
+
+from . import chain
+from .chain import BORDERED, END, FIRST_NODE, FIRST_SEGMENT, SEGMENTS, START
+from .effects.axial import stored, tension, tension_between, tension_slopes
+from .net import NET
+from .path_kernel import evaluate
+
+_f1, _f2 = float64[::1], float64[:, ::1]
+EPS = 2.220446049250313e-16
+
+# Columns 12 to 15 of `Net.segment`: what the law needs of the length before (its stretch, or the old segment's component
+# along the new one), the stretch now, the tension by the law, and the conservative part of it.
+BEFORE, STRETCH, LAW_TENSION, SECANT = 12, 13, 14, 15
+
+
+@njit(void(float64, NET, _f2, _f2), cache=True, error_model="numpy")
+def prescribe(t, net, q, v):
+    """Write place and velocity of the driven nodes at time t; fixed ones keep what they hold."""
+    first = net.n_driven
+    if first < q.shape[0]:
+        evaluate(t, net.paths, q[first:], v[first:], net.step[first:])
+        net.step[first:] = 0.0
+
+
+@njit(void(float64, _f2, _f2, NET, _f2, _f1), cache=True, error_model="numpy")
+def force(t, q, v, net, f, power):
+    """Force on every node.
+
+    f_i = external + sum over its segments of -+ T n, T = EA eps + BA (dl/dt)/L0 by the cable's compression law.
+
+    Parameters
+    ----------
+    t : float64 [s]
+    q, v : (n, 3) float64 [m], [m/s]
+    net : Net
+    f : (n, 3) float64 [N], overwritten; on prescribed nodes the pull of the segments alone
+    power : (2,) float64 [W], overwritten: dissipated by dampers and effects; put in by prescribed nodes
+    """
+    f[:] = 0.0
+    dissipated = 0.0
+    effects = net.effects
+    for e in range(effects.count):
+        i, j = effects.index_at[e], effects.index_at[e + 1]
+        a, b = effects.params_at[e], effects.params_at[e + 1]
+        dissipated += effects.force[e](t, q, v, effects.index[i:j], effects.params[a:b], f)
+    for c in range(net.cable.shape[0]):
+        count, node = net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
+        start, end = net.cable[c, START], net.cable[c, END]
+        L0, k, damper, two_spring, two_damper = net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4]
+        x0, y0, z0 = q[start, 0], q[start, 1], q[start, 2]
+        u0, v0, w0 = v[start, 0], v[start, 1], v[start, 2]
+        fx, fy, fz, i_before = 0.0, 0.0, 0.0, start
+        for j in range(count):
+            i = node + j if j < count - 1 else end
+            x1, y1, z1 = q[i, 0], q[i, 1], q[i, 2]
+            u1, v1, w1 = v[i, 0], v[i, 1], v[i, 2]
+            dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
+            l = (dx * dx + dy * dy + dz * dz) ** 0.5
+            per_l = 1.0 / max(l, 1e-12 * L0)
+            rate = (dx * (u1 - u0) + dy * (v1 - v0) + dz * (w1 - w0)) * per_l
+            T = tension(l - L0, rate, k, damper, two_spring, two_damper)
+            spring = tension(l - L0, 0.0, k, damper, two_spring, two_damper)
+            dissipated += (T - spring) * rate
+            T *= per_l
+            gx, gy, gz = T * dx, T * dy, T * dz
+            if j == 0:
+                f[start, 0] += gx
+                f[start, 1] += gy
+                f[start, 2] += gz
+            else:
+                f[i_before, 0] += gx - fx
+                f[i_before, 1] += gy - fy
+                f[i_before, 2] += gz - fz
+            fx, fy, fz = gx, gy, gz
+            x0, y0, z0, u0, v0, w0 = x1, y1, z1, u1, v1, w1
+            i_before = i
+        f[end, 0] -= fx
+        f[end, 1] -= fy
+        f[end, 2] -= fz
+    put_in = 0.0
+    for i in range(net.n_driven, q.shape[0]):
+        put_in -= f[i, 0] * v[i, 0] + f[i, 1] * v[i, 1] + f[i, 2] * v[i, 2]
+    power[0], power[1] = dissipated, put_in
+
+
+@njit(cache=True, error_model="numpy")
+def _law(stage, stretch, before, L0, k, c, two_spring, two_damper):
+    """Tension, its slope in the length, and its conservative part, for the law that the stage asks for."""
+    if stage.law == BETWEEN:
+        return tension_between(before, stretch, k, c / stage.tau + stage.dissipation * k, two_spring, two_damper)
+    if stage.law == STATE:
+        rate = (L0 + stretch - before) / stage.tau
+    elif two_damper > 0.0:
+        rate = (stretch - before) / stage.tau
+    else:
+        rate = (max(stretch, 0.0) - max(before, 0.0)) / stage.tau
+    T = tension(stretch, rate, k, c, two_spring, two_damper)
+    of_stretch, of_rate = tension_slopes(stretch, rate, k, c, two_spring, two_damper)
+    return T, of_stretch + of_rate / stage.tau, 0.0
+
+
+@njit(types.UniTuple(float64, 3)(STAGE, _f2, _f2, _f2, NET), cache=True, error_model="numpy")
+def residual(stage, base, target, q, net):
+    """Out-of-balance force of a stage, and its linearisation in ``net``.
+
+    Parameters
+    ----------
+    stage : Stage
+    base, target, q : (n, 3) float64 [m]
+        See `integrators.stage`; prescribed rows of q hold the prescribed places, those of base what makes v_m theirs.
+    net : Net
+        ``tension`` holds the tensions that the geometric stiffness takes; ``segment``, ``diagonal``, ``right`` are written.
+
+    Returns
+    -------
+    norm, scale, noise : float64 [N]
+        Largest component of the out-of-balance force; the largest inertial or external force on a node, which a tolerance
+        is relative to; and what rounding of the places alone leaves in it.
+    """
+    n, n_free, mass, right, diagonal = q.shape[0], net.n_free, net.mass, net.right, net.diagonal
+    middle_q, middle_v, per_tau = net.middle_q, net.middle_v, 1.0 / stage.tau
+    reach = 0.0
+    for i in range(n):
+        for x in range(3):
+            moved = q[i, x] - base[i, x]
+            middle_q[i, x] = base[i, x] + stage.theta * moved
+            middle_v[i, x] = moved * per_tau
+            reach = max(reach, abs(q[i, x]))
+            right[i, x] = 0.0
+    effects = net.effects
+    for e in range(effects.count):
+        i, j = effects.index_at[e], effects.index_at[e + 1]
+        a, b = effects.params_at[e], effects.params_at[e + 1]
+        effects.force[e](stage.t, middle_q, middle_v, effects.index[i:j], effects.params[a:b], right)
+    scale = 0.0
+    for i in range(n_free):
+        W = mass[i] * stage.W
+        for x in range(3):
+            inertia = W * (target[i, x] - q[i, x])
+            scale = max(scale, abs(inertia), abs(right[i, x]))
+            right[i, x] += inertia
+            diagonal[i, x, 0] = 0.0
+            diagonal[i, x, 1] = 0.0
+            diagonal[i, x, 2] = 0.0
+            diagonal[i, x, x] = W
+    for e in range(effects.count):
+        i, j = effects.index_at[e], effects.index_at[e + 1]
+        a, b = effects.params_at[e], effects.params_at[e + 1]
+        effects.tangent[e](
+            stage.t, middle_q, middle_v, effects.index[i:j], effects.params[a:b], stage.theta, per_tau, diagonal
+        )
+    pull = net.pull
+    for i in range(net.n_interior, n):
+        for x in range(3):
+            pull[i, x] = right[i, x]
+    norm, noise, finite = 0.0, 0.0, 0.0
+    for c in range(net.cable.shape[0]):
+        first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
+        start, end = net.cable[c, START], net.cable[c, END]
+        L0, k, damper, two_spring, two_damper = net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4]
+        x0, y0, z0 = q[start, 0], q[start, 1], q[start, 2]
+        a0, b0, c0 = base[start, 0], base[start, 1], base[start, 2]
+        fx, fy, fz, largest = 0.0, 0.0, 0.0, 0.0
+        for j in range(count):
+            i = node + j if j < count - 1 else end
+            row = net.segment[first + j]
+            x1, y1, z1 = q[i, 0], q[i, 1], q[i, 2]
+            a1, b1, c1 = base[i, 0], base[i, 1], base[i, 2]
+            dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
+            ax, ay, az = a1 - a0, b1 - b0, c1 - c0
+            l = (dx * dx + dy * dy + dz * dz) ** 0.5
+            per_l = 1.0 / max(l, 1e-12 * L0)
+            nx, ny, nz = dx * per_l, dy * per_l, dz * per_l
+            ex, ey, ez, sum_l, gx, gy, gz = nx, ny, nz, l, nx, ny, nz
+            if stage.law == STATE:
+                before = nx * ax + ny * ay + nz * az
+            else:
+                l_a = (ax * ax + ay * ay + az * az) ** 0.5
+                before = l_a - L0
+                if stage.law == BETWEEN:
+                    sum_l = l_a + l
+                    per = 1.0 / max(sum_l, 1e-12 * L0)
+                    ex, ey, ez = (ax + dx) * per, (ay + dy) * per, (az + dz) * per
+            T, slope, secant = _law(stage, l - L0, before, L0, k, damper, two_spring, two_damper)
+            if stage.law == STATE and slope > 0.0:
+                # dT = slope n.dd - (c/tau)(I - n n^T) d_hat . dd / l: the damper sees the segment turn
+                turn = damper * per_tau / (slope * max(l, 0.01 * L0))
+                gx, gy, gz = nx - turn * (ax - before * nx), ny - turn * (ay - before * ny), nz - turn * (az - before * nz)
+            row[0], row[1], row[2] = ex, ey, ez
+            row[3], row[4], row[5] = gx, gy, gz
+            row[6], row[7], row[8] = nx, ny, nz
+            row[9] = max(net.tension[first + j], 0.0) / max(sum_l, 0.01 * L0)
+            row[10] = 1.0 / slope
+            row[11] = T / slope if slope > 0.0 else 0.0
+            row[12], row[13], row[14], row[15] = before, l - L0, T, secant
+            tx, ty, tz = T * ex, T * ey, T * ez
+            if j == 0:
+                pull[start, 0] += tx
+                pull[start, 1] += ty
+                pull[start, 2] += tz
+            else:
+                p = node + j - 1
+                rx, ry, rz = right[p, 0] + tx - fx, right[p, 1] + ty - fy, right[p, 2] + tz - fz
+                norm = max(norm, abs(rx), abs(ry), abs(rz))
+                finite += rx + ry + rz
+            fx, fy, fz, largest = tx, ty, tz, max(largest, abs(T))
+            x0, y0, z0, a0, b0, c0 = x1, y1, z1, a1, b1, c1
+        pull[end, 0] -= fx
+        pull[end, 1] -= fy
+        pull[end, 2] -= fz
+        noise = max(noise, 4.0 * EPS * (largest + (k + damper * per_tau) * max(reach, L0)))
+    for i in range(net.n_interior, n_free):
+        norm = max(norm, abs(pull[i, 0]), abs(pull[i, 1]), abs(pull[i, 2]))
+        finite += pull[i, 0] + pull[i, 1] + pull[i, 2]
+    if not finite - finite == 0.0:
+        norm = 1e300
+    return norm, scale, noise
+
+
+@njit(int64(STAGE, NET, int64), cache=True, error_model="numpy")
+def direction(stage, net, max_rounds):
+    """Newton step of the stage that `residual` linearised last, for ``net.step`` and ``net.tension``.
+
+    A segment that the step would make slack or taut leaves the piece of its law that was linearised: its law is replaced by
+    the tangent at the predicted length and the step is solved again, until no segment changes. Source: DESIGN, numerics 3.
+
+    Returns
+    -------
+    solves : int64
+        Eliminations made.
+    """
+    n_right = net.n_free
+    right, kept, step = net.right, net.pull, net.step
+    for i in range(n_right):
+        for x in range(3):
+            kept[i, x] = right[i, x]
+    for solves in range(1, max_rounds + 1):
+        chain.solve(net)
+        changed = False
+        if solves == max_rounds:
+            break
+        for c in range(net.cable.shape[0]):
+            first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
+            L0, k, damper, two_spring, two_damper = (
+                net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4],
+            )  # fmt: skip
+            if two_spring > 0.0:
+                continue
+            before = net.cable[c, START]
+            for j in range(count):
+                i = node + j if j < count - 1 else net.cable[c, END]
+                row = net.segment[first + j]
+                longer = (
+                    row[6] * (step[i, 0] - step[before, 0])
+                    + row[7] * (step[i, 1] - step[before, 1])
+                    + row[8] * (step[i, 2] - step[before, 2])
+                )
+                before = i
+                stretch = max(row[STRETCH] + longer, -L0)
+                T, slope, _ = _law(stage, stretch, row[BEFORE], L0, k, damper, two_spring, two_damper)
+                T_linear = net.tension[first + j]
+                if abs(T - T_linear) > 1e-2 * (abs(T) + abs(T_linear)) + 64.0 * EPS * k:
+                    if slope > 0.0:
+                        was = 1.0 / row[10]
+                        for x in range(3):
+                            row[3 + x] = row[6 + x] + (row[3 + x] - row[6 + x]) * (was / slope)
+                        row[10] = 1.0 / slope
+                        row[11] = T / slope - longer
+                    else:
+                        row[10] = 1.0 / slope
+                        row[11] = 0.0
+                    changed = True
+        if not changed:
+            break
+        for i in range(n_right):
+            for x in range(3):
+                right[i, x] = kept[i, x]
+    return solves

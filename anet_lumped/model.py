@@ -1,0 +1,222 @@
+"""Scene → Model: nodes, segments and the elimination order, as the flat arrays that compiled code works on."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .effects.axial import SWITCHES
+from .effects.gravity import Gravity
+from .net import EFFECT_SLOTS, Effects, Net, Points
+from .paths import pack
+from .scene import Driven, Fixed, Free, Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A scene cut into nodes and segments.
+
+    Nodes are numbered: interior nodes cable by cable, free points, fixed points, driven points; segments cable by cable,
+    from the end that is eliminated first. ``cable`` and ``law`` are the tables of `Net`.
+
+    Parameters
+    ----------
+    scene : Scene
+    n, n_free, n_interior, n_driven : int
+        Nodes, nodes that move, interior nodes, and the number of the first driven node.
+    mass : (n,) float64 [kg]
+        Half of the segments on either side, and the point's own.
+    cable : (n_cables, 8) int64
+    law : (n_cables, 5) float64
+    flipped : (n_cables,) bool
+        The cable is eliminated from its end to its start.
+    node_of : dict
+        Point name to node.
+    """
+
+    scene: Scene
+    n: int
+    n_free: int
+    n_interior: int
+    n_driven: int
+    mass: np.ndarray
+    cable: np.ndarray
+    law: np.ndarray
+    flipped: np.ndarray
+    node_of: dict
+    symbolic: Points
+    effects: Effects
+
+    @property
+    def n_segments(self):
+        """Number of segments of all cables."""
+        return int(self.cable[:, 1].sum())
+
+    @cached_property
+    def number_of(self):
+        """Cable name to its number."""
+        return {cable.name: c for c, cable in enumerate(self.scene.cables)}
+
+    def node(self, point):
+        """Number of a point's node."""
+        return self.node_of[point]
+
+    def nodes(self, cable):
+        """(segments + 1,) int64: nodes of a cable from its start to its end."""
+        c = self.number_of[cable]
+        _, count, first, start, end = self.cable[c, :5]
+        nodes = np.r_[start, first : first + count - 1, end]
+        return nodes[::-1] if self.flipped[c] else nodes
+
+    def segments(self, cable):
+        """Segments of a cable from its start to its end, as a slice."""
+        c = self.number_of[cable]
+        first, count = self.cable[c, :2]
+        if not self.flipped[c]:
+            return slice(first, first + count)
+        return slice(first + count - 1, first - 1 if first else None, -1)
+
+    def net(self):
+        """The arrays that compiled code works on, with fresh scratch space: one a run."""
+        n, segments = self.n, self.n_segments
+        return Net(
+            n_free=self.n_free,
+            n_interior=self.n_interior,
+            mass=self.mass,
+            cable=self.cable,
+            law=self.law,
+            paths=pack([point.path for point in self.scene.points if isinstance(point, Driven)]),
+            n_driven=self.n_driven,
+            effects=self.effects,
+            points=self.symbolic._replace(block=np.zeros_like(self.symbolic.block)),
+            segment=np.zeros((segments, 16)),
+            tension=np.zeros(segments),
+            pull=np.zeros((n, 3)),
+            right=np.zeros((n, 3)),
+            diagonal=np.zeros((self.n_free, 3, 3)),
+            factor=np.zeros((segments, 16)),
+            border=np.zeros((segments, 12)),
+            step=np.zeros((n, 3)),
+            middle_q=np.zeros((n, 3)),
+            middle_v=np.zeros((n, 3)),
+        )
+
+
+def build(scene):
+    """Cut a scene into nodes and segments and choose the elimination order.
+
+    Returns
+    -------
+    Model
+    """
+    n_interior = sum(cable.segments - 1 for cable in scene.cables)
+    free = [point.name for point in scene.points if isinstance(point, Free)]
+    links = [(cable.start, cable.end) for cable in scene.cables]
+    order, later = _minimum_degree(free, links)
+    fixed = [point.name for point in scene.points if isinstance(point, Fixed)]
+    driven = [point.name for point in scene.points if isinstance(point, Driven)]
+    node_of = {name: n_interior + i for i, name in enumerate([*order, *fixed, *driven])}
+    rank = {name: i for i, name in enumerate(order)}
+
+    n, n_free = n_interior + len(scene.points), n_interior + len(order)
+    mass = np.zeros(n)
+    for name in order:
+        mass[node_of[name]] = scene.point(name).mass
+    symbolic, block_of = _symbolic(order, later)
+    cable = np.full((len(scene.cables), 8), -1, np.int64)
+    law = np.empty((len(scene.cables), 5))
+    flipped = np.zeros(len(scene.cables), bool)
+    segment = node = 0
+    for c, one in enumerate(scene.cables):
+        flipped[c] = one.start in rank and one.end not in rank
+        start, end = (one.end, one.start) if flipped[c] else (one.start, one.end)
+        bordered = start in rank and end in rank
+        cable[c, :6] = segment, one.segments, node, node_of[start], node_of[end], bordered
+        if bordered:
+            cable[c, 6:] = block_of[rank[start], rank[end]], block_of[rank[end], rank[start]]
+        law[c] = one.L0, one.stiffness, one.dashpot, *SWITCHES[one.compression]
+        half = 0.5 * one.mass_per_length * one.L0
+        mass[node : node + one.segments - 1] = 2.0 * half
+        mass[[node_of[start], node_of[end]]] += half
+        segment += one.segments
+        node += one.segments - 1
+    return Model(
+        scene=scene,
+        n=n,
+        n_free=n_free,
+        n_interior=n_interior,
+        n_driven=n - len(driven),
+        mass=mass,
+        cable=cable,
+        law=law,
+        flipped=flipped,
+        node_of=node_of,
+        symbolic=symbolic,
+        effects=_effect_tables(scene.effects, mass[:n_free]),
+    )
+
+
+def _minimum_degree(names, links):
+    """Elimination order of the free points by least fill, and each one's later neighbours (fill included)."""
+    neighbours = {name: set() for name in names}
+    for a, b in links:
+        if a in neighbours and b in neighbours:
+            neighbours[a].add(b)
+            neighbours[b].add(a)
+    order, later = [], {}
+    while neighbours:
+        name = min(neighbours, key=lambda p: len(neighbours[p]))
+        later[name] = neighbours.pop(name)
+        for p in later[name]:
+            neighbours[p] |= later[name]
+            neighbours[p] -= {p, name}
+        order.append(name)
+    return order, later
+
+
+def _symbolic(order, later):
+    """Symbolic block LU: arrays of `Points`, and the position of each block."""
+    rank = {name: i for i, name in enumerate(order)}
+    block_of = {(p, p): p for p in range(len(order))}
+    ahead = [sorted(rank[other] for other in later[name]) for name in order]
+    for p, others in enumerate(ahead):
+        for q in others:
+            block_of[p, q] = len(block_of)
+            block_of[q, p] = len(block_of)
+    target = [[block_of[i, j] for i in others for j in others] for others in ahead]
+
+    def flat(rows):
+        return np.array([x for row in rows for x in row], np.int64)
+
+    def starts(rows):
+        return np.cumsum([0, *map(len, rows)]).astype(np.int64)
+
+    points = Points(
+        later_at=starts(ahead),
+        later=flat(ahead),
+        upper=flat([[block_of[p, q] for q in others] for p, others in enumerate(ahead)]),
+        lower=flat([[block_of[q, p] for q in others] for p, others in enumerate(ahead)]),
+        target_at=starts(target),
+        target=flat(target),
+        block=np.zeros((len(block_of), 3, 3)),
+    )
+    return points, block_of
+
+
+def _effect_tables(effects, mass):
+    """Tables and compiled functions of the effects present; slots beyond the last are never called."""
+    tables = [effect.table(mass) for effect in effects]
+    kernels = [effect.kernels() for effect in effects]
+    filler = Gravity(0.0).kernels()
+    force, tangent, energy = zip(*(kernels + [filler] * (EFFECT_SLOTS - len(kernels))), strict=True)
+    index, params = [np.asarray(i, np.int64) for i, _ in tables], [np.asarray(p, float) for _, p in tables]
+    return Effects(
+        count=len(effects),
+        force=force,
+        tangent=tangent,
+        energy=energy,
+        index=np.concatenate([*index, np.empty(0, np.int64)]),
+        index_at=np.cumsum([0, *map(len, index)]).astype(np.int64),
+        params=np.concatenate([*params, np.empty(0)]),
+        params_at=np.cumsum([0, *map(len, params)]).astype(np.int64),
+    )

@@ -1,0 +1,94 @@
+"""The flat arrays that compiled code sees: one type for every scene, so that every kernel is compiled once.
+
+Nodes are numbered: interior nodes of the cables (each cable's run is contiguous, in elimination order), then the free
+points, then the fixed and at last the driven ones. The first ``n_free`` nodes move; the rest are prescribed.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+
+from .effects import signatures
+from .path_kernel import TABLE
+
+EFFECT_SLOTS = 16
+
+_f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
+_i1, _i2 = (types.Array(types.int64, d, "C") for d in (1, 2))
+
+
+class Effects(NamedTuple):
+    """The effects of a scene other than axial ones; slot k of each tuple belongs to the effect whose numbers are
+    ``index[index_at[k]:index_at[k+1]]`` and ``params[params_at[k]:params_at[k+1]]``; only the first ``count`` are called."""
+
+    count: int
+    force: tuple
+    tangent: tuple
+    energy: tuple
+    index: np.ndarray
+    index_at: np.ndarray
+    params: np.ndarray
+    params_at: np.ndarray
+
+
+class Points(NamedTuple):
+    """Block LU of the system over the free points: symbolic part (elimination order, fill) and the blocks themselves.
+
+    Free point p is eliminated p-th. Its later neighbours are ``later[later_at[p]:later_at[p+1]]``; ``upper`` and ``lower``
+    are the positions of the blocks (p, j) and (j, p) in ``block``; the diagonal block of p is ``block[p]``. ``target`` holds,
+    for each pair (i, j) of later neighbours in row order, the block that their product updates, from ``target_at[p]`` on.
+    """
+
+    later_at: np.ndarray
+    later: np.ndarray
+    upper: np.ndarray
+    lower: np.ndarray
+    target_at: np.ndarray
+    target: np.ndarray
+    block: np.ndarray
+
+
+class Net(NamedTuple):
+    """A model as compiled code sees it, with the scratch arrays of one run.
+
+    ``cable`` (n_cables, 8) int64: first segment, segments, first interior node, start node, end node, start is free,
+    positions of the blocks (start, end) and (end, start) among the free points' blocks (-1 where there are none).
+    ``law`` (n_cables, 5): L0 [m], k [N/m], c [N s/m], two-way spring, two-way damper.
+    """
+
+    n_free: int
+    n_interior: int
+    mass: np.ndarray  # (n,)
+    cable: np.ndarray
+    law: np.ndarray
+    paths: tuple
+    n_driven: int  # first driven node
+    effects: Effects
+    points: Points
+    segment: np.ndarray  # (n_segments, 16) scratch: the linearised law of each segment, see dynamics.py
+    tension: np.ndarray  # (n_segments,) tension that the last Newton step predicted
+    pull: np.ndarray  # (n, 3) scratch
+    right: np.ndarray  # (n, 3) right-hand side, overwritten by the elimination
+    diagonal: np.ndarray  # (n_free, 3, 3)
+    factor: np.ndarray  # (n_segments, 16) scratch of the elimination, see chain.py
+    border: np.ndarray  # (n_segments, 12) the same for cables between two free points
+    step: np.ndarray  # (n, 3) the Newton step; zero on prescribed nodes
+    middle_q: np.ndarray  # (n, 3) place and
+    middle_v: np.ndarray  # (n, 3) velocity at which external forces are taken
+
+
+def _tuple_of(signature):
+    return types.UniTuple(types.FunctionType(signature), EFFECT_SLOTS)
+
+
+EFFECTS = types.NamedTuple(
+    (types.int64, _tuple_of(signatures.FORCE), _tuple_of(signatures.TANGENT), _tuple_of(signatures.ENERGY), _i1, _i1, _f1, _i1),
+    Effects,
+)
+POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
+NET = types.NamedTuple(
+    (types.int64, types.int64, _f1, _i2, _f2, TABLE, types.int64, EFFECTS, POINTS, _f2, _f1, _f2, _f2, _f3, _f2, _f2)
+    + (_f2,) * 3,
+    Net,
+)

@@ -1,0 +1,31 @@
+"""The one nonlinear problem that every implicit scheme solves, once or more a step.
+
+Find the places q of the moving nodes with
+
+    m W (target - q) + f(t, q_m, v_m) + internal(q; base) = 0 ,    q_m = base + theta (q - base),   v_m = (q - base)/tau ,
+
+where external forces f are taken at (q_m, v_m) and the internal ones follow `law`: at the time of q itself, with its rate
+of length (``STATE``); the same with the rate that belongs to the whole change of length since base (``BACKWARD``); or
+between base and q (``BETWEEN``). A stage q = base + gamma h v, M (v - v_hat) = gamma h f of a Runge-Kutta or multistep scheme
+has W = 1/(gamma h)^2, target = base + gamma h v_hat, theta = 1, tau = gamma h.
+"""
+
+from typing import NamedTuple
+
+from numba import types
+
+STATE, BACKWARD, BETWEEN = 0, 1, 2
+
+
+class Stage(NamedTuple):
+    """Numbers of one stage; see the module. ``dissipation`` is the numerical axial damper as a multiple of the stiffness."""
+
+    law: int
+    t: float  # [s] at which external forces are taken
+    W: float  # [1/s2]
+    theta: float
+    tau: float  # [s]
+    dissipation: float
+
+
+STAGE = types.NamedTuple((types.int64,) + (types.float64,) * 5, Stage)
