@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from studies.provenance import provenance
-from studies.show import as_text
+from studies.show import as_text, column_head
 from studies.study import STUDIES, Study, run_study
 
 SHOWN = 40  # rows of a table on the page; the file beside it has all
@@ -65,7 +65,8 @@ def write_page(file: Path, sections: dict[str, list[Study | Failure]], quick: bo
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters |= {"inline": _inline, "text": as_text, "words": _words, "informative": _informative}
+    environment.filters |= {"inline": _inline, "words": _words, "informative": _informative}
+    environment.filters |= {"text": as_text, "head": column_head}
     environment.tests["failure"] = lambda study: isinstance(study, Failure)
     template = environment.get_template("report.html")
     page = template.render(sections=sections, quick=quick, made=provenance(), shown=SHOWN)

@@ -13,6 +13,7 @@ UNITS = {
     "-": "stretch imbalance residual evaluations",
 }
 UNIT = {word: unit for unit, words in UNITS.items() for word in words.split()}  # by the last such word of a name
+SUFFIXES = "m mm cm kg g s ms us ns N J Hz percent degrees".split()  # that are the unit of a name that ends so
 WIDE = 10  # columns; a wider table of few rows is shown on its side
 
 
@@ -35,6 +36,12 @@ def show(result: dict) -> None:
                 print(f"{_words(title)}: {line}")
         else:
             print(f"{_head(title)}: {as_text(value)}")
+
+
+def column_head(name) -> str:
+    """Words of a column's name, its unit in brackets: "sag error [mm]" for sag_error_mm."""
+    *words, last = str(name).split("_")
+    return f"{' '.join(words)} [{last.replace('percent', '%')}]" if words and last in SUFFIXES else _words(name)
 
 
 def as_text(value) -> str:
@@ -80,7 +87,7 @@ def _words(name):
 
 def _head(name):
     unit = next((UNIT[word] for word in reversed(name.split("_")) if word in UNIT), None)
-    return f"{_words(name)} [{unit}]" if unit else _words(name)
+    return f"{_words(name)} [{unit}]" if unit else column_head(name)
 
 
 def _strict(value):

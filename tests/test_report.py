@@ -8,7 +8,7 @@ import pandas
 import pytest
 
 from studies import report, study
-from studies.show import as_text
+from studies.show import as_text, column_head
 from studies.study import StudyError, run_study
 
 
@@ -83,6 +83,12 @@ def test_the_page_stands_alone_and_tells_a_failure(monkeypatch, tmp_path):
         assert (tmp_path / link).exists()
     assert "the first 40 of 60 rows" in page
     assert page.count("<th>status</th>") == 1  # the table that is "done" throughout does not show it
+
+
+def test_the_unit_of_a_column_stands_in_brackets():
+    names = ["sag_error_mm", "share_percent", "status", "EA_N", "m", "energy_rise_J"]
+    heads = ["sag error [mm]", "share [%]", "status", "EA [N]", "m", "energy rise [J]"]
+    assert list(map(column_head, names)) == heads
 
 
 @pytest.mark.parametrize(
