@@ -12,9 +12,10 @@ from .path_kernel import evaluate
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 EPS = 2.220446049250313e-16
+ROUNDS = 4  # eliminations a Newton step may spend on finding which segments are slack
 
-# Columns 12 to 15 of `Net.segment`: what the law needs of the length before (its stretch, or the old segment's component
-# along the new one), the stretch now, the tension by the law, and the conservative part of it.
+# Columns 12 to 15 of `Net.segment`: the stretch before (of the old segment's length, or of its component along the new one
+# for the law STATE), the stretch now, the tension by the law, and the conservative part of it.
 BEFORE, STRETCH, LAW_TENSION, SECANT = 12, 13, 14, 15
 
 
@@ -89,13 +90,15 @@ def force(t, q, v, net, f, power):
 
 
 @njit(cache=True, error_model="numpy")
-def _law(stage, stretch, before, L0, k, c, two_spring, two_damper):
-    """Tension, its slope in the length, and its conservative part, for the law that the stage asks for."""
+def _law(stage, stretch, before, k, c, two_spring, two_damper):
+    """Tension, its slope in the length, and its conservative part, for the law that the stage asks for.
+
+    ``before`` is the stretch that belongs to the start of the stage. Where a segment cannot push, the damper acts on the
+    change of the taut part of the length, so that the tension is continuous in the length when a slack segment turns taut.
+    """
     if stage.law == BETWEEN:
         return tension_between(before, stretch, k, c / stage.tau + stage.dissipation * k, two_spring, two_damper)
-    if stage.law == STATE:
-        rate = (L0 + stretch - before) / stage.tau
-    elif two_damper > 0.0:
+    if two_damper > 0.0:
         rate = (stretch - before) / stage.tau
     else:
         rate = (max(stretch, 0.0) - max(before, 0.0)) / stage.tau
@@ -178,7 +181,7 @@ def residual(stage, base, target, q, net):
             nx, ny, nz = dx * per_l, dy * per_l, dz * per_l
             ex, ey, ez, sum_l, gx, gy, gz = nx, ny, nz, l, nx, ny, nz
             if stage.law == STATE:
-                before = nx * ax + ny * ay + nz * az
+                before = nx * ax + ny * ay + nz * az - L0
             else:
                 l_a = (ax * ax + ay * ay + az * az) ** 0.5
                 before = l_a - L0
@@ -186,11 +189,11 @@ def residual(stage, base, target, q, net):
                     sum_l = l_a + l
                     per = 1.0 / max(sum_l, 1e-12 * L0)
                     ex, ey, ez = (ax + dx) * per, (ay + dy) * per, (az + dz) * per
-            T, slope, secant = _law(stage, l - L0, before, L0, k, damper, two_spring, two_damper)
-            if stage.law == STATE and slope > 0.0:
+            T, slope, secant = _law(stage, l - L0, before, k, damper, two_spring, two_damper)
+            if stage.law == STATE and slope > 0.0 and (before > 0.0 or two_damper > 0.0):
                 # dT = slope n.dd - (c/tau)(I - n n^T) d_hat . dd / l: the damper sees the segment turn
-                turn = damper * per_tau / (slope * max(l, 0.01 * L0))
-                gx, gy, gz = nx - turn * (ax - before * nx), ny - turn * (ay - before * ny), nz - turn * (az - before * nz)
+                turn, along = damper * per_tau / (slope * max(l, 0.01 * L0)), before + L0
+                gx, gy, gz = nx - turn * (ax - along * nx), ny - turn * (ay - along * ny), nz - turn * (az - along * nz)
             row[0], row[1], row[2] = ex, ey, ez
             row[3], row[4], row[5] = gx, gy, gz
             row[6], row[7], row[8] = nx, ny, nz
@@ -222,8 +225,8 @@ def residual(stage, base, target, q, net):
     return norm, scale, noise
 
 
-@njit(int64(STAGE, NET, int64), cache=True, error_model="numpy")
-def direction(stage, net, max_rounds):
+@njit(int64(STAGE, NET), cache=True, error_model="numpy")
+def direction(stage, net):
     """Newton step of the stage that `residual` linearised last, for ``net.step`` and ``net.tension``.
 
     A segment that the step would make slack or taut leaves the piece of its law that was linearised: its law is replaced by
@@ -239,10 +242,10 @@ def direction(stage, net, max_rounds):
     for i in range(n_right):
         for x in range(3):
             kept[i, x] = right[i, x]
-    for solves in range(1, max_rounds + 1):
+    for solves in range(1, ROUNDS + 1):
         chain.solve(net)
         changed = False
-        if solves == max_rounds:
+        if solves == ROUNDS:
             break
         for c in range(net.cable.shape[0]):
             first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
@@ -262,7 +265,7 @@ def direction(stage, net, max_rounds):
                 )
                 before = i
                 stretch = max(row[STRETCH] + longer, -L0)
-                T, slope, _ = _law(stage, stretch, row[BEFORE], L0, k, damper, two_spring, two_damper)
+                T, slope, _ = _law(stage, stretch, row[BEFORE], k, damper, two_spring, two_damper)
                 T_linear = net.tension[first + j]
                 if abs(T - T_linear) > 1e-2 * (abs(T) + abs(T_linear)) + 64.0 * EPS * k:
                     if slope > 0.0:
@@ -281,3 +284,67 @@ def direction(stage, net, max_rounds):
             for x in range(3):
                 right[i, x] = kept[i, x]
     return solves
+
+
+@njit(void(NET, float64, _f2), cache=True, error_model="numpy")
+def correct(net, length, q):
+    """q += length times the Newton step, for the moving nodes."""
+    for i in range(net.n_free):
+        for x in range(3):
+            q[i, x] += length * net.step[i, x]
+
+
+@njit(void(NET), cache=True, error_model="numpy")
+def forget(net):
+    """Drop the predicted tensions, so that what a failed iteration left does not shape the next tangent."""
+    net.tension[:] = 0.0
+
+
+@njit(void(STAGE, _f2, _f2, NET, _f1), cache=True, error_model="numpy")
+def settle(stage, base, q, net, energy):
+    """Energy put in by driven nodes and dissipated, between base and q, exactly as the step of law ``BETWEEN`` accounts it.
+
+    Parameters
+    ----------
+    stage, base, q, net
+        As in the last call of `residual`.
+    energy : (2,) float64 [J], overwritten
+    """
+    dissipated, put_in = 0.0, 0.0
+    for s in range(net.segment.shape[0]):
+        row = net.segment[s]
+        dissipated += (row[LAW_TENSION] - row[SECANT]) * (row[STRETCH] - row[BEFORE])
+    effects = net.effects
+    for e in range(effects.count):
+        i, j = effects.index_at[e], effects.index_at[e + 1]
+        a, b = effects.params_at[e], effects.params_at[e + 1]
+        dissipated += stage.tau * effects.force[e](
+            stage.t, net.middle_q, net.middle_v, effects.index[i:j], effects.params[a:b], net.right
+        )
+    for i in range(net.n_driven, q.shape[0]):
+        for x in range(3):
+            put_in -= net.pull[i, x] * (q[i, x] - base[i, x])
+    energy[0], energy[1] = put_in, dissipated
+
+
+@njit(void(float64, _f2, _f2, NET, _f1), cache=True, error_model="numpy")
+def energies(t, q, v, net, energy):
+    """Kinetic energy of the moving nodes, spring energy, and potential energy of the effects: (3,) [J], overwritten."""
+    kinetic, elastic, potential = 0.0, 0.0, 0.0
+    for i in range(net.n_free):
+        kinetic += 0.5 * net.mass[i] * (v[i, 0] * v[i, 0] + v[i, 1] * v[i, 1] + v[i, 2] * v[i, 2])
+    for c in range(net.cable.shape[0]):
+        count, node = net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
+        L0, k, two_spring = net.law[c, 0], net.law[c, 1], net.law[c, 3]
+        before = net.cable[c, START]
+        for j in range(count):
+            i = node + j if j < count - 1 else net.cable[c, END]
+            dx, dy, dz = q[i, 0] - q[before, 0], q[i, 1] - q[before, 1], q[i, 2] - q[before, 2]
+            elastic += stored((dx * dx + dy * dy + dz * dz) ** 0.5 - L0, k, two_spring)
+            before = i
+    effects = net.effects
+    for e in range(effects.count):
+        i, j = effects.index_at[e], effects.index_at[e + 1]
+        a, b = effects.params_at[e], effects.params_at[e + 1]
+        potential += effects.energy[e](t, q, effects.index[i:j], effects.params[a:b])
+    energy[0], energy[1], energy[2] = kinetic, elastic, potential

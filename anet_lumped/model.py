@@ -5,6 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
+from integrators.system import first_class
+
 from .effects.axial import SWITCHES
 from .effects.gravity import Gravity
 from .net import EFFECT_SLOTS, Effects, Net, Points
@@ -52,25 +54,38 @@ class Model:
         """Number of segments of all cables."""
         return int(self.cable[:, 1].sum())
 
+    def _number(self, cable):
+        return self.scene.cables.index(self.scene.cable(cable))
+
     @cached_property
-    def number_of(self):
-        """Cable name to its number."""
-        return {cable.name: c for c, cable in enumerate(self.scene.cables)}
+    def cable_of(self):
+        """(n_segments,) int64: number of each segment's cable."""
+        return np.repeat(np.arange(len(self.cable)), self.cable[:, 1])
+
+    @cached_property
+    def ends(self):
+        """(n_segments, 2) int64: nodes at both ends of each segment."""
+        rows = []
+        for _, count, node, start, end in self.cable[:, :5]:
+            nodes = np.r_[start, node : node + count - 1, end]
+            rows.append(np.column_stack([nodes[:-1], nodes[1:]]))
+        return np.concatenate(rows)
 
     def node(self, point):
         """Number of a point's node."""
+        self.scene.point(point)
         return self.node_of[point]
 
     def nodes(self, cable):
         """(segments + 1,) int64: nodes of a cable from its start to its end."""
-        c = self.number_of[cable]
+        c = self._number(cable)
         _, count, first, start, end = self.cable[c, :5]
         nodes = np.r_[start, first : first + count - 1, end]
         return nodes[::-1] if self.flipped[c] else nodes
 
     def segments(self, cable):
         """Segments of a cable from its start to its end, as a slice."""
-        c = self.number_of[cable]
+        c = self._number(cable)
         first, count = self.cable[c, :2]
         if not self.flipped[c]:
             return slice(first, first + count)
@@ -208,7 +223,10 @@ def _effect_tables(effects, mass):
     tables = [effect.table(mass) for effect in effects]
     kernels = [effect.kernels() for effect in effects]
     filler = Gravity(0.0).kernels()
-    force, tangent, energy = zip(*(kernels + [filler] * (EFFECT_SLOTS - len(kernels))), strict=True)
+    force, tangent, energy = (
+        tuple(map(first_class, column))
+        for column in zip(*(kernels + [filler] * (EFFECT_SLOTS - len(kernels))), strict=True)
+    )
     index, params = [np.asarray(i, np.int64) for i, _ in tables], [np.asarray(p, float) for _, p in tables]
     return Effects(
         count=len(effects),

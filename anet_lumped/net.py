@@ -9,6 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
+import integrators  # noqa: F401  (silences the one warning that the types below would raise)
+
 from .effects import signatures
 from .path_kernel import TABLE
 

@@ -1,0 +1,92 @@
+"""Which method and which step: from the predicted limits and the motion's own time scale, with the reason in words."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from integrators import schemes
+
+from . import stability
+from .scene import Driven
+
+# Cost of a node and step, measured on the four-cable net (study `speed`): an explicit step, and an implicit one of about
+# four Newton iterations.
+EXPLICIT_COST, IMPLICIT_COST = 12e-9, 320e-9  # [s]
+OF_LIMIT = 0.8  # of the predicted limit for an explicit step
+OF_TIME_SCALE = 1.0 / 32.0  # of the motion's time scale for an implicit one: 10 ms for a metre of hanging cable
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Method, step [s], why, the method's predicted limit [s] and warnings about the step."""
+
+    method: str
+    dt: float
+    reason: str
+    limit: float
+    warnings: tuple[str, ...]
+
+
+def time_scale(scene):
+    """Time in which the motion changes [s]: the shortest of
+
+    sqrt(L/g) of a cable that swings, the ramps and periods of the driven points, and without gravity L sqrt(mu/EA) times ten.
+    """
+    g = float(np.linalg.norm(scene.gravity))
+    scales = [
+        math.sqrt(c.length / g) if g > 0 else 10.0 * c.length * math.sqrt(c.mass_per_length / c.EA) for c in scene.cables
+    ]
+    for point in scene.points:
+        if isinstance(point, Driven):
+            scales += _path_scales(point.path)
+    return min(scales)
+
+
+def _path_scales(path):
+    parameters = path.parameters
+    scales = [parameters["ramp"]] if parameters.get("ramp") else []
+    if parameters.get("frequency"):
+        scales.append(1.0 / parameters["frequency"])
+    if path.kind == "samples":
+        scales.append(4.0 * float(np.min(np.diff(parameters["t"]))))
+    return scales
+
+
+def choose(scene, method=None, dt=None, adaptive=False):
+    """Fill in what the user left open.
+
+    An explicit step is cheap but tied to the top axial frequency; an implicit one is tied to the motion. Whichever needs less
+    time for a second of motion is taken; a step that is given decides by its stability.
+
+    Returns
+    -------
+    Choice
+    """
+    prediction = stability.predict(scene)
+    limit = prediction.limits["verlet"].step
+    motion = OF_TIME_SCALE * time_scale(scene)
+    explicit = OF_LIMIT * limit
+    if method is None and adaptive:
+        method, why = "edmc", "adaptive steps: no limit of stability, and no energy gained"
+    elif method is None and dt is not None:
+        method = "verlet" if dt <= explicit else "edmc"
+        why = f"dt={dt:.3g} s is {'within' if dt <= explicit else 'beyond'} the stable step of verlet, {limit:.3g} s"
+    elif method is None:
+        cost = EXPLICIT_COST / explicit if explicit > 0 else math.inf, IMPLICIT_COST / motion
+        method = "verlet" if cost[0] <= cost[1] else "edmc"
+        why = (
+            f"a second of motion costs {cost[0] * 1e6:.3g} µs a node with verlet at {explicit:.3g} s (stable to {limit:.3g} s) and "
+            f"{cost[1] * 1e6:.3g} µs with edmc at {motion:.3g} s (1/{1 / OF_TIME_SCALE:.0f} of the motion's time scale)"
+        )
+    else:
+        why = "asked for"
+    of_method = prediction.limits[method].step
+    if dt is None:
+        if method in schemes.EXPLICIT:
+            dt = min(OF_LIMIT * of_method, motion) if of_method > 0 else motion / 32.0
+        else:
+            dt = motion / 8.0 if adaptive else motion
+        why += f"; dt={dt:.3g} s from the {'predicted limit' if method in schemes.EXPLICIT else 'time scale of the motion'}"
+    warning = "" if adaptive else prediction.warning(method, dt)
+    return Choice(method, dt, f"{method}: {why}", of_method, (warning,) if warning else ())

@@ -1,0 +1,311 @@
+"""Static shape of a net: the exact equilibrium of the lumped chains, found in the forces.
+
+Given the force F at its start, a cable's shape follows segment by segment: every node takes its load off the force,
+F_next = F - load, and a segment lies along its force with length L0 (1 + |F|/EA). So each cable has three unknowns, however
+many segments; where it ends is the gradient of its complementary energy,
+
+    r(F) = dU*/dF ,     U*(F) = sum over segments of L0 (|F_s| + |F_s|^2/(2 EA)) ,
+
+which is convex: the forces that carry the loads of all free points and close all cables are the minimum of a convex function
+under linear conditions, whose multipliers are the places of the free points. Newton's method with a line search finds it from
+any start. |F| is rounded off near zero, by less and less, so that slack segments have a direction.
+"""
+
+import numpy as np
+from numba import float64, int64, njit, types
+
+from . import chain
+from .chain import BORDERED, END, END_START, FIRST_NODE, FIRST_SEGMENT, SEGMENTS, START, START_END
+from .model import build
+from .net import NET
+from .path_kernel import evaluate
+from .run import State
+from .scene import Fixed, Free
+
+_f1, _f2 = float64[::1], float64[:, ::1]
+ROUNDINGS = 7  # of |F|, from 1e-2 of the load down to 1e-14 of it
+ITERATIONS = 200  # of Newton for each of them
+
+
+class EquilibriumError(RuntimeError):
+    """A scene that has no static shape, or whose static shape was not found."""
+
+
+@njit(cache=True, error_model="numpy")
+def _cable_end(net, load, EA, c, H, delta, C):
+    """End of cable c relative to its start for a force H at its start; writes the flexibility dr/dH (9,) to C."""
+    count, node, L0 = net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE], net.law[c, 0]
+    fx, fy, fz = H[0], H[1], H[2]
+    x = y = z = 0.0
+    per_EA = 1.0 / EA[c]
+    cxx, cxy, cxz, cyy, cyz, czz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(count):
+        per_F = (fx * fx + fy * fy + fz * fz + delta * delta) ** -0.5
+        along = per_F + per_EA
+        x, y, z = x + along * fx, y + along * fy, z + along * fz
+        # d/dF [F/|F| + F/EA] = (1/EA + 1/|F|) I - F F^T/|F|^3
+        ux, uy, uz = per_F * fx, per_F * fy, per_F * fz
+        cxx += along - per_F * ux * ux
+        cyy += along - per_F * uy * uy
+        czz += along - per_F * uz * uz
+        cxy -= per_F * ux * uy
+        cxz -= per_F * ux * uz
+        cyz -= per_F * uy * uz
+        if j < count - 1:
+            fx, fy, fz = fx - load[node + j, 0], fy - load[node + j, 1], fz - load[node + j, 2]
+    C[0], C[1], C[2] = L0 * cxx, L0 * cxy, L0 * cxz
+    C[3], C[4], C[5] = L0 * cxy, L0 * cyy, L0 * cyz
+    C[6], C[7], C[8] = L0 * cxz, L0 * cyz, L0 * czz
+    return L0 * x, L0 * y, L0 * z, fx, fy, fz
+
+
+@njit(cache=True, error_model="numpy")
+def _gather(net, load, EA, H, delta, q, stiffness, gap, flat):
+    """Linearise at forces H: closing gaps, stiffness of each cable, out-of-balance force of the free points in ``right``.
+
+    Returns the largest gap over a cable's length and the largest out-of-balance force.
+    """
+    block, right, P = net.points.block, net.right, net.n_free - net.n_interior
+    block[:] = 0.0
+    for i in range(net.n_interior, net.n_free):
+        for x in range(3):
+            right[i, x] = load[i, x]
+    closing = 0.0
+    for c in range(net.cable.shape[0]):
+        start, end = net.cable[c, START], net.cable[c, END]
+        x, y, z, fx, fy, fz = _cable_end(net, load, EA, c, H[c], delta, flat)
+        K = chain.inverse((flat[0], flat[1], flat[2], flat[3], flat[4], flat[5], flat[6], flat[7], flat[8]))
+        for i in range(9):
+            stiffness[c, i] = K[i]
+        rx, ry, rz = x - q[end, 0] + q[start, 0], y - q[end, 1] + q[start, 1], z - q[end, 2] + q[start, 2]
+        gap[c, 0], gap[c, 1], gap[c, 2] = rx, ry, rz
+        size = max(net.law[c, 0] * net.cable[c, SEGMENTS], abs(x), abs(y), abs(z))
+        closing = max(closing, max(abs(rx), abs(ry), abs(rz)) / size)
+        if start < net.n_free:
+            right[start, 0] += H[c, 0]
+            right[start, 1] += H[c, 1]
+            right[start, 2] += H[c, 2]
+        if end < net.n_free:
+            right[end, 0] -= fx
+            right[end, 1] -= fy
+            right[end, 2] -= fz
+    balance = 0.0
+    for i in range(net.n_interior, net.n_free):
+        for x in range(3):
+            balance = max(balance, abs(right[i, x]))
+    for c in range(net.cable.shape[0]):
+        start, end, k, r = net.cable[c, START], net.cable[c, END], stiffness[c], gap[c]
+        K = (k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7], k[8])
+        kr = chain._times(K, r[0], r[1], r[2])
+        if start < net.n_free:
+            chain._add(block[start - net.n_interior], K, 1.0)
+            for x in range(3):
+                right[start, x] -= kr[x]
+        if end < net.n_free:
+            chain._add(block[end - net.n_interior], K, 1.0)
+            for x in range(3):
+                right[end, x] += kr[x]
+        if net.cable[c, BORDERED] == 1:
+            chain._add(block[net.cable[c, START_END]], K, -1.0)
+            chain._add(block[net.cable[c, END_START]], K, -1.0)
+    return closing, balance
+
+
+@njit(types.UniTuple(float64, 3)(NET, _f2, _f1, float64, float64, _f2, _f2), cache=True, error_model="numpy")
+def solve(net, load, EA, scale, tolerance, H, q):
+    """Forces at the cables' starts and places of the free points, in place.
+
+    Parameters
+    ----------
+    net : Net
+    load : (n, 3) float64 [N], force on every node
+    EA : (n_cables,) float64 [N]
+    scale : float64 [N], the load that tolerances are relative to
+    tolerance : float64, of the gaps over the cables' lengths
+    H : (n_cables, 3) float64 [N], force that a cable pulls its start with; any start
+    q : (n, 3) float64 [m], rows of the points are read and those of the free points written
+
+    Returns
+    -------
+    closing, balance, iterations : float64
+        Largest gap relative to a cable's length, largest force on a free point relative to scale, Newton iterations.
+    """
+    cables = net.cable.shape[0]
+    stiffness, gap, change, flat = np.zeros((cables, 9)), np.zeros((cables, 3)), np.zeros((cables, 3)), np.zeros(9)
+    trial = np.zeros(3)
+    iterations, closing, balance = 0, np.inf, np.inf
+    delta = 1e-2 * scale
+    for rounding in range(ROUNDINGS):
+        last = rounding == ROUNDINGS - 1
+        enough = tolerance if last else 1e-3
+        polished = False
+        for _ in range(ITERATIONS):
+            closing, balance = _gather(net, load, EA, H, delta, q, stiffness, gap, flat)
+            balance /= scale
+            if balance <= 1e-12 and closing <= enough:
+                if polished or not last:
+                    break
+                polished = True  # one step more costs little and takes a quadratic iteration to rounding
+            iterations += 1
+            chain.solve_points(net)
+            for i in range(net.n_interior, net.n_free):
+                for x in range(3):
+                    q[i, x] += net.step[i, x]
+            slope = 0.0
+            for c in range(cables):
+                start, end, k = net.cable[c, START], net.cable[c, END], stiffness[c]
+                dx, dy, dz = (
+                    net.step[end, 0] - net.step[start, 0] - gap[c, 0],
+                    net.step[end, 1] - net.step[start, 1] - gap[c, 1],
+                    net.step[end, 2] - net.step[start, 2] - gap[c, 2],
+                )
+                change[c, 0], change[c, 1], change[c, 2] = chain._times(
+                    (k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7], k[8]), dx, dy, dz
+                )
+                slope += change[c, 0] * dx + change[c, 1] * dy + change[c, 2] * dz
+            length = 1.0
+            if balance <= 1e-9:
+                # On balanced forces the slope of the convex function along the step starts at -slope and grows; a step that
+                # overshoots its zero by far is too long.
+                while length > 1e-9:
+                    now = 0.0
+                    for c in range(cables):
+                        start, end = net.cable[c, START], net.cable[c, END]
+                        for x in range(3):
+                            trial[x] = H[c, x] + length * change[c, x]
+                        ends = _cable_end(net, load, EA, c, trial, delta, flat)
+                        for x in range(3):
+                            now += (ends[x] - q[end, x] + q[start, x]) * change[c, x]
+                    if now <= 0.5 * slope:
+                        break
+                    length *= 0.5
+            for c in range(cables):
+                for x in range(3):
+                    H[c, x] += length * change[c, x]
+        delta *= 1e-2
+    return closing, balance, float64(iterations)
+
+
+@njit(types.void(NET, _f2, _f1, float64, _f2, _f2, _f1), cache=True, error_model="numpy")
+def unroll(net, load, EA, scale, H, q, tension):
+    """Places of the interior nodes and tensions of the segments that belong to the forces H; see `solve`."""
+    delta = 1e-2 * scale * 1e-2 ** (ROUNDINGS - 1)
+    for c in range(net.cable.shape[0]):
+        first, count, node, L0 = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE], net.law[c, 0]
+        start, end = net.cable[c, START], net.cable[c, END]
+        fx, fy, fz = H[c, 0], H[c, 1], H[c, 2]
+        x, y, z = q[start, 0], q[start, 1], q[start, 2]
+        for j in range(count):
+            F = (fx * fx + fy * fy + fz * fz) ** 0.5
+            tension[first + j] = F
+            if j < count - 1:
+                along = L0 * ((F * F + delta * delta) ** -0.5 + 1.0 / EA[c])
+                x, y, z = x + along * fx, y + along * fy, z + along * fz
+                i = node + j
+                q[i, 0], q[i, 1], q[i, 2] = x, y, z
+                fx, fy, fz = fx - load[i, 0], fy - load[i, 1], fz - load[i, 2]
+
+
+def equilibrium(scene, tolerance=1e-12):
+    """Static shape of a scene, with driven points where they are at t = 0.
+
+    Parameters
+    ----------
+    scene : Scene
+    tolerance : float
+        Of the places where cables end, relative to their lengths; forces are balanced to rounding.
+
+    Returns
+    -------
+    State
+        ``residual`` is the largest out-of-balance force over the load carried.
+
+    Raises
+    ------
+    EquilibriumError
+        Nothing holds a part of the net; a cable is slack and nothing loads it, so that any shape would do; a cable would
+        have to push; or no convergence.
+    """
+    model = build(scene)
+    _check_supports(scene)
+    q = np.zeros((model.n, 3))
+    for point in scene.points:
+        if isinstance(point, Fixed):
+            q[model.node(point.name)] = point.at
+    net = model.net()
+    v = np.zeros_like(q)
+    if model.n_driven < model.n:
+        evaluate(0.0, net.paths, q[model.n_driven :], v[model.n_driven :], np.zeros((model.n - model.n_driven, 3)))
+    load = dead_load(scene, model, q)
+    EA = np.array([cable.EA for cable in scene.cables])
+    total = float(np.linalg.norm(load[: model.n_free], axis=1).sum())
+    scale = total if total > 0 else float(EA.min())
+    H = _first_guess(model, load, q, scale)
+    for name in (point.name for point in scene.points if isinstance(point, Free)):
+        q[model.node(name)] = q[model.n_free :].mean(axis=0)
+    closing, balance, iterations = solve(net, load, EA, scale, tolerance, H, q)
+    if not (closing <= 10 * tolerance and balance <= 1e-10):
+        raise EquilibriumError(
+            f"No equilibrium was found in {iterations:.0f} iterations: forces balance to {balance:.1e} of the load and the "
+            f"cables close to {closing:.1e} of their lengths, which should be {tolerance:.0e}; "
+            "try a moderate EA or `simulate` with damping."
+        )
+    tension = np.empty(model.n_segments)
+    unroll(net, load, EA, scale, H, q, tension)
+    _check_slack(model, tension, total, scale)
+    return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance)
+
+
+def dead_load(scene, model, q):
+    """(n, 3) force of a scene's effects on the nodes at rest [N]."""
+    load, v = np.zeros_like(q), np.zeros_like(q)
+    for effect in scene.effects:
+        index, params = effect.table(model.mass[: model.n_free])
+        effect.kernels()[0](0.0, q, v, index, params, load)
+    return load
+
+
+def _first_guess(model, load, q, scale):
+    """(n_cables, 3) force at each cable's start: half of its own load, and about as much again along its chord."""
+    H = np.zeros((len(model.cable), 3))
+    for c, (_, count, node, start, end) in enumerate(model.cable[:, :5]):
+        own = load[node : node + count - 1].sum(axis=0)
+        H[c] = 0.5 * own
+        if start >= model.n_free and end >= model.n_free:
+            chord = q[end] - q[start]
+            span = np.linalg.norm(chord)
+            if span > 0:
+                H[c] += 0.5 * (np.linalg.norm(own) or scale) * chord / span
+    return H
+
+
+def _check_supports(scene):
+    """Every part of the net must hang on a fixed or driven point."""
+    group = {point.name: {point.name} for point in scene.points}
+    for cable in scene.cables:
+        merged = group[cable.start] | group[cable.end]
+        for name in merged:
+            group[name] = merged
+    held = {point.name for point in scene.points if not isinstance(point, Free)}
+    for name, members in group.items():
+        if not members & held:
+            raise EquilibriumError(
+                f'Every part of a net must hang on a fixed or driven point, but nothing holds free point "{name}"'
+                + (f" and the {len(members) - 1} others it is tied to." if len(members) > 1 else ".")
+            )
+
+
+def _check_slack(model, tension, total, scale):
+    """A slack cable is a static shape only where its own load shapes it and where it need not push."""
+    for c, cable in enumerate(model.scene.cables):
+        smallest = tension[model.segments(cable.name)].min()
+        if total == 0.0 and smallest < 1e-9 * scale:
+            raise EquilibriumError(
+                f'A cable needs a load or a tension to have a static shape, but cable "{cable.name}" is slack and nothing '
+                "loads it: a mechanism; give `start` a state instead."
+            )
+        if cable.compression == "linear" and smallest < 1e-9 * scale:
+            raise EquilibriumError(
+                f'A cable that hangs in equilibrium must be taut, but cable "{cable.name}" with compression="linear" has '
+                f"a slack segment that would push; use compression=\"none\" or \"damped\", or an even number of segments."
+            )

@@ -1,0 +1,269 @@
+"""What comes back from a computation: a State at one time, a Run over many."""
+
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from .effects.axial import tension
+from .model import Model, build
+from .scene import Scene
+
+
+def segment_tensions(model, q, v):
+    """Tension of every segment by its law.
+
+    Parameters
+    ----------
+    model : Model
+    q, v : (..., n, 3) float64 [m], [m/s]
+
+    Returns
+    -------
+    T : (..., n_segments) float64 [N]
+    """
+    a, b = model.ends.T
+    k, c, two_spring, two_damper = (model.law[model.cable_of, i] for i in (1, 2, 3, 4))
+    d = q[..., b, :] - q[..., a, :]
+    l = np.linalg.norm(d, axis=-1)
+    rate = np.sum(d * (v[..., b, :] - v[..., a, :]), axis=-1) / np.maximum(l, 1e-300)
+    return tension.py_func(l - model.law[model.cable_of, 0], rate, k, c, two_spring, two_damper)
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Places and velocities of all nodes at one time, with the tension of every segment.
+
+    Parameters
+    ----------
+    model : Model
+    t : float [s]
+    q, v : (n, 3) float64 [m], [m/s]
+    segment_tension : (n_segments,) float64 [N]
+    residual : float or None
+        Largest out-of-balance force over the weight carried, of an equilibrium.
+    """
+
+    model: Model
+    t: float
+    q: np.ndarray
+    v: np.ndarray
+    segment_tension: np.ndarray
+    residual: float | None = None
+
+    @property
+    def scene(self):
+        """The scene it is a state of."""
+        return self.model.scene
+
+    def position(self, point):
+        """(3,) place of a point [m]."""
+        return self.q[self.model.node(point)]
+
+    def velocity(self, point):
+        """(3,) velocity of a point [m/s]."""
+        return self.v[self.model.node(point)]
+
+    def shape(self, cable):
+        """(segments + 1, 3) places of a cable's nodes from its start to its end [m]."""
+        return self.q[self.model.nodes(cable)]
+
+    def tension(self, cable):
+        """(segments,) tension of a cable's segments from its start to its end [N]."""
+        return self.segment_tension[self.model.segments(cable)]
+
+    def length(self, cable):
+        """Stretched length of a cable [m]."""
+        return float(np.linalg.norm(np.diff(self.shape(cable), axis=0), axis=1).sum())
+
+
+@dataclass
+class Work:
+    """What a run did: steps taken and rejected, steps halved because Newton failed, force evaluations, Newton iterations,
+    factorisations."""
+
+    steps: int = 0
+    rejected: int = 0
+    halvings: int = 0
+    force_evaluations: int = 0
+    newton_iterations: int = 0
+    factorisations: int = 0
+
+
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Changes of energy over a run [J]: kinetic + elastic + gravitational = work - dissipated, but for the scheme's own.
+
+    ``work`` is done by driven points on the net, ``dissipated`` by dampers and effects (by `edmc` in its numerical damper
+    too). ``imbalance`` is what does not add up, relative to the largest energy that was in play: moved between its forms,
+    put in or dissipated.
+    """
+
+    kinetic: float
+    elastic: float
+    gravitational: float
+    work: float
+    dissipated: float
+    imbalance: float
+
+    @staticmethod
+    def of(rows):
+        """Balance of saved rows (k, 5): kinetic, elastic, potential energy, work, dissipated [J]."""
+        kinetic, elastic, potential, work, dissipated = rows[-1] - rows[0]
+        swing = np.ptp(rows[:, 2]) if len(rows) else 0.0
+        in_play = max(rows[:, 0].max(), rows[:, 1].max(), swing, abs(work), abs(dissipated))
+        off = abs(kinetic + elastic + potential - work + dissipated)
+        return EnergyBalance(
+            *map(float, (kinetic, elastic, potential, work, dissipated)), float(off / in_play) if in_play else 0.0
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A motion: saved states, how it ended, and what it cost.
+
+    Parameters
+    ----------
+    model : Model
+    t : (k,) float64 [s]
+    q, v : (k, n, 3) float64 [m], [m/s]
+    energy : (k, 5) float64 [J]
+        Kinetic, elastic, potential energy; work done by driven points and energy dissipated since the start.
+    method : str
+    dt : float [s], the fixed or the first step
+    reason : str, why this method and step
+    status : "done", "diverged" or "unconverged"
+    message : str, one sentence that says when, where, why and what to try, if it is not done
+    work : Work
+    error_estimate : float or None [m], sum of the estimated errors of the steps, where the scheme has one
+    wall_time : float [s], of the march alone
+    warnings : tuple of str
+    """
+
+    model: Model
+    t: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    energy: np.ndarray
+    method: str
+    dt: float
+    reason: str = ""
+    status: str = "done"
+    message: str = ""
+    work: Work = field(default_factory=Work)
+    error_estimate: float | None = None
+    wall_time: float = 0.0
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def scene(self):
+        """The scene that moved."""
+        return self.model.scene
+
+    @property
+    def ok(self):
+        """Whether the run reached its end."""
+        return self.status == "done"
+
+    @cached_property
+    def energy_balance(self):
+        """Changes of energy over the run and what does not add up, an `EnergyBalance`."""
+        return EnergyBalance.of(self.energy)
+
+    @property
+    def final(self):
+        """State at the last saved time."""
+        return self.state(-1)
+
+    def state(self, k):
+        """State at the k-th saved time; tensions by the law at that time."""
+        tension = segment_tensions(self.model, self.q[k], self.v[k])
+        return State(self.model, float(self.t[k]), self.q[k], self.v[k], tension)
+
+    def position(self, point):
+        """(k, 3) places of a point [m]."""
+        return self.q[:, self.model.node(point)]
+
+    def velocity(self, point):
+        """(k, 3) velocities of a point [m/s]."""
+        return self.v[:, self.model.node(point)]
+
+    def shape(self, cable):
+        """(k, segments + 1, 3) places of a cable's nodes from its start to its end [m]."""
+        return self.q[:, self.model.nodes(cable)]
+
+    def tension(self, cable):
+        """(k, segments) tension of a cable's segments from its start to its end [N]."""
+        return segment_tensions(self.model, self.q, self.v)[:, self.model.segments(cable)]
+
+    def length(self, cable):
+        """(k,) stretched length of a cable [m]."""
+        return np.linalg.norm(np.diff(self.shape(cable), axis=1), axis=2).sum(axis=1)
+
+    def save(self, path):
+        """Write the run, its scene and its account to one netCDF file."""
+        import json
+
+        import xarray as xr
+
+        from .scene_file import scene_to_dict
+
+        account = {
+            "scene": json.dumps(scene_to_dict(self.scene)),
+            "work": json.dumps(asdict(self.work)),
+            "warnings": json.dumps(self.warnings),
+            "method": self.method,
+            "dt": self.dt,
+            "reason": self.reason,
+            "status": self.status,
+            "message": self.message,
+            "error_estimate": np.nan if self.error_estimate is None else self.error_estimate,
+            "wall_time": self.wall_time,
+        }
+        of = ["kinetic", "elastic", "potential", "work", "dissipated"]
+        xr.Dataset(
+            {
+                "q": (("t", "node", "axis"), self.q, {"units": "m", "long_name": "place"}),
+                "v": (("t", "node", "axis"), self.v, {"units": "m/s", "long_name": "velocity"}),
+                "energy": (("t", "energy_of"), self.energy, {"units": "J"}),
+            },
+            coords={"t": ("t", self.t, {"units": "s"}), "axis": list("xyz"), "energy_of": of},
+            attrs=account,
+        ).to_netcdf(path, engine="scipy")
+
+
+def load_run(path):
+    """Read what `Run.save` wrote.
+
+    Returns
+    -------
+    Run
+    """
+    import json
+
+    import xarray as xr
+
+    from .scene_file import scene_from_dict
+
+    with xr.open_dataset(path, engine="scipy") as data:
+        at = data.attrs
+        error = float(at["error_estimate"])
+        return Run(
+            model=build(scene_from_dict(json.loads(at["scene"]))),
+            t=data["t"].values.copy(),
+            q=data["q"].values.copy(),
+            v=data["v"].values.copy(),
+            energy=data["energy"].values.copy(),
+            method=str(at["method"]),
+            dt=float(at["dt"]),
+            reason=str(at["reason"]),
+            status=str(at["status"]),
+            message=str(at["message"]),
+            work=Work(**json.loads(at["work"])),
+            error_estimate=None if np.isnan(error) else error,
+            wall_time=float(at["wall_time"]),
+            warnings=tuple(json.loads(at["warnings"])),
+        )
+
+
+__all__ = ["EnergyBalance", "Run", "Scene", "State", "Work", "load_run"]

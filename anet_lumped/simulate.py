@@ -1,0 +1,228 @@
+"""The one place where a Model meets an integrator: method and step, the march, and the account of it."""
+
+import math
+import time
+
+import numpy as np
+
+from integrators import schemes
+from integrators.march import marches
+from integrators.system import BALANCE, DIVERGED, DONE
+
+from .bindings import system
+from .checks import nearest
+from .choice import choose
+from .equilibrium import equilibrium
+from .model import build
+from .net import NET
+from .run import Run, State, Work
+from .scene import Driven, Fixed, SceneError
+
+SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
+METHODS = schemes.EXPLICIT + schemes.IMPLICIT + SCIPY
+SAVES = 400  # states that come back when nothing else is asked for
+
+
+class RunError(RuntimeError):
+    """A run that did not reach its end; ``run`` holds its good part."""
+
+    def __init__(self, run):
+        super().__init__(run.message)
+        self.run = run
+
+
+def simulate(
+    scene, t_end, *, method=None, dt=None, start="equilibrium", save_every=None, rtol=None, atol=None, rho_inf=None, check=False
+):  # fmt: skip
+    """Motion of a scene from rest or from a State.
+
+    Parameters
+    ----------
+    scene : Scene
+    t_end : float [s]
+    method : str or None
+        One of `METHODS`; None picks one from the predicted limits and the motion's time scale, see ``Run.reason``.
+    dt : float or None [s]
+        Step; None picks it. With rtol or atol, the first step of an adaptive march.
+    start : "equilibrium", "straight" or State
+        "straight" has the nodes evenly spaced between the places of the points, at rest.
+    save_every : float or None [s]
+        Time between saved states, a multiple of dt for a fixed step; None saves about 400 states, or every step if fewer.
+    rtol, atol : float or None
+        Adaptive steps by step doubling: the error of a step is kept below atol [m] + rtol times the largest coordinate.
+    rho_inf : float or None
+        Spectral radius at infinite frequency, for `edmc` (default 0) and `generalised_alpha` (default 0.8).
+    check : bool
+        Raise `RunError` if the run does not reach its end, instead of returning its good part.
+
+    Returns
+    -------
+    Run
+
+    Raises
+    ------
+    ValueError : an argument out of its range
+    RunError : with ``check=True``
+    """
+    _check(t_end, method, dt, save_every, rtol, atol, rho_inf)
+    model = build(scene)
+    q, v, t0 = _start(model, start)
+    adaptive = method in SCIPY or rtol is not None or atol is not None
+    choice = choose(scene, method, dt, adaptive)
+    tolerances = (1e-6 if rtol is None and atol is None else rtol or 0.0, atol or 0.0 if rtol else atol or 1e-9)
+    if choice.method in SCIPY:
+        from .scipy_methods import march
+    else:
+        march = _march
+    return _finish(march(model, choice, t0, t0 + t_end, q, v, save_every, adaptive, tolerances, rho_inf), check)
+
+
+def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_inf):
+    """March with a scheme of our own; returns a Run."""
+    scheme = schemes.scheme(choice.method, NET)
+    fixed, stepping = marches(NET)
+    net, bound = model.net(), system(model)
+    memory = np.zeros((scheme.memory, model.n, 3))
+    options = scheme.options(rho_inf)
+    counts, balance = np.zeros(6, np.int64), np.zeros(BALANCE)
+    if adaptive:
+        saves = _save_times(t0, t_end, save_every)
+    else:
+        stride, rows = _stride(t_end - t0, choice.dt, save_every)
+        saves = np.empty(rows)
+    k = len(saves)
+    out = saves, np.empty((k, model.n, 3)), np.empty((k, model.n, 3)), np.zeros((k, 5))
+    began, error = time.perf_counter(), None
+    if adaptive:
+        corners = np.unique(np.concatenate([np.empty(0), *(p.path.corners for p in model.scene.points if isinstance(p, Driven))]))
+        status, saved, t, node, error = stepping(
+            scheme.step, bound, net, t0, t_end, choice.dt, scheme.order, *tolerances, scheme.kept, corners, q, v, memory,
+            options, counts, balance, *out
+        )  # fmt: skip
+    else:
+        status, saved, t, node = fixed(
+            scheme.step, bound, net, t0, t_end, choice.dt, stride, scheme.kept, q, v, memory, options, counts, balance, *out
+        )
+    return Run(
+        model, *(rows[:saved] for rows in out), choice.method, choice.dt, choice.reason,
+        status={DONE: "done", DIVERGED: "diverged"}.get(status, "unconverged"),
+        message=_message(model, choice, status, t, node),
+        work=Work(*map(int, counts)),
+        error_estimate=error,
+        wall_time=time.perf_counter() - began,
+        warnings=choice.warnings,
+    )  # fmt: skip
+
+
+def _finish(run, check):
+    if check and not run.ok:
+        raise RunError(run)
+    return run
+
+
+def _message(model, choice, status, t, node):
+    """One sentence: when, where, why, what to try."""
+    if status == DONE:
+        return ""
+    if status == DIVERGED:
+        limit = f", whose predicted limit is {choice.limit:.3g} s" if math.isfinite(choice.limit) else ""
+        return (
+            f"{choice.method} with dt={choice.dt:.3g} s{limit}, diverged at t={t:.4g} s at {where(model, node)}; "
+            "try a smaller step or method=\"edmc\"."
+        )
+    return (
+        f"{choice.method} with dt={choice.dt:.3g} s did not converge at t={t:.4g} s even with the step cut to "
+        f"{choice.dt / 4096:.1e} s; try a smaller step, method=\"edmc\" or compression=\"none\"."
+    )
+
+
+def where(model, node):
+    """Name of a node: its point, or its place along its cable."""
+    for name, number in model.node_of.items():
+        if number == node:
+            return f'point "{name}"'
+    for cable in model.scene.cables:
+        nodes = model.nodes(cable.name)
+        if node in nodes:
+            return f'node {list(nodes).index(node)} of {cable.segments} of cable "{cable.name}"'
+    return f"node {node}"
+
+
+def _start(model, start):
+    """Places, velocities and time to start from, as arrays of their own."""
+    if isinstance(start, State):
+        return (*_adopt(model, start), float(start.t))
+    if start == "equilibrium":
+        return equilibrium(model.scene).q.copy(), np.zeros((model.n, 3)), 0.0
+    if start == "straight":
+        return straight(model), np.zeros((model.n, 3)), 0.0
+    raise ValueError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {start!r}.')
+
+
+def straight(model):
+    """(n, 3) places with every cable's nodes evenly spaced between its points' places [m]."""
+    at = {}
+    for point in model.scene.points:
+        at[point.name] = point.path.at(0.0)[0] if isinstance(point, Driven) else point.at
+        if at[point.name] is None:
+            raise SceneError(f'start="straight" needs the place of every point, but free point "{point.name}" has no `at`.')
+    q = np.empty((model.n, 3))
+    for cable in model.scene.cables:
+        a, b = np.asarray(at[cable.start], float), np.asarray(at[cable.end], float)
+        q[model.nodes(cable.name)] = a + np.linspace(0.0, 1.0, cable.segments + 1)[:, None] * (b - a)
+    for point in model.scene.points:
+        q[model.node(point.name)] = at[point.name]
+    return q
+
+
+def _adopt(model, state):
+    """Places and velocities of a State of the same or of a like scene, matched by the names of cables and points."""
+    q, v = np.zeros((model.n, 3)), np.zeros((model.n, 3))
+    for cable in model.scene.cables:
+        other = {c.name: c.segments for c in state.scene.cables}.get(cable.name)
+        if other != cable.segments:
+            raise ValueError(
+                f'A State to start from must have the scene\'s cables, but of cable "{cable.name}" with {cable.segments} '
+                f"segments it has {'none' if other is None else other}."
+            )
+        mine, theirs = model.nodes(cable.name), state.model.nodes(cable.name)
+        q[mine], v[mine] = state.q[theirs], state.v[theirs]
+    for point in model.scene.points:
+        if isinstance(point, Fixed):
+            q[model.node(point.name)], v[model.node(point.name)] = point.at, 0.0
+    return q, v
+
+
+def _stride(duration, dt, save_every):
+    """Steps between saved states, and their number."""
+    steps = max(1, math.ceil(duration / dt * (1 - 1e-12) - 1e-12))
+    if save_every is None:
+        stride = max(1, round(steps / SAVES))
+    else:
+        stride = max(1, round(save_every / dt))
+        if abs(stride * dt - save_every) > 1e-6 * save_every:
+            raise ValueError(
+                f"Argument `save_every` must be a multiple of the step, but save_every={save_every:g} s and dt={dt:g} s."
+            )
+    return stride, steps // stride + 3
+
+
+def _save_times(t0, t_end, save_every):
+    if save_every is None:
+        return np.linspace(t0, t_end, SAVES + 1)
+    times = t0 + np.arange(0.0, (t_end - t0) * (1 + 1e-12), save_every)
+    return times if t_end - times[-1] < 1e-9 * (t_end - t0) else np.append(times, t_end)
+
+
+def _check(t_end, method, dt, save_every, rtol, atol, rho_inf):
+    for name, value in (("t_end", t_end), ("dt", dt), ("save_every", save_every), ("rtol", rtol), ("atol", atol)):
+        if value is not None and not (isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0):
+            unit = "" if name == "rtol" else " [m]" if name == "atol" else " [s]"
+            raise ValueError(f"Argument `{name}` must be positive and finite{unit}, but it is {value!r}.")
+    if method is not None and method not in METHODS:
+        raise ValueError(f"Argument `method` must be one of {', '.join(METHODS)}, but it is {method!r}{nearest(str(method), METHODS) or '.'}")
+    if rho_inf is not None:
+        if method not in (None, *schemes.RHO_INF):
+            raise ValueError(f"Argument `rho_inf` belongs to {' and '.join(schemes.RHO_INF)}, but the method is {method}.")
+        if not 0 <= rho_inf <= 1:
+            raise ValueError(f"Argument `rho_inf` must lie between 0 and 1, but it is {rho_inf!r}.")

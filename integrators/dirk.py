@@ -1,0 +1,92 @@
+"""Diagonally implicit Runge-Kutta methods: each stage is one solve, q = q_hat + gamma h v, M (v - v_hat) = gamma h f(q, v).
+
+==========  =====  =============================================================================================
+midpoint    2      implicit midpoint rule; symplectic
+sdirk2      2      Alexander's two-stage method, gamma = 1 - 1/sqrt 2; L-stable
+tr_bdf2     2      a trapezoidal stage, then BDF2, gamma = 2 - sqrt 2; L-stable, its first stage is explicit
+==========  =====  =============================================================================================
+
+All are unconditionally stable for a linear system; none keeps a nonlinear one from gaining energy.
+Source: Alexander, SIAM J. Numer. Anal. 14 (1977) 1006; Bank et al., IEEE Trans. CAD 4 (1985) 436; Hosea & Shampine, Appl.
+Numer. Math. 20 (1996) 21.
+"""
+
+import numpy as np
+from numba import njit
+
+from .march import arrive
+from .newton import newton
+from .stage import STATE, Stage
+from .system import DONE, SCHEME, UNCONVERGED
+
+ORDER = 2
+MEMORY = 11
+KEPT = 1
+_STAGES = 3
+
+_a = 1.0 - np.sqrt(0.5)
+_d, _w = 1.0 - np.sqrt(0.5), np.sqrt(2.0) / 4.0
+TABLEAUS = {
+    "midpoint": ([[0.5]], [1.0]),
+    "sdirk2": ([[_a, 0.0], [1.0 - _a, _a]], [1.0 - _a, _a]),
+    "tr_bdf2": ([[0.0, 0.0, 0.0], [_d, _d, 0.0], [_w, _w, _d]], [_w, _w, _d]),
+}
+
+
+def options(name):
+    """Tableau of a scheme as a step takes it: stages, then the rows of A padded to three, then b."""
+    A, b = TABLEAUS[name]
+    table = np.zeros((_STAGES + 1, _STAGES))
+    table[: len(b), : len(b)] = A
+    table[_STAGES, : len(b)] = b
+    return np.concatenate([[len(b)], table.ravel()])
+
+
+@njit(cache=True, error_model="numpy")
+def step(system, net, t, h, q, v, memory, options, counts, balance):
+    """One step; memory[0] is the force at its start, and then at its end."""
+    stages, table = int(options[SCHEME]), options[SCHEME + 1 :]
+    q_s, base, target, v_s = memory[1], memory[2], memory[3], memory[4]
+    for s in range(stages):
+        V, A = memory[5 + s], memory[8 + s]
+        row = table[_STAGES * s : _STAGES * (s + 1)]
+        ahead = 0.0
+        for r in range(stages):
+            ahead += row[r]
+        gh = h * row[s]
+        if gh == 0.0:
+            for i in range(system.n_free):
+                for x in range(3):
+                    V[i, x], A[i, x] = v[i, x], memory[0, i, x] / system.mass[i]
+            continue
+        for i in range(q.shape[0]):
+            for x in range(3):
+                q_hat, v_hat = q[i, x], v[i, x]
+                for r in range(s):
+                    q_hat += h * row[r] * memory[5 + r, i, x]
+                    v_hat += h * row[r] * memory[8 + r, i, x]
+                base[i, x] = q_hat
+                target[i, x] = q_hat + gh * v_hat
+                q_s[i, x] = target[i, x]
+        for i in range(system.n_free, q.shape[0]):
+            for x in range(3):
+                q_s[i, x], v_s[i, x] = q[i, x], v[i, x]
+        system.prescribe(t + ahead * h, net, q_s, v_s)
+        for i in range(system.n_free, q.shape[0]):
+            for x in range(3):
+                base[i, x] = q_s[i, x] - gh * v_s[i, x]
+        stage = Stage(STATE, t + ahead * h, 1.0 / (gh * gh), 1.0, gh, 0.0)
+        if not newton(system, net, stage, base, target, q_s, options, counts):
+            return UNCONVERGED
+        for i in range(system.n_free):
+            for x in range(3):
+                V[i, x] = (q_s[i, x] - base[i, x]) / gh
+                A[i, x] = (V[i, x] - (target[i, x] - base[i, x]) / gh) / gh
+    b = table[_STAGES * _STAGES :]
+    for i in range(system.n_free):
+        for x in range(3):
+            for s in range(stages):
+                q[i, x] += h * b[s] * memory[5 + s, i, x]
+                v[i, x] += h * b[s] * memory[8 + s, i, x]
+    arrive(system, net, t, h, q, v, memory, counts, balance)
+    return DONE

@@ -1,0 +1,46 @@
+"""The energy-decaying, momentum-conserving step for springs that may not push.
+
+    v_b = 2 (q_b - q_a)/h - v_a ,      (2 M/h^2)(q_b - q_a - h v_a) = F((q_a + q_b)/2, (q_b - q_a)/h) - B^T (T e)
+
+The tension T acts between the two times along the mean direction e: the secant of the spring energy, the damper over the
+step and a numerical axial damper alpha k, alpha = (1 - rho_inf)/(1 + rho_inf)/2. Then the energy changes by
+-sum (T - secant)(l_b - l_a) <= 0 and the work of the prescribed nodes, at any step, stiffness and damping; linear and angular
+momentum are kept. Order 2 (stiffly accurate in the shape: the stretch alone is damped numerically, by alpha k h, at order 1).
+Source: Simo & Tarnow, Z. angew. Math. Phys. 43 (1992) 757; Armero & Romero, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6783.
+"""
+
+from numba import njit
+
+from .newton import newton
+from .stage import BETWEEN, Stage
+from .system import DISSIPATED, DONE, PUT_IN, SCHEME, UNCONVERGED
+
+ORDER = 2
+MEMORY = 3
+KEPT = 0
+
+
+@njit(cache=True, error_model="numpy")
+def step(system, net, t, h, q, v, memory, options, counts, balance):
+    """One step; ``options[SCHEME]`` is rho_inf."""
+    base, target, energy = memory[0], memory[1], memory[2, 0, :2]
+    rho = options[SCHEME]
+    for i in range(q.shape[0]):
+        for x in range(3):
+            base[i, x] = q[i, x]
+            q[i, x] += h * v[i, x]
+            target[i, x] = q[i, x]
+    for i in range(system.n_free, q.shape[0]):
+        for x in range(3):
+            q[i, x] = base[i, x]
+    system.prescribe(t + h, net, q, v)
+    stage = Stage(BETWEEN, t + 0.5 * h, 2.0 / (h * h), 0.5, h, 0.5 * (1.0 - rho) / (1.0 + rho))
+    if not newton(system, net, stage, base, target, q, options, counts):
+        return UNCONVERGED
+    system.settle(stage, base, q, net, energy)
+    balance[PUT_IN] += energy[0]
+    balance[DISSIPATED] += energy[1]
+    for i in range(system.n_free):
+        for x in range(3):
+            v[i, x] = 2.0 * (q[i, x] - base[i, x]) / h - v[i, x]
+    return DONE

@@ -1,0 +1,25 @@
+"""Explicit Euler: q+ = q + h v, v+ = v + h a(q, v).
+
+Order 1. Without damping unstable at any step; with damping ratio zeta < 1 stable for h omega <= 2 zeta.
+"""
+
+from numba import njit
+
+from .march import arrive
+from .system import DONE
+
+ORDER = 1
+MEMORY = 1
+
+
+@njit(cache=True, error_model="numpy")
+def step(system, net, t, h, q, v, memory, options, counts, balance):
+    """One step; memory[0] is the force at its start, and then at its end."""
+    f = memory[0]
+    for i in range(system.n_free):
+        per_m = h / system.mass[i]
+        for x in range(3):
+            q[i, x] += h * v[i, x]
+            v[i, x] += per_m * f[i, x]
+    arrive(system, net, t, h, q, v, memory, counts, balance)
+    return DONE

@@ -1,0 +1,56 @@
+"""The generalised-alpha method, with the force averaged.
+
+    (1 - alpha_m) M a+ + alpha_m M a = (1 - alpha_f) f+ + alpha_f f ,
+    q+ = q + h v + h^2 [(1/2 - beta) a + beta a+] ,    v+ = v + h [(1 - gamma) a + gamma a+] ,
+
+alpha_m = (2 rho_inf - 1)/(rho_inf + 1), alpha_f = rho_inf/(rho_inf + 1), gamma = 1/2 - alpha_m + alpha_f and
+beta = (1 - alpha_m + alpha_f)^2/4. Order 2, unconditionally stable for a linear system; rho_inf is the spectral radius at
+infinite frequency. Source: Chung & Hulbert, J. Appl. Mech. 60 (1993) 371.
+"""
+
+from numba import njit
+
+from .march import arrive
+from .newton import newton
+from .stage import STATE, Stage
+from .system import DONE, SCHEME, UNCONVERGED
+
+ORDER = 2
+MEMORY = 5
+KEPT = 2
+
+
+@njit(cache=True, error_model="numpy")
+def step(system, net, t, h, q, v, memory, options, counts, balance):
+    """One step; memory[0] is the force and memory[1] the scheme's acceleration a. ``options`` holds rho_inf and, once the
+    acceleration has been started from the force, 1."""
+    f, a, base, target, q_hat = memory[0], memory[1], memory[2], memory[3], memory[4]
+    rho = options[SCHEME]
+    alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+    gamma, beta = 0.5 - alpha_m + alpha_f, 0.25 * (1.0 - alpha_m + alpha_f) ** 2
+    if options[SCHEME + 1] == 0.0:
+        for i in range(system.n_free):
+            for x in range(3):
+                a[i, x] = f[i, x] / system.mass[i]
+        options[SCHEME + 1] = 1.0
+    tau = beta * h / gamma
+    W = (1.0 - alpha_m) / ((1.0 - alpha_f) * beta * h * h)
+    for i in range(system.n_free):
+        for x in range(3):
+            q_hat[i, x] = q[i, x] + h * v[i, x] + h * h * (0.5 - beta) * a[i, x]
+            base[i, x] = q_hat[i, x] - tau * (v[i, x] + h * (1.0 - gamma) * a[i, x])
+            pull = alpha_m * a[i, x] - alpha_f * f[i, x] / system.mass[i]
+            target[i, x] = q_hat[i, x] - pull / ((1.0 - alpha_f) * W)
+            q[i, x] += h * v[i, x]
+    system.prescribe(t + h, net, q, v)
+    for i in range(system.n_free, q.shape[0]):
+        for x in range(3):
+            base[i, x] = q[i, x] - tau * v[i, x]
+    if not newton(system, net, Stage(STATE, t + h, W, 1.0, tau, 0.0), base, target, q, options, counts):
+        return UNCONVERGED
+    for i in range(system.n_free):
+        for x in range(3):
+            v[i, x] = (q[i, x] - base[i, x]) / tau
+            a[i, x] = (q[i, x] - q_hat[i, x]) / (beta * h * h)
+    arrive(system, net, t, h, q, v, memory, counts, balance)
+    return DONE

@@ -1,0 +1,241 @@
+"""Marching a scheme: fixed steps with halving, or steps chosen by step doubling; saving, and stopping what goes wrong."""
+
+from functools import cache
+
+import numpy as np
+from numba import njit, types
+
+from .system import (
+    DISSIPATED,
+    DIVERGED,
+    DONE,
+    FORCES,
+    HALVINGS,
+    POWER_DISSIPATED,
+    POWER_PUT_IN,
+    PUT_IN,
+    SCRATCH,
+    REJECTED,
+    STEPS,
+    UNCONVERGED,
+    step_signature,
+    system_type,
+)
+
+_f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
+_i1 = types.Array(types.int64, 1, "C")
+
+CHECK_EVERY = 16  # explicit steps between two looks for a divergence
+SMALLEST = 2.0**-12  # of the step asked for
+
+
+@njit(cache=True, error_model="numpy")
+def begin(system, net, t, q, v, memory, counts, balance):
+    """Prescribed rows, the force at the start in ``memory[0]``, and its powers."""
+    power = balance[SCRATCH:]
+    system.prescribe(t, net, q, v)
+    system.force(t, q, v, net, memory[0], power)
+    counts[FORCES] += 1
+    balance[POWER_DISSIPATED], balance[POWER_PUT_IN] = power[0], power[1]
+
+
+@njit(cache=True, error_model="numpy")
+def arrive(system, net, t, h, q, v, memory, counts, balance):
+    """Force at the end of a step in ``memory[0]``; adds the work of the step by the trapezoidal rule."""
+    power = balance[SCRATCH:]
+    system.prescribe(t + h, net, q, v)
+    system.force(t + h, q, v, net, memory[0], power)
+    counts[FORCES] += 1
+    dissipated, put_in = power[0], power[1]
+    balance[DISSIPATED] += 0.5 * h * (balance[POWER_DISSIPATED] + dissipated)
+    balance[PUT_IN] += 0.5 * h * (balance[POWER_PUT_IN] + put_in)
+    balance[POWER_DISSIPATED], balance[POWER_PUT_IN] = dissipated, put_in
+
+
+@njit(cache=True, error_model="numpy")
+def worst_node(q, v):
+    """Node whose place or velocity is not finite or beyond any sense, or -1."""
+    for i in range(q.shape[0]):
+        size = 0.0
+        for x in range(3):
+            size += abs(q[i, x]) + abs(v[i, x])
+        if not size < 1e12:
+            return i
+    return -1
+
+
+@njit(cache=True, error_model="numpy")
+def save(system, net, k, t, q, v, balance, out_t, out_q, out_v, out_balance):
+    """Write row k of what comes back."""
+    system.energy(t, q, v, net, balance)
+    out_t[k] = t
+    out_q[k] = q
+    out_v[k] = v
+    out_balance[k] = balance[:5]
+
+
+@njit(cache=True, error_model="numpy")
+def fixed_steps(
+    step, system, net, t0, t_end, dt, stride, kept, q, v, memory, options, counts, balance, out_t, out_q, out_v, out_balance
+):
+    """March from t0 to t_end with step dt; the last step is shortened to land on t_end.
+
+    A step whose Newton iteration fails is taken in halves, quarters and so on. Every ``stride``-th state and the last one
+    are saved; ``kept`` is how many rows of ``memory`` a scheme carries from step to step.
+
+    Returns
+    -------
+    status, saved, t, node : int64, int64, float64, int64
+        How it ended, rows written, time reached, and the node where it went wrong (or -1).
+    """
+    begin(system, net, t0, q, v, memory, counts, balance)
+    save(system, net, 0, t0, q, v, balance, out_t, out_q, out_v, out_balance)
+    saved, t = 1, t0
+    n_steps = int(np.ceil((t_end - t0) / dt * (1.0 - 1e-12) - 1e-12))
+    implicit = kept >= 0
+    kept = max(kept, 0)
+    q_a, v_a, kept_a, balance_a = q.copy(), v.copy(), memory[:kept].copy(), balance.copy()
+    for s in range(n_steps):
+        target = t_end if s == n_steps - 1 else t0 + (s + 1) * dt
+        h = target - t
+        if not implicit:
+            step(system, net, t, h, q, v, memory, options, counts, balance)
+            counts[STEPS] += 1
+            t = target
+        else:
+            whole, done, part = h, 0.0, 1.0
+            while done < 1.0:
+                q_a[:], v_a[:], balance_a[:] = q, v, balance
+                for k in range(kept):
+                    kept_a[k] = memory[k]
+                if step(system, net, t + done * whole, part * whole, q, v, memory, options, counts, balance) == DONE:
+                    counts[STEPS] += 1
+                    done += part
+                    if done % (2.0 * part) == 0.0:
+                        part = min(2.0 * part, 1.0)
+                    continue
+                q[:], v[:], balance[:] = q_a, v_a, balance_a
+                for k in range(kept):
+                    memory[k] = kept_a[k]
+                counts[HALVINGS] += 1
+                part *= 0.5
+                if part < SMALLEST:
+                    save(system, net, saved, t + done * whole, q, v, balance, out_t, out_q, out_v, out_balance)
+                    return UNCONVERGED, saved + 1, t + done * whole, -1
+            t = target
+        last = s == n_steps - 1
+        if (s + 1) % stride == 0 or last or s % CHECK_EVERY == 0:
+            node = worst_node(q, v)
+            if node >= 0:
+                return DIVERGED, saved, t, node
+            if (s + 1) % stride == 0 or last:
+                save(system, net, saved, t, q, v, balance, out_t, out_q, out_v, out_balance)
+                saved += 1
+    return DONE, saved, t, -1
+
+
+@njit(cache=True, error_model="numpy")
+def interpolate(theta, h, q_a, v_a, q_b, v_b, q, v):
+    """Cubic Hermite polynomial of a step at t_a + theta h, and its derivative."""
+    u = 1.0 - theta
+    for i in range(q.shape[0]):
+        for x in range(3):
+            rise = q_b[i, x] - q_a[i, x]
+            curve_a, curve_b = h * v_a[i, x] - rise, rise - h * v_b[i, x]
+            q[i, x] = u * q_a[i, x] + theta * q_b[i, x] + theta * u * (u * curve_a + theta * curve_b)
+            slope = rise + (1.0 - 2.0 * theta) * (u * curve_a + theta * curve_b) + theta * u * (curve_b - curve_a)
+            v[i, x] = slope / h
+
+
+@njit(cache=True, error_model="numpy")
+def adaptive_steps(
+    step, system, net, t0, t_end, dt, order, rtol, atol, kept, corners, q, v, memory, options, counts, balance, out_t, out_q,
+    out_v, out_balance
+):  # fmt: skip
+    """March with steps chosen by step doubling: one step of h beside two of h/2, of which the two are kept.
+
+    The error of the two is |q_2 - q_1|/(2^order - 1) by Richardson's estimate; a step is taken when its largest component
+    over the moving nodes is at most atol + rtol max|q|, and the next is chosen by a PI controller (Gustafsson). Steps end on
+    the corners of the prescribed motions and on t_end; the times in out_t are interpolated.
+
+    Returns
+    -------
+    status, saved, t, node, error : int64, int64, float64, int64, float64
+        As `fixed_steps`, and the sum of the accepted errors [m].
+    """
+    begin(system, net, t0, q, v, memory, counts, balance)
+    system.energy(t0, q, v, net, balance)
+    out_q[0], out_v[0], out_balance[0] = q, v, balance[:5]
+    saved, t, h, total, before = 1, t0, dt, 0.0, 1.0
+    kept = max(kept, 0)
+    q_a, v_a, kept_a, balance_a = q.copy(), v.copy(), memory[:kept].copy(), balance.copy()
+    q_1, v_1, shown = q.copy(), v.copy(), balance.copy()
+    corner, rejections = 0, 0
+    while t < t_end:
+        while corner < corners.shape[0] and corners[corner] <= t + 1e-12 * (t_end - t0):
+            corner += 1
+        stop = min(corners[corner], t_end) if corner < corners.shape[0] else t_end
+        full = h
+        if t + h > stop - 1e-9 * h:
+            h = stop - t
+        elif t + 2.0 * h > stop:
+            h = 0.5 * (stop - t)
+        q_a[:], v_a[:], balance_a[:] = q, v, balance
+        for k in range(kept):
+            kept_a[k] = memory[k]
+        error = np.inf
+        if step(system, net, t, h, q, v, memory, options, counts, balance) == DONE:
+            q_1[:], v_1[:] = q, v
+            q[:], v[:], balance[:] = q_a, v_a, balance_a
+            for k in range(kept):
+                memory[k] = kept_a[k]
+            if step(system, net, t, 0.5 * h, q, v, memory, options, counts, balance) == DONE:
+                if step(system, net, t + 0.5 * h, 0.5 * h, q, v, memory, options, counts, balance) == DONE:
+                    error, size = 0.0, 0.0
+                    for i in range(system.n_free):
+                        for x in range(3):
+                            error = max(error, abs(q[i, x] - q_1[i, x]))
+                            size = max(size, abs(q[i, x]))
+                    error /= 2.0**order - 1.0
+                    error = error / (atol + rtol * size) if worst_node(q, v) < 0 else np.inf
+        if error <= 1.0:
+            counts[STEPS] += 1
+            total += error * (atol + rtol * np.max(np.abs(q)))
+            end = stop if t + h >= stop - 1e-9 * h else t + h
+            while saved < out_t.shape[0] and out_t[saved] <= end:
+                interpolate((out_t[saved] - t) / (end - t), end - t, q_a, v_a, q, v, out_q[saved], out_v[saved])
+                shown[:] = balance
+                system.energy(out_t[saved], out_q[saved], out_v[saved], net, shown)
+                out_balance[saved] = shown[:5]
+                saved += 1
+            t = end
+            grow = 0.9 * max(error, 1e-8) ** (-0.7 / (order + 1.0)) * max(before, 1e-8) ** (0.4 / (order + 1.0))
+            h = max(h * min(4.0, max(0.2, grow)), full if h < full and error < 0.5 else 0.0)
+            before, rejections = error, 0
+        else:
+            counts[REJECTED] += 1
+            rejections += 1
+            q[:], v[:], balance[:] = q_a, v_a, balance_a
+            for k in range(kept):
+                memory[k] = kept_a[k]
+            h *= 0.25 if error == np.inf else max(0.2, 0.9 * error ** (-1.0 / (order + 1.0)))
+            if rejections > 40 or h < 1e-12 * (t_end - t0):
+                return UNCONVERGED, saved, t, -1, total
+    return DONE, saved, t, -1, total
+
+
+@cache
+def marches(net):
+    """`fixed_steps` and `adaptive_steps`, compiled (or loaded from the cache) for nets of Numba type ``net``."""
+    step, system = types.FunctionType(step_signature(net)), system_type(net)
+    f, i = types.float64, types.int64
+    state = (_f2, _f2, _f3, _f1, _i1, _f1)
+    out = (_f1, _f3, _f3, _f2)
+    for function, signature in (
+        (fixed_steps, (step, system, net, f, f, f, i, i, *state, *out)),
+        (adaptive_steps, (step, system, net, f, f, f, i, f, f, i, _f1, *state, *out)),
+    ):
+        if not function.signatures:
+            function.compile(signature)
+            function.disable_compile()
+    return fixed_steps, adaptive_steps

@@ -1,0 +1,71 @@
+"""The schemes by name: where each one's step lives, its order, and what it needs to be marched."""
+
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+
+import numpy as np
+
+from . import dirk
+from .system import SCHEME, first_class, step_signature
+
+NEWTON_TOLERANCE = 1e-6  # of the largest force on a node
+NEWTON_ITERATIONS = 60
+RHO_INF = {"edmc": 0.0, "generalised_alpha": 0.8}
+
+_MODULES = {
+    "explicit_euler": "explicit_euler",
+    "symplectic_euler": "symplectic_euler",
+    "verlet": "verlet",
+    "rk4": "rk4",
+    "edmc": "edmc",
+    "backward_euler": "backward_euler",
+    "midpoint": "dirk",
+    "sdirk2": "dirk",
+    "tr_bdf2": "dirk",
+    "generalised_alpha": "generalised_alpha",
+}
+EXPLICIT = ("explicit_euler", "symplectic_euler", "verlet", "rk4")
+IMPLICIT = tuple(name for name in _MODULES if name not in EXPLICIT)
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """A scheme ready to be marched.
+
+    Parameters
+    ----------
+    name : str
+    step : compiled function, see `system.step_signature`
+    order : int
+    memory : rows of (n, 3) that a step needs
+    kept : rows of them that it carries from step to step; -1 for an explicit scheme, which never has to go back
+    """
+
+    name: str
+    step: object
+    order: int
+    memory: int
+    kept: int
+
+    def options(self, rho_inf=None, tolerance=NEWTON_TOLERANCE):
+        """Numbers for its steps: Newton's tolerance and iterations, then rho_inf or the tableau."""
+        if self.name in RHO_INF:
+            own = [RHO_INF[self.name] if rho_inf is None else rho_inf, 0.0]
+        elif self.name in dirk.TABLEAUS:
+            own = dirk.options(self.name)
+        else:
+            own = []
+        options = np.concatenate([[tolerance, NEWTON_ITERATIONS], own])
+        assert len(options) >= SCHEME
+        return options
+
+
+@cache
+def scheme(name, net):
+    """The scheme ``name``, compiled (or loaded from the cache) for nets of Numba type ``net``."""
+    module = import_module(f".{_MODULES[name]}", __package__)
+    if not module.step.signatures:
+        module.step.compile(step_signature(net))
+        module.step.disable_compile()
+    return Scheme(name, first_class(module.step), module.ORDER, module.MEMORY, getattr(module, "KEPT", -1))

@@ -1,0 +1,93 @@
+"""What an integrator is given: M dv/dt = f(t, q, v) for the first ``n_free`` nodes, the rest prescribed.
+
+The compiled functions of a system are first-class (`numba.types.FunctionType`), so that a scheme is compiled and cached once
+for a kind of ``net`` (any tuple of arrays that the functions understand) and not again for every system.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+
+from .stage import STAGE
+
+_f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
+_i1 = types.Array(types.int64, 1, "C")
+
+# Status of a step or a run.
+DONE, UNCONVERGED, DIVERGED = 0, 1, 2
+# Work counts.
+STEPS, REJECTED, HALVINGS, FORCES, NEWTON, FACTORISATIONS = range(6)
+# Energy balance: kinetic, elastic, potential energy now; work put in and energy dissipated since the start; then the power
+# of the last two at the current time, from which they are integrated, and scratch for two more.
+KINETIC, ELASTIC, POTENTIAL, PUT_IN, DISSIPATED, POWER_PUT_IN, POWER_DISSIPATED, SCRATCH = range(8)
+BALANCE = 9  # numbers in all
+# Numbers that steps are given: Newton's relative tolerance on force, its largest number of iterations, then the scheme's.
+TOLERANCE, ITERATIONS, SCHEME = 0, 1, 2
+
+
+class System(NamedTuple):
+    """Compiled functions of a system, its masses and the number of moving nodes.
+
+    Attributes
+    ----------
+    prescribe(t, net, q, v)
+        Write the prescribed rows of q and v at time t.
+    force(t, q, v, net, f, power)
+        Write the force f (n, 3) [N]; power (2,) [W] is dissipated and put in by prescribed nodes.
+    residual(stage, base, target, q, net) -> norm, scale, noise
+        Out-of-balance force of a stage [N]; linearise it.
+    direction(stage, net) -> factorisations
+        Newton step of the stage linearised last.
+    correct(net, length, q)
+        q += length times the Newton step.
+    settle(stage, base, q, net, energy)
+        energy (2,) [J]: put in and dissipated between base and q by the law ``BETWEEN`` that was linearised last.
+    forget(net)
+        Drop what earlier Newton steps left to the next.
+    energy(t, q, v, net, energy)
+        Kinetic, elastic and other potential energy (3,) [J].
+    """
+
+    prescribe: object
+    force: object
+    residual: object
+    direction: object
+    correct: object
+    settle: object
+    forget: object
+    energy: object
+    mass: np.ndarray
+    n_free: int
+
+
+def first_class(function):
+    """A compiled function with one signature as a first-class value, so that its type is its signature's alone."""
+    (compiled,) = function.overloads.values()
+    return types.CompileResultWAP(compiled)
+
+
+def signatures(net):
+    """Signatures of the functions of `System`, in its order, for a Numba type ``net``."""
+    return (
+        types.void(types.float64, net, _f2, _f2),
+        types.void(types.float64, _f2, _f2, net, _f2, _f1),
+        types.UniTuple(types.float64, 3)(STAGE, _f2, _f2, _f2, net),
+        types.int64(STAGE, net),
+        types.void(net, types.float64, _f2),
+        types.void(STAGE, _f2, _f2, net, _f1),
+        types.void(net),
+        types.void(types.float64, _f2, _f2, net, _f1),
+    )
+
+
+def system_type(net):
+    """Numba type of a `System` whose functions take ``net``."""
+    return types.NamedTuple((*map(types.FunctionType, signatures(net)), _f1, types.int64), System)
+
+
+def step_signature(net):
+    """Signature of every scheme: step(system, net, t, h, q, v, memory, options, counts, balance) -> status."""
+    return types.int64(
+        system_type(net), net, types.float64, types.float64, _f2, _f2, _f3, _f1, _i1, _f1
+    )
