@@ -8,7 +8,9 @@ many segments; where it ends is the gradient of its complementary energy,
 
 which is convex: the forces that carry the loads of all free points and close all cables are the minimum of a convex function
 under linear conditions, whose multipliers are the places of the free points. Newton's method with a line search finds it from
-any start. |F| is rounded off near zero, by less and less, so that slack segments have a direction.
+any start. A segment without force is slack, and |F| has a kink there: it is rounded off, by less and less, and the direction
+u of each segment is an unknown of its own, |F| u = F, so that a slack cable closes as exactly as a taut one (the primal-dual
+idea of Andersen, Christiansen, Conn & Overton, SIAM J. Sci. Comput. 22 (2000) 243).
 """
 
 import numpy as np
@@ -23,7 +25,7 @@ from .run import State
 from .scene import Fixed, Free
 
 _f1, _f2 = float64[::1], float64[:, ::1]
-ROUNDINGS = 7  # of |F|, from 1e-2 of the load down to 1e-14 of it
+ROUNDINGS = 6  # of |F|, from 1e-2 of the load down to 1e-12 of it
 ITERATIONS = 200  # of Newton for each of them
 
 
@@ -32,53 +34,81 @@ class EquilibriumError(RuntimeError):
 
 
 @njit(cache=True, error_model="numpy")
-def _cable_end(net, load, EA, c, H, delta, C):
-    """End of cable c relative to its start for a force H at its start; writes the flexibility dr/dH (9,) to C."""
-    count, node, L0 = net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE], net.law[c, 0]
+def _cable_end(net, load, EA, c, H, delta, u, C):
+    """End of cable c relative to its start for a force H at its start, with the directions u of its segments.
+
+    Writes the flexibility (9,) of the linearised cable to C. Returns where the directions u put the end, where those that
+    belong to H would, the force at the end, and by how much |F| u is not F.
+    """
+    count, node, L0, first = net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE], net.law[c, 0], net.cable[c, FIRST_SEGMENT]
     fx, fy, fz = H[0], H[1], H[2]
-    x = y = z = 0.0
+    x = y = z = xf = yf = zf = off = 0.0
     per_EA = 1.0 / EA[c]
     cxx, cxy, cxz, cyy, cyz, czz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(count):
-        per_F = (fx * fx + fy * fy + fz * fz + delta * delta) ** -0.5
-        along = per_F + per_EA
-        x, y, z = x + along * fx, y + along * fy, z + along * fz
-        # d/dF [F/|F| + F/EA] = (1/EA + 1/|F|) I - F F^T/|F|^3
-        ux, uy, uz = per_F * fx, per_F * fy, per_F * fz
-        cxx += along - per_F * ux * ux
-        cyy += along - per_F * uy * uy
-        czz += along - per_F * uz * uz
-        cxy -= per_F * ux * uy
-        cxz -= per_F * ux * uz
-        cyz -= per_F * uy * uz
+        size = (fx * fx + fy * fy + fz * fz + delta * delta) ** 0.5
+        per_F = 1.0 / size
+        ux, uy, uz = u[first + j, 0], u[first + j, 1], u[first + j, 2]
+        gx, gy, gz = per_F * fx, per_F * fy, per_F * fz
+        off = max(off, abs(fx - size * ux), abs(fy - size * uy), abs(fz - size * uz))
+        x, y, z = x + ux + per_EA * fx, y + uy + per_EA * fy, z + uz + per_EA * fz
+        xf, yf, zf = xf + gx + per_EA * fx, yf + gy + per_EA * fy, zf + gz + per_EA * fz
+        cxx += per_EA + per_F * (1.0 - ux * gx)
+        cyy += per_EA + per_F * (1.0 - uy * gy)
+        czz += per_EA + per_F * (1.0 - uz * gz)
+        cxy -= 0.5 * per_F * (ux * gy + gx * uy)
+        cxz -= 0.5 * per_F * (ux * gz + gx * uz)
+        cyz -= 0.5 * per_F * (uy * gz + gy * uz)
         if j < count - 1:
             fx, fy, fz = fx - load[node + j, 0], fy - load[node + j, 1], fz - load[node + j, 2]
     C[0], C[1], C[2] = L0 * cxx, L0 * cxy, L0 * cxz
     C[3], C[4], C[5] = L0 * cxy, L0 * cyy, L0 * cyz
     C[6], C[7], C[8] = L0 * cxz, L0 * cyz, L0 * czz
-    return L0 * x, L0 * y, L0 * z, fx, fy, fz
+    return L0 * x, L0 * y, L0 * z, L0 * xf, L0 * yf, L0 * zf, fx, fy, fz, off
 
 
 @njit(cache=True, error_model="numpy")
-def _gather(net, load, EA, H, delta, q, stiffness, gap, flat):
+def _turn(net, load, c, H, change, length, delta, u):
+    """Newton step of the directions of cable c's segments, which goes with a change of its forces."""
+    count, node, first = net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE], net.cable[c, FIRST_SEGMENT]
+    fx, fy, fz = H[0], H[1], H[2]
+    dx, dy, dz = length * change[0], length * change[1], length * change[2]
+    for j in range(count):
+        per_F = (fx * fx + fy * fy + fz * fz + delta * delta) ** -0.5
+        ux, uy, uz = u[first + j, 0], u[first + j, 1], u[first + j, 2]
+        gx, gy, gz = per_F * fx, per_F * fy, per_F * fz
+        # symmetrised as in _cable_end, so that the directions close the cable as the step of the forces meant
+        ud, gd = 0.5 * (ux * dx + uy * dy + uz * dz), 0.5 * (gx * dx + gy * dy + gz * dz)
+        ux = ux + length * (gx - ux) + per_F * (dx - ux * gd - gx * ud)
+        uy = uy + length * (gy - uy) + per_F * (dy - uy * gd - gy * ud)
+        uz = uz + length * (gz - uz) + per_F * (dz - uz * gd - gz * ud)
+        shorten = 1.0 / max(1.0, (ux * ux + uy * uy + uz * uz) ** 0.5)
+        u[first + j, 0], u[first + j, 1], u[first + j, 2] = shorten * ux, shorten * uy, shorten * uz
+        if j < count - 1:
+            fx, fy, fz = fx - load[node + j, 0], fy - load[node + j, 1], fz - load[node + j, 2]
+
+
+@njit(cache=True, error_model="numpy")
+def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
     """Linearise at forces H: closing gaps, stiffness of each cable, out-of-balance force of the free points in ``right``.
 
-    Returns the largest gap over a cable's length and the largest out-of-balance force.
+    Returns the largest gap over a cable's length, the largest out-of-balance force, and by how much |F| u is not F.
     """
     block, right, P = net.points.block, net.right, net.n_free - net.n_interior
     block[:] = 0.0
     for i in range(net.n_interior, net.n_free):
         for x in range(3):
             right[i, x] = load[i, x]
-    closing = 0.0
+    closing, off = 0.0, 0.0
     for c in range(net.cable.shape[0]):
         start, end = net.cable[c, START], net.cable[c, END]
-        x, y, z, fx, fy, fz = _cable_end(net, load, EA, c, H[c], delta, flat)
+        x, y, z, xf, yf, zf, fx, fy, fz, off_c = _cable_end(net, load, EA, c, H[c], delta, u, flat)
+        off = max(off, off_c)
         K = chain.inverse((flat[0], flat[1], flat[2], flat[3], flat[4], flat[5], flat[6], flat[7], flat[8]))
         for i in range(9):
             stiffness[c, i] = K[i]
         rx, ry, rz = x - q[end, 0] + q[start, 0], y - q[end, 1] + q[start, 1], z - q[end, 2] + q[start, 2]
-        gap[c, 0], gap[c, 1], gap[c, 2] = rx, ry, rz
+        gap[c, 0], gap[c, 1], gap[c, 2] = rx + xf - x, ry + yf - y, rz + zf - z
         size = max(net.law[c, 0] * net.cable[c, SEGMENTS], abs(x), abs(y), abs(z))
         closing = max(closing, max(abs(rx), abs(ry), abs(rz)) / size)
         if start < net.n_free:
@@ -108,7 +138,7 @@ def _gather(net, load, EA, H, delta, q, stiffness, gap, flat):
         if net.cable[c, BORDERED] == 1:
             chain._add(block[net.cable[c, START_END]], K, -1.0)
             chain._add(block[net.cable[c, END_START]], K, -1.0)
-    return closing, balance
+    return closing, balance, off
 
 
 @njit(types.UniTuple(float64, 3)(NET, _f2, _f1, float64, float64, _f2, _f2), cache=True, error_model="numpy")
@@ -132,7 +162,8 @@ def solve(net, load, EA, scale, tolerance, H, q):
     """
     cables = net.cable.shape[0]
     stiffness, gap, change, flat = np.zeros((cables, 9)), np.zeros((cables, 3)), np.zeros((cables, 3)), np.zeros(9)
-    trial = np.zeros(3)
+    trial, u = np.zeros(3), net.factor[:, :3]
+    u[:] = 0.0
     iterations, closing, balance = 0, np.inf, np.inf
     delta = 1e-2 * scale
     for rounding in range(ROUNDINGS):
@@ -140,9 +171,9 @@ def solve(net, load, EA, scale, tolerance, H, q):
         enough = tolerance if last else 1e-3
         polished = False
         for _ in range(ITERATIONS):
-            closing, balance = _gather(net, load, EA, H, delta, q, stiffness, gap, flat)
+            closing, balance, off = _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat)
             balance /= scale
-            if balance <= 1e-12 and closing <= enough:
+            if balance <= 1e-12 and closing <= enough and off <= (1e-12 if last else 1e-3) * scale:
                 if polished or not last:
                     break
                 polished = True  # one step more costs little and takes a quadratic iteration to rounding
@@ -151,7 +182,7 @@ def solve(net, load, EA, scale, tolerance, H, q):
             for i in range(net.n_interior, net.n_free):
                 for x in range(3):
                     q[i, x] += net.step[i, x]
-            slope = 0.0
+            slope, size = 0.0, 0.0
             for c in range(cables):
                 start, end, k = net.cable[c, START], net.cable[c, END], stiffness[c]
                 dx, dy, dz = (
@@ -162,6 +193,7 @@ def solve(net, load, EA, scale, tolerance, H, q):
                 change[c, 0], change[c, 1], change[c, 2] = chain._times(
                     (k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7], k[8]), dx, dy, dz
                 )
+                size += abs(change[c, 0]) + abs(change[c, 1]) + abs(change[c, 2])
                 slope += change[c, 0] * dx + change[c, 1] * dy + change[c, 2] * dz
             length = 1.0
             if balance <= 1e-9:
@@ -173,23 +205,23 @@ def solve(net, load, EA, scale, tolerance, H, q):
                         start, end = net.cable[c, START], net.cable[c, END]
                         for x in range(3):
                             trial[x] = H[c, x] + length * change[c, x]
-                        ends = _cable_end(net, load, EA, c, trial, delta, flat)
+                        ends = _cable_end(net, load, EA, c, trial, delta, u, flat)
                         for x in range(3):
-                            now += (ends[x] - q[end, x] + q[start, x]) * change[c, x]
-                    if now <= 0.5 * slope:
+                            now += (ends[3 + x] - q[end, x] + q[start, x]) * change[c, x]
+                    if now <= 0.5 * slope + 1e-15 * size:
                         break
                     length *= 0.5
             for c in range(cables):
+                _turn(net, load, c, H[c], change[c], length, delta, u)
                 for x in range(3):
                     H[c, x] += length * change[c, x]
         delta *= 1e-2
     return closing, balance, float64(iterations)
 
 
-@njit(types.void(NET, _f2, _f1, float64, _f2, _f2, _f1), cache=True, error_model="numpy")
-def unroll(net, load, EA, scale, H, q, tension):
-    """Places of the interior nodes and tensions of the segments that belong to the forces H; see `solve`."""
-    delta = 1e-2 * scale * 1e-2 ** (ROUNDINGS - 1)
+@njit(types.void(NET, _f2, _f1, _f2, _f2, _f1), cache=True, error_model="numpy")
+def unroll(net, load, EA, H, q, tension):
+    """Places of the interior nodes and tensions of the segments that belong to the forces H, right after `solve`."""
     for c in range(net.cable.shape[0]):
         first, count, node, L0 = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE], net.law[c, 0]
         start, end = net.cable[c, START], net.cable[c, END]
@@ -199,8 +231,8 @@ def unroll(net, load, EA, scale, H, q, tension):
             F = (fx * fx + fy * fy + fz * fz) ** 0.5
             tension[first + j] = F
             if j < count - 1:
-                along = L0 * ((F * F + delta * delta) ** -0.5 + 1.0 / EA[c])
-                x, y, z = x + along * fx, y + along * fy, z + along * fz
+                u, stretch = net.factor[first + j], L0 / EA[c]
+                x, y, z = x + L0 * u[0] + stretch * fx, y + L0 * u[1] + stretch * fy, z + L0 * u[2] + stretch * fz
                 i = node + j
                 q[i, 0], q[i, 1], q[i, 2] = x, y, z
                 fx, fy, fz = fx - load[i, 0], fy - load[i, 1], fz - load[i, 2]
@@ -251,7 +283,7 @@ def equilibrium(scene, tolerance=1e-12):
             "try a moderate EA or `simulate` with damping."
         )
     tension = np.empty(model.n_segments)
-    unroll(net, load, EA, scale, H, q, tension)
+    unroll(net, load, EA, H, q, tension)
     _check_slack(model, tension, total, scale)
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance)
 
