@@ -13,8 +13,9 @@ CORNERS = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.5, 0.5, 0.2), (-0.5,
 
 def net(EA=1e4, mass=0.036, gravity=(0.0, 0.0, -1.0), turn=None, g=9.81):
     turn = np.eye(3) if turn is None else turn
+    corners = [Fixed(f"s{i}", turn @ at) for i, at in enumerate(CORNERS)]
     return Scene(
-        points=[*(Fixed(f"s{i}", turn @ at) for i, at in enumerate(CORNERS)), Free("p0", mass, turn @ (0.1, 0.0, -0.5))],
+        points=[*corners, Free("p0", mass, turn @ (0.1, 0.0, -0.5))],
         cables=[Cable(f"s{i}", "p0", length=1.0, mass_per_length=0.1, EA=EA, segments=5) for i in range(4)],
         effects=[Gravity(g, tuple(turn @ gravity))],
     )
