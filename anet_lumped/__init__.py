@@ -1,0 +1,27 @@
+"""Elastic cables and cable nets as lumped masses."""
+
+from .catenary import catenary
+from .equilibrium import EquilibriumError, equilibrium
+from .run import Run, State, load_run
+from .scene import Cable, Driven, Fixed, Free, Scene, SceneError
+from .scene_file import load_scene, save_scene
+from .simulate import RunError, simulate
+
+__all__ = [
+    "Cable",
+    "Driven",
+    "EquilibriumError",
+    "Fixed",
+    "Free",
+    "Run",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "State",
+    "catenary",
+    "equilibrium",
+    "load_run",
+    "load_scene",
+    "save_scene",
+    "simulate",
+]

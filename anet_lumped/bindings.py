@@ -1,5 +1,7 @@
 """The compiled functions of a net, handed to an integrator as its `System`."""
 
+import numpy as np
+
 from integrators.system import System, first_class
 
 from . import dynamics
@@ -21,6 +23,6 @@ def system(model):
         settle=first_class(dynamics.settle),
         forget=first_class(dynamics.forget),
         energy=first_class(dynamics.energies),
-        mass=model.mass,
+        per_mass=np.repeat(1.0 / model.mass, 3).reshape(-1, 3),
         n_free=model.n_free,
     )

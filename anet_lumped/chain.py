@@ -17,12 +17,13 @@ which is (G^-1 + D^-1)^-1 for the segment stiffness G = a I + e g^T / phi, after
 
 from numba import njit
 
-# Columns of the scratch table `Net.segment`, one row a segment: unit vectors e, g and n (the length's own direction), then
-DIRECTION, GRADIENT, LENGTH_DIRECTION = 0, 3, 6
-GEOMETRIC, COMPLIANCE, OFFSET = 9, 10, 11
-# Columns of `Net.cable` and of the elimination's own table.
+# Columns of the scratch table `Net.segment`, one row a segment: e and g of the docstring (three each), a, phi, eps0; and for
+# the law: the stretch before (of the old segment, or of its component along the new one), the stretch now, the tension and
+# its conservative part.
+DIRECTION, GRADIENT, GEOMETRIC, COMPLIANCE, OFFSET = 0, 3, 6, 7, 8
+BEFORE, STRETCH, LAW_TENSION, SECANT = 9, 10, 11, 12
+# Columns of `Net.cable`.
 FIRST_SEGMENT, SEGMENTS, FIRST_NODE, START, END, BORDERED, START_END, END_START = range(8)
-PASSED, CONSTANT, TENSION_SLOPE, TENSION_CONSTANT = 0, 9, 12, 15
 
 
 @njit(cache=True, error_model="numpy")

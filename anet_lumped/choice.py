@@ -44,7 +44,7 @@ def time_scale(scene):
 
 
 def _path_scales(path):
-    parameters = path.parameters
+    parameters = dict(path.parameters)
     scales = [parameters["ramp"]] if parameters.get("ramp") else []
     if parameters.get("frequency"):
         scales.append(1.0 / parameters["frequency"])

@@ -1,23 +1,36 @@
 """What an integrator asks of a net: forces, prescribed motion, the residual of a stage, the Newton step, the energies."""
 
+import math
+
 from numba import float64, int64, njit, types, void
 
 from integrators.stage import BETWEEN, STAGE, STATE
 
 from . import chain
-from .chain import BORDERED, END, FIRST_NODE, FIRST_SEGMENT, SEGMENTS, START
-from .effects.axial import stored, tension, tension_between, tension_slopes
+from .chain import (
+    BEFORE,
+    COMPLIANCE,
+    DIRECTION,
+    END,
+    FIRST_NODE,
+    FIRST_SEGMENT,
+    GEOMETRIC,
+    GRADIENT,
+    LAW_TENSION,
+    OFFSET,
+    SECANT,
+    SEGMENTS,
+    START,
+    STRETCH,
+)
+from .effects.axial import stored, tension_between, tension_parts, tension_slopes
+from .effects.signatures import as_energy, as_force, as_tangent
 from .net import NET
 from .path_kernel import evaluate
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 EPS = 2.220446049250313e-16
 ROUNDS = 4  # eliminations a Newton step may spend on finding which segments are slack
-
-# Columns 12 to 15 of `Net.segment`: the stretch before (of the old segment's length, or of its component along the new one
-# for the law STATE), the stretch now, the tension by the law, and the conservative part of it.
-BEFORE, STRETCH, LAW_TENSION, SECANT = 12, 13, 14, 15
-
 
 @njit(void(float64, NET, _f2, _f2), cache=True, error_model="numpy")
 def prescribe(t, net, q, v):
@@ -26,6 +39,18 @@ def prescribe(t, net, q, v):
     if first < q.shape[0]:
         evaluate(t, net.paths, q[first:], v[first:], net.step[first:])
         net.step[first:] = 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _pull(q0, q1, v0, v1, L0, k, c, two_spring, two_damper):
+    """Force of a segment on the node at its start, and the power that its damper dissipates."""
+    dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
+    l = math.sqrt(dx * dx + dy * dy + dz * dz)
+    per_l = 1.0 / max(l, 1e-12 * L0)
+    rate = (dx * (v1[0] - v0[0]) + dy * (v1[1] - v0[1]) + dz * (v1[2] - v0[2])) * per_l
+    T, spring = tension_parts(l - L0, rate, k, c, two_spring, two_damper)
+    along = T * per_l
+    return along * dx, along * dy, along * dz, (T - spring) * rate
 
 
 @njit(void(float64, _f2, _f2, NET, _f2, _f1), cache=True, error_model="numpy")
@@ -45,44 +70,35 @@ def force(t, q, v, net, f, power):
     f[:] = 0.0
     dissipated = 0.0
     effects = net.effects
-    for e in range(effects.count):
+    for e in range(effects.address.shape[0]):
         i, j = effects.index_at[e], effects.index_at[e + 1]
         a, b = effects.params_at[e], effects.params_at[e + 1]
-        dissipated += effects.force[e](t, q, v, effects.index[i:j], effects.params[a:b], f)
+        dissipated += as_force(effects.address[e, 0])(t, q, v, effects.index[i:j], effects.params[a:b], f)
     for c in range(net.cable.shape[0]):
-        count, node = net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
+        inner, node = net.cable[c, SEGMENTS] - 1, net.cable[c, FIRST_NODE]
         start, end = net.cable[c, START], net.cable[c, END]
         L0, k, damper, two_spring, two_damper = net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4]
-        x0, y0, z0 = q[start, 0], q[start, 1], q[start, 2]
-        u0, v0, w0 = v[start, 0], v[start, 1], v[start, 2]
-        fx, fy, fz, i_before = 0.0, 0.0, 0.0, start
-        for j in range(count):
-            i = node + j if j < count - 1 else end
-            x1, y1, z1 = q[i, 0], q[i, 1], q[i, 2]
-            u1, v1, w1 = v[i, 0], v[i, 1], v[i, 2]
-            dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
-            l = (dx * dx + dy * dy + dz * dz) ** 0.5
-            per_l = 1.0 / max(l, 1e-12 * L0)
-            rate = (dx * (u1 - u0) + dy * (v1 - v0) + dz * (w1 - w0)) * per_l
-            T = tension(l - L0, rate, k, damper, two_spring, two_damper)
-            spring = tension(l - L0, 0.0, k, damper, two_spring, two_damper)
-            dissipated += (T - spring) * rate
-            T *= per_l
-            gx, gy, gz = T * dx, T * dy, T * dz
-            if j == 0:
-                f[start, 0] += gx
-                f[start, 1] += gy
-                f[start, 2] += gz
-            else:
-                f[i_before, 0] += gx - fx
-                f[i_before, 1] += gy - fy
-                f[i_before, 2] += gz - fz
-            fx, fy, fz = gx, gy, gz
-            x0, y0, z0, u0, v0, w0 = x1, y1, z1, u1, v1, w1
-            i_before = i
-        f[end, 0] -= fx
-        f[end, 1] -= fy
-        f[end, 2] -= fz
+        q0, v0, before = (q[start, 0], q[start, 1], q[start, 2]), (v[start, 0], v[start, 1], v[start, 2]), f[start]
+        # views of the cable's own nodes, so that no index can be negative and the loop stays tight
+        Q, V, F = q[node : node + inner], v[node : node + inner], f[node : node + inner]
+        fx, fy, fz = 0.0, 0.0, 0.0
+        for j in range(inner):
+            q1, v1 = (Q[j, 0], Q[j, 1], Q[j, 2]), (V[j, 0], V[j, 1], V[j, 2])
+            gx, gy, gz, lost = _pull(q0, q1, v0, v1, L0, k, damper, two_spring, two_damper)
+            dissipated += lost
+            before[0] += gx - fx
+            before[1] += gy - fy
+            before[2] += gz - fz
+            before, q0, v0, fx, fy, fz = F[j], q1, v1, gx, gy, gz
+        q1, v1 = (q[end, 0], q[end, 1], q[end, 2]), (v[end, 0], v[end, 1], v[end, 2])
+        gx, gy, gz, lost = _pull(q0, q1, v0, v1, L0, k, damper, two_spring, two_damper)
+        dissipated += lost
+        before[0] += gx - fx
+        before[1] += gy - fy
+        before[2] += gz - fz
+        f[end, 0] -= gx
+        f[end, 1] -= gy
+        f[end, 2] -= gz
     put_in = 0.0
     for i in range(net.n_driven, q.shape[0]):
         put_in -= f[i, 0] * v[i, 0] + f[i, 1] * v[i, 1] + f[i, 2] * v[i, 2]
@@ -102,8 +118,7 @@ def _law(stage, stretch, before, k, c, two_spring, two_damper):
         rate = (stretch - before) / stage.tau
     else:
         rate = (max(stretch, 0.0) - max(before, 0.0)) / stage.tau
-    T = tension(stretch, rate, k, c, two_spring, two_damper)
-    of_stretch, of_rate = tension_slopes(stretch, rate, k, c, two_spring, two_damper)
+    T, of_stretch, of_rate = tension_slopes(stretch, rate, k, c, two_spring, two_damper)
     return T, of_stretch + of_rate / stage.tau, 0.0
 
 
@@ -127,36 +142,30 @@ def residual(stage, base, target, q, net):
     """
     n, n_free, mass, right, diagonal = q.shape[0], net.n_free, net.mass, net.right, net.diagonal
     middle_q, middle_v, per_tau = net.middle_q, net.middle_v, 1.0 / stage.tau
-    reach = 0.0
+    reach, scale = 0.0, 0.0
     for i in range(n):
+        W = mass[i] * stage.W if i < n_free else 0.0
         for x in range(3):
-            moved = q[i, x] - base[i, x]
-            middle_q[i, x] = base[i, x] + stage.theta * moved
+            here, before = q[i, x], base[i, x]
+            moved = here - before
+            middle_q[i, x] = before + stage.theta * moved
             middle_v[i, x] = moved * per_tau
-            reach = max(reach, abs(q[i, x]))
-            right[i, x] = 0.0
+            reach = max(reach, abs(here))
+            inertia = W * (target[i, x] - here)
+            scale = max(scale, abs(inertia))
+            right[i, x] = inertia
+        if i < n_free:
+            D = diagonal[i]
+            D[0, 0], D[0, 1], D[0, 2] = W, 0.0, 0.0
+            D[1, 0], D[1, 1], D[1, 2] = 0.0, W, 0.0
+            D[2, 0], D[2, 1], D[2, 2] = 0.0, 0.0, W
     effects = net.effects
-    for e in range(effects.count):
+    for e in range(effects.address.shape[0]):
         i, j = effects.index_at[e], effects.index_at[e + 1]
         a, b = effects.params_at[e], effects.params_at[e + 1]
-        effects.force[e](stage.t, middle_q, middle_v, effects.index[i:j], effects.params[a:b], right)
-    scale = 0.0
-    for i in range(n_free):
-        W = mass[i] * stage.W
-        for x in range(3):
-            inertia = W * (target[i, x] - q[i, x])
-            scale = max(scale, abs(inertia), abs(right[i, x]))
-            right[i, x] += inertia
-            diagonal[i, x, 0] = 0.0
-            diagonal[i, x, 1] = 0.0
-            diagonal[i, x, 2] = 0.0
-            diagonal[i, x, x] = W
-    for e in range(effects.count):
-        i, j = effects.index_at[e], effects.index_at[e + 1]
-        a, b = effects.params_at[e], effects.params_at[e + 1]
-        effects.tangent[e](
-            stage.t, middle_q, middle_v, effects.index[i:j], effects.params[a:b], stage.theta, per_tau, diagonal
-        )
+        index, params = effects.index[i:j], effects.params[a:b]
+        as_force(effects.address[e, 0])(stage.t, middle_q, middle_v, index, params, right)
+        as_tangent(effects.address[e, 1])(stage.t, middle_q, middle_v, index, params, stage.theta, per_tau, diagonal)
     pull = net.pull
     for i in range(net.n_interior, n):
         for x in range(3):
@@ -176,14 +185,14 @@ def residual(stage, base, target, q, net):
             a1, b1, c1 = base[i, 0], base[i, 1], base[i, 2]
             dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
             ax, ay, az = a1 - a0, b1 - b0, c1 - c0
-            l = (dx * dx + dy * dy + dz * dz) ** 0.5
+            l = math.sqrt(dx * dx + dy * dy + dz * dz)
             per_l = 1.0 / max(l, 1e-12 * L0)
             nx, ny, nz = dx * per_l, dy * per_l, dz * per_l
             ex, ey, ez, sum_l, gx, gy, gz = nx, ny, nz, l, nx, ny, nz
             if stage.law == STATE:
                 before = nx * ax + ny * ay + nz * az - L0
             else:
-                l_a = (ax * ax + ay * ay + az * az) ** 0.5
+                l_a = math.sqrt(ax * ax + ay * ay + az * az)
                 before = l_a - L0
                 if stage.law == BETWEEN:
                     sum_l = l_a + l
@@ -196,11 +205,10 @@ def residual(stage, base, target, q, net):
                 gx, gy, gz = nx - turn * (ax - along * nx), ny - turn * (ay - along * ny), nz - turn * (az - along * nz)
             row[0], row[1], row[2] = ex, ey, ez
             row[3], row[4], row[5] = gx, gy, gz
-            row[6], row[7], row[8] = nx, ny, nz
-            row[9] = max(net.tension[first + j], 0.0) / max(sum_l, 0.01 * L0)
-            row[10] = 1.0 / slope
-            row[11] = T / slope if slope > 0.0 else 0.0
-            row[12], row[13], row[14], row[15] = before, l - L0, T, secant
+            compliance = 1.0 / slope
+            row[GEOMETRIC] = max(net.tension[first + j], 0.0) / max(sum_l, 0.01 * L0)
+            row[COMPLIANCE], row[OFFSET] = compliance, T * compliance if slope > 0.0 else 0.0
+            row[BEFORE], row[STRETCH], row[LAW_TENSION], row[SECANT] = before, l - L0, T, secant
             tx, ty, tz = T * ex, T * ey, T * ez
             if j == 0:
                 pull[start, 0] += tx
@@ -208,7 +216,9 @@ def residual(stage, base, target, q, net):
                 pull[start, 2] += tz
             else:
                 p = node + j - 1
-                rx, ry, rz = right[p, 0] + tx - fx, right[p, 1] + ty - fy, right[p, 2] + tz - fz
+                sx, sy, sz = right[p, 0], right[p, 1], right[p, 2]
+                scale = max(scale, abs(sx), abs(sy), abs(sz))
+                rx, ry, rz = sx + tx - fx, sy + ty - fy, sz + tz - fz
                 norm = max(norm, abs(rx), abs(ry), abs(rz))
                 finite += rx + ry + rz
             fx, fy, fz, largest = tx, ty, tz, max(largest, abs(T))
@@ -237,50 +247,44 @@ def direction(stage, net):
     solves : int64
         Eliminations made.
     """
-    n_right = net.n_free
     right, kept, step = net.right, net.pull, net.step
-    for i in range(n_right):
+    for i in range(net.n_interior, net.n_free):
         for x in range(3):
             kept[i, x] = right[i, x]
+    length_direction = GRADIENT if stage.law == BETWEEN else DIRECTION
     for solves in range(1, ROUNDS + 1):
         chain.solve(net)
-        changed = False
         if solves == ROUNDS:
             break
+        changed = False
         for c in range(net.cable.shape[0]):
             first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
-            L0, k, damper, two_spring, two_damper = (
-                net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4],
-            )  # fmt: skip
+            L0, k, damper, two_spring, two_damper = net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4]
             if two_spring > 0.0:
                 continue
-            before = net.cable[c, START]
+            x0, y0, z0 = step[net.cable[c, START], 0], step[net.cable[c, START], 1], step[net.cable[c, START], 2]
             for j in range(count):
                 i = node + j if j < count - 1 else net.cable[c, END]
                 row = net.segment[first + j]
-                longer = (
-                    row[6] * (step[i, 0] - step[before, 0])
-                    + row[7] * (step[i, 1] - step[before, 1])
-                    + row[8] * (step[i, 2] - step[before, 2])
-                )
-                before = i
-                stretch = max(row[STRETCH] + longer, -L0)
-                T, slope, _ = _law(stage, stretch, row[BEFORE], k, damper, two_spring, two_damper)
+                n = row[length_direction : length_direction + 3]
+                x1, y1, z1 = step[i, 0], step[i, 1], step[i, 2]
+                longer = n[0] * (x1 - x0) + n[1] * (y1 - y0) + n[2] * (z1 - z0)
+                x0, y0, z0 = x1, y1, z1
+                stretch = row[STRETCH] + longer
                 T_linear = net.tension[first + j]
+                if (T_linear > 0.0) if stretch > 0.0 else row[OFFSET] == 0.0:
+                    continue
+                T, slope, _ = _law(stage, max(stretch, -L0), row[BEFORE], k, damper, two_spring, two_damper)
                 if abs(T - T_linear) > 1e-2 * (abs(T) + abs(T_linear)) + 64.0 * EPS * k:
-                    if slope > 0.0:
-                        was = 1.0 / row[10]
+                    if slope > 0.0 and length_direction == DIRECTION:
+                        turn = 1.0 / (row[COMPLIANCE] * slope)  # the part of the gradient that turns has no slope in it
                         for x in range(3):
-                            row[3 + x] = row[6 + x] + (row[3 + x] - row[6 + x]) * (was / slope)
-                        row[10] = 1.0 / slope
-                        row[11] = T / slope - longer
-                    else:
-                        row[10] = 1.0 / slope
-                        row[11] = 0.0
+                            row[GRADIENT + x] = n[x] + (row[GRADIENT + x] - n[x]) * turn
+                    row[COMPLIANCE], row[OFFSET] = 1.0 / slope, T / slope - longer if slope > 0.0 else 0.0
                     changed = True
         if not changed:
             break
-        for i in range(n_right):
+        for i in range(net.n_interior, net.n_free):
             for x in range(3):
                 right[i, x] = kept[i, x]
     return solves
@@ -315,10 +319,10 @@ def settle(stage, base, q, net, energy):
         row = net.segment[s]
         dissipated += (row[LAW_TENSION] - row[SECANT]) * (row[STRETCH] - row[BEFORE])
     effects = net.effects
-    for e in range(effects.count):
+    for e in range(effects.address.shape[0]):
         i, j = effects.index_at[e], effects.index_at[e + 1]
         a, b = effects.params_at[e], effects.params_at[e + 1]
-        dissipated += stage.tau * effects.force[e](
+        dissipated += stage.tau * as_force(effects.address[e, 0])(
             stage.t, net.middle_q, net.middle_v, effects.index[i:j], effects.params[a:b], net.right
         )
     for i in range(net.n_driven, q.shape[0]):
@@ -340,11 +344,11 @@ def energies(t, q, v, net, energy):
         for j in range(count):
             i = node + j if j < count - 1 else net.cable[c, END]
             dx, dy, dz = q[i, 0] - q[before, 0], q[i, 1] - q[before, 1], q[i, 2] - q[before, 2]
-            elastic += stored((dx * dx + dy * dy + dz * dz) ** 0.5 - L0, k, two_spring)
+            elastic += stored(math.sqrt(dx * dx + dy * dy + dz * dz) - L0, k, two_spring)
             before = i
     effects = net.effects
-    for e in range(effects.count):
+    for e in range(effects.address.shape[0]):
         i, j = effects.index_at[e], effects.index_at[e + 1]
         a, b = effects.params_at[e], effects.params_at[e + 1]
-        potential += effects.energy[e](t, q, effects.index[i:j], effects.params[a:b])
+        potential += as_energy(effects.address[e, 2])(t, q, effects.index[i:j], effects.params[a:b])
     energy[0], energy[1], energy[2] = kinetic, elastic, potential

@@ -1,15 +1,13 @@
 """Scene → Model: nodes, segments and the elimination order, as the flat arrays that compiled code works on."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
-from integrators.system import first_class
-
 from .effects.axial import SWITCHES
-from .effects.gravity import Gravity
-from .net import EFFECT_SLOTS, Effects, Net, Points
+from .effects.signatures import addresses
+from .net import Effects, Net, Points
 from .paths import pack
 from .scene import Driven, Fixed, Free, Scene
 
@@ -104,7 +102,7 @@ class Model:
             n_driven=self.n_driven,
             effects=self.effects,
             points=self.symbolic._replace(block=np.zeros_like(self.symbolic.block)),
-            segment=np.zeros((segments, 16)),
+            segment=np.zeros((segments, 13)),
             tension=np.zeros(segments),
             pull=np.zeros((n, 3)),
             right=np.zeros((n, 3)),
@@ -117,6 +115,7 @@ class Model:
         )
 
 
+@lru_cache(maxsize=8)
 def build(scene):
     """Cut a scene into nodes and segments and choose the elimination order.
 
@@ -219,20 +218,11 @@ def _symbolic(order, later):
 
 
 def _effect_tables(effects, mass):
-    """Tables and compiled functions of the effects present; slots beyond the last are never called."""
+    """Tables and addresses of the compiled functions of the effects present."""
     tables = [effect.table(mass) for effect in effects]
-    kernels = [effect.kernels() for effect in effects]
-    filler = Gravity(0.0).kernels()
-    force, tangent, energy = (
-        tuple(map(first_class, column))
-        for column in zip(*(kernels + [filler] * (EFFECT_SLOTS - len(kernels))), strict=True)
-    )
     index, params = [np.asarray(i, np.int64) for i, _ in tables], [np.asarray(p, float) for _, p in tables]
     return Effects(
-        count=len(effects),
-        force=force,
-        tangent=tangent,
-        energy=energy,
+        address=np.array([addresses(effect) for effect in effects], np.int64).reshape(-1, 3),
         index=np.concatenate([*index, np.empty(0, np.int64)]),
         index_at=np.cumsum([0, *map(len, index)]).astype(np.int64),
         params=np.concatenate([*params, np.empty(0)]),

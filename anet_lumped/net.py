@@ -9,25 +9,17 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-import integrators  # noqa: F401  (silences the one warning that the types below would raise)
-
-from .effects import signatures
 from .path_kernel import TABLE
-
-EFFECT_SLOTS = 16
 
 _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
 _i1, _i2 = (types.Array(types.int64, d, "C") for d in (1, 2))
 
 
 class Effects(NamedTuple):
-    """The effects of a scene other than axial ones; slot k of each tuple belongs to the effect whose numbers are
-    ``index[index_at[k]:index_at[k+1]]`` and ``params[params_at[k]:params_at[k+1]]``; only the first ``count`` are called."""
+    """The effects of a scene other than axial ones. Effect k has the numbers ``index[index_at[k]:index_at[k+1]]`` and
+    ``params[params_at[k]:params_at[k+1]]`` and the functions at ``address[k]``: force, tangent and energy."""
 
-    count: int
-    force: tuple
-    tangent: tuple
-    energy: tuple
+    address: np.ndarray
     index: np.ndarray
     index_at: np.ndarray
     params: np.ndarray
@@ -68,7 +60,7 @@ class Net(NamedTuple):
     n_driven: int  # first driven node
     effects: Effects
     points: Points
-    segment: np.ndarray  # (n_segments, 16) scratch: the linearised law of each segment, see dynamics.py
+    segment: np.ndarray  # (n_segments, 13) scratch: the linearised law of each segment, columns in chain.py
     tension: np.ndarray  # (n_segments,) tension that the last Newton step predicted
     pull: np.ndarray  # (n, 3) scratch
     right: np.ndarray  # (n, 3) right-hand side, overwritten by the elimination
@@ -80,14 +72,7 @@ class Net(NamedTuple):
     middle_v: np.ndarray  # (n, 3) velocity at which external forces are taken
 
 
-def _tuple_of(signature):
-    return types.UniTuple(types.FunctionType(signature), EFFECT_SLOTS)
-
-
-EFFECTS = types.NamedTuple(
-    (types.int64, _tuple_of(signatures.FORCE), _tuple_of(signatures.TANGENT), _tuple_of(signatures.ENERGY), _i1, _i1, _f1, _i1),
-    Effects,
-)
+EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1), Effects)
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
 NET = types.NamedTuple(
     (types.int64, types.int64, _f1, _i2, _f2, TABLE, types.int64, EFFECTS, POINTS, _f2, _f1, _f2, _f2, _f3, _f2, _f2)

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .effects.axial import tension
+from .effects.axial import tension_parts, with_select
 from .model import Model, build
 from .scene import Scene
 
@@ -27,7 +27,8 @@ def segment_tensions(model, q, v):
     d = q[..., b, :] - q[..., a, :]
     l = np.linalg.norm(d, axis=-1)
     rate = np.sum(d * (v[..., b, :] - v[..., a, :]), axis=-1) / np.maximum(l, 1e-300)
-    return tension.py_func(l - model.law[model.cable_of, 0], rate, k, c, two_spring, two_damper)
+    law = with_select(tension_parts, np.where)
+    return law(l - model.law[model.cable_of, 0], rate, k, c, two_spring, two_damper)[0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ import time
 import numpy as np
 
 from integrators import schemes
-from integrators.march import marches
+from integrators.march import adaptive_march, fixed_march
 from integrators.system import BALANCE, DIVERGED, DONE
 
 from .bindings import system
@@ -80,7 +80,7 @@ def simulate(
 def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_inf):
     """March with a scheme of our own; returns a Run."""
     scheme = schemes.scheme(choice.method, NET)
-    fixed, stepping = marches(NET)
+    stepping = adaptive_march(NET) if adaptive else fixed_march(NET)
     net, bound = model.net(), system(model)
     memory = np.zeros((scheme.memory, model.n, 3))
     options = scheme.options(rho_inf)
@@ -100,7 +100,7 @@ def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho
             options, counts, balance, *out
         )  # fmt: skip
     else:
-        status, saved, t, node = fixed(
+        status, saved, t, node = stepping(
             scheme.step, bound, net, t0, t_end, choice.dt, stride, scheme.kept, q, v, memory, options, counts, balance, *out
         )
     return Run(

@@ -57,7 +57,7 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
         if gh == 0.0:
             for i in range(system.n_free):
                 for x in range(3):
-                    V[i, x], A[i, x] = v[i, x], memory[0, i, x] / system.mass[i]
+                    V[i, x], A[i, x] = v[i, x], memory[0, i, x] * system.per_mass[i, x]
             continue
         for i in range(q.shape[0]):
             for x in range(3):

@@ -15,11 +15,9 @@ MEMORY = 1
 @njit(cache=True, error_model="numpy")
 def step(system, net, t, h, q, v, memory, options, counts, balance):
     """One step; memory[0] is the force at its start, and then at its end."""
-    f = memory[0]
-    for i in range(system.n_free):
-        per_m = h / system.mass[i]
-        for x in range(3):
-            q[i, x] += h * v[i, x]
-            v[i, x] += per_m * f[i, x]
+    Q, V, f, per_m = q.ravel(), v.ravel(), memory[0].ravel(), system.per_mass.ravel()
+    for i in range(3 * system.n_free):
+        Q[i] += h * V[i]
+        V[i] += h * per_m[i] * f[i]
     arrive(system, net, t, h, q, v, memory, counts, balance)
     return DONE

@@ -31,7 +31,7 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
     if options[SCHEME + 1] == 0.0:
         for i in range(system.n_free):
             for x in range(3):
-                a[i, x] = f[i, x] / system.mass[i]
+                a[i, x] = f[i, x] * system.per_mass[i, x]
         options[SCHEME + 1] = 1.0
     tau = beta * h / gamma
     W = (1.0 - alpha_m) / ((1.0 - alpha_f) * beta * h * h)
@@ -39,7 +39,7 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
         for x in range(3):
             q_hat[i, x] = q[i, x] + h * v[i, x] + h * h * (0.5 - beta) * a[i, x]
             base[i, x] = q_hat[i, x] - tau * (v[i, x] + h * (1.0 - gamma) * a[i, x])
-            pull = alpha_m * a[i, x] - alpha_f * f[i, x] / system.mass[i]
+            pull = alpha_m * a[i, x] - alpha_f * f[i, x] * system.per_mass[i, x]
             target[i, x] = q_hat[i, x] - pull / ((1.0 - alpha_f) * W)
             q[i, x] += h * v[i, x]
     system.prescribe(t + h, net, q, v)

@@ -225,17 +225,21 @@ def adaptive_steps(
 
 
 @cache
-def marches(net):
-    """`fixed_steps` and `adaptive_steps`, compiled (or loaded from the cache) for nets of Numba type ``net``."""
-    step, system = types.FunctionType(step_signature(net)), system_type(net)
+def fixed_march(net):
+    """`fixed_steps`, compiled (or loaded from the cache) for nets of Numba type ``net``."""
     f, i = types.float64, types.int64
-    state = (_f2, _f2, _f3, _f1, _i1, _f1)
-    out = (_f1, _f3, _f3, _f2)
-    for function, signature in (
-        (fixed_steps, (step, system, net, f, f, f, i, i, *state, *out)),
-        (adaptive_steps, (step, system, net, f, f, f, i, f, f, i, _f1, *state, *out)),
-    ):
-        if not function.signatures:
-            function.compile(signature)
-            function.disable_compile()
-    return fixed_steps, adaptive_steps
+    return _compiled(fixed_steps, net, (f, f, f, i, i))
+
+
+@cache
+def adaptive_march(net):
+    """`adaptive_steps`, compiled (or loaded from the cache) for nets of Numba type ``net``."""
+    f, i = types.float64, types.int64
+    return _compiled(adaptive_steps, net, (f, f, f, i, f, f, i, _f1))
+
+
+def _compiled(march, net, own):
+    state, out = (_f2, _f2, _f3, _f1, _i1, _f1), (_f1, _f3, _f3, _f2)
+    march.compile((types.FunctionType(step_signature(net)), system_type(net), net, *own, *state, *out))
+    march.disable_compile()
+    return march

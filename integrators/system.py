@@ -27,7 +27,7 @@ TOLERANCE, ITERATIONS, SCHEME = 0, 1, 2
 
 
 class System(NamedTuple):
-    """Compiled functions of a system, its masses and the number of moving nodes.
+    """Compiled functions of a system, the inverse of its masses (n, 3) [1/kg], a column an axis, and the number of moving nodes.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class System(NamedTuple):
     settle: object
     forget: object
     energy: object
-    mass: np.ndarray
+    per_mass: np.ndarray
     n_free: int
 
 
@@ -83,7 +83,7 @@ def signatures(net):
 
 def system_type(net):
     """Numba type of a `System` whose functions take ``net``."""
-    return types.NamedTuple((*map(types.FunctionType, signatures(net)), _f1, types.int64), System)
+    return types.NamedTuple((*map(types.FunctionType, signatures(net)), _f2, types.int64), System)
 
 
 def step_signature(net):

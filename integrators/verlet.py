@@ -16,17 +16,14 @@ MEMORY = 2
 @njit(cache=True, error_model="numpy")
 def step(system, net, t, h, q, v, memory, options, counts, balance):
     """One step; memory[0] is the force at its start, and then at its end."""
-    f, before = memory[0], memory[1]
-    for i in range(system.n_free):
-        per_m = h / system.mass[i]
-        for x in range(3):
-            change = per_m * f[i, x]
-            q[i, x] += h * v[i, x] + 0.5 * h * change
-            v[i, x] += change
-            before[i, x] = f[i, x]
+    Q, V, per_m = q.ravel(), v.ravel(), system.per_mass.ravel()
+    f, f_before = memory[0].ravel(), memory[1].ravel()
+    for i in range(3 * system.n_free):
+        change = h * per_m[i] * f[i]
+        Q[i] += h * (V[i] + 0.5 * change)
+        V[i] += change
+        f_before[i] = f[i]
     arrive(system, net, t, h, q, v, memory, counts, balance)
-    for i in range(system.n_free):
-        half = 0.5 * h / system.mass[i]
-        for x in range(3):
-            v[i, x] += half * (f[i, x] - before[i, x])
+    for i in range(3 * system.n_free):
+        V[i] += 0.5 * h * per_m[i] * (f[i] - f_before[i])
     return DONE

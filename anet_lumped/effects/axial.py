@@ -1,7 +1,6 @@
 """Axial elasticity with Kelvin-Voigt damping: the law of one segment, in time and between two times.
 
-Every law is plain arithmetic on scalars, so that Numba compiles it and JAX traces it as it stands. What a segment does
-when it is shorter than its rest length is given by two switches, 0.0 or 1.0:
+What a segment does when it is shorter than its rest length is given by two switches, 0.0 or 1.0:
 
 ============  ===============  ===============
 compression   two_way_spring   two_way_damper
@@ -10,7 +9,12 @@ compression   two_way_spring   two_way_damper
 ``"damped"``  0                1
 ``"linear"``  1                1
 ============  ===============  ===============
+
+The law at one time is plain arithmetic and `select`, so that the same lines are compiled by Numba, run on arrays by NumPy and
+traced by JAX: `with_select` gives them another `select`, such as ``numpy.where`` or ``jax.numpy.where``.
 """
+
+from types import FunctionType
 
 from numba import njit
 
@@ -18,8 +22,19 @@ SWITCHES = {"none": (0.0, 0.0), "damped": (0.0, 1.0), "linear": (1.0, 1.0)}
 
 
 @njit(cache=True)
-def tension(stretch, rate, k, c, two_way_spring, two_way_damper):
-    """Tension of a segment at one time.
+def select(condition, a, b):
+    """``a`` where the condition holds, else ``b``."""
+    return a if condition else b
+
+
+def with_select(law, where):
+    """The law of a compiled function, in plain Python, with ``where`` in place of `select`."""
+    return FunctionType(law.py_func.__code__, {**law.py_func.__globals__, "select": where})
+
+
+@njit(cache=True)
+def tension_parts(stretch, rate, k, c, two_way_spring, two_way_damper):
+    """Tension of a segment at one time, and the part of it that the spring alone would have.
 
     T = k (l - L0) + c dl/dt; a spring that cannot push is cut at l = L0; with ``"none"`` the damper is cut there too and
     T is never negative.
@@ -35,22 +50,22 @@ def tension(stretch, rate, k, c, two_way_spring, two_way_damper):
 
     Returns
     -------
-    T : float64 [N]
+    T, spring : float64 [N]
     """
-    taut = 1.0 * (stretch > 0.0)
-    one_way = k * stretch * (two_way_spring + (1.0 - two_way_spring) * taut)
-    T = one_way + c * rate * (two_way_damper + (1.0 - two_way_damper) * taut)
-    return two_way_damper * T + (1.0 - two_way_damper) * 0.5 * (T + abs(T))
+    taut = stretch > 0.0
+    spring = select(taut, k, two_way_spring * k) * stretch
+    T = spring + select(taut, c, two_way_damper * c) * rate
+    return select(T > 0.0, T, two_way_damper * T), spring
 
 
 @njit(cache=True)
 def tension_slopes(stretch, rate, k, c, two_way_spring, two_way_damper):
-    """Derivatives of `tension` with respect to stretch [N/m] and to rate [N s/m]."""
-    taut = 1.0 * (stretch > 0.0)
-    spring = k * (two_way_spring + (1.0 - two_way_spring) * taut)
-    damper = c * (two_way_damper + (1.0 - two_way_damper) * taut)
-    acts = two_way_damper + (1.0 - two_way_damper) * (spring * stretch + damper * rate > 0.0)
-    return spring * acts, damper * acts
+    """Tension of `tension_parts` and its derivatives with respect to stretch [N/m] and to rate [N s/m]."""
+    taut = stretch > 0.0
+    of_stretch, of_rate = select(taut, k, two_way_spring * k), select(taut, c, two_way_damper * c)
+    T = of_stretch * stretch + of_rate * rate
+    acts = select(T > 0.0, 1.0, two_way_damper)
+    return acts * T, acts * of_stretch, acts * of_rate
 
 
 @njit(cache=True)
