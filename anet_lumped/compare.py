@@ -123,7 +123,7 @@ class CableMismatch:
         Over the nodes: distance at the same unstretched arc length, its vertical part, distance to the nearest point.
     largest : float [m]
         Largest distance at the same arc length.
-    r_squared_height, r_squared_pooled : float
+    r_squared_vertical, r_squared_pooled : float
         Y is the height; Y is x, y and z together (see `r_squared` for what that is worth).
     length, length_reference, length_error : float [m]
         Stretched.
@@ -145,7 +145,7 @@ class CableMismatch:
     rmse_height: float
     rmse_curve: float
     largest: float
-    r_squared_height: float
+    r_squared_vertical: float
     r_squared_pooled: float
     length: float
     length_reference: float
@@ -221,7 +221,7 @@ def _compare_cable(state, cable, catenary, up):
         rmse_height=rmse(exact @ up, nodes @ up),
         rmse_curve=float(np.sqrt((project(nodes, curve)[0] ** 2).mean())),
         largest=float(np.linalg.norm(error, axis=1).max()),
-        r_squared_height=r_squared(exact @ up, nodes @ up),
+        r_squared_vertical=r_squared(exact @ up, nodes @ up),
         r_squared_pooled=r_squared(exact, nodes),
         length=length,
         length_reference=catenary.length,

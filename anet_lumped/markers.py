@@ -90,7 +90,7 @@ class CableMatch:
     r_squared_after: tuple
     length_before: float
     length_after: float
-    length_error: float
+    length_standard_error: float
     sag_measured: float
     sag_before: float
     sag_after: float
@@ -226,10 +226,10 @@ def sequence(xyz, state):
 def fit_markers(xyz, scene):
     """Fit the length of each cable to measured markers, and compare the model with them before and after.
 
-    Minimises over the lengths the sum of rho(|x_i - c_i|), with c_i the nearest point of the marker's cable in
-    equilibrium and rho the soft L1 loss at the scale of the residuals; then the markers are sequenced anew on the
-    fitted model, until none changes its cable or its side of the cut. Supports are taken as given: moving one along its
-    cable cannot be told from a change of length. A cable with fewer than three markers keeps its length.
+    Minimises over the lengths the sum of |x_i - c_i|^2 over the markers that are no outliers, c_i the nearest point of
+    the marker's cable in equilibrium; then the markers are sequenced anew on the fitted model, outliers included, until
+    none changes its cable or its side of the cut. Supports are taken as given: moving one along its cable cannot be
+    told from a change of length. A cable with fewer than three markers keeps its length.
 
     Parameters
     ----------
@@ -297,10 +297,7 @@ def _fit_lengths(xyz, state, order, fitted, shifted=False):
         ).ravel()
 
     # Steps of 1e-5 stand far above what a force residual of 1e-10 leaves open in the positions.
-    found = least_squares(
-        residual, np.ones(n + 3 * shifted), bounds=(0.5, 2.0), loss="soft_l1", f_scale=order.sigma, diff_step=1e-5,
-        xtol=1e-7,
-    )  # fmt: skip
+    found = least_squares(residual, np.ones(n + 3 * shifted), bounds=(0.5, 2.0), diff_step=1e-5, xtol=1e-7)
     errors = dict(zip(fitted, start * _standard_errors(found)[:n], strict=True))
     return equilibrium(_with_lengths(scene, fitted, start * found.x[:n])), errors, size * (found.x[n:] - 1)
 
@@ -349,7 +346,7 @@ def _match(xyz, before, after, order, i, error):
         r_squared_after=tuple(r_squared(seen[:, j], model[1][:, j]) for j in range(3)),
         length_before=before.scene.cables[i].length,
         length_after=cable.length,
-        length_error=error,
+        length_standard_error=error,
         sag_measured=float(below_chord(seen, *ends[1], up).max()) if len(rows) else math.nan,
         sag_before=float(below_chord(shapes[0], *ends[0], up).max()),
         sag_after=float(below_chord(shapes[1], *ends[1], up).max()),

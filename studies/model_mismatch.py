@@ -82,10 +82,10 @@ def mismatch(row):
         "rmse_height_mm": 1e3 * cable.rmse_height,
         "rmse_to_curve_mm": 1e3 * cable.rmse_curve,
         "rmse_own_ends_mm": 1e3 * own.rmse,
-        "r_squared_height": cable.r_squared_height,
+        "r_squared_vertical": cable.r_squared_vertical,
         "r_squared_pooled": cable.r_squared_pooled,
         "stretch": cable.stretch,
-        "length_error_um": 1e6 * cable.length_error,
+        "length_error_mm": 1e3 * cable.length_error,
         "sag_error_mm": 1e3 * cable.sag_error,
         "tension_error_percent": 100 * cable.tension_error / cable.tension_reference,
         "end_force_error_percent": 100 * cable.end_force_error / cable.tension_reference,
@@ -181,7 +181,7 @@ def _origin():
                 "supports_above_origin_m": height,
                 "rmse": error,
                 "r_squared_pooled": r_squared(seen, seen + misfit),
-                "r_squared_height": r_squared(seen[:, 2], seen[:, 2] + misfit[:, 2]),
+                "r_squared_vertical": r_squared(seen[:, 2], seen[:, 2] + misfit[:, 2]),
                 "spread_pooled": float(seen.std()),
             }
         )
@@ -212,7 +212,7 @@ def _markers():
             "length_true_m": MADE_LENGTHS[i],
             "length_model_m": match.length_before,
             "length_fitted_m": match.length_after,
-            "length_standard_error_m": match.length_error,
+            "length_standard_error_m": match.length_standard_error,
             "rmse_before_mm": 1e3 * match.rmse_before,
             "rmse_after_mm": 1e3 * match.rmse_after,
             **{f"r_squared_{axis}_after": r2 for axis, r2 in zip("xyz", match.r_squared_after, strict=True)},
@@ -260,7 +260,7 @@ def _plot_refinement(table):
         (
             ("rmse_mm", "RMSE, equal arc length [mm]"),
             ("p0_error_mm", "distance of p0 [mm]"),
-            ("length_error_um", "|length error| [µm]"),
+            ("length_error_mm", "|length error| [mm]"),
             ("tension_error_percent", "|tension error| [%]"),
         ),
         strict=True,
@@ -295,7 +295,7 @@ def _plot_thesis(thesis, origin):
     left.set_xticks(range(len(CASES)), [case.replace(" ", "\n", 1) for case in CASES], fontsize=8)
     left.set(ylim=(0, 0.8), xlim=(-0.5, 4.5), ylabel="spread of Y behind the thesis's tables,\nRMSE/√(1 − R²) [m]")
     right.plot(origin["supports_above_origin_m"], origin["r_squared_pooled"], color="C3", label="x, y and z pooled")
-    right.plot(origin["supports_above_origin_m"], origin["r_squared_height"], color="C2", label="Y is the height z")
+    right.plot(origin["supports_above_origin_m"], origin["r_squared_vertical"], color="C2", label="Y is the height z")
     low, high = thesis["supports_above_origin_m"].min(), thesis["supports_above_origin_m"].max()
     right.axvspan(low, high, color="0.9")
     right.text((low + high) / 2, 0.976, "gives the spreads\non the left", ha="center", fontsize=8)
@@ -350,7 +350,7 @@ little: Y pools coordinates around one mean, so that R² tells how far away the 
 
 Worst RMSE of a branch at equal arc length: {by_n} segments; it falls as N^{slope:.2f}. At {n[-1]:.0f} segments p0 is
 off by {finest.p0_error_mm:.2g} mm, the tension by {finest.tension_error_percent:.2g} %. R² of the height is above
-{np.floor(1e4 * table["r_squared_height"].min()) / 1e4} everywhere, and no branch is stretched by more than
+{np.floor(1e4 * table["r_squared_vertical"].min()) / 1e4} everywhere, and no branch is stretched by more than
 {table["stretch"].max():.1e} at EA = {EA:g} N. The error of the sag is as small, but jumps with N as its place falls on
 a node or between two.
 
@@ -359,10 +359,10 @@ What the thesis's tables say by themselves: RMSE/√(1 − R²), the spread of Y
 No coordinate of a branch of {LENGTH} m can spread by more than {MOST_SPREAD:.2f} m, nor can its points about their own
 middle. Of pooled coordinates, one and the same misfit of {origin["rmse"].iloc[0] * 1e3:.0f} mm has R² =
 {half_metre.r_squared_pooled:.4f} with the supports 0.5 m above the origin and {two_metres.r_squared_pooled:.4f} at 2 m,
-but {two_metres.r_squared_height:.3f} for the height at either. An origin {finite["supports_above_origin_m"].min():.1f}
-to {finite["supports_above_origin_m"].max():.1f} m below the supports, such as the floor, would explain every row (an
-inference, from a square of {SIDE} m). The text's 99.8 % for all four cables of case II is contradicted by its own
-{contradicted}.
+but {two_metres.r_squared_vertical:.3f} for the height at either. An origin
+{finite["supports_above_origin_m"].min():.1f} to {finite["supports_above_origin_m"].max():.1f} m below the
+supports, such as the floor, would explain every row (an inference, from a square of {SIDE} m). The text's 99.8 % for
+all four cables of case II is contradicted by its own {contradicted}.
 
 Unordered markers can be put in order by the model: of {len(cloud)} made-up ones with {NOISE * 1e3:.0f} mm of noise,
 {100 * OUTLIERS:.0f} % strays and {100 * HIDDEN:.0f} % hidden, {100 * right:.1f} % go to the right cable or are rightly

@@ -266,7 +266,7 @@ def _motion(poses):
                     "time_a_pose_ms": 1e3 * taken / poses,
                     "time_s": taken / poses * 400,
                     "thesis_time_s": MOTION[net],
-                    "largest_departure_um": 1e6 * float(np.linalg.norm(off, axis=1).max()),
+                    "largest_departure_m": float(np.linalg.norm(off, axis=1).max()),
                 }
             )
     return pd.DataFrame(rows)

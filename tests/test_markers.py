@@ -117,8 +117,8 @@ def test_fit_recovers_assignment_order_and_lengths(seed):
     for i, match in enumerate(found.cables):
         assert match.length_before == 1.0
         # 4 standard errors: once in 16,000; and the standard error itself is about a millimetre.
-        assert abs(match.length_after - TRUE_LENGTHS[i]) < 4 * match.length_error
-        assert match.length_error < 0.0015
+        assert abs(match.length_after - TRUE_LENGTHS[i]) < 4 * match.length_standard_error
+        assert match.length_standard_error < 0.0015
         assert match.rmse_after < 2 * NOISE < 0.02 < match.rmse_before  # two of three coordinates: sqrt(2) noise
         rows = order.along(i)
         rows = rows[cable[rows] == i]
@@ -127,6 +127,17 @@ def test_fit_recovers_assignment_order_and_lengths(seed):
         assert match.sag_after == pytest.approx(match.sag_measured, abs=0.01)
         assert min(match.r_squared_after) > 0.999 > max(match.r_squared_before[2], 0.99)
     assert np.abs(found.offset).max() < 0.003  # as for a shifted frame below
+
+
+@pytest.mark.parametrize("strays", [0.1, 0.4, 0.8])
+def test_strays_do_not_move_the_fit(strays):
+    """Lengths 10 % off at the start, a third of the markers hidden, and up to nearly as many strays as markers."""
+    lengths = (1.1, 0.91, 1.04, 0.95)
+    xyz, cable, _ = cloud(10, lengths=lengths, strays=strays, hidden=0.33)
+    found = fit_markers(xyz, net())
+    for match, length in zip(found.cables, lengths, strict=True):
+        assert abs(match.length_after - length) < 4 * match.length_standard_error < 0.006
+    assert (found.sequence.cable == cable)[cable >= 0].mean() >= 0.99
 
 
 def test_fit_counts_the_hidden_and_the_covered():
@@ -154,7 +165,7 @@ def test_cable_with_too_few_markers_keeps_its_length():
     keep[np.flatnonzero(cable == 3)[:2]] = True
     found = fit_markers(xyz[keep], net())
     assert found.cables[3].length_after == 1.0
-    assert np.isnan(found.cables[3].length_error)
+    assert np.isnan(found.cables[3].length_standard_error)
     assert found.cables[1].length_after == pytest.approx(0.97, abs=0.005)
 
 

@@ -36,6 +36,13 @@ def test_a_full_mass_at_the_ends_is_a_payload():
         assert thesis_tables.balance_p0(loaded)[2] - exact == pytest.approx(sampled, rel=2 / points)
 
 
+def test_half_masses_at_the_ends_leave_second_order():
+    exact = thesis_tables.balance_p0(thesis_tables.hanging_scene(thesis_tables.two_supports()))[2]
+    numbers = np.array([20, 50, 100, 200])
+    errors = [abs(thesis_tables.least_energy_p0(n, "trapezoid") - exact) for n in numbers]
+    assert np.polyfit(np.log(numbers - 1), np.log(errors), 1)[0] == pytest.approx(-2, abs=0.15)
+
+
 def test_p0_by_balance_of_forces():
     """THESIS.md, section 3: p0 = (0.5, 0.2036116441)."""
     p0 = thesis_tables.balance_p0(thesis_tables.hanging_scene(thesis_tables.two_supports()))
@@ -82,6 +89,8 @@ def test_study(study, executor, tmp_path):
         figure.savefig(tmp_path / f"{name}.png")
         for axes in figure.axes:
             assert axes.get_ylabel() or axes.get_shared_y_axes().get_siblings(axes) or axes.get_yticklabels()
+    if "bias" in rows:
+        assert rows["bias"]["payload_mm"].iloc[-1] == pytest.approx(rows["bias"]["equal_masses_mm"].iloc[-1], rel=0.02)
     words = study.answer(rows)
     assert "nan" not in words
     assert study.QUESTION.endswith("?")
