@@ -369,7 +369,8 @@ of its weights.
 
 Side by side in this program, the last row's sampling takes {last.time_s:.2g} s, {times:.0f} times the balance of forces
 ({quickest.method}; its p0 is {abs(quickest.error_mm):.2g} mm from the cable's). The 4 s of motion at
-0.2 m/s, 400 poses each from scratch, take {two.time_s:.2g} s for two cables (thesis: 14.5 min) and {four.time_s:.2g} s for four (thesis: more than 30 min).
+0.2 m/s, 400 poses each from scratch, take {two.time_s:.2g} s for two cables (thesis: 14.5 min) and
+{four.time_s:.2g} s for four (thesis: more than 30 min).
 
 Left out: the thesis's computer, program and sampling cube are not known, so that its times stand beside these and prove
 nothing alone. A net that moves as one body rests in the same shape at every pose, so that these poses say nothing about
