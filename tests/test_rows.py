@@ -153,12 +153,3 @@ def test_kill_9_loses_only_what_was_running_and_leaves_no_process(tmp_path):
     table = run_rows(slow, [{"seconds": 0.2 + x / 1e3} for x in range(10)], workers=2, out=tmp_path, resume=True)
     pids = {json.loads(line)["pid"] for line in kept}
     assert sum(pid in pids for pid in table["pid"]) == len(kept)
-
-
-def test_ctrl_c_says_where_the_rows_are_and_leaves_no_process(tmp_path):
-    process = start_and_wait_for_rows(tmp_path, "-c", SCRIPT, str(tmp_path))
-    os.killpg(process.pid, signal.SIGINT)
-    said = process.communicate(timeout=20)[1]
-    assert "Traceback" in said and said.count("Traceback") == 1
-    assert f"rows, which are in {tmp_path}/rows.jsonl." in said
-    assert wait_for_end_of(process.pid)
