@@ -5,15 +5,16 @@ import sys
 from numbers import Integral, Real
 
 UNITS = {
-    "m": "x y z height sag length rmse gap largest covered",
+    "m": "x y z sag length rmse gap largest covered",
     "N": "tension force EA",
     "s": "dt step time reached",
     "rad/s": "frequency",
     "J": "energy kinetic elastic gravitational work dissipated",
-    "-": "stretch imbalance residual evaluations",
+    "-": "stretch imbalance residual",
+    "": "evaluations",
 }
 UNIT = {word: unit for unit, words in UNITS.items() for word in words.split()}  # by the last such word of a name
-SUFFIXES = "m mm cm kg g s ms us ns N J Hz percent degrees".split()  # that are the unit of a name that ends so
+SUFFIXES = "m mm um cm kg g s ms us ns N J Hz percent degrees".split()  # that are the unit of a name that ends so
 WIDE = 10  # columns; a wider table of few rows is shown on its side
 
 
@@ -86,7 +87,7 @@ def _words(name):
 
 
 def _head(name):
-    unit = next((UNIT[word] for word in reversed(name.split("_")) if word in UNIT), None)
+    unit = next((UNIT[word] for word in reversed(name.split("_")) if word in UNIT), "")
     return f"{_words(name)} [{unit}]" if unit else column_head(name)
 
 

@@ -1,0 +1,221 @@
+"""The program `anet-lumped`: results on stdout or in a folder, progress and warnings on stderr.
+
+Exit status 0: done; 1: a run failed; 2: bad input; 130: stopped by Ctrl-C. What a command needs it imports itself, so
+that `--help` answers at once.
+"""
+import sys
+import warnings
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+
+SCENES = Path(__file__).parent / "scenes"
+REPORT = Path("results/report")
+SHOWN = 60  # rows of a sweep on the screen
+Scene = Annotated[str, typer.Argument(metavar="SCENE", help="A TOML file, or a scene that comes with this by name.")]
+Out = Annotated[Path | None, typer.Option(help="Folder for the results.")]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables (SI units).")]
+Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for you if not given.")]
+Step = Annotated[float | None, typer.Option(help="Step [s]; chosen for you if not given.")]
+Start = Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")]
+Quick = Annotated[bool, typer.Option("--quick", help="A first look: the same from less work.")]
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the program; whatever the user can put right is one sentence on stderr."""
+    warnings.showwarning = lambda message, *where: _tell(f"warning: {message}")
+    try:
+        app(arguments, prog_name="anet-lumped")
+    except (ValueError, RuntimeError, OSError) as error:
+        ours = type(error).__module__.partition(".")[0] in ("anet_lumped", "studies")
+        if not ours and type(error) is not ValueError and not isinstance(error, OSError):
+            raise
+        _tell(str(error))
+        sys.exit(1 if isinstance(error, RuntimeError) else 2)
+
+
+@app.callback(epilog="Example: anet-lumped simulate net_carried --t-end 4 --out results/carried   (4 s of motion)")
+def _about():
+    """Elastic cables and nets as lumped masses: rest, motion, stability, and their distance from the catenary."""
+
+
+@app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
+def equilibrium(scene: Scene, out: Out = None, as_json: Json = False):
+    """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, place [m] of each free point."""
+    from anet_lumped.equilibrium import equilibrium
+    from studies.summary import of_rest, write_nodes
+
+    state = equilibrium(_load(scene))
+    _give(of_rest(state), as_json, out, "equilibrium")
+    if out:
+        write_nodes(state, out / "nodes.csv")
+
+
+@app.command(epilog="Example: anet-lumped simulate loose_cable --t-end 0.6 --start straight --method edmc --dt 0.01")
+def simulate(
+    scene: Scene,
+    t_end: Annotated[float, typer.Option(help="How long to run [s].")],
+    method: Method = None,
+    dt: Step = None,
+    start: Start = None,
+    save_every: Annotated[float | None, typer.Option(help="Time between saved states [s].")] = None,
+    out: Out = None,
+    as_json: Json = False,
+):
+    """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, places at the end [m]."""
+    from anet_lumped.simulate import simulate
+    from studies.summary import of_run
+
+    run = simulate(_load(scene), t_end, method=method, dt=dt, start=start or "equilibrium", save_every=save_every)
+    for warning in run.warnings:
+        _tell(f"warning: {warning}")
+    _give(of_run(run), as_json, out, "run")
+    if out:
+        run.save(out / "run.nc")
+    if not run.ok:
+        raise typer.Exit(1)
+
+
+@app.command(epilog="Example: anet-lumped check net_held --dt 0.001   (a step of 1 ms)")
+def check(
+    scene: Scene,
+    dt: Annotated[float | None, typer.Option(help="A step to judge [s].")] = None,
+    as_json: Json = False,
+):
+    """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
+    from studies.summary import before_run
+
+    _give(before_run(_load(scene), dt), as_json)
+
+
+@app.command(epilog="Example: anet-lumped sweep net_held --vary EA=1e2:1e6:9log --vary segments=5,10  (EA in N)")
+def sweep(
+    scene: Scene,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            metavar="NAME=SPEC",
+            help="What varies: EA (all cables), s0-p0.EA, p0.mass, p0.at.z, gravity.g, method, dt ...; "
+            "over a:b:n (evenly), a:b:nlog (in the logarithm) or a,b,c. Again for a grid.",
+        ),
+    ],
+    measure: Annotated[
+        list[str], typer.Option(metavar="NAME", help="What is measured; `anet-lumped measures` lists all.")
+    ] = [],  # noqa: B006 (typer's way to say "any number")
+    t_end: Annotated[float | None, typer.Option(help="How long each variant runs [s]; without, it only rests.")] = None,
+    method: Method = None,
+    dt: Step = None,
+    start: Start = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.")] = None,
+    workers: Annotated[int | None, typer.Option(help="Processes; one a core by default.", min=1)] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
+    as_json: Json = False,
+):
+    """Measure a scene over a grid of inputs. Runs in parallel; rows are on disk as they finish."""
+    from studies.sweep import sweep
+    from studies.vary import parse_vary
+
+    out = out or Path("results") / f"sweep-{Path(scene).stem}"
+    settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
+    kept = {"out": out, "resume": resume}
+    try:
+        table = sweep(_load(scene), parse_vary(vary), measure, **settings, **kept, workers=workers, label="sweep")
+    except KeyboardInterrupt as stopped:
+        _tell(f"{stopped} The same command with --resume does the rest.")
+        raise typer.Exit(130) from None
+    _give({"rows": (table if as_json else table.head(SHOWN)).to_dict("records")}, as_json)
+    bad = int((table["status"] != "done").sum())
+    _tell(f"{len(table)} rows in {out}/rows.parquet and .csv" + (f", {bad} of them not done." if bad else "."))
+    if bad:
+        raise typer.Exit(1)
+
+
+@app.command()
+def measures():
+    """List what a sweep can measure."""
+    from studies.measures import MEASURES
+
+    rows = [{"measure": name} | measure._asdict() for name, measure in MEASURES.items()]
+    for row in rows:
+        del row["function"]
+    _give({"measures": rows})
+
+
+@app.command(epilog="Example: anet-lumped study length_error --quick --out results/length_error")
+def study(
+    name: Annotated[str | None, typer.Argument(help="Name of the study; lists them if not given.")] = None,
+    quick: Quick = False,
+    out: Annotated[Path | None, typer.Option(help="Folder for its rows and figures; results/NAME by default.")] = None,
+):
+    """Run one study. Writes its rows and figures, prints its answer."""
+    from studies.study import run_study, study_names
+
+    if name is None:
+        print("\n".join(study_names()))
+        return
+    out = out or Path("results") / name
+    found = run_study(name, out, quick=quick)
+    print(found.question, *found.answer, sep="\n\n")
+    _tell(f"{found.seconds:.1f} s; rows, figures and answer in {out}")
+
+
+@app.command(epilog="Example: anet-lumped mismatch net_held --markers run1.csv   (columns x, y, z in m or mm)")
+def mismatch(
+    scene: Scene,
+    markers: Annotated[Path | None, typer.Option(help="Measured positions (CSV); the catenary if not given.")] = None,
+    out: Out = None,
+    as_json: Json = False,
+):
+    """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable."""
+    from studies.summary import against_catenary, against_markers
+
+    loaded = _load(scene)
+    found = against_markers(loaded, markers) if markers else against_catenary(loaded)
+    _give(found, as_json, out, "mismatch")
+
+
+@app.command(epilog="Example: anet-lumped report --out results/report")
+def report(
+    quick: Quick = False, out: Annotated[Path, typer.Option(help="Folder for the page and its data.")] = REPORT
+):
+    """Run the studies and write one page. What the thesis found, why, and what cures it."""
+    from studies.report import write_report
+
+    failed = write_report(out, quick=quick, tell=_tell)
+    print(out / "report.html")
+    if failed:
+        raise typer.Exit(1)
+
+
+def _load(text):
+    """Scene of a file or, by its bare name, one that comes with the program."""
+    from anet_lumped.checks import SceneError, nearest
+    from anet_lumped.scene_file import load_scene
+
+    bundled = {file.stem: file for file in SCENES.glob("*.toml")}
+    if text.endswith(".toml") or Path(text).is_file():
+        return load_scene(text)
+    if text not in bundled:
+        hint = nearest(text, bundled) or f"; the scenes that come with this are {', '.join(sorted(bundled))}."
+        raise SceneError(f'There is no scene and no file "{text}"{hint}')
+    return load_scene(bundled[text])
+
+
+def _give(result, as_json=False, out=None, stem=""):
+    from studies.show import as_json as to_json
+    from studies.show import show
+
+    if out:
+        out.mkdir(parents=True, exist_ok=True)
+        (out / f"{stem}.json").write_text(to_json(result), encoding="utf-8")
+    if as_json:
+        print(to_json(result))
+    else:
+        show(result)
+
+
+def _tell(line):
+    print(f"anet-lumped: {line}", file=sys.stderr)

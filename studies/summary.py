@@ -1,0 +1,161 @@
+"""What is worth reading of a state at rest, a run, a scene before any run, and a comparison: plain dicts, SI units."""
+import csv
+from dataclasses import asdict
+
+import numpy as np
+
+from anet_lumped.scene import Free
+from studies.measures import sag
+
+SOFT = 0.01  # static stretch worth a warning: cords under their working load stay below it
+
+
+def of_rest(state) -> dict:
+    """Cables and free points of a state at rest, and how well its forces balance."""
+    return {
+        "cables": [{"cable": cable.name} | _at_rest(state, cable) for cable in state.scene.cables],
+        "points": _points(state),
+        "residual": state.residual,
+    }
+
+
+def of_run(run) -> dict:
+    """Status, method and why, work, energy, and where the run ended."""
+    result = {
+        "status": run.status,
+        "message": run.message,
+        "method": run.method,
+        "dt": run.dt,
+        "reason": run.reason,
+        "reached": run.t[-1],
+        "wall_time": run.wall_time,
+        "error_estimate": run.error_estimate,
+    }
+    return {name: value for name, value in result.items() if value is not None and value != ""} | {
+        "work": [asdict(run.work)],
+        "energy": [asdict(run.energy_balance)],
+        "cables": [
+            {
+                "cable": cable.name,
+                "end_stretch": run.length(cable.name)[-1] / cable.length - 1,
+                "peak_stretch": run.length(cable.name).max() / cable.length - 1,
+                "peak_tension": run.tension(cable.name).max(),
+            }
+            for cable in run.scene.cables
+        ],
+        "points_at_the_end": _points(run.final),
+    }
+
+
+def before_run(scene, dt: float | None = None) -> dict:
+    """What is known of a scene before any run: static stretch, top modes, the steps that each method takes, warnings.
+
+    With a step dt [s] also the stretch floor of the explicit methods: the smallest static stretch that it permits.
+    """
+    from anet_lumped.equilibrium import EquilibriumError, equilibrium
+    from anet_lumped.stability import EXPLICIT, predict
+
+    prediction = predict(scene)
+    modes = prediction.modes.values()
+    cables = [{"cable": mode.cable, "top_frequency": mode.omega, "damping_ratio": mode.zeta} for mode in modes]
+    strains, warnings = {}, []
+    try:
+        rest = equilibrium(scene)
+    except EquilibriumError as error:
+        warnings.append(f"No static stretch, and so no stretch floor, is known: {error}")
+    else:
+        for row, cable in zip(cables, scene.cables, strict=True):
+            row |= _at_rest(rest, cable)
+            strains[cable.name] = rest.tension(cable.name).mean() / cable.EA
+            warnings += _about_rest(row, cable)
+    methods = []
+    for name, limit in prediction.limits.items():
+        row = {"method": name, "largest_step": limit.step, "set_by": limit.cable}
+        if dt is not None:
+            row["stable"] = "yes" if dt <= limit.step else "no"
+            if strains and name in EXPLICIT:
+                floors = [float(prediction.stretch_floor(name, dt, cable, strain)) for cable, strain in strains.items()]
+                row["stretch_floor"] = max(floors)
+            if dt > limit.step:
+                warnings.append(prediction.warning(name, dt))
+        methods.append(row | {"note": limit.note})
+    return {"cables": cables, "methods": methods, "warning": warnings}
+
+
+def against_catenary(scene) -> dict:
+    """The scene at rest against the elastic catenary net between the same supports."""
+    from anet_lumped.compare import compare
+    from anet_lumped.equilibrium import equilibrium
+
+    found = compare(equilibrium(scene))
+    return {
+        "cables": [asdict(cable) for cable in found.cables],
+        "error_of_points": [{"point": name} | _xyz(error) for name, error in found.points.items()],
+    }
+
+
+def against_markers(scene, file) -> dict:
+    """The scene at rest against measured markers, before and after its cables' lengths are fitted to them."""
+    from anet_lumped.markers import fit_markers, read_markers
+
+    markers = read_markers(file, scene)
+    fit = fit_markers(markers.xyz, scene)
+    return {
+        "markers": len(markers.xyz),
+        "unit": markers.unit,
+        "rows_without_a_place": markers.empty_rows,
+        "outliers": fit.outliers,
+        "offset": [_xyz(fit.offset)],
+        "cables": [asdict(cable) for cable in fit.cables],
+    }
+
+
+def write_nodes(state, file) -> None:
+    """Write the place [m] of every node, cable by cable, as CSV."""
+    with file.open("w", newline="", encoding="utf-8") as text:
+        rows = csv.writer(text)
+        rows.writerow(["cable", "node", "x", "y", "z"])
+        for cable in state.scene.cables:
+            rows.writerows([cable.name, i, *node] for i, node in enumerate(state.shape(cable.name).tolist()))
+
+
+def _at_rest(state, cable):
+    tension = state.tension(cable.name)
+    slack = np.flatnonzero(tension <= 0.0)
+    return {
+        "stretch": state.length(cable.name) / cable.length - 1,
+        "sag": sag(state, cable.name),
+        "start_tension": tension[0],
+        "end_tension": tension[-1],
+        "largest_tension": tension.max(),
+        "slack_segments": _ranges(slack),
+    }
+
+
+def _about_rest(row, cable):
+    if row["slack_segments"]:
+        yield (
+            f'Cable "{cable.name}" rests with slack segments, {row["slack_segments"]} of 0-{cable.segments - 1}: '
+            "their tension is zero, and the shape of a slack stretch is not unique."
+        )
+    if row["stretch"] > SOFT:
+        yield (
+            f'Cable "{cable.name}" is {row["stretch"]:.2%} longer at rest than unstretched, more than {SOFT:.0%}: '
+            f"EA = {cable.EA:g} N carries {row['largest_tension']:.3g} N."
+        )
+
+
+def _ranges(numbers):
+    """"0-3, 7" for 0, 1, 2, 3, 7."""
+    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(numbers) else []
+    return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs)
+
+
+def _points(state):
+    """Places of the points that move."""
+    free = [point.name for point in state.scene.points if isinstance(point, Free)]
+    return [{"point": name} | _xyz(state.position(name)) for name in free]
+
+
+def _xyz(vector):
+    return dict(zip("xyz", vector, strict=True))
