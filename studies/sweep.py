@@ -35,7 +35,7 @@ def sweep(
     Parameters
     ----------
     scene : Scene
-    vary : name -> values, or "a:b:n", "a:b:nlog", "a,b,c" (see `vary.grid`)
+    vary : name -> values, or "a:b:n", "a:b:nlog", "a,b,c" (see `vary.read_values`)
     measures : names, or "name:target" (see `measures.MEASURES`); a usual few by default
     t_end : float [s], how long each variant runs; it only rests without one
     method, dt, start : as in `simulate`
