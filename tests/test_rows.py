@@ -126,16 +126,16 @@ def start_and_wait_for_rows(out, *command):
         [sys.executable, *command], cwd=here, stderr=subprocess.PIPE, text=True, start_new_session=True
     )
     log = out / "rows.jsonl"
-    for _ in range(600):
+    for _ in range(3000):  # 150 s: on a clean checkout the workers compile first
         if log.exists() and log.read_bytes().count(b"\n") >= 2:
             return process
         time.sleep(0.05)
-    raise AssertionError(f"no rows in 30 s: {process.communicate()}")
+    raise AssertionError(f"no rows in 150 s: {process.communicate()}")
 
 
 def wait_for_end_of(session):
-    """Wait until no process of the session lives, and say whether that came about in 10 s."""
-    for _ in range(100):
+    """Wait until no process of the session lives, and say whether that came about in 30 s."""
+    for _ in range(300):
         alive = subprocess.run(["ps", "-o", "stat=", "-s", str(session)], capture_output=True, text=True).stdout.split()
         if all(state.startswith("Z") for state in alive):
             return True
