@@ -2,31 +2,31 @@
 
 One Newton step solves, for the displacements d of all moving nodes and the tensions T of all segments,
 
-    D_i d_i + sum over segments at i of -+ [ a (d_j - d_i) + e T ] = r_i ,      phi T = eps0 + g . (d_j - d_i) ,
+    D_i d_i + sum over segments at i of -+ [ a (d_j - d_i) + e T ] = r_i ,      T = T_0 + k g . (d_j - d_i) ,
 
 where D_i holds inertia and external stiffness, a the geometric stiffness of the segment, e the direction in which its
-tension acts, and phi = 1/(dT/dl) its axial compliance: 0 would be inextensible, inf is slack. Keeping the tension as an
-unknown until its node is eliminated makes every number that occurs as large as inertia and tension, not as large as the
-stiffness: with M = D + a I,
+tension acts, and k = dT/dl, 0 for a slack segment. Keeping the tension as an unknown until its node is eliminated makes every
+number that occurs as large as inertia and tension, not as large as the stiffness: with M = D + a I,
 
-    y = M^-1 e,   z = M^-T g,   rho = 1/(phi + g . y),   T = rho [eps0 - z . r_i + (g - a z) . d_next]
-    S = a I - a^2 M^-1 + rho (e - a y)(g - a z)^T        is what the part behind looks like to the next node,
+    y = M^-1 e,   z = M^-T g,   rho = 1/(1 + k g . y),   T = rho [T_0 + k (g - a z) . d_next - k z . r_i]
+    S = a I - a^2 M^-1 + rho k (e - a y)(g - a z)^T        is what the part behind looks like to the next node,
 
-which is (G^-1 + D^-1)^-1 for the segment stiffness G = a I + e g^T / phi, after Sherman and Morrison.
+which is (G^-1 + D^-1)^-1 for the segment stiffness G = a I + k e g^T, after Sherman and Morrison.
 """
 
+import numpy as np
 from numba import njit
 
-# Columns of the scratch table `Net.segment`, one row a segment: e and g of the docstring (three each), a, phi, eps0; and for
-# the law: the stretch before (of the old segment, or of its component along the new one), the stretch now, the tension and
-# its conservative part.
-DIRECTION, GRADIENT, GEOMETRIC, COMPLIANCE, OFFSET = 0, 3, 6, 7, 8
-BEFORE, STRETCH, LAW_TENSION, SECANT = 9, 10, 11, 12
+# Columns of the scratch table `Net.segment`, one row a segment: e and g of the docstring (three each), a, k, T_0; and for the
+# law: the stretch before (of the old segment, or of its component along the new one), the stretch now, and the conservative
+# part of the tension.
+DIRECTION, GRADIENT, GEOMETRIC, STIFFNESS, TENSION = 0, 3, 6, 7, 8
+BEFORE, STRETCH, SECANT = 9, 10, 11
 # Columns of `Net.cable`.
 FIRST_SEGMENT, SEGMENTS, FIRST_NODE, START, END, BORDERED, START_END, END_START = range(8)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def inverse(m):
     """Inverse of a 3x3 matrix, a tuple by rows, by LU without pivoting: backward stable for what is nearly symmetric
     positive definite, where the adjugate would lose twice the digits of the condition number."""
@@ -48,25 +48,25 @@ def inverse(m):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _store(block, m):
     for x in range(3):
         block[x, 0], block[x, 1], block[x, 2] = m[3 * x], m[3 * x + 1], m[3 * x + 2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _load(b):
     return b[0, 0], b[0, 1], b[0, 2], b[1, 0], b[1, 1], b[1, 2], b[2, 0], b[2, 1], b[2, 2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _add(block, m, sign):
     for x in range(3):
         for y in range(3):
             block[x, y] += sign * m[3 * x + y]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _times(m, x, y, z):
     return (
         m[0] * x + m[1] * y + m[2] * z,
@@ -75,7 +75,7 @@ def _times(m, x, y, z):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _product(m, n):
     """Product of two 3x3 matrices, both tuples by rows."""
     a = _times(m, n[0], n[3], n[6])
@@ -84,144 +84,183 @@ def _product(m, n):
     return a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _stiffness(row):
-    """Stiffness a I + e g^T / phi of a segment, and its tension before the step, eps0 / phi."""
-    a, k = row[GEOMETRIC], 1.0 / row[COMPLIANCE]
+    """Stiffness a I + k e g^T of a segment, by rows."""
+    a, k = row[GEOMETRIC], row[STIFFNESS]
     ex, ey, ez = k * row[0], k * row[1], k * row[2]
     gx, gy, gz = row[3], row[4], row[5]
     return (
         a + ex * gx, ex * gy, ex * gz, ey * gx, a + ey * gy, ey * gz, ez * gx, ez * gy, a + ez * gz,
-    ), k * row[OFFSET]  # fmt: skip
+    )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _first(net, c):
+    """What the first segment of cable c adds to the first interior node: stiffness by rows, then right-hand side."""
+    row, i = net.segment[net.cable[c, FIRST_SEGMENT]], net.cable[c, FIRST_NODE]
+    G, T = _stiffness(row), row[TENSION]
+    return (*G, -row[0] * T, -row[1] * T, -row[2] * T)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def _pass(state, D, r, row, out):
+    """Eliminate a node, with stiffness D and right-hand side r of its own, through the segment ahead of it.
+
+    ``state`` is what lies behind, as `_first` gives it; writes how the node follows the next one to ``out``. Returns what the
+    next node sees behind it, and M^-1, y, z, rho k of the docstring of the module.
+    """
+    s00, s01, s02, s10, s11, s12, s20, s21, s22, r0, r1, r2 = state
+    a, ex, ey, ez, gx, gy, gz = row[GEOMETRIC], row[0], row[1], row[2], row[3], row[4], row[5]
+    r0, r1, r2 = r0 + r[0], r1 + r[1], r2 + r[2]
+    M = inverse(
+        (
+            s00 + D[0, 0] + a, s01 + D[0, 1], s02 + D[0, 2],
+            s10 + D[1, 0], s11 + D[1, 1] + a, s12 + D[1, 2],
+            s20 + D[2, 0], s21 + D[2, 1], s22 + D[2, 2] + a,
+        )
+    )  # fmt: skip
+    yx, yy, yz = _times(M, ex, ey, ez)
+    zx = M[0] * gx + M[3] * gy + M[6] * gz
+    zy = M[1] * gx + M[4] * gy + M[7] * gz
+    zz = M[2] * gx + M[5] * gy + M[8] * gz
+    ux, uy, uz = _times(M, r0, r1, r2)
+    k = row[STIFFNESS]
+    rho = 1.0 / (1.0 + k * (gx * yx + gy * yy + gz * yz))
+    T, rho = rho * (row[TENSION] - k * (zx * r0 + zy * r1 + zz * r2)), rho * k
+    wx, wy, wz = rho * (gx - a * zx), rho * (gy - a * zy), rho * (gz - a * zz)
+    # d = H d_next + h and T = w . d_next + T
+    out[0], out[1], out[2] = a * M[0] + yx * wx, a * M[1] + yx * wy, a * M[2] + yx * wz
+    out[3], out[4], out[5] = a * M[3] + yy * wx, a * M[4] + yy * wy, a * M[5] + yy * wz
+    out[6], out[7], out[8] = a * M[6] + yz * wx, a * M[7] + yz * wy, a * M[8] + yz * wz
+    out[9], out[10], out[11] = ux + yx * T, uy + yy * T, uz + yz * T
+    out[12], out[13], out[14], out[15] = wx, wy, wz, T
+    # S = a (I - a M^-1) + (e - a y) w^T, and the right-hand side that goes with it
+    fx, fy, fz, aa = ex - a * yx, ey - a * yy, ez - a * yz, a * a
+    ahead = (
+        a - aa * M[0] + fx * wx, fx * wy - aa * M[1], fx * wz - aa * M[2],
+        fy * wx - aa * M[3], a - aa * M[4] + fy * wy, fy * wz - aa * M[5],
+        fz * wx - aa * M[6], fz * wy - aa * M[7], a - aa * M[8] + fz * wz,
+        a * ux - fx * T, a * uy - fy * T, a * uz - fz * T,
+    )  # fmt: skip
+    return ahead, M, (yx, yy, yz), (zx, zy, zz), rho
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _finish(net, c, state):
+    """Hand what cable c looks like from its end to its end point, if that is free."""
+    end = net.cable[c, END]
+    if end < net.n_free:
+        S, b = net.points.block[end - net.n_interior], net.right[end]
+        for x in range(3):
+            S[x, 0] += state[3 * x]
+            S[x, 1] += state[3 * x + 1]
+            S[x, 2] += state[3 * x + 2]
+            b[x] += state[9 + x]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def eliminate_cables(net):
     """Eliminate the interior of every cable; adds what each looks like to ``net.points.block`` and ``net.right``.
 
-    Reads ``net.segment``, ``net.diagonal`` and ``net.right``; writes ``net.factor`` and ``net.border``.
+    Reads ``net.segment``, ``net.diagonal`` and ``net.right``; writes ``net.factor`` and ``net.border``. A node waits for the
+    one before it and little else does, so two cables of one length are eliminated side by side.
     """
-    diagonal, right, factor, block = net.diagonal, net.right, net.factor, net.points.block
+    diagonal, right, factor, segment, block = net.diagonal, net.right, net.factor, net.segment, net.points.block
     P = net.n_free - net.n_interior
-    for b in range(P, block.shape[0]):
-        block[b] = 0.0
-    for p in range(P):
-        block[p] = diagonal[net.n_interior + p]
-    for c in range(net.cable.shape[0]):
+    block[:P] = diagonal[net.n_interior :]
+    block[P:] = 0.0
+    c = 0
+    while c < net.cable.shape[0]:
         first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
-        start, end, bordered = net.cable[c, START], net.cable[c, END], net.cable[c, BORDERED] == 1
-        G, T0 = _stiffness(net.segment[first])
-        e = net.segment[first, :3]
+        D, r = diagonal[node : node + count - 1], right[node : node + count - 1]
+        row, out = segment[first + 1 : first + count], factor[first + 1 : first + count]
         if count == 1:
-            _single(net, c, G, T0, e)
-            continue
-        r0, r1, r2 = right[node, 0] - e[0] * T0, right[node, 1] - e[1] * T0, right[node, 2] - e[2] * T0
-        D = _load(diagonal[node])
-        d00, d01, d02, d10, d11, d12, d20, d21, d22 = D
-        d00, d01, d02 = d00 + G[0], d01 + G[1], d02 + G[2]
-        d10, d11, d12 = d10 + G[3], d11 + G[4], d12 + G[5]
-        d20, d21, d22 = d20 + G[6], d21 + G[7], d22 + G[8]
-        C, R = G, G
-        if bordered:
-            _add(block[start - net.n_interior], G, 1.0)
-            for x in range(3):
-                right[start, x] += e[x] * T0
-        for j in range(1, count):
-            row, out = net.segment[first + j], factor[first + j]
-            a = row[GEOMETRIC]
-            ex, ey, ez, gx, gy, gz = row[0], row[1], row[2], row[3], row[4], row[5]
-            M = inverse((d00 + a, d01, d02, d10, d11 + a, d12, d20, d21, d22 + a))
-            yx, yy, yz = _times(M, ex, ey, ez)
-            zx = M[0] * gx + M[3] * gy + M[6] * gz
-            zy = M[1] * gx + M[4] * gy + M[7] * gz
-            zz = M[2] * gx + M[5] * gy + M[8] * gz
-            ux, uy, uz = _times(M, r0, r1, r2)
-            rho = 1.0 / (row[COMPLIANCE] + gx * yx + gy * yy + gz * yz)
-            T = rho * (row[OFFSET] - zx * r0 - zy * r1 - zz * r2)
-            wx, wy, wz = rho * (gx - a * zx), rho * (gy - a * zy), rho * (gz - a * zz)
-            h00, h01, h02 = a * M[0] + yx * wx, a * M[1] + yx * wy, a * M[2] + yx * wz
-            h10, h11, h12 = a * M[3] + yy * wx, a * M[4] + yy * wy, a * M[5] + yy * wz
-            h20, h21, h22 = a * M[6] + yz * wx, a * M[7] + yz * wy, a * M[8] + yz * wz
-            out[0], out[1], out[2], out[3], out[4], out[5] = h00, h01, h02, h10, h11, h12
-            out[6], out[7], out[8] = h20, h21, h22
-            out[9], out[10], out[11] = ux + yx * T, uy + yy * T, uz + yz * T
-            out[12], out[13], out[14], out[15] = wx, wy, wz, T
-            if bordered:
-                C, R = _eliminate_border(net, first + j, start, a, M, (yx, yy, yz), (zx, zy, zz), rho, C, R)
-            # S = a (I - a M^-1) + (e - a y) w^T, and the right-hand side that goes with it
-            fx, fy, fz = ex - a * yx, ey - a * yy, ez - a * yz
-            aa = a * a
-            d00, d01, d02 = a - aa * M[0] + fx * wx, fx * wy - aa * M[1], fx * wz - aa * M[2]
-            d10, d11, d12 = fy * wx - aa * M[3], a - aa * M[4] + fy * wy, fy * wz - aa * M[5]
-            d20, d21, d22 = fz * wx - aa * M[6], fz * wy - aa * M[7], a - aa * M[8] + fz * wz
-            r0, r1, r2 = a * ux - fx * T, a * uy - fy * T, a * uz - fz * T
-            if j < count - 1:
-                i = node + j
-                d00, d01, d02 = d00 + diagonal[i, 0, 0], d01 + diagonal[i, 0, 1], d02 + diagonal[i, 0, 2]
-                d10, d11, d12 = d10 + diagonal[i, 1, 0], d11 + diagonal[i, 1, 1], d12 + diagonal[i, 1, 2]
-                d20, d21, d22 = d20 + diagonal[i, 2, 0], d21 + diagonal[i, 2, 1], d22 + diagonal[i, 2, 2]
-                r0, r1, r2 = r0 + right[i, 0], r1 + right[i, 1], r2 + right[i, 2]
-        if end < net.n_free:
-            _add(block[end - net.n_interior], (d00, d01, d02, d10, d11, d12, d20, d21, d22), 1.0)
-            right[end, 0] += r0
-            right[end, 1] += r1
-            right[end, 2] += r2
-            if bordered:
-                _add(block[net.cable[c, END_START]], C, -1.0)
-                _add(block[net.cable[c, START_END]], R, -1.0)
+            _single(net, c)
+        elif net.cable[c, BORDERED] == 1:
+            _eliminate_bordered(net, c, D, r, row, out)
+        elif c + 1 < net.cable.shape[0] and net.cable[c + 1, SEGMENTS] == count and net.cable[c + 1, BORDERED] == 0:
+            c += 1
+            first, node = net.cable[c, FIRST_SEGMENT], net.cable[c, FIRST_NODE]
+            D2, r2 = diagonal[node : node + count - 1], right[node : node + count - 1]
+            row2, out2 = segment[first + 1 : first + count], factor[first + 1 : first + count]
+            state, state2 = _first(net, c - 1), _first(net, c)
+            for j in range(count - 1):
+                state = _pass(state, D[j], r[j], row[j], out[j])[0]
+                state2 = _pass(state2, D2[j], r2[j], row2[j], out2[j])[0]
+            _finish(net, c - 1, state)
+            _finish(net, c, state2)
+        else:
+            state = _first(net, c)
+            for j in range(count - 1):
+                state = _pass(state, D[j], r[j], row[j], out[j])[0]
+            _finish(net, c, state)
+        c += 1
 
 
-@njit(cache=True, error_model="numpy")
-def _single(net, c, G, T0, e):
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _single(net, c):
     """A cable of one segment has no interior: its stiffness goes straight to its end points."""
-    start, end, block = net.cable[c, START], net.cable[c, END], net.points.block
+    start, end, block, e = net.cable[c, START], net.cable[c, END], net.points.block, net.segment[net.cable[c, FIRST_SEGMENT]]
+    G, T = _stiffness(e), e[TENSION]
     if start < net.n_free:
         _add(block[start - net.n_interior], G, 1.0)
         for x in range(3):
-            net.right[start, x] += e[x] * T0
+            net.right[start, x] += e[x] * T
     if end < net.n_free:
         _add(block[end - net.n_interior], G, 1.0)
         for x in range(3):
-            net.right[end, x] -= e[x] * T0
+            net.right[end, x] -= e[x] * T
     if net.cable[c, BORDERED] == 1:
         _add(block[net.cable[c, START_END]], G, -1.0)
         _add(block[net.cable[c, END_START]], G, -1.0)
 
 
-@njit(cache=True, error_model="numpy")
-def _eliminate_border(net, s, start, a, M, y, z, rho, C, R):
-    """Carry the coupling to a free start point along a chain.
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _eliminate_bordered(net, c, D, r, row, out):
+    """Eliminate a cable whose start is a free point too, whose displacement is carried along.
 
-    C is what the start point's displacement adds to the right-hand side of the node that is eliminated now, R what that
-    node's displacement adds to the force on the start point; returns both for the next node.
+    C is what the start's displacement adds to the right-hand side of the node eliminated now, R what that node's displacement
+    adds to the force on the start.
     """
-    X = (
-        M[0] - rho * y[0] * z[0], M[1] - rho * y[0] * z[1], M[2] - rho * y[0] * z[2],
-        M[3] - rho * y[1] * z[0], M[4] - rho * y[1] * z[1], M[5] - rho * y[1] * z[2],
-        M[6] - rho * y[2] * z[0], M[7] - rho * y[2] * z[1], M[8] - rho * y[2] * z[2],
-    )  # fmt: skip
-    K = _product(X, C)
-    out, row = net.factor[s], net.border[s]
-    for x in range(9):
-        row[x] = K[x]
+    start, block = net.cable[c, START], net.points.block[net.cable[c, START] - net.n_interior]
+    first = net.segment[net.cable[c, FIRST_SEGMENT]]
+    G, T = _stiffness(first), first[TENSION]
+    C, R = G, G
+    _add(block, G, 1.0)
     for x in range(3):
-        row[9 + x] = -rho * (z[0] * C[x] + z[1] * C[3 + x] + z[2] * C[6 + x])
-    h = _times(R, out[9], out[10], out[11])
-    for x in range(3):
-        net.right[start, x] += h[x]
-    _add(net.points.block[start - net.n_interior], _product(R, K), -1.0)
-    e = net.segment[s, :3]
-    f = (rho * (e[0] - a * y[0]), rho * (e[1] - a * y[1]), rho * (e[2] - a * y[2]))
-    Y = (
-        a * M[0] + f[0] * z[0], a * M[1] + f[0] * z[1], a * M[2] + f[0] * z[2],
-        a * M[3] + f[1] * z[0], a * M[4] + f[1] * z[1], a * M[5] + f[1] * z[2],
-        a * M[6] + f[2] * z[0], a * M[7] + f[2] * z[1], a * M[8] + f[2] * z[2],
-    )  # fmt: skip
-    H = (out[0], out[1], out[2], out[3], out[4], out[5], out[6], out[7], out[8])
-    return _product(Y, C), _product(R, H)
+        net.right[start, x] += first[x] * T
+    state = _first(net, c)
+    for j in range(D.shape[0]):
+        state, M, y, z, rho = _pass(state, D[j], r[j], row[j], out[j])
+        d, e, a = out[j], row[j], row[j, GEOMETRIC]
+        X = (
+            M[0] - rho * y[0] * z[0], M[1] - rho * y[0] * z[1], M[2] - rho * y[0] * z[2],
+            M[3] - rho * y[1] * z[0], M[4] - rho * y[1] * z[1], M[5] - rho * y[1] * z[2],
+            M[6] - rho * y[2] * z[0], M[7] - rho * y[2] * z[1], M[8] - rho * y[2] * z[2],
+        )  # fmt: skip
+        K, border = _product(X, C), net.border[net.cable[c, FIRST_SEGMENT] + 1 + j]
+        for x in range(9):
+            border[x] = K[x]
+        for x in range(3):
+            border[9 + x] = -rho * (z[0] * C[x] + z[1] * C[3 + x] + z[2] * C[6 + x])
+        h = _times(R, d[9], d[10], d[11])
+        for x in range(3):
+            net.right[start, x] += h[x]
+        _add(block, _product(R, K), -1.0)
+        f = (rho * (e[0] - a * y[0]), rho * (e[1] - a * y[1]), rho * (e[2] - a * y[2]))
+        Y = (
+            a * M[0] + f[0] * z[0], a * M[1] + f[0] * z[1], a * M[2] + f[0] * z[2],
+            a * M[3] + f[1] * z[0], a * M[4] + f[1] * z[1], a * M[5] + f[1] * z[2],
+            a * M[6] + f[2] * z[0], a * M[7] + f[2] * z[1], a * M[8] + f[2] * z[2],
+        )  # fmt: skip
+        C, R = _product(Y, C), _product(R, (d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7], d[8]))
+    _finish(net, c, state)
+    _add(net.points.block[net.cable[c, END_START]], C, -1.0)
+    _add(net.points.block[net.cable[c, START_END]], R, -1.0)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def solve_points(net):
     """Block LU of the free points in their elimination order; their displacements go to ``net.step``."""
     points, right, step, base = net.points, net.right, net.step, net.n_interior
@@ -251,10 +290,13 @@ def solve_points(net):
         step[base + p, 0], step[base + p, 1], step[base + p, 2] = x, y, z
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def substitute_cables(net):
-    """From the free points back along each cable: displacements to ``net.step``, tensions to ``net.tension``."""
-    step, factor, tension = net.step, net.factor, net.tension
+    """From the free points back along each cable: displacements to ``net.step``, tensions to ``net.tension``.
+
+    Returns the smallest tension [N].
+    """
+    step, factor, tension, smallest = net.step, net.factor, net.tension, np.inf
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
         start, end, bordered = net.cable[c, START], net.cable[c, END], net.cable[c, BORDERED] == 1
@@ -274,16 +316,22 @@ def substitute_cables(net):
                 hz += b[6] * sx + b[7] * sy + b[8] * sz
             x, y, z = hx, hy, hz
             tension[first + j] = T
+            smallest = min(smallest, T)
             i = node + j - 1
             step[i, 0], step[i, 1], step[i, 2] = x, y, z
         row = net.segment[first]
-        stretch = row[OFFSET] + row[3] * (x - sx) + row[4] * (y - sy) + row[5] * (z - sz)
-        tension[first] = stretch / row[COMPLIANCE]
+        longer = row[3] * (x - sx) + row[4] * (y - sy) + row[5] * (z - sz)
+        tension[first] = row[TENSION] + row[STIFFNESS] * longer
+        smallest = min(smallest, tension[first])
+    return smallest
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def solve(net):
-    """Solve the linear system of the module's docstring for ``net.step`` and ``net.tension``; overwrites ``net.right``."""
+    """Solve the linear system of the module's docstring for ``net.step`` and ``net.tension``; overwrites ``net.right``.
+
+    Returns the smallest tension [N].
+    """
     eliminate_cables(net)
     solve_points(net)
-    substitute_cables(net)
+    return substitute_cables(net)

@@ -9,19 +9,18 @@ from integrators.stage import BETWEEN, STAGE, STATE
 from . import chain
 from .chain import (
     BEFORE,
-    COMPLIANCE,
     DIRECTION,
     END,
     FIRST_NODE,
     FIRST_SEGMENT,
     GEOMETRIC,
     GRADIENT,
-    LAW_TENSION,
-    OFFSET,
     SECANT,
     SEGMENTS,
     START,
+    STIFFNESS,
     STRETCH,
+    TENSION,
 )
 from .effects.axial import stored, tension_between, tension_parts, tension_slopes
 from .effects.signatures import as_energy, as_force, as_tangent
@@ -32,7 +31,7 @@ _f1, _f2 = float64[::1], float64[:, ::1]
 EPS = 2.220446049250313e-16
 ROUNDS = 4  # eliminations a Newton step may spend on finding which segments are slack
 
-@njit(void(float64, NET, _f2, _f2), cache=True, error_model="numpy")
+@njit(void(float64, NET, _f2, _f2), cache=True, error_model="numpy", fastmath={"contract"})
 def prescribe(t, net, q, v):
     """Write place and velocity of the driven nodes at time t; fixed ones keep what they hold."""
     first = net.n_driven
@@ -41,7 +40,7 @@ def prescribe(t, net, q, v):
         net.step[first:] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _pull(q0, q1, v0, v1, L0, k, c, two_spring, two_damper):
     """Force of a segment on the node at its start, and the power that its damper dissipates."""
     dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
@@ -53,7 +52,7 @@ def _pull(q0, q1, v0, v1, L0, k, c, two_spring, two_damper):
     return along * dx, along * dy, along * dz, (T - spring) * rate
 
 
-@njit(void(float64, _f2, _f2, NET, _f2, _f1), cache=True, error_model="numpy")
+@njit(void(float64, _f2, _f2, NET, _f2, _f1), cache=True, error_model="numpy", fastmath={"contract"})
 def force(t, q, v, net, f, power):
     """Force on every node.
 
@@ -105,7 +104,7 @@ def force(t, q, v, net, f, power):
     power[0], power[1] = dissipated, put_in
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _law(stage, stretch, before, k, c, two_spring, two_damper):
     """Tension, its slope in the length, and its conservative part, for the law that the stage asks for.
 
@@ -122,7 +121,42 @@ def _law(stage, stretch, before, k, c, two_spring, two_damper):
     return T, of_stretch + of_rate / stage.tau, 0.0
 
 
-@njit(types.UniTuple(float64, 3)(STAGE, _f2, _f2, _f2, NET), cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def _linearise(stage, q0, q1, a0, a1, law, guess, row):
+    """Force of a segment on the node at its start, and its tension; writes the linearised law to ``row``.
+
+    q0, q1 are its ends now, a0, a1 those of the base, ``guess`` the tension that its geometric stiffness takes.
+    """
+    L0, k, damper, two_spring, two_damper = law
+    dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
+    ax, ay, az = a1[0] - a0[0], a1[1] - a0[1], a1[2] - a0[2]
+    l = math.sqrt(dx * dx + dy * dy + dz * dz)
+    per_l = 1.0 / max(l, 1e-12 * L0)
+    nx, ny, nz = dx * per_l, dy * per_l, dz * per_l
+    ex, ey, ez, gx, gy, gz = nx, ny, nz, nx, ny, nz
+    per_sum = min(per_l, 100.0 / L0)
+    if stage.law == STATE:
+        before = nx * ax + ny * ay + nz * az - L0
+    else:
+        l_a = math.sqrt(ax * ax + ay * ay + az * az)
+        before = l_a - L0
+        if stage.law == BETWEEN:
+            per = 1.0 / max(l_a + l, 1e-12 * L0)
+            ex, ey, ez = (ax + dx) * per, (ay + dy) * per, (az + dz) * per
+            per_sum = min(per, 100.0 / L0)
+    T, slope, secant = _law(stage, l - L0, before, k, damper, two_spring, two_damper)
+    if stage.law == STATE and slope > 0.0 and (before > 0.0 or two_damper > 0.0):
+        # dT = slope n.dd - (c/tau)(I - n n^T) d_hat . dd / l: the damper sees the segment turn
+        turn, along = damper / (slope * stage.tau * max(l, 0.01 * L0)), before + L0
+        gx, gy, gz = nx - turn * (ax - along * nx), ny - turn * (ay - along * ny), nz - turn * (az - along * nz)
+    row[0], row[1], row[2], row[3], row[4], row[5] = ex, ey, ez, gx, gy, gz
+    row[GEOMETRIC] = max(guess, 0.0) * per_sum
+    row[STIFFNESS], row[TENSION] = slope, T
+    row[BEFORE], row[STRETCH], row[SECANT] = before, l - L0, secant
+    return T * ex, T * ey, T * ez, T
+
+
+@njit(types.UniTuple(float64, 3)(STAGE, _f2, _f2, _f2, NET), cache=True, error_model="numpy", fastmath={"contract"})
 def residual(stage, base, target, q, net):
     """Out-of-balance force of a stage, and its linearisation in ``net``.
 
@@ -173,60 +207,41 @@ def residual(stage, base, target, q, net):
     norm, noise, finite = 0.0, 0.0, 0.0
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
-        start, end = net.cable[c, START], net.cable[c, END]
-        L0, k, damper, two_spring, two_damper = net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4]
-        x0, y0, z0 = q[start, 0], q[start, 1], q[start, 2]
-        a0, b0, c0 = base[start, 0], base[start, 1], base[start, 2]
+        start, end, inner = net.cable[c, START], net.cable[c, END], count - 1
+        law = (net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4])
+        q0, a0 = (q[start, 0], q[start, 1], q[start, 2]), (base[start, 0], base[start, 1], base[start, 2])
+        # views of the cable's own nodes, so that no index can be negative and the loop stays tight
+        Q, A, R = q[node : node + inner], base[node : node + inner], right[node : node + inner]
+        row, guess = net.segment[first : first + count], net.tension[first : first + count]
         fx, fy, fz, largest = 0.0, 0.0, 0.0, 0.0
-        for j in range(count):
-            i = node + j if j < count - 1 else end
-            row = net.segment[first + j]
-            x1, y1, z1 = q[i, 0], q[i, 1], q[i, 2]
-            a1, b1, c1 = base[i, 0], base[i, 1], base[i, 2]
-            dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
-            ax, ay, az = a1 - a0, b1 - b0, c1 - c0
-            l = math.sqrt(dx * dx + dy * dy + dz * dz)
-            per_l = 1.0 / max(l, 1e-12 * L0)
-            nx, ny, nz = dx * per_l, dy * per_l, dz * per_l
-            ex, ey, ez, sum_l, gx, gy, gz = nx, ny, nz, l, nx, ny, nz
-            if stage.law == STATE:
-                before = nx * ax + ny * ay + nz * az - L0
-            else:
-                l_a = math.sqrt(ax * ax + ay * ay + az * az)
-                before = l_a - L0
-                if stage.law == BETWEEN:
-                    sum_l = l_a + l
-                    per = 1.0 / max(sum_l, 1e-12 * L0)
-                    ex, ey, ez = (ax + dx) * per, (ay + dy) * per, (az + dz) * per
-            T, slope, secant = _law(stage, l - L0, before, k, damper, two_spring, two_damper)
-            if stage.law == STATE and slope > 0.0 and (before > 0.0 or two_damper > 0.0):
-                # dT = slope n.dd - (c/tau)(I - n n^T) d_hat . dd / l: the damper sees the segment turn
-                turn, along = damper * per_tau / (slope * max(l, 0.01 * L0)), before + L0
-                gx, gy, gz = nx - turn * (ax - along * nx), ny - turn * (ay - along * ny), nz - turn * (az - along * nz)
-            row[0], row[1], row[2] = ex, ey, ez
-            row[3], row[4], row[5] = gx, gy, gz
-            compliance = 1.0 / slope
-            row[GEOMETRIC] = max(net.tension[first + j], 0.0) / max(sum_l, 0.01 * L0)
-            row[COMPLIANCE], row[OFFSET] = compliance, T * compliance if slope > 0.0 else 0.0
-            row[BEFORE], row[STRETCH], row[LAW_TENSION], row[SECANT] = before, l - L0, T, secant
-            tx, ty, tz = T * ex, T * ey, T * ez
+        for j in range(inner):
+            q1, a1 = (Q[j, 0], Q[j, 1], Q[j, 2]), (A[j, 0], A[j, 1], A[j, 2])
+            tx, ty, tz, T = _linearise(stage, q0, q1, a0, a1, law, guess[j], row[j])
             if j == 0:
                 pull[start, 0] += tx
                 pull[start, 1] += ty
                 pull[start, 2] += tz
             else:
-                p = node + j - 1
-                sx, sy, sz = right[p, 0], right[p, 1], right[p, 2]
+                sx, sy, sz = R[j - 1, 0], R[j - 1, 1], R[j - 1, 2]
                 scale = max(scale, abs(sx), abs(sy), abs(sz))
                 rx, ry, rz = sx + tx - fx, sy + ty - fy, sz + tz - fz
                 norm = max(norm, abs(rx), abs(ry), abs(rz))
                 finite += rx + ry + rz
-            fx, fy, fz, largest = tx, ty, tz, max(largest, abs(T))
-            x0, y0, z0, a0, b0, c0 = x1, y1, z1, a1, b1, c1
-        pull[end, 0] -= fx
-        pull[end, 1] -= fy
-        pull[end, 2] -= fz
-        noise = max(noise, 4.0 * EPS * (largest + (k + damper * per_tau) * max(reach, L0)))
+            q0, a0, fx, fy, fz, largest = q1, a1, tx, ty, tz, max(largest, abs(T))
+        q1, a1 = (q[end, 0], q[end, 1], q[end, 2]), (base[end, 0], base[end, 1], base[end, 2])
+        tx, ty, tz, T = _linearise(stage, q0, q1, a0, a1, law, guess[inner], row[inner])
+        if inner == 0:
+            pull[start, 0] += tx
+            pull[start, 1] += ty
+            pull[start, 2] += tz
+        else:
+            rx, ry, rz = R[inner - 1, 0] + tx - fx, R[inner - 1, 1] + ty - fy, R[inner - 1, 2] + tz - fz
+            norm = max(norm, abs(rx), abs(ry), abs(rz))
+            finite += rx + ry + rz
+        pull[end, 0] -= tx
+        pull[end, 1] -= ty
+        pull[end, 2] -= tz
+        noise = max(noise, 4.0 * EPS * (max(largest, abs(T)) + (law[1] + law[2] * per_tau) * max(reach, law[0])))
     for i in range(net.n_interior, n_free):
         norm = max(norm, abs(pull[i, 0]), abs(pull[i, 1]), abs(pull[i, 2]))
         finite += pull[i, 0] + pull[i, 1] + pull[i, 2]
@@ -235,7 +250,7 @@ def residual(stage, base, target, q, net):
     return norm, scale, noise
 
 
-@njit(int64(STAGE, NET), cache=True, error_model="numpy")
+@njit(int64(STAGE, NET), cache=True, error_model="numpy", fastmath={"contract"})
 def direction(stage, net):
     """Newton step of the stage that `residual` linearised last, for ``net.step`` and ``net.tension``.
 
@@ -253,8 +268,7 @@ def direction(stage, net):
             kept[i, x] = right[i, x]
     length_direction = GRADIENT if stage.law == BETWEEN else DIRECTION
     for solves in range(1, ROUNDS + 1):
-        chain.solve(net)
-        if solves == ROUNDS:
+        if chain.solve(net) > 0.0 or solves == ROUNDS:  # all are taut and stay so: a slack segment has no tension
             break
         changed = False
         for c in range(net.cable.shape[0]):
@@ -272,15 +286,15 @@ def direction(stage, net):
                 x0, y0, z0 = x1, y1, z1
                 stretch = row[STRETCH] + longer
                 T_linear = net.tension[first + j]
-                if (T_linear > 0.0) if stretch > 0.0 else row[OFFSET] == 0.0:
+                if (T_linear > 0.0) if stretch > 0.0 else row[TENSION] == 0.0:
                     continue
                 T, slope, _ = _law(stage, max(stretch, -L0), row[BEFORE], k, damper, two_spring, two_damper)
                 if abs(T - T_linear) > 1e-2 * (abs(T) + abs(T_linear)) + 64.0 * EPS * k:
                     if slope > 0.0 and length_direction == DIRECTION:
-                        turn = 1.0 / (row[COMPLIANCE] * slope)  # the part of the gradient that turns has no slope in it
+                        turn = row[STIFFNESS] / slope  # the part of the gradient that turns has no slope in it
                         for x in range(3):
                             row[GRADIENT + x] = n[x] + (row[GRADIENT + x] - n[x]) * turn
-                    row[COMPLIANCE], row[OFFSET] = 1.0 / slope, T / slope - longer if slope > 0.0 else 0.0
+                    row[STIFFNESS], row[TENSION] = slope, T - slope * longer
                     changed = True
         if not changed:
             break
@@ -290,7 +304,7 @@ def direction(stage, net):
     return solves
 
 
-@njit(void(NET, float64, _f2), cache=True, error_model="numpy")
+@njit(void(NET, float64, _f2), cache=True, error_model="numpy", fastmath={"contract"})
 def correct(net, length, q):
     """q += length times the Newton step, for the moving nodes."""
     for i in range(net.n_free):
@@ -298,13 +312,13 @@ def correct(net, length, q):
             q[i, x] += length * net.step[i, x]
 
 
-@njit(void(NET), cache=True, error_model="numpy")
+@njit(void(NET), cache=True, error_model="numpy", fastmath={"contract"})
 def forget(net):
     """Drop the predicted tensions, so that what a failed iteration left does not shape the next tangent."""
     net.tension[:] = 0.0
 
 
-@njit(void(STAGE, _f2, _f2, NET, _f1), cache=True, error_model="numpy")
+@njit(void(STAGE, _f2, _f2, NET, _f1), cache=True, error_model="numpy", fastmath={"contract"})
 def settle(stage, base, q, net, energy):
     """Energy put in by driven nodes and dissipated, between base and q, exactly as the step of law ``BETWEEN`` accounts it.
 
@@ -317,7 +331,7 @@ def settle(stage, base, q, net, energy):
     dissipated, put_in = 0.0, 0.0
     for s in range(net.segment.shape[0]):
         row = net.segment[s]
-        dissipated += (row[LAW_TENSION] - row[SECANT]) * (row[STRETCH] - row[BEFORE])
+        dissipated += (row[TENSION] - row[SECANT]) * (row[STRETCH] - row[BEFORE])
     effects = net.effects
     for e in range(effects.address.shape[0]):
         i, j = effects.index_at[e], effects.index_at[e + 1]
@@ -331,7 +345,7 @@ def settle(stage, base, q, net, energy):
     energy[0], energy[1] = put_in, dissipated
 
 
-@njit(void(float64, _f2, _f2, NET, _f1), cache=True, error_model="numpy")
+@njit(void(float64, _f2, _f2, NET, _f1), cache=True, error_model="numpy", fastmath={"contract"})
 def energies(t, q, v, net, energy):
     """Kinetic energy of the moving nodes, spring energy, and potential energy of the effects: (3,) [J], overwritten."""
     kinetic, elastic, potential = 0.0, 0.0, 0.0

@@ -33,7 +33,7 @@ class EquilibriumError(RuntimeError):
     """A scene that has no static shape, or whose static shape was not found."""
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _cable_end(net, load, EA, c, H, delta, u, C):
     """End of cable c relative to its start for a force H at its start, with the directions u of its segments.
 
@@ -67,7 +67,7 @@ def _cable_end(net, load, EA, c, H, delta, u, C):
     return L0 * x, L0 * y, L0 * z, L0 * xf, L0 * yf, L0 * zf, fx, fy, fz, off
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _turn(net, load, c, H, change, length, delta, u):
     """Newton step of the directions of cable c's segments, which goes with a change of its forces."""
     count, node, first = net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE], net.cable[c, FIRST_SEGMENT]
@@ -88,7 +88,7 @@ def _turn(net, load, c, H, change, length, delta, u):
             fx, fy, fz = fx - load[node + j, 0], fy - load[node + j, 1], fz - load[node + j, 2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
     """Linearise at forces H: closing gaps, stiffness of each cable, out-of-balance force of the free points in ``right``.
 
@@ -141,7 +141,7 @@ def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
     return closing, balance, off
 
 
-@njit(types.UniTuple(float64, 3)(NET, _f2, _f1, float64, float64, _f2, _f2), cache=True, error_model="numpy")
+@njit(types.UniTuple(float64, 3)(NET, _f2, _f1, float64, float64, _f2, _f2), cache=True, error_model="numpy", fastmath={"contract"})
 def solve(net, load, EA, scale, tolerance, H, q):
     """Forces at the cables' starts and places of the free points, in place.
 
@@ -219,7 +219,7 @@ def solve(net, load, EA, scale, tolerance, H, q):
     return closing, balance, float64(iterations)
 
 
-@njit(types.void(NET, _f2, _f1, _f2, _f2, _f1), cache=True, error_model="numpy")
+@njit(types.void(NET, _f2, _f1, _f2, _f2, _f1), cache=True, error_model="numpy", fastmath={"contract"})
 def unroll(net, load, EA, H, q, tension):
     """Places of the interior nodes and tensions of the segments that belong to the forces H, right after `solve`."""
     for c in range(net.cable.shape[0]):

@@ -102,7 +102,7 @@ class Model:
             n_driven=self.n_driven,
             effects=self.effects,
             points=self.symbolic._replace(block=np.zeros_like(self.symbolic.block)),
-            segment=np.zeros((segments, 13)),
+            segment=np.zeros((segments, 12)),
             tension=np.zeros(segments),
             pull=np.zeros((n, 3)),
             right=np.zeros((n, 3)),

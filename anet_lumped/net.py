@@ -60,7 +60,7 @@ class Net(NamedTuple):
     n_driven: int  # first driven node
     effects: Effects
     points: Points
-    segment: np.ndarray  # (n_segments, 13) scratch: the linearised law of each segment, columns in chain.py
+    segment: np.ndarray  # (n_segments, 12) scratch: the linearised law of each segment, columns in chain.py
     tension: np.ndarray  # (n_segments,) tension that the last Newton step predicted
     pull: np.ndarray  # (n, 3) scratch
     right: np.ndarray  # (n, 3) right-hand side, overwritten by the elimination
