@@ -98,7 +98,7 @@ def _stiffness(row):
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _first(net, c):
     """What the first segment of cable c adds to the first interior node: stiffness by rows, then right-hand side."""
-    row, i = net.segment[net.cable[c, FIRST_SEGMENT]], net.cable[c, FIRST_NODE]
+    row = net.segment[net.cable[c, FIRST_SEGMENT]]
     G, T = _stiffness(row), row[TENSION]
     return (*G, -row[0] * T, -row[1] * T, -row[2] * T)
 

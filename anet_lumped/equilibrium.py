@@ -14,7 +14,7 @@ idea of Andersen, Christiansen, Conn & Overton, SIAM J. Sci. Comput. 22 (2000) 2
 """
 
 import numpy as np
-from numba import float64, int64, njit, types
+from numba import float64, njit, types
 
 from . import chain
 from .chain import BORDERED, END, END_START, FIRST_NODE, FIRST_SEGMENT, SEGMENTS, START, START_END
@@ -94,7 +94,7 @@ def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
 
     Returns the largest gap over a cable's length, the largest out-of-balance force, and by how much |F| u is not F.
     """
-    block, right, P = net.points.block, net.right, net.n_free - net.n_interior
+    block, right = net.points.block, net.right
     block[:] = 0.0
     for i in range(net.n_interior, net.n_free):
         for x in range(3):
@@ -224,7 +224,7 @@ def unroll(net, load, EA, H, q, tension):
     """Places of the interior nodes and tensions of the segments that belong to the forces H, right after `solve`."""
     for c in range(net.cable.shape[0]):
         first, count, node, L0 = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE], net.law[c, 0]
-        start, end = net.cable[c, START], net.cable[c, END]
+        start = net.cable[c, START]
         fx, fy, fz = H[c, 0], H[c, 1], H[c, 2]
         x, y, z = q[start, 0], q[start, 1], q[start, 2]
         for j in range(count):
@@ -329,7 +329,7 @@ def _check_supports(scene):
 
 def _check_slack(model, tension, total, scale):
     """A slack cable is a static shape only where its own load shapes it and where it need not push."""
-    for c, cable in enumerate(model.scene.cables):
+    for cable in model.scene.cables:
         smallest = tension[model.segments(cable.name)].min()
         if total == 0.0 and smallest < 1e-9 * scale:
             raise EquilibriumError(

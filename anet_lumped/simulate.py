@@ -220,7 +220,8 @@ def _check(t_end, method, dt, save_every, rtol, atol, rho_inf):
             unit = "" if name == "rtol" else " [m]" if name == "atol" else " [s]"
             raise ValueError(f"Argument `{name}` must be positive and finite{unit}, but it is {value!r}.")
     if method is not None and method not in METHODS:
-        raise ValueError(f"Argument `method` must be one of {', '.join(METHODS)}, but it is {method!r}{nearest(str(method), METHODS) or '.'}")
+        known = ", ".join(METHODS)
+        raise ValueError(f"Argument `method` must be one of {known}, but it is {method!r}" + (nearest(str(method), METHODS) or "."))
     if rho_inf is not None:
         if method not in (None, *schemes.RHO_INF):
             raise ValueError(f"Argument `rho_inf` belongs to {' and '.join(schemes.RHO_INF)}, but the method is {method}.")
