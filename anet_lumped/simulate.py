@@ -2,6 +2,8 @@
 
 import math
 import time
+import warnings
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +23,10 @@ from .scene import Driven, Fixed, SceneError
 SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
 METHODS = schemes.EXPLICIT + schemes.IMPLICIT + SCIPY
 SAVES = 400  # states that come back when nothing else is asked for
+
+
+class StabilityWarning(UserWarning):
+    """A step beyond the predicted limit of its method."""
 
 
 class RunError(RuntimeError):
@@ -69,7 +75,11 @@ def simulate(
     q, v, t0 = _start(model, start)
     adaptive = method in SCIPY or rtol is not None or atol is not None
     choice = choose(scene, method, dt, adaptive)
+    if dt is None and not adaptive:
+        choice = replace(choice, dt=t_end / math.ceil(t_end / choice.dt))  # steps that end on t_end
     tolerances = (1e-6 if rtol is None and atol is None else rtol or 0.0, atol or 0.0 if rtol else atol or 1e-9)
+    for text in choice.warnings:
+        warnings.warn(text, StabilityWarning, stacklevel=2)
     if choice.method in SCIPY:
         from .scipy_methods import march
     else:

@@ -26,6 +26,7 @@ _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
 _i1 = types.Array(types.int64, 1, "C")
 
 CHECK_EVERY = 16  # explicit steps between two looks for a divergence
+ABSURD = 1e6  # metres plus metres a second, for anything that hangs on a cable
 SMALLEST = 2.0**-12  # of the step asked for
 
 
@@ -59,7 +60,7 @@ def worst_node(q, v):
         size = 0.0
         for x in range(3):
             size += abs(q[i, x]) + abs(v[i, x])
-        if not size < 1e12:
+        if not size < ABSURD:
             return i
     return -1
 

@@ -69,3 +69,8 @@ def scheme(name, net):
         module.step.compile(step_signature(net))
         module.step.disable_compile()
     return Scheme(name, first_class(module.step), module.ORDER, module.MEMORY, getattr(module, "KEPT", -1))
+
+
+def order(name):
+    """Order of the scheme ``name``, without compiling it."""
+    return import_module(f".{_MODULES[name]}", __package__).ORDER

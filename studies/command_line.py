@@ -70,8 +70,6 @@ def simulate(
     from studies.summary import of_run
 
     run = simulate(_load(scene), t_end, method=method, dt=dt, start=start or "equilibrium", save_every=save_every)
-    for warning in run.warnings:
-        _tell(f"warning: {warning}")
     _give(of_run(run), as_json, out, "run")
     if out:
         run.save(out / "run.nc")
