@@ -48,22 +48,23 @@ class Motion(NamedTuple):
 class Outcome(NamedTuple):
     """How a march ended and what it leaves.
 
-    ``status`` and ``counts`` as in `integrators.system`; ``reason`` says why it stopped, at time ``t`` [s] and, if it
-    diverged, at ``node`` (or -1); ``q``, ``v`` (k, n, 3) and ``energy`` (k, 5) [J] belong to the first k of the times.
+    ``status`` and ``counts`` as in `integrators.system`; ``reason`` says why it stopped and ``node`` where, if it
+    diverged (else -1). ``q``, ``v`` (k, n, 3) and ``energy`` (k, 5) [J] belong to the times ``t`` (k,) [s]: those asked
+    for, as far as it came, and at last the time it reached.
     """
 
     status: int
     reason: str
-    t: float
     node: int
+    t: np.ndarray
     q: np.ndarray
     v: np.ndarray
     energy: np.ndarray
     counts: np.ndarray
 
 
-class _OutOfWorkError(Exception):
-    """More than `MOST` force evaluations."""
+class _StopError(Exception):
+    """A march that cannot go on; its arguments are the status and the reason."""
 
 
 class _Equations:
@@ -88,7 +89,7 @@ class _Equations:
         """dy/dt."""
         self.calls += 1
         if self.calls > MOST:
-            raise _OutOfWorkError(f"{MOST} force evaluations were not enough")
+            raise _StopError(UNCONVERGED, f"{MOST} force evaluations were not enough")
         self.y[self.order] = y
         self.place(t, self.y)
         self.motion.force(t, self.q, self.v, self.f, self.power)
@@ -145,69 +146,83 @@ def march(method, motion, t0, t_end, stops, q, v, times, first_step, rtol, atol)
     Outcome
     """
     equations, counts = _Equations(motion, q, v), np.zeros(6, np.int64)
-    moving, states = equations.size - 2, np.empty((len(times), equations.size))
-    states[0], saved, t, y = equations.y, 1, t0, equations.y.copy()
-    status, reason, node, options, atol = DONE, "", -1, {}, np.append(atol, [FREE, FREE])
-    if not np.isfinite(equations.rates(t0, y)).all():
-        status, reason = DIVERGED, "the force at the start is not finite"
-    elif method == "LSODA":
-        options = equations.narrow(t0)
-    else:
-        shrink = np.sqrt(moving / equations.size)  # so that the mean square over y is the one over (q, v)
-        rtol, atol = shrink * rtol, shrink * atol
-        options = {"jac": equations.matrix} if method in ("Radau", "BDF") else {}
-    order = equations.order
-    with warnings.catch_warnings(record=True) as said:  # LSODA tells its reasons as warnings
-        warnings.simplefilter("default")
-        for stop in [*stops[(stops > t0) & (stops < t_end)].tolist(), t_end]:
-            first, solver = min(first_step, stop - t) if t == t0 else None, None
-            try:
-                while status == DONE and t < stop:
-                    if solver is None:
-                        solver = SOLVERS[method](
-                            equations.rates, t, y[order], stop, rtol=rtol, atol=atol[order], first_step=first, **options
-                        )
-                    before = equations.calls
-                    failure = solver.step()
-                    _count(method, solver, equations.calls - before, failure is None, counts)
-                    if failure is not None:
-                        status = UNCONVERGED if np.isfinite(equations.rate).all() else DIVERGED
-                        reason = str(said[-1].message) if method == "LSODA" and said else failure
-                        break
-                    t = stop if solver.status == "finished" else solver.t
-                    y[order] = solver.y
-                    node = _beyond_sense(y[:moving])
-                    if node >= 0:
-                        status, reason = DIVERGED, "places or velocities are beyond any sense"
-                        break
-                    due = saved + np.searchsorted(times[saved:], t, side="right")
-                    if due > saved:
-                        states[saved:due, order] = solver.dense_output()(np.minimum(times[saved:due], solver.t)).T
-                        saved = due
-            except (_OutOfWorkError, RuntimeError) as error:  # the latter from a singular matrix
-                status, reason = UNCONVERGED, str(error)
-            counts[FACTORISATIONS] += 0 if solver is None else solver.nlu
+    times, states = times.copy(), np.empty((len(times), equations.size))
+    times[0], states[0], saved = t0, equations.y, 1
+    status, reason, t, y = DONE, "", t0, equations.y.copy()
+    try:
+        for t, y, dense in _steps(method, equations, t0, t_end, stops, first_step, rtol, atol, counts):
+            due = saved + np.searchsorted(times[saved:], t, side="right")
+            if due > saved:
+                states[saved:due, equations.order] = dense()(times[saved:due]).T
+                saved = due
+            if times[saved - 1] == t:
+                states[saved - 1] = y
+    except _StopError as stopped:
+        status, reason = stopped.args
+        if t > times[saved - 1]:
+            times[saved], states[saved] = t, y
+            saved += 1
     counts[FORCES] = equations.calls
+    node = _largest(equations.rate) if status == DIVERGED else -1
     out = np.empty((saved, *q.shape)), np.empty((saved, *q.shape)), np.empty((saved, 5))
     for k in range(saved):
         out[0][k], out[1][k] = equations.place(times[k], states[k])
         motion.energy(times[k], out[0][k], out[1][k], out[2][k])
     out[2][:, 3:] = states[:saved, -2:]
-    return Outcome(status, reason, t, node, *out, counts)
+    return Outcome(status, reason, node, times[:saved], *out, counts)
 
 
-def _beyond_sense(y):
-    """Node whose place or velocity is not finite or beyond any sense, or -1."""
-    worst = np.argmax(np.abs(y))
-    return -1 if abs(y[worst]) < LARGEST else int(worst % (len(y) // 2)) // 3
+def _steps(method, equations, t0, t_end, stops, first_step, rtol, atol, counts):
+    """Time, state in the natural order and the maker of dense output after each step of a march."""
+    t, y, atol, options = t0, equations.y.copy(), np.append(atol, [FREE, FREE]), {}
+    if not np.isfinite(equations.rates(t, y)).all():
+        raise _StopError(DIVERGED, "the force at the start is not finite")
+    if method == "LSODA":
+        options = equations.narrow(t)
+    else:
+        shrink = np.sqrt(1.0 - 2.0 / equations.size)  # so that the mean square over y is the one over (q, v)
+        rtol, atol = shrink * rtol, shrink * atol
+        if method in ("Radau", "BDF"):
+            options = {"jac": equations.matrix}
+    order, atol, place = equations.order, atol[equations.order], np.argsort(equations.order)
+    for stop in [*stops[(stops > t0) & (stops < t_end)].tolist(), t_end]:
+        first = min(first_step, stop - t) if t == t0 else None
+        solver = SOLVERS[method](equations.rates, t, y[order], stop, rtol=rtol, atol=atol, first_step=first, **options)
+        while solver.status == "running":
+            calls, factorisations = equations.calls, solver.nlu
+            failure = _step(solver)
+            _count(method, solver, equations.calls - calls, failure is None, counts)
+            counts[FACTORISATIONS] += solver.nlu - factorisations
+            if failure is not None:
+                raise _StopError(UNCONVERGED if np.isfinite(equations.rate).all() else DIVERGED, failure)
+            if not np.abs(solver.y[place[:-2]]).max() < LARGEST:
+                raise _StopError(DIVERGED, "places or velocities are beyond any sense")
+            t, y = stop if solver.status == "finished" else solver.t, solver.y[place]
+            yield t, y, solver.dense_output
+
+
+def _step(solver):
+    """Take a step; returns None or why it failed."""
+    with warnings.catch_warnings(record=True) as said:  # LSODA gives its reasons as warnings
+        warnings.simplefilter("always")
+        try:
+            failure = solver.step()
+        except RuntimeError as error:  # a singular matrix
+            return str(error)
+    return str(said[-1].message) if failure and said else failure
+
+
+def _largest(rate):
+    """Node with the largest rate, or the first one whose rate is not a number."""
+    return int(np.argmax(np.abs(rate[:-2])) % (len(rate) // 2 - 1)) // 3
 
 
 def _count(method, solver, calls, done, counts):
-    """Add up a step of ``calls`` force evaluations; scipy itself does not tell rejected steps nor Newton iterations."""
+    """Add up a step of ``calls`` force evaluations; scipy does not tell rejected steps nor Newton iterations."""
     counts[STEPS] += done
     if method == "BDF":
         counts[NEWTON] += calls
     elif method == "Radau":
-        counts[NEWTON] += calls // 3  # three stages an iteration, one more for the state reached or an error estimate
+        counts[NEWTON] += calls // 3  # three stages an iteration; one more for the state reached or an error estimate
     elif method != "LSODA":
         counts[REJECTED] += calls // solver.n_stages - done
