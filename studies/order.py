@@ -1,4 +1,5 @@
 """Does every scheme converge at its order, for places and for velocities?"""
+
 import warnings
 
 import numpy as np
@@ -63,7 +64,10 @@ def errors(case, problem, start, d, v):
     rows = []
     for steps in STEPS[problem][method in schemes.IMPLICIT]:
         run = march(method, problem, start, steps, rho_inf)
-        of_q, of_v = (np.abs(run.q[-1] - start.q - d).max() / np.abs(d).max(), np.abs(run.v[-1] - v).max() / np.abs(v).max())
+        of_q, of_v = (
+            np.abs(run.q[-1] - start.q - d).max() / np.abs(d).max(),
+            np.abs(run.v[-1] - v).max() / np.abs(v).max(),
+        )
         rows.append(
             {
                 "problem": problem, "method": case, "step_s": T_END[problem] / steps, "place_error": of_q,
@@ -94,20 +98,32 @@ def compute(quick=False, executor=None, out=None):
             enough = len(seen) >= 2
             slope[of] = np.polyfit(np.log(seen.step_s), np.log(seen[f"{of}_error"]), 1)[0] if enough else np.nan
         order = schemes.order(CASES[method][0])
-        slopes.append({"problem": problem, "method": method, "order": order, "of_place": slope["place"], "of_velocity": slope["velocity"]})
+        of = {"of_place": slope["place"], "of_velocity": slope["velocity"]}
+        slopes.append({"problem": problem, "method": method, "order": order, **of})
     return {"orders": pd.DataFrame(slopes), "errors": table}
 
 
 def plot(rows):
     """Error against step, one panel a problem."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter
 
     figure = Figure(figsize=(9.5, 4.2), layout="constrained")
     panels = figure.subplots(1, len(STEPS), sharey=True)
     for panel, (problem, part) in zip(panels, rows["errors"].groupby("problem", sort=False), strict=True):
         for i, (method, line) in enumerate(part.groupby("method", sort=False)):
-            panel.loglog(line.step_s * 1e3, line.place_error, marker="osv^D<>Pp*"[i % 10], ms=4, lw=1, label=method)
+            panel.loglog(
+                line.step_s * 1e3,
+                line.place_error,
+                marker="osv^D<>Pp*X"[i],
+                ms=4,
+                lw=1,
+                label=method,
+                color=f"C{i}" if i < 10 else "k",
+                ls="-" if i % 2 else "--",
+            )
         panel.set(title=problem, xlabel="step [ms]")
+        panel.xaxis.set_minor_formatter(NullFormatter())
     panels[0].set_ylabel("place error over displacement [-]")
     panels[-1].legend(loc="center left", bbox_to_anchor=(1.02, 0.5), fontsize=8, frameon=False)
     return {"errors": figure}

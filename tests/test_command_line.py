@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pandas
 import pytest
+from test_report import fake_study
+from test_rows import start_and_wait_for_rows, wait_for_end_of
 
 from studies import command_line
 from studies.command_line import main
-from tests.test_report import fake_study
-from tests.test_rows import start_and_wait_for_rows, wait_for_end_of
 
 COMMANDS = ["equilibrium", "simulate", "check", "sweep", "measures", "study", "mismatch", "report"]
 PROGRAM = ["-c", "from studies.command_line import main; main()"]
