@@ -74,6 +74,17 @@ class Model:
         self.scene.point(point)
         return self.node_of[point]
 
+    def where(self, node):
+        """Name of a node: its point, or its place along its cable."""
+        for name, number in self.node_of.items():
+            if number == node:
+                return f'point "{name}"'
+        for cable in self.scene.cables:
+            place = np.flatnonzero(self.nodes(cable.name) == node)
+            if len(place):
+                return f'node {place[0]} of {cable.segments} of cable "{cable.name}"'
+        return f"node {node}"
+
     def nodes(self, cable):
         """(segments + 1,) int64: nodes of a cable from its start to its end."""
         c = self._number(cable)

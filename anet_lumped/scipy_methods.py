@@ -10,9 +10,7 @@ from integrators.system import DIVERGED, DONE
 from .bindings import system
 from .jacobian import sparse_jacobian
 from .run import Run, Work
-from .scene import Driven
-
-RESTING = 1e-6  # of a path's whole way: what a driven point may move within a piece and still be called at rest
+from .times import save_times, stops
 
 
 def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_inf):
@@ -37,7 +35,6 @@ def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_
     -------
     Run
     """
-    from .simulate import _save_times, where
 
     net, compiled = model.net(), system(model)
     motion = scipy_adapter.Motion(
@@ -47,7 +44,7 @@ def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_
         jacobian=sparse_jacobian(model, net),
         mass=model.mass[: model.n_free],
     )
-    times = np.minimum(_save_times(t0, t_end, save_every), t_end)
+    times = save_times(t0, t_end, save_every)
     rtol, atol = tolerances
     reach = np.abs(q).max() or max(cable.length for cable in model.scene.cables)
     began = time.perf_counter()
@@ -57,7 +54,7 @@ def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_
     )  # fmt: skip
     message = ""
     if out.status != DONE:
-        at = f" at {where(model, out.node)}" if out.node >= 0 else ""
+        at = f" at {model.where(out.node)}" if out.node >= 0 else ""
         how = "diverged" if out.status == DIVERGED else "gave up"
         message = (
             f"{choice.method} with rtol={rtol:.3g}, atol={atol:.3g} m {how} at t={out.t[-1]:.4g} s{at}: "
@@ -71,25 +68,3 @@ def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_
         wall_time=time.perf_counter() - began,
         warnings=choice.warnings,
     )  # fmt: skip
-
-
-def stops(scene):
-    """Times that no step may cross: the corners of driven points' paths, and where one sets out after a rest.
-
-    At rest an adaptive step grows without bound and could pass over a short motion altogether; a solver that starts
-    afresh where the motion sets out cannot.
-
-    Returns
-    -------
-    stops : increasing (k,) float64 [s]
-    """
-    found = [np.zeros(0)]
-    for point in scene.points:
-        if isinstance(point, Driven):
-            path = point.path
-            lasting = np.diff(path.breaks)[:, None] ** np.arange(1, path.coefficients.shape[1])
-            way = np.einsum("kix,ki->k", np.abs(path.coefficients[:-1, 1:]), lasting)  # at least the way of each piece
-            moves = np.append(way > RESTING * way.sum(), True)
-            sets_out = moves & np.append(True, ~moves[:-1])
-            found += [path.corners, path.breaks[sets_out]]
-    return np.unique(np.concatenate(found))

@@ -19,10 +19,10 @@ from .model import build
 from .net import NET
 from .run import Run, State, Work
 from .scene import Driven, Fixed, SceneError
+from .times import SAVES, save_times, stops
 
 SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
 METHODS = schemes.EXPLICIT + schemes.IMPLICIT + SCIPY
-SAVES = 400  # states that come back when nothing else is asked for
 
 
 class StabilityWarning(UserWarning):
@@ -76,7 +76,8 @@ def simulate(
     adaptive = method in SCIPY or rtol is not None or atol is not None
     choice = choose(scene, method, dt, adaptive)
     if dt is None and not adaptive:
-        choice = replace(choice, dt=t_end / math.ceil(t_end / choice.dt))  # steps that end on t_end
+        whole = save_every or t_end
+        choice = replace(choice, dt=whole / math.ceil(whole / choice.dt))  # steps that end on what is saved
     tolerances = (1e-6 if rtol is None and atol is None else rtol or 0.0, atol or 0.0 if rtol else atol or 1e-9)
     for text in choice.warnings:
         warnings.warn(text, StabilityWarning, stacklevel=2)
@@ -96,7 +97,7 @@ def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho
     options = scheme.options(rho_inf)
     counts, balance = np.zeros(6, np.int64), np.zeros(BALANCE)
     if adaptive:
-        saves = _save_times(t0, t_end, save_every)
+        saves = save_times(t0, t_end, save_every)
     else:
         stride, rows = _stride(t_end - t0, choice.dt, save_every)
         saves = np.empty(rows)
@@ -104,9 +105,8 @@ def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho
     out = saves, np.empty((k, model.n, 3)), np.empty((k, model.n, 3)), np.zeros((k, 5))
     began, error = time.perf_counter(), None
     if adaptive:
-        corners = np.unique(np.concatenate([np.empty(0), *(p.path.corners for p in model.scene.points if isinstance(p, Driven))]))
         status, saved, t, node, error = stepping(
-            scheme.step, bound, net, t0, t_end, choice.dt, scheme.order, *tolerances, scheme.kept, corners, q, v, memory,
+            scheme.step, bound, net, t0, t_end, choice.dt, scheme.order, *tolerances, scheme.kept, stops(model.scene), q, v, memory,
             options, counts, balance, *out
         )  # fmt: skip
     else:
@@ -137,25 +137,13 @@ def _message(model, choice, status, t, node):
     if status == DIVERGED:
         limit = f", whose predicted limit is {choice.limit:.3g} s" if math.isfinite(choice.limit) else ""
         return (
-            f"{choice.method} with dt={choice.dt:.3g} s{limit}, diverged at t={t:.4g} s at {where(model, node)}; "
+            f"{choice.method} with dt={choice.dt:.3g} s{limit}, diverged at t={t:.4g} s at {model.where(node)}; "
             "try a smaller step or method=\"edmc\"."
         )
     return (
         f"{choice.method} with dt={choice.dt:.3g} s did not converge at t={t:.4g} s even with the step cut to "
         f"{choice.dt / 4096:.1e} s; try a smaller step, method=\"edmc\" or compression=\"none\"."
     )
-
-
-def where(model, node):
-    """Name of a node: its point, or its place along its cable."""
-    for name, number in model.node_of.items():
-        if number == node:
-            return f'point "{name}"'
-    for cable in model.scene.cables:
-        nodes = model.nodes(cable.name)
-        if node in nodes:
-            return f'node {list(nodes).index(node)} of {cable.segments} of cable "{cable.name}"'
-    return f"node {node}"
 
 
 def _start(model, start):
@@ -215,13 +203,6 @@ def _stride(duration, dt, save_every):
                 f"Argument `save_every` must be a multiple of the step, but save_every={save_every:g} s and dt={dt:g} s."
             )
     return stride, steps // stride + 3
-
-
-def _save_times(t0, t_end, save_every):
-    if save_every is None:
-        return np.linspace(t0, t_end, SAVES + 1)
-    times = t0 + np.arange(0.0, (t_end - t0) * (1 + 1e-12), save_every)
-    return times if t_end - times[-1] < 1e-9 * (t_end - t0) else np.append(times, t_end)
 
 
 def _check(t_end, method, dt, save_every, rtol, atol, rho_inf):
