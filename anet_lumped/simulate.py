@@ -11,7 +11,6 @@ from integrators import schemes
 from integrators.march import adaptive_march, fixed_march
 from integrators.system import BALANCE, DIVERGED, DONE
 
-from .bindings import system
 from .checks import nearest
 from .choice import choose
 from .equilibrium import equilibrium
@@ -90,6 +89,8 @@ def simulate(
 
 def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_inf):
     """March with a scheme of our own; returns a Run."""
+    from .bindings import system  # compiled on first use: a scene or its equilibrium need none of it
+
     scheme = schemes.scheme(choice.method, NET)
     stepping = adaptive_march(NET) if adaptive else fixed_march(NET)
     net, bound = model.net(), system(model)
