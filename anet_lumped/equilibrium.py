@@ -25,6 +25,7 @@ from .run import State
 from .scene import Fixed, Free
 
 _f1, _f2 = float64[::1], float64[:, ::1]
+EPS = 2.220446049250313e-16
 ROUNDINGS = 6  # of |F|, from 1e-2 of the load down to 1e-12 of it
 ITERATIONS = 200  # of Newton for each of them
 
@@ -92,14 +93,15 @@ def _turn(net, load, c, H, change, length, delta, u):
 def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
     """Linearise at forces H: closing gaps, stiffness of each cable, out-of-balance force of the free points in ``right``.
 
-    Returns the largest gap over a cable's length, the largest out-of-balance force, and by how much |F| u is not F.
+    Returns the largest gap over a cable's length, the largest out-of-balance force, by how much |F| u is not F, and the
+    largest force and length that occur, which rounding is relative to.
     """
     block, right = net.points.block, net.right
     block[:] = 0.0
     for i in range(net.n_interior, net.n_free):
         for x in range(3):
             right[i, x] = load[i, x]
-    closing, off = 0.0, 0.0
+    closing, off, force, reach = 0.0, 0.0, 0.0, 0.0
     for c in range(net.cable.shape[0]):
         start, end = net.cable[c, START], net.cable[c, END]
         x, y, z, xf, yf, zf, fx, fy, fz, off_c = _cable_end(net, load, EA, c, H[c], delta, u, flat)
@@ -110,7 +112,8 @@ def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
         rx, ry, rz = x - q[end, 0] + q[start, 0], y - q[end, 1] + q[start, 1], z - q[end, 2] + q[start, 2]
         gap[c, 0], gap[c, 1], gap[c, 2] = rx + xf - x, ry + yf - y, rz + zf - z
         size = max(net.law[c, 0] * net.cable[c, SEGMENTS], abs(x), abs(y), abs(z))
-        closing = max(closing, max(abs(rx), abs(ry), abs(rz)) / size)
+        closing, reach = max(closing, max(abs(rx), abs(ry), abs(rz)) / size), max(reach, size)
+        force = max(force, abs(fx), abs(fy), abs(fz), max(abs(H[c, 0]), abs(H[c, 1]), abs(H[c, 2])))
         if start < net.n_free:
             right[start, 0] += H[c, 0]
             right[start, 1] += H[c, 1]
@@ -138,10 +141,10 @@ def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
         if net.cable[c, BORDERED] == 1:
             chain._add(block[net.cable[c, START_END]], K, -1.0)
             chain._add(block[net.cable[c, END_START]], K, -1.0)
-    return closing, balance, off
+    return closing, balance, off, force, reach
 
 
-@njit(types.UniTuple(float64, 3)(NET, _f2, _f1, float64, float64, _f2, _f2), cache=True, error_model="numpy", fastmath={"contract"})
+@njit(types.UniTuple(float64, 4)(NET, _f2, _f1, float64, float64, _f2, _f2), cache=True, error_model="numpy", fastmath={"contract"})
 def solve(net, load, EA, scale, tolerance, H, q):
     """Forces at the cables' starts and places of the free points, in place.
 
@@ -157,23 +160,26 @@ def solve(net, load, EA, scale, tolerance, H, q):
 
     Returns
     -------
-    closing, balance, iterations : float64
-        Largest gap relative to a cable's length, largest force on a free point relative to scale, Newton iterations.
+    closing, balance, noise, iterations : float64
+        Largest gap relative to a cable's length, largest force on a free point relative to scale, what rounding of the
+        largest tension may leave in that, Newton iterations.
     """
     cables = net.cable.shape[0]
     stiffness, gap, change, flat = np.zeros((cables, 9)), np.zeros((cables, 3)), np.zeros((cables, 3)), np.zeros(9)
     trial, u = np.zeros(3), net.factor[:, :3]
     u[:] = 0.0
-    iterations, closing, balance = 0, np.inf, np.inf
+    iterations, closing, balance, noise = 0, np.inf, np.inf, 0.0
     delta = 1e-2 * scale
     for rounding in range(ROUNDINGS):
         last = rounding == ROUNDINGS - 1
         enough = tolerance if last else 1e-3
         polished = False
         for _ in range(ITERATIONS):
-            closing, balance, off = _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat)
+            closing, balance, off, force, reach = _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat)
             balance /= scale
-            if balance <= 1e-12 and closing <= enough and off <= (1e-12 if last else 1e-3) * scale:
+            noise = 32.0 * EPS * force / scale
+            small = 1e-12 + noise
+            if balance <= small and closing <= enough and off <= (small if last else 1e-3) * scale:
                 if polished or not last:
                     break
                 polished = True  # one step more costs little and takes a quadratic iteration to rounding
@@ -196,7 +202,7 @@ def solve(net, load, EA, scale, tolerance, H, q):
                 size += abs(change[c, 0]) + abs(change[c, 1]) + abs(change[c, 2])
                 slope += change[c, 0] * dx + change[c, 1] * dy + change[c, 2] * dz
             length = 1.0
-            if balance <= 1e-9:
+            if balance <= 1e-9 + noise:
                 # On balanced forces the slope of the convex function along the step starts at -slope and grows; a step that
                 # overshoots its zero by far is too long.
                 while length > 1e-9:
@@ -208,7 +214,7 @@ def solve(net, load, EA, scale, tolerance, H, q):
                         ends = _cable_end(net, load, EA, c, trial, delta, u, flat)
                         for x in range(3):
                             now += (ends[3 + x] - q[end, x] + q[start, x]) * change[c, x]
-                    if now <= 0.5 * slope + 1e-15 * size:
+                    if now <= 0.5 * slope + 8.0 * EPS * size * reach:
                         break
                     length *= 0.5
             for c in range(cables):
@@ -216,7 +222,7 @@ def solve(net, load, EA, scale, tolerance, H, q):
                 for x in range(3):
                     H[c, x] += length * change[c, x]
         delta *= 1e-2
-    return closing, balance, float64(iterations)
+    return closing, balance, noise, float64(iterations)
 
 
 @njit(types.void(NET, _f2, _f1, _f2, _f2, _f1), cache=True, error_model="numpy", fastmath={"contract"})
@@ -275,8 +281,8 @@ def equilibrium(scene, tolerance=1e-12):
     H = _first_guess(model, load, q, scale)
     for name in (point.name for point in scene.points if isinstance(point, Free)):
         q[model.node(name)] = q[model.n_free :].mean(axis=0)
-    closing, balance, iterations = solve(net, load, EA, scale, tolerance, H, q)
-    if not (closing <= 10 * tolerance and balance <= 1e-10):
+    closing, balance, noise, iterations = solve(net, load, EA, scale, tolerance, H, q)
+    if not (closing <= 10 * tolerance and balance <= 1e-10 + noise):
         raise EquilibriumError(
             f"No equilibrium was found in {iterations:.0f} iterations: forces balance to {balance:.1e} of the load and the "
             f"cables close to {closing:.1e} of their lengths, which should be {tolerance:.0e}; "
