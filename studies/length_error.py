@@ -428,7 +428,7 @@ dropped out. It was measured by raising EA until the energy of a disturbance of 
 within {FLOOR_STEPS} steps. The closed form, which takes the top frequency as that of an endless chain, is right within
 {100 * off.iloc[0]:.1f} % at N = {off.index[0]} and {100 * off.iloc[-1]:.2g} % at N = {off.index[-1]}; with the exact
 frequency, and for cables between supports too, prediction and measurement agree within {100 * other:.1f} %. It grows as
-N²: refining the shape by one power of ten costs two in stretch. At 20 segments and 1 ms it is
+N², as the error of the shape falls: what refinement gains in one it loses in the other. At 20 segments and 1 ms it is
 {at_20["rk4", 1e-3]:.3f} % (RK4) and {at_20["symplectic_euler", 1e-3]:.3f} %; for the two cables that meet, at 10 ms with
 RK4, {100 * joined.loc[1e-2, "floor_measured"]:.1f} %.
 
