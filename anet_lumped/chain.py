@@ -49,17 +49,6 @@ def inverse(m):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _store(block, m):
-    for x in range(3):
-        block[x, 0], block[x, 1], block[x, 2] = m[3 * x], m[3 * x + 1], m[3 * x + 2]
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _load(b):
-    return b[0, 0], b[0, 1], b[0, 2], b[1, 0], b[1, 1], b[1, 2], b[2, 0], b[2, 1], b[2, 2]
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _add(block, m, sign):
     for x in range(3):
         for y in range(3):
@@ -73,15 +62,6 @@ def _times(m, x, y, z):
         m[3] * x + m[4] * y + m[5] * z,
         m[6] * x + m[7] * y + m[8] * z,
     )
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _product(m, n):
-    """Product of two 3x3 matrices, both tuples by rows."""
-    a = _times(m, n[0], n[3], n[6])
-    b = _times(m, n[1], n[4], n[7])
-    c = _times(m, n[2], n[5], n[8])
-    return a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2]
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
@@ -218,76 +198,124 @@ def _single(net, c):
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _eliminate_bordered(net, c, D, r, row, out):
-    """Eliminate a cable whose start is a free point too, whose displacement is carried along.
+    """Eliminate a cable whose start is a free point too.
 
-    C is what the start's displacement adds to the right-hand side of the node eliminated now, R what that node's displacement
-    adds to the force on the start.
+    The displacement of the start and the tension T of the first segment are carried along as four unknowns u = (d_start, T):
+    the first node sees a_0 (d_start - d) - e_0 T behind it, so that no stiffness enters before T itself is eliminated at the
+    end. C (3, 4) is what u adds to the right-hand side of the node eliminated now, and d_first = Q d + p + P u is the first
+    node's displacement in terms of that node's.
     """
-    start, block = net.cable[c, START], net.points.block[net.cable[c, START] - net.n_interior]
-    first = net.segment[net.cable[c, FIRST_SEGMENT]]
-    G, T = _stiffness(first), first[TENSION]
-    C, R = G, G
-    _add(block, G, 1.0)
+    start, end = net.cable[c, START], net.cable[c, END]
+    first, block, before = net.segment[net.cable[c, FIRST_SEGMENT]], net.points.block, start - net.n_interior
+    a0, k0, e0, g0 = first[GEOMETRIC], first[STIFFNESS], first[:3], first[3:6]
+    net.carried[:] = 0.0
+    C, P, fresh, p = net.carried[0], net.carried[1], net.carried[2], net.carried[3, 0]
+    Q, X, H, turned = net.carried[4], net.carried[5], net.carried[6], net.carried[7]  # the last column of these is idle
     for x in range(3):
-        net.right[start, x] += first[x] * T
-    state = _first(net, c)
+        C[x, x], C[x, 3], Q[x, x] = a0, -e0[x], 1.0
+    state = (a0, 0.0, 0.0, 0.0, a0, 0.0, 0.0, 0.0, a0, 0.0, 0.0, 0.0)
     for j in range(D.shape[0]):
         state, M, y, z, rho = _pass(state, D[j], r[j], row[j], out[j])
-        d, e, a = out[j], row[j], row[j, GEOMETRIC]
-        X = (
-            M[0] - rho * y[0] * z[0], M[1] - rho * y[0] * z[1], M[2] - rho * y[0] * z[2],
-            M[3] - rho * y[1] * z[0], M[4] - rho * y[1] * z[1], M[5] - rho * y[1] * z[2],
-            M[6] - rho * y[2] * z[0], M[7] - rho * y[2] * z[1], M[8] - rho * y[2] * z[2],
-        )  # fmt: skip
-        K, border = _product(X, C), net.border[net.cable[c, FIRST_SEGMENT] + 1 + j]
-        for x in range(9):
-            border[x] = K[x]
+        e, a, border = row[j], row[j, GEOMETRIC], net.border[net.cable[c, FIRST_SEGMENT] + 1 + j]
         for x in range(3):
-            border[9 + x] = -rho * (z[0] * C[x] + z[1] * C[3 + x] + z[2] * C[6 + x])
-        h = _times(R, d[9], d[10], d[11])
+            for i in range(3):
+                X[x, i] = M[3 * x + i] - rho * y[x] * z[i]
+                H[x, i] = out[j, 3 * x + i]
+        for u in range(4):
+            of_T = z[0] * C[0, u] + z[1] * C[1, u] + z[2] * C[2, u]
+            border[12 + u] = -rho * of_T
+            for x in range(3):
+                border[4 * x + u] = X[x, 0] * C[0, u] + X[x, 1] * C[1, u] + X[x, 2] * C[2, u]
+            for x in range(3):
+                along = M[3 * x] * C[0, u] + M[3 * x + 1] * C[1, u] + M[3 * x + 2] * C[2, u]
+                fresh[x, u] = a * along + rho * (e[x] - a * y[x]) * of_T
         for x in range(3):
-            net.right[start, x] += h[x]
-        _add(block, _product(R, K), -1.0)
-        f = (rho * (e[0] - a * y[0]), rho * (e[1] - a * y[1]), rho * (e[2] - a * y[2]))
-        Y = (
-            a * M[0] + f[0] * z[0], a * M[1] + f[0] * z[1], a * M[2] + f[0] * z[2],
-            a * M[3] + f[1] * z[0], a * M[4] + f[1] * z[1], a * M[5] + f[1] * z[2],
-            a * M[6] + f[2] * z[0], a * M[7] + f[2] * z[1], a * M[8] + f[2] * z[2],
-        )  # fmt: skip
-        C, R = _product(Y, C), _product(R, (d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7], d[8]))
+            for i in range(3):
+                p[x] += Q[x, i] * out[j, 9 + i]
+                turned[x, i] = Q[x, 0] * H[0, i] + Q[x, 1] * H[1, i] + Q[x, 2] * H[2, i]
+            for u in range(4):
+                P[x, u] += Q[x, 0] * border[u] + Q[x, 1] * border[4 + u] + Q[x, 2] * border[8 + u]
+        Q[:], C[:] = turned, fresh
+    # T = T_0 + k_0 g_0 . (d_first - d_start), solved for T: = tie . (d_end, d_start) + constant
+    tie = net.factor[net.cable[c, FIRST_SEGMENT]]
+    rho = 1.0 / (1.0 - k0 * (g0[0] * P[0, 3] + g0[1] * P[1, 3] + g0[2] * P[2, 3]))
+    for i in range(3):
+        tie[i] = rho * k0 * (g0[0] * Q[0, i] + g0[1] * Q[1, i] + g0[2] * Q[2, i])
+        tie[3 + i] = rho * k0 * (g0[0] * P[0, i] + g0[1] * P[1, i] + g0[2] * P[2, i] - g0[i])
+    tie[6] = rho * (first[TENSION] + k0 * (g0[0] * p[0] + g0[1] * p[1] + g0[2] * p[2]))
     _finish(net, c, state)
-    _add(net.points.block[net.cable[c, END_START]], C, -1.0)
-    _add(net.points.block[net.cable[c, START_END]], R, -1.0)
+    behind, ahead, far = block[before], block[end - net.n_interior], net.right
+    to_end, to_start = block[net.cable[c, START_END]], block[net.cable[c, END_START]]
+    for x in range(3):
+        # force on the start: a_0 (d_first - d_start) + e_0 T; on the end: what `_finish` gave it, and C u
+        of_T = a0 * P[x, 3] + e0[x]
+        far[start, x] += a0 * p[x] + of_T * tie[6]
+        far[end, x] += C[x, 3] * tie[6]
+        behind[x, x] += a0
+        for i in range(3):
+            behind[x, i] -= a0 * P[x, i] + of_T * tie[3 + i]
+            to_end[x, i] -= a0 * Q[x, i] + of_T * tie[i]
+            to_start[x, i] -= C[x, i] + C[x, 3] * tie[3 + i]
+            ahead[x, i] -= C[x, 3] * tie[i]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _factor(M):
+    """LU of a 3x3 block in place, unit lower, the inverse of the diagonal kept."""
+    M[0, 0] = 1.0 / M[0, 0]
+    M[1, 0] *= M[0, 0]
+    M[2, 0] *= M[0, 0]
+    M[1, 1] = 1.0 / (M[1, 1] - M[1, 0] * M[0, 1])
+    M[1, 2] -= M[1, 0] * M[0, 2]
+    M[2, 1] = (M[2, 1] - M[2, 0] * M[0, 1]) * M[1, 1]
+    M[2, 2] = 1.0 / (M[2, 2] - M[2, 0] * M[0, 2] - M[2, 1] * M[1, 2])
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _solved(M, x, y, z):
+    """M^-1 (x, y, z) for a factored block."""
+    y -= M[1, 0] * x
+    z -= M[2, 0] * x + M[2, 1] * y
+    z *= M[2, 2]
+    y = (y - M[1, 2] * z) * M[1, 1]
+    return (x - M[0, 1] * y - M[0, 2] * z) * M[0, 0], y, z
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
 def solve_points(net):
-    """Block LU of the free points in their elimination order; their displacements go to ``net.step``."""
+    """Block LU of the free points in their elimination order; their displacements go to ``net.step``.
+
+    By solves with factored blocks, never by their inverses: two points tied by a stiff cable share a block whose condition is
+    that of the stiffness over the inertia, and an inverse would lose it three times over.
+    """
     points, right, step, base = net.points, net.right, net.step, net.n_interior
     block, P = points.block, net.n_free - net.n_interior
     for p in range(P):
-        M = inverse(_load(block[p]))
-        _store(block[p], M)
+        M, rp = block[p], right[base + p]
+        _factor(M)
+        rp[0], rp[1], rp[2] = _solved(M, rp[0], rp[1], rp[2])
         first, last, at = points.later_at[p], points.later_at[p + 1], points.target_at[p]
-        rp = right[base + p]
+        for j in range(first, last):
+            U = block[points.upper[j]]
+            for i in range(3):
+                U[0, i], U[1, i], U[2, i] = _solved(M, U[0, i], U[1, i], U[2, i])
         for i in range(first, last):
-            L = _product(_load(block[points.lower[i]]), M)
-            x, y, z = _times(L, rp[0], rp[1], rp[2])
-            q = base + points.later[i]
-            right[q, 0] -= x
-            right[q, 1] -= y
-            right[q, 2] -= z
+            L, rq = block[points.lower[i]], right[base + points.later[i]]
+            for x in range(3):
+                rq[x] -= L[x, 0] * rp[0] + L[x, 1] * rp[1] + L[x, 2] * rp[2]
             for j in range(first, last):
-                _add(block[points.target[at]], _product(L, _load(block[points.upper[j]])), -1.0)
+                S, U = block[points.target[at]], block[points.upper[j]]
+                for x in range(3):
+                    for y in range(3):
+                        S[x, y] -= L[x, 0] * U[0, y] + L[x, 1] * U[1, y] + L[x, 2] * U[2, y]
                 at += 1
     for p in range(P - 1, -1, -1):
-        x, y, z = right[base + p, 0], right[base + p, 1], right[base + p, 2]
-        for i in range(points.later_at[p], points.later_at[p + 1]):
-            d = step[base + points.later[i]]
-            a, b, c = _times(_load(block[points.upper[i]]), d[0], d[1], d[2])
-            x, y, z = x - a, y - b, z - c
-        x, y, z = _times(_load(block[p]), x, y, z)
-        step[base + p, 0], step[base + p, 1], step[base + p, 2] = x, y, z
+        d = step[base + p]
+        d[0], d[1], d[2] = right[base + p, 0], right[base + p, 1], right[base + p, 2]
+        for j in range(points.later_at[p], points.later_at[p + 1]):
+            U, after = block[points.upper[j]], step[base + points.later[j]]
+            for x in range(3):
+                d[x] -= U[x, 0] * after[0] + U[x, 1] * after[1] + U[x, 2] * after[2]
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
@@ -299,9 +327,11 @@ def substitute_cables(net):
     step, factor, tension, smallest = net.step, net.factor, net.tension, np.inf
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
-        start, end, bordered = net.cable[c, START], net.cable[c, END], net.cable[c, BORDERED] == 1
+        start, end, bordered = net.cable[c, START], net.cable[c, END], net.cable[c, BORDERED] == 1 and count > 1
         x, y, z = step[end, 0], step[end, 1], step[end, 2]
         sx, sy, sz = step[start, 0], step[start, 1], step[start, 2]
+        tie = factor[first]
+        T0 = tie[6] + tie[0] * x + tie[1] * y + tie[2] * z + tie[3] * sx + tie[4] * sy + tie[5] * sz
         for j in range(count - 1, 0, -1):
             f = factor[first + j]
             T = f[15] + f[12] * x + f[13] * y + f[14] * z
@@ -310,15 +340,19 @@ def substitute_cables(net):
             hz = f[11] + f[6] * x + f[7] * y + f[8] * z
             if bordered:
                 b = net.border[first + j]
-                T += b[9] * sx + b[10] * sy + b[11] * sz
-                hx += b[0] * sx + b[1] * sy + b[2] * sz
-                hy += b[3] * sx + b[4] * sy + b[5] * sz
-                hz += b[6] * sx + b[7] * sy + b[8] * sz
+                hx += b[0] * sx + b[1] * sy + b[2] * sz + b[3] * T0
+                hy += b[4] * sx + b[5] * sy + b[6] * sz + b[7] * T0
+                hz += b[8] * sx + b[9] * sy + b[10] * sz + b[11] * T0
+                T += b[12] * sx + b[13] * sy + b[14] * sz + b[15] * T0
             x, y, z = hx, hy, hz
             tension[first + j] = T
             smallest = min(smallest, T)
             i = node + j - 1
             step[i, 0], step[i, 1], step[i, 2] = x, y, z
+        if bordered:
+            tension[first] = T0
+            smallest = min(smallest, T0)
+            continue
         row = net.segment[first]
         longer = row[3] * (x - sx) + row[4] * (y - sy) + row[5] * (z - sz)
         tension[first] = row[TENSION] + row[STIFFNESS] * longer

@@ -66,7 +66,8 @@ class Net(NamedTuple):
     right: np.ndarray  # (n, 3) right-hand side, overwritten by the elimination
     diagonal: np.ndarray  # (n_free, 3, 3)
     factor: np.ndarray  # (n_segments, 16) scratch of the elimination, see chain.py
-    border: np.ndarray  # (n_segments, 12) the same for cables between two free points
+    border: np.ndarray  # (n_segments, 16) the same for cables between two free points
+    carried: np.ndarray  # (8, 3, 4) scratch of a cable between two free points
     step: np.ndarray  # (n, 3) the Newton step; zero on prescribed nodes
     middle_q: np.ndarray  # (n, 3) place and
     middle_v: np.ndarray  # (n, 3) velocity at which external forces are taken
@@ -75,7 +76,7 @@ class Net(NamedTuple):
 EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1), Effects)
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
 NET = types.NamedTuple(
-    (types.int64, types.int64, _f1, _i2, _f2, TABLE, types.int64, EFFECTS, POINTS, _f2, _f1, _f2, _f2, _f3, _f2, _f2)
+    (types.int64, types.int64, _f1, _i2, _f2, TABLE, types.int64, EFFECTS, POINTS, _f2, _f1, _f2, _f2, _f3, _f2, _f2, _f3)
     + (_f2,) * 3,
     Net,
 )
