@@ -10,7 +10,7 @@ Implicit schemes have no limit of the step (`inf`); what this linear statement l
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -231,8 +231,9 @@ def top_modes(scene) -> dict[str, TopMode]:
     return {c.name: top_mode(c, c.stiffness * share[c.start], c.stiffness * share[c.end]) for c in scene.cables}
 
 
-def predict(scene, strain: float = 0.1) -> Prediction:
-    """Predict the stability of every scheme for a scene, without a run.
+@lru_cache(maxsize=32)
+def predict(scene, strain: float = 0.1, schemes: tuple[str, ...] = tuple(NOTES)) -> Prediction:
+    """Predict the stability of every scheme, or of some, for a scene, without a run.
 
     `strain` is the largest stretch expected in the motion: swings stay below omega sqrt(strain/(1 + strain)).
     """
@@ -240,12 +241,12 @@ def predict(scene, strain: float = 0.1) -> Prediction:
     rate = float(sum(effect.rate for effect in scene.effects if type(effect).__name__ == "ViscousDamping"))
     modes, limits = top_modes(scene), {}
     omega, zeta = np.array([(mode.omega, mode.zeta) for mode in modes.values()]).T
-    for scheme, note in NOTES.items():
+    for scheme in schemes:
         axial = step_limit(scheme, omega, zeta, rate)
         swing = step_limit(scheme, omega * np.sqrt(strain / (1.0 + strain)), 0.0, rate)
         step = np.minimum(axial, swing)
         cable = list(modes)[step.argmin()] if np.isfinite(step.min()) else ""
-        limits[scheme] = SchemeLimit(*(float(x.min()) for x in (step, axial, swing)), cable, note)
+        limits[scheme] = SchemeLimit(*(float(x.min()) for x in (step, axial, swing)), cable, NOTES[scheme])
     return Prediction(modes, rate, limits)
 
 

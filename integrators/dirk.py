@@ -89,4 +89,9 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
                 q[i, x] += h * b[s] * memory[5 + s, i, x]
                 v[i, x] += h * b[s] * memory[8 + s, i, x]
     arrive(system, net, t, h, q, v, memory, counts, balance)
+    if table[0] == 0.0:
+        # an explicit first stage goes on with the force that the last one balanced, whose damper saw the taut part of it
+        for i in range(system.n_free):
+            for x in range(3):
+                memory[0, i, x] = memory[7 + stages, i, x] / system.per_mass[i, x]
     return DONE

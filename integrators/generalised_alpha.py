@@ -8,6 +8,7 @@ beta = (1 - alpha_m + alpha_f)^2/4. Order 2, unconditionally stable for a linear
 infinite frequency. Source: Chung & Hulbert, J. Appl. Mech. 60 (1993) 371.
 """
 
+import numpy as np
 from numba import njit
 
 from .march import arrive
@@ -22,17 +23,16 @@ KEPT = 2
 
 @njit(cache=True, error_model="numpy")
 def step(system, net, t, h, q, v, memory, options, counts, balance):
-    """One step; memory[0] is the force and memory[1] the scheme's acceleration a. ``options`` holds rho_inf and, once the
-    acceleration has been started from the force, 1."""
+    """One step; memory[0] is the force and memory[1] the scheme's acceleration a, ``options[SCHEME]`` is rho_inf."""
     f, a, base, target, q_hat = memory[0], memory[1], memory[2], memory[3], memory[4]
+    balanced = target  # not needed any more when this is
     rho = options[SCHEME]
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma, beta = 0.5 - alpha_m + alpha_f, 0.25 * (1.0 - alpha_m + alpha_f) ** 2
-    if options[SCHEME + 1] == 0.0:
+    if not np.any(a[: system.n_free]):  # at the start, or at rest, where the two agree
         for i in range(system.n_free):
             for x in range(3):
                 a[i, x] = f[i, x] * system.per_mass[i, x]
-        options[SCHEME + 1] = 1.0
     tau = beta * h / gamma
     W = (1.0 - alpha_m) / ((1.0 - alpha_f) * beta * h * h)
     for i in range(system.n_free):
@@ -51,6 +51,13 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
     for i in range(system.n_free):
         for x in range(3):
             v[i, x] = (q[i, x] - base[i, x]) / tau
-            a[i, x] = (q[i, x] - q_hat[i, x]) / (beta * h * h)
+            fresh = (q[i, x] - q_hat[i, x]) / (beta * h * h)
+            inertia = ((1.0 - alpha_m) * fresh + alpha_m * a[i, x]) / system.per_mass[i, x]
+            balanced[i, x] = (inertia - alpha_f * f[i, x]) / (1.0 - alpha_f)
+            a[i, x] = fresh
     arrive(system, net, t, h, q, v, memory, counts, balance)
+    for i in range(system.n_free):
+        for x in range(3):
+            # the force that the step balanced, whose damper saw the taut part of the whole step, is what goes on
+            f[i, x] = balanced[i, x]
     return DONE

@@ -51,7 +51,7 @@ class Scheme:
     def options(self, rho_inf=None, tolerance=NEWTON_TOLERANCE):
         """Numbers for its steps: Newton's tolerance and iterations, then rho_inf or the tableau."""
         if self.name in RHO_INF:
-            own = [RHO_INF[self.name] if rho_inf is None else rho_inf, 0.0]
+            own = [RHO_INF[self.name] if rho_inf is None else rho_inf]
         elif self.name in dirk.TABLEAUS:
             own = dirk.options(self.name)
         else:
