@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -53,6 +54,11 @@ def _path_scales(path):
     return scales
 
 
+@lru_cache(maxsize=32)
+def _predict(scene, names):
+    return stability.predict(scene, schemes=names)
+
+
 def choose(scene, method=None, dt=None, adaptive=False):
     """Fill in what the user left open.
 
@@ -63,7 +69,7 @@ def choose(scene, method=None, dt=None, adaptive=False):
     -------
     Choice
     """
-    prediction = stability.predict(scene, schemes=tuple(sorted({"verlet", "edmc" if method is None else method})))
+    prediction = _predict(scene, tuple(sorted({"verlet", "edmc" if method is None else method})))
     limit = prediction.limits["verlet"].step
     motion = OF_TIME_SCALE * time_scale(scene)
     explicit = OF_LIMIT * limit

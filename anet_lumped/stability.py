@@ -10,7 +10,7 @@ Implicit schemes have no limit of the step (`inf`); what this linear statement l
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache
 
 import numpy as np
 
@@ -231,7 +231,6 @@ def top_modes(scene) -> dict[str, TopMode]:
     return {c.name: top_mode(c, c.stiffness * share[c.start], c.stiffness * share[c.end]) for c in scene.cables}
 
 
-@lru_cache(maxsize=32)
 def predict(scene, strain: float = 0.1, schemes: tuple[str, ...] = tuple(NOTES)) -> Prediction:
     """Predict the stability of every scheme, or of some, for a scene, without a run.
 
