@@ -15,7 +15,6 @@ from integrators.stage import BACKWARD, BETWEEN, STATE, Stage
 EPS = np.finfo(float).eps
 INERTIA = 100.0  # [N/m] of the systems below; 5 g in steps of 10 ms
 NETS = {**nets(), "mesh": mesh(10, 10, 2)}
-BETWEEN_FREE_POINTS = ("string of cables", "parallel", "loop", "flying", "wheel", "mesh")
 LAWS = {"state": STATE, "backward": BACKWARD, "between": BETWEEN}
 
 
@@ -51,7 +50,7 @@ def check(model, net, stiffness):
 
 @pytest.mark.parametrize("stiffness", [0.0, 1e1, 1e4, 1e10])
 @pytest.mark.parametrize("name", NETS)
-def test_solution(name, stiffness, request):
+def test_solution(name, stiffness):
     model = build(NETS[name])
     for seed in range(1 if name == "mesh" else 10):
         check(model, random_system(model, np.random.default_rng(seed), stiffness), stiffness)

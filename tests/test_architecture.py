@@ -1,0 +1,83 @@
+"""The arrows of the design: studies -> anet_lumped -> integrators, and what an import must not load."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("studies", "anet_lumped", "integrators")  # each may import those after it
+EFFECT = {"axial", "gravity", "viscous_damping"}
+
+
+def modules(package):
+    return sorted(path for path in (ROOT / package).rglob("*.py"))
+
+
+def imported(path):
+    """Absolute names of all modules that a file imports, anywhere in it."""
+    package = path.relative_to(ROOT).with_suffix("").parts[:-1]
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else ()
+            module = ".".join([*base, *([node.module] if node.module else [])])
+            yield module
+            yield from (f"{module}.{alias.name}" for alias in node.names)
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_arrows(package):
+    forbidden = PACKAGES[: PACKAGES.index(package)]
+    assert modules(package)
+    for path in modules(package):
+        for name in imported(path):
+            assert name.split(".")[0] not in forbidden, f"{path.relative_to(ROOT)} imports {name}"
+
+
+@pytest.mark.parametrize("word", ["cable", "scene", "tension", "gravity"])
+def test_integrators_know_nothing_of_cables(word):
+    """No name in their code, beyond what docstrings and comments say."""
+    for path in modules("integrators"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [getattr(node, field, None) for field in ("id", "attr", "name", "arg")]
+            assert not any(isinstance(name, str) and word in name.lower() for name in names), f"{path.name}: {names}"
+
+
+def test_no_effect_knows_another():
+    """Nor the scene, the model or the integrator."""
+    for path in modules("anet_lumped/effects"):
+        if path.stem in EFFECT:
+            for name in imported(path):
+                parts = name.split(".")
+                assert parts[0] != "integrators", f"{path.name} imports {name}"
+                if parts[:2] == ["anet_lumped", "effects"] and len(parts) > 2:
+                    assert parts[2] == "signatures", f"{path.name} imports {name}"
+                else:
+                    assert parts[0] != "anet_lumped" or parts == ["anet_lumped", "effects"], f"{path.name} imports {name}"
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "import anet_lumped",
+        "from anet_lumped import *",
+        "import anet_lumped.effects, anet_lumped.paths, anet_lumped.simulate, anet_lumped.stability",
+    ],
+)
+def test_what_an_import_loads(statement):
+    """Heavy packages that nothing needs before it is asked for, in a process of its own."""
+    heavy = ("jax", "diffrax", "matplotlib", "pandas", "xarray", "jinja2", "typer", "pyarrow", "pytest", "studies")
+    code = f"import sys; {statement}; print([m for m in {heavy!r} if m in sys.modules])"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert out.stdout.strip() == "[]"
+
+
+def test_public_face():
+    import anet_lumped
+
+    for name in ("Cable", "Driven", "Fixed", "Free", "Scene", "catenary", "equilibrium", "simulate"):
+        assert name in anet_lumped.__all__ and callable(getattr(anet_lumped, name))
