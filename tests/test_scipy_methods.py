@@ -16,8 +16,8 @@ from anet_lumped.model import build
 from anet_lumped.paths import line, samples
 from anet_lumped.scene import Cable, Driven, Fixed, Free, Scene
 from anet_lumped.scipy_methods import march
-from anet_lumped.times import stops
 from anet_lumped.simulate import straight
+from anet_lumped.times import stops
 from integrators import scipy_adapter
 from integrators.scipy_adapter import Motion
 from integrators.system import DIVERGED, DONE
