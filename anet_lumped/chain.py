@@ -17,6 +17,8 @@ which is (G^-1 + D^-1)^-1 for the segment stiffness G = a I + k e g^T, after She
 import numpy as np
 from numba import njit
 
+from .net import net_at
+
 # Columns of the scratch table `Net.segment`, one row a segment: e and g of the docstring (three each), a, k, T_0; and for the
 # law: the stretch before (of the old segment, or of its component along the new one), the stretch now, and the conservative
 # part of the tension.
@@ -26,36 +28,39 @@ BEFORE, STRETCH, SECANT = 9, 10, 11
 FIRST_SEGMENT, SEGMENTS, FIRST_NODE, START, END, BORDERED, START_END, END_START = range(8)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def inverse(m):
     """Inverse of a 3x3 matrix, a tuple by rows, by LU without pivoting: backward stable for what is nearly symmetric
-    positive definite, where the adjugate would lose twice the digits of the condition number."""
+    positive definite, where the adjugate would lose twice the digits of the condition number.
+
+    The eliminated rows keep the factor of their pivot (Bareiss), so that one division serves all three pivots.
+    """
     m00, m01, m02, m10, m11, m12, m20, m21, m22 = m
-    i0 = 1.0 / m00
-    l10, l20 = m10 * i0, m20 * i0
-    i1 = 1.0 / (m11 - l10 * m01)
-    u12 = m12 - l10 * m02
-    l21 = (m21 - l20 * m01) * i1
-    i2 = 1.0 / (m22 - l20 * m02 - l21 * u12)
-    a01 = -i0 * m01 * i1
+    p11, p12 = m00 * m11 - m10 * m01, m00 * m12 - m10 * m02
+    p21, p22 = m00 * m21 - m20 * m01, m00 * m22 - m20 * m02
+    det = p11 * p22 - p12 * p21
+    per = 1.0 / (m00 * p11 * det)
+    per_00, per_11, i2 = per * p11 * det, per * m00 * det, per * (m00 * p11) * (m00 * p11)
+    i1, l10, u12, l21 = per_11 * m00, per_00 * m10, per_00 * p12, per_11 * p21
+    a01 = -per_00 * m01 * i1
     a12 = -i1 * u12 * i2
-    a02 = i0 * (m01 * u12 * i1 - m02) * i2
-    b20 = l10 * l21 - l20
+    a02 = per_00 * (m01 * u12 * i1 - m02) * i2
+    b20 = l10 * l21 - per_00 * m20
     return (
-        i0 - a01 * l10 + a02 * b20, a01 - a02 * l21, a02,
+        per_00 - a01 * l10 + a02 * b20, a01 - a02 * l21, a02,
         -i1 * l10 + a12 * b20, i1 - a12 * l21, a12,
         i2 * b20, -i2 * l21, i2,
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _add(block, m, sign):
     for x in range(3):
         for y in range(3):
             block[x, y] += sign * m[3 * x + y]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _times(m, x, y, z):
     return (
         m[0] * x + m[1] * y + m[2] * z,
@@ -64,7 +69,7 @@ def _times(m, x, y, z):
     )
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _stiffness(row):
     """Stiffness a I + k e g^T of a segment, by rows."""
     a, k = row[GEOMETRIC], row[STIFFNESS]
@@ -75,7 +80,7 @@ def _stiffness(row):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _first(net, c):
     """What the first segment of cable c adds to the first interior node: stiffness by rows, then right-hand side."""
     row = net.segment[net.cable[c, FIRST_SEGMENT]]
@@ -90,43 +95,56 @@ def _pass(state, D, r, row, out):
     ``state`` is what lies behind, as `_first` gives it; writes how the node follows the next one to ``out``. Returns what the
     next node sees behind it, and M^-1, y, z, rho k of the docstring of the module.
     """
-    s00, s01, s02, s10, s11, s12, s20, s21, s22, r0, r1, r2 = state
-    a, ex, ey, ez, gx, gy, gz = row[GEOMETRIC], row[0], row[1], row[2], row[3], row[4], row[5]
+    s00, m01, m02, m10, s11, m12, m20, m21, s22, r0, r1, r2 = state
+    a, k, ex, ey, ez, gx, gy, gz = row[GEOMETRIC], row[STIFFNESS], row[0], row[1], row[2], row[3], row[4], row[5]
     r0, r1, r2 = r0 + r[0], r1 + r[1], r2 + r[2]
-    M = inverse(
-        (
-            s00 + D[0, 0] + a, s01 + D[0, 1], s02 + D[0, 2],
-            s10 + D[1, 0], s11 + D[1, 1] + a, s12 + D[1, 2],
-            s20 + D[2, 0], s21 + D[2, 1], s22 + D[2, 2] + a,
-        )
+    m00, m01, m02 = s00 + D[0, 0] + a, m01 + D[0, 1], m02 + D[0, 2]
+    m10, m11, m12 = m10 + D[1, 0], s11 + D[1, 1] + a, m12 + D[1, 2]
+    m20, m21, m22 = m20 + D[2, 0], m21 + D[2, 1], s22 + D[2, 2] + a
+    # LU whose rows keep the factor of their pivot (Bareiss): pivots m00, p11, det serve one division, and g . y =
+    # (g0 e0 p11 det + f1 h1 det + f2 h2)/(m00 p11 det) does not wait for it
+    p11, p12 = m00 * m11 - m10 * m01, m00 * m12 - m10 * m02
+    p21, p22 = m00 * m21 - m20 * m01, m00 * m22 - m20 * m02
+    f1, h1 = m00 * ey - m10 * ex, m00 * gy - m01 * gx
+    f2, h2 = p11 * (m00 * ez - m20 * ex) - p21 * f1, p11 * (m00 * gz - m02 * gx) - p12 * h1
+    det, m_p = p11 * p22 - p12 * p21, m00 * p11
+    whole = m_p * det
+    rho = whole / (whole + k * (gx * ex * (p11 * det) + f1 * h1 * det + f2 * h2))
+    per = 1.0 / whole
+    i0, i1, i2 = per * p11 * det, per * m00 * m00 * det, per * m_p * m_p
+    l10, u12, l21 = i0 * m10, i0 * p12, per * m00 * det * p21
+    a01, a12 = -i0 * m01 * i1, -i1 * u12 * i2
+    a02, b20 = i0 * (m01 * u12 * i1 - m02) * i2, l10 * l21 - i0 * m20
+    M = (
+        i0 - a01 * l10 + a02 * b20, a01 - a02 * l21, a02,
+        -i1 * l10 + a12 * b20, i1 - a12 * l21, a12,
+        i2 * b20, -i2 * l21, i2,
     )  # fmt: skip
     yx, yy, yz = _times(M, ex, ey, ez)
     zx = M[0] * gx + M[3] * gy + M[6] * gz
     zy = M[1] * gx + M[4] * gy + M[7] * gz
     zz = M[2] * gx + M[5] * gy + M[8] * gz
     ux, uy, uz = _times(M, r0, r1, r2)
-    k = row[STIFFNESS]
-    rho = 1.0 / (1.0 + k * (gx * yx + gy * yy + gz * yz))
     T, rho = rho * (row[TENSION] - k * (zx * r0 + zy * r1 + zz * r2)), rho * k
     wx, wy, wz = rho * (gx - a * zx), rho * (gy - a * zy), rho * (gz - a * zz)
     # d = H d_next + h and T = w . d_next + T
-    out[0], out[1], out[2] = a * M[0] + yx * wx, a * M[1] + yx * wy, a * M[2] + yx * wz
-    out[3], out[4], out[5] = a * M[3] + yy * wx, a * M[4] + yy * wy, a * M[5] + yy * wz
-    out[6], out[7], out[8] = a * M[6] + yz * wx, a * M[7] + yz * wy, a * M[8] + yz * wz
-    out[9], out[10], out[11] = ux + yx * T, uy + yy * T, uz + yz * T
-    out[12], out[13], out[14], out[15] = wx, wy, wz, T
-    # S = a (I - a M^-1) + (e - a y) w^T, and the right-hand side that goes with it
-    fx, fy, fz, aa = ex - a * yx, ey - a * yy, ez - a * yz, a * a
+    H00, H01, H02 = a * M[0] + yx * wx, a * M[1] + yx * wy, a * M[2] + yx * wz
+    H10, H11, H12 = a * M[3] + yy * wx, a * M[4] + yy * wy, a * M[5] + yy * wz
+    H20, H21, H22 = a * M[6] + yz * wx, a * M[7] + yz * wy, a * M[8] + yz * wz
+    hx, hy, hz = ux + yx * T, uy + yy * T, uz + yz * T
+    out[0], out[1], out[2], out[3], out[4], out[5], out[6], out[7], out[8] = H00, H01, H02, H10, H11, H12, H20, H21, H22
+    out[9], out[10], out[11], out[12], out[13], out[14], out[15] = hx, hy, hz, wx, wy, wz, T
+    # S = a (I - H) + e w^T, and the right-hand side that goes with it
     ahead = (
-        a - aa * M[0] + fx * wx, fx * wy - aa * M[1], fx * wz - aa * M[2],
-        fy * wx - aa * M[3], a - aa * M[4] + fy * wy, fy * wz - aa * M[5],
-        fz * wx - aa * M[6], fz * wy - aa * M[7], a - aa * M[8] + fz * wz,
-        a * ux - fx * T, a * uy - fy * T, a * uz - fz * T,
+        a - a * H00 + ex * wx, ex * wy - a * H01, ex * wz - a * H02,
+        ey * wx - a * H10, a - a * H11 + ey * wy, ey * wz - a * H12,
+        ez * wx - a * H20, ez * wy - a * H21, a - a * H22 + ez * wz,
+        a * hx - ex * T, a * hy - ey * T, a * hz - ez * T,
     )  # fmt: skip
     return ahead, M, (yx, yy, yz), (zx, zy, zz), rho
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _finish(net, c, state):
     """Hand what cable c looks like from its end to its end point, if that is free."""
     end = net.cable[c, END]
@@ -140,12 +158,13 @@ def _finish(net, c, state):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def eliminate_cables(net):
+def eliminate_cables(place):
     """Eliminate the interior of every cable; adds what each looks like to ``net.points.block`` and ``net.right``.
 
     Reads ``net.segment``, ``net.diagonal`` and ``net.right``; writes ``net.factor`` and ``net.border``. A node waits for the
     one before it and little else does, so two cables of one length are eliminated side by side.
     """
+    net = net_at(place)
     diagonal, right, factor, segment, block = net.diagonal, net.right, net.factor, net.segment, net.points.block
     P = net.n_free - net.n_interior
     block[:P] = diagonal[net.n_interior :]
@@ -156,9 +175,9 @@ def eliminate_cables(net):
         D, r = diagonal[node : node + count - 1], right[node : node + count - 1]
         row, out = segment[first + 1 : first + count], factor[first + 1 : first + count]
         if count == 1:
-            _single(net, c)
+            _single(place, c)
         elif net.cable[c, BORDERED] == 1:
-            _eliminate_bordered(net, c, D, r, row, out)
+            _eliminate_bordered(place, c, D, r, row, out)
         elif c + 1 < net.cable.shape[0] and net.cable[c + 1, SEGMENTS] == count and net.cable[c + 1, BORDERED] == 0:
             c += 1
             first, node = net.cable[c, FIRST_SEGMENT], net.cable[c, FIRST_NODE]
@@ -179,8 +198,9 @@ def eliminate_cables(net):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _single(net, c):
+def _single(place, c):
     """A cable of one segment has no interior: its stiffness goes straight to its end points."""
+    net = net_at(place)
     start, end, block, e = net.cable[c, START], net.cable[c, END], net.points.block, net.segment[net.cable[c, FIRST_SEGMENT]]
     G, T = _stiffness(e), e[TENSION]
     if start < net.n_free:
@@ -197,7 +217,7 @@ def _single(net, c):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _eliminate_bordered(net, c, D, r, row, out):
+def _eliminate_bordered(place, c, D, r, row, out):
     """Eliminate a cable whose start is a free point too.
 
     The displacement of the start and the tension T of the first segment are carried along as four unknowns u = (d_start, T):
@@ -205,6 +225,7 @@ def _eliminate_bordered(net, c, D, r, row, out):
     end. C (3, 4) is what u adds to the right-hand side of the node eliminated now, and d_first = Q d + p + P u is the first
     node's displacement in terms of that node's.
     """
+    net = net_at(place)
     start, end = net.cable[c, START], net.cable[c, END]
     first, block, before = net.segment[net.cable[c, FIRST_SEGMENT]], net.points.block, start - net.n_interior
     a0, k0, e0, g0 = first[GEOMETRIC], first[STIFFNESS], first[:3], first[3:6]
@@ -259,7 +280,7 @@ def _eliminate_bordered(net, c, D, r, row, out):
             ahead[x, i] -= C[x, 3] * tie[i]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _factor(M):
     """LU of a 3x3 block in place, unit lower, the inverse of the diagonal kept."""
     M[0, 0] = 1.0 / M[0, 0]
@@ -271,7 +292,7 @@ def _factor(M):
     M[2, 2] = 1.0 / (M[2, 2] - M[2, 0] * M[0, 2] - M[2, 1] * M[1, 2])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _solved(M, x, y, z):
     """M^-1 (x, y, z) for a factored block."""
     y -= M[1, 0] * x
@@ -282,12 +303,13 @@ def _solved(M, x, y, z):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def solve_points(net):
+def solve_points(place):
     """Block LU of the free points in their elimination order; their displacements go to ``net.step``.
 
     By solves with factored blocks, never by their inverses: two points tied by a stiff cable share a block whose condition is
     that of the stiffness over the inertia, and an inverse would lose it three times over.
     """
+    net = net_at(place)
     points, right, step, base = net.points, net.right, net.step, net.n_interior
     block, P = points.block, net.n_free - net.n_interior
     for p in range(P):
@@ -319,11 +341,12 @@ def solve_points(net):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def substitute_cables(net):
+def substitute_cables(place):
     """From the free points back along each cable: displacements to ``net.step``, tensions to ``net.tension``.
 
     Returns the smallest tension [N].
     """
+    net = net_at(place)
     step, factor, tension, smallest = net.step, net.factor, net.tension, np.inf
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
@@ -361,11 +384,11 @@ def substitute_cables(net):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def solve(net):
+def solve(place):
     """Solve the linear system of the module's docstring for ``net.step`` and ``net.tension``; overwrites ``net.right``.
 
     Returns the smallest tension [N].
     """
-    eliminate_cables(net)
-    solve_points(net)
-    return substitute_cables(net)
+    eliminate_cables(place)
+    solve_points(place)
+    return substitute_cables(place)

@@ -24,23 +24,25 @@ from .chain import (
 )
 from .effects.axial import stored, tension_between, tension_parts, tension_slopes
 from .effects.signatures import as_energy, as_force, as_tangent
-from .net import NET
+from .net import net_at
 from .path_kernel import evaluate
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 EPS = 2.220446049250313e-16
 ROUNDS = 4  # eliminations a Newton step may spend on finding which segments are slack
 
-@njit(void(float64, NET, _f2, _f2), cache=True, error_model="numpy", fastmath={"contract"})
-def prescribe(t, net, q, v):
+
+@njit(void(float64, int64, _f2, _f2), cache=True, error_model="numpy", fastmath={"contract"})
+def prescribe(t, place, q, v):
     """Write place and velocity of the driven nodes at time t; fixed ones keep what they hold."""
+    net = net_at(place)
     first = net.n_driven
     if first < q.shape[0]:
         evaluate(t, net.paths, q[first:], v[first:], net.step[first:])
         net.step[first:] = 0.0
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _pull(q0, q1, v0, v1, L0, k, c, two_spring, two_damper):
     """Force of a segment on the node at its start, and the power that its damper dissipates."""
     dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
@@ -52,8 +54,8 @@ def _pull(q0, q1, v0, v1, L0, k, c, two_spring, two_damper):
     return along * dx, along * dy, along * dz, (T - spring) * rate
 
 
-@njit(void(float64, _f2, _f2, NET, _f2, _f1), cache=True, error_model="numpy", fastmath={"contract"})
-def force(t, q, v, net, f, power):
+@njit(void(float64, _f2, _f2, int64, _f2, _f1), cache=True, error_model="numpy", fastmath={"contract"})
+def force(t, q, v, place, f, power):
     """Force on every node.
 
     f_i = external + sum over its segments of -+ T n, T = EA eps + BA (dl/dt)/L0 by the cable's compression law.
@@ -62,10 +64,11 @@ def force(t, q, v, net, f, power):
     ----------
     t : float64 [s]
     q, v : (n, 3) float64 [m], [m/s]
-    net : Net
+    place : int64, address of the net
     f : (n, 3) float64 [N], overwritten; on prescribed nodes the pull of the segments alone
     power : (2,) float64 [W], overwritten: dissipated by dampers and effects; put in by prescribed nodes
     """
+    net = net_at(place)
     f[:] = 0.0
     dissipated = 0.0
     effects = net.effects
@@ -104,7 +107,7 @@ def force(t, q, v, net, f, power):
     power[0], power[1] = dissipated, put_in
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _law(stage, stretch, before, k, c, two_spring, two_damper):
     """Tension, its slope in the length, and its conservative part, for the law that the stage asks for.
 
@@ -156,17 +159,17 @@ def _linearise(stage, q0, q1, a0, a1, law, guess, row):
     return T * ex, T * ey, T * ez, T
 
 
-@njit(types.UniTuple(float64, 3)(STAGE, _f2, _f2, _f2, NET), cache=True, error_model="numpy", fastmath={"contract"})
-def residual(stage, base, target, q, net):
-    """Out-of-balance force of a stage, and its linearisation in ``net``.
+@njit(types.UniTuple(float64, 3)(STAGE, _f2, _f2, _f2, int64), cache=True, error_model="numpy", fastmath={"contract"})
+def residual(stage, base, target, q, place):
+    """Out-of-balance force of a stage, and its linearisation in the net.
 
     Parameters
     ----------
     stage : Stage
     base, target, q : (n, 3) float64 [m]
         See `integrators.stage`; prescribed rows of q hold the prescribed places, those of base what makes v_m theirs.
-    net : Net
-        ``tension`` holds the tensions that the geometric stiffness takes; ``segment``, ``diagonal``, ``right`` are written.
+    place : int64
+        Address of the net; its ``tension`` holds the tensions that the geometric stiffness takes; ``segment``, ``diagonal``, ``right`` are written.
 
     Returns
     -------
@@ -174,6 +177,7 @@ def residual(stage, base, target, q, net):
         Largest component of the out-of-balance force; the largest inertial or external force on a node, which a tolerance
         is relative to; and what rounding of the places alone leaves in it.
     """
+    net = net_at(place)
     n, n_free, mass, right, diagonal = q.shape[0], net.n_free, net.mass, net.right, net.diagonal
     middle_q, middle_v, per_tau = net.middle_q, net.middle_v, 1.0 / stage.tau
     reach, scale = 0.0, 0.0
@@ -250,8 +254,8 @@ def residual(stage, base, target, q, net):
     return norm, scale, noise
 
 
-@njit(int64(STAGE, NET), cache=True, error_model="numpy", fastmath={"contract"})
-def direction(stage, net):
+@njit(int64(STAGE, int64), cache=True, error_model="numpy", fastmath={"contract"})
+def direction(stage, place):
     """Newton step of the stage that `residual` linearised last, for ``net.step`` and ``net.tension``.
 
     A segment that the step would make slack or taut leaves the piece of its law that was linearised: its law is replaced by
@@ -262,13 +266,14 @@ def direction(stage, net):
     solves : int64
         Eliminations made.
     """
+    net = net_at(place)
     right, kept, step = net.right, net.pull, net.step
     for i in range(net.n_interior, net.n_free):
         for x in range(3):
             kept[i, x] = right[i, x]
     length_direction = GRADIENT if stage.law == BETWEEN else DIRECTION
     for solves in range(1, ROUNDS + 1):
-        if chain.solve(net) > 0.0 or solves == ROUNDS:  # all are taut and stay so: a slack segment has no tension
+        if chain.solve(place) > 0.0 or solves == ROUNDS:  # all are taut and stay so: a slack segment has no tension
             break
         changed = False
         for c in range(net.cable.shape[0]):
@@ -304,30 +309,32 @@ def direction(stage, net):
     return solves
 
 
-@njit(void(NET, float64, _f2), cache=True, error_model="numpy", fastmath={"contract"})
-def correct(net, length, q):
+@njit(void(int64, float64, _f2), cache=True, error_model="numpy", fastmath={"contract"})
+def correct(place, length, q):
     """q += length times the Newton step, for the moving nodes."""
+    net = net_at(place)
     for i in range(net.n_free):
         for x in range(3):
             q[i, x] += length * net.step[i, x]
 
 
-@njit(void(NET), cache=True, error_model="numpy", fastmath={"contract"})
-def forget(net):
+@njit(void(int64), cache=True, error_model="numpy", fastmath={"contract"})
+def forget(place):
     """Drop the predicted tensions, so that what a failed iteration left does not shape the next tangent."""
-    net.tension[:] = 0.0
+    net_at(place).tension[:] = 0.0
 
 
-@njit(void(STAGE, _f2, _f2, NET, _f1), cache=True, error_model="numpy", fastmath={"contract"})
-def settle(stage, base, q, net, energy):
+@njit(void(STAGE, _f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})
+def settle(stage, base, q, place, energy):
     """Energy put in by driven nodes and dissipated, between base and q, exactly as the step of law ``BETWEEN`` accounts it.
 
     Parameters
     ----------
-    stage, base, q, net
+    stage, base, q, place
         As in the last call of `residual`.
     energy : (2,) float64 [J], overwritten
     """
+    net = net_at(place)
     dissipated, put_in = 0.0, 0.0
     for s in range(net.segment.shape[0]):
         row = net.segment[s]
@@ -345,9 +352,10 @@ def settle(stage, base, q, net, energy):
     energy[0], energy[1] = put_in, dissipated
 
 
-@njit(void(float64, _f2, _f2, NET, _f1), cache=True, error_model="numpy", fastmath={"contract"})
-def energies(t, q, v, net, energy):
+@njit(void(float64, _f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})
+def energies(t, q, v, place, energy):
     """Kinetic energy of the moving nodes, spring energy, and potential energy of the effects: (3,) [J], overwritten."""
+    net = net_at(place)
     kinetic, elastic, potential = 0.0, 0.0, 0.0
     for i in range(net.n_free):
         kinetic += 0.5 * net.mass[i] * (v[i, 0] * v[i, 0] + v[i, 1] * v[i, 1] + v[i, 2] * v[i, 2])

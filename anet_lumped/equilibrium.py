@@ -14,12 +14,12 @@ idea of Andersen, Christiansen, Conn & Overton, SIAM J. Sci. Comput. 22 (2000) 2
 """
 
 import numpy as np
-from numba import float64, njit, types
+from numba import float64, int64, njit, types
 
 from . import chain
 from .chain import BORDERED, END, END_START, FIRST_NODE, FIRST_SEGMENT, SEGMENTS, START, START_END
 from .model import build
-from .net import NET
+from .net import net_at
 from .path_kernel import evaluate
 from .run import State
 from .scene import Fixed, Free
@@ -34,7 +34,7 @@ class EquilibriumError(RuntimeError):
     """A scene that has no static shape, or whose static shape was not found."""
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _cable_end(net, load, EA, c, H, delta, u, C):
     """End of cable c relative to its start for a force H at its start, with the directions u of its segments.
 
@@ -68,7 +68,7 @@ def _cable_end(net, load, EA, c, H, delta, u, C):
     return L0 * x, L0 * y, L0 * z, L0 * xf, L0 * yf, L0 * zf, fx, fy, fz, off
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _turn(net, load, c, H, change, length, delta, u):
     """Newton step of the directions of cable c's segments, which goes with a change of its forces."""
     count, node, first = net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE], net.cable[c, FIRST_SEGMENT]
@@ -144,13 +144,13 @@ def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
     return closing, balance, off, force, reach
 
 
-@njit(types.UniTuple(float64, 4)(NET, _f2, _f1, float64, float64, _f2, _f2), cache=True, error_model="numpy", fastmath={"contract"})
-def solve(net, load, EA, scale, tolerance, H, q):
+@njit(types.UniTuple(float64, 4)(int64, _f2, _f1, float64, float64, _f2, _f2), cache=True, error_model="numpy", fastmath={"contract"})
+def solve(place, load, EA, scale, tolerance, H, q):
     """Forces at the cables' starts and places of the free points, in place.
 
     Parameters
     ----------
-    net : Net
+    place : int, address of the net
     load : (n, 3) float64 [N], force on every node
     EA : (n_cables,) float64 [N]
     scale : float64 [N], the load that tolerances are relative to
@@ -164,6 +164,7 @@ def solve(net, load, EA, scale, tolerance, H, q):
         Largest gap relative to a cable's length, largest force on a free point relative to scale, what rounding of the
         largest tension may leave in that, Newton iterations.
     """
+    net = net_at(place)
     cables = net.cable.shape[0]
     stiffness, gap, change, flat = np.zeros((cables, 9)), np.zeros((cables, 3)), np.zeros((cables, 3)), np.zeros(9)
     trial, u = np.zeros(3), net.factor[:, :3]
@@ -184,7 +185,7 @@ def solve(net, load, EA, scale, tolerance, H, q):
                     break
                 polished = True  # one step more costs little and takes a quadratic iteration to rounding
             iterations += 1
-            chain.solve_points(net)
+            chain.solve_points(place)
             for i in range(net.n_interior, net.n_free):
                 for x in range(3):
                     q[i, x] += net.step[i, x]
@@ -225,9 +226,10 @@ def solve(net, load, EA, scale, tolerance, H, q):
     return closing, balance, noise, float64(iterations)
 
 
-@njit(types.void(NET, _f2, _f1, _f2, _f2, _f1), cache=True, error_model="numpy", fastmath={"contract"})
-def unroll(net, load, EA, H, q, tension):
+@njit(types.void(int64, _f2, _f1, _f2, _f2, _f1), cache=True, error_model="numpy", fastmath={"contract"})
+def unroll(place, load, EA, H, q, tension):
     """Places of the interior nodes and tensions of the segments that belong to the forces H, right after `solve`."""
+    net = net_at(place)
     for c in range(net.cable.shape[0]):
         first, count, node, L0 = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE], net.law[c, 0]
         start = net.cable[c, START]
@@ -281,7 +283,7 @@ def equilibrium(scene, tolerance=1e-12):
     H = _first_guess(model, load, q, scale)
     for name in (point.name for point in scene.points if isinstance(point, Free)):
         q[model.node(name)] = q[model.n_free :].mean(axis=0)
-    closing, balance, noise, iterations = solve(net, load, EA, scale, tolerance, H, q)
+    closing, balance, noise, iterations = solve(net.place, load, EA, scale, tolerance, H, q)
     if not (closing <= 10 * tolerance and balance <= 1e-10 + noise):
         raise EquilibriumError(
             f"No equilibrium was found in {iterations:.0f} iterations: forces balance to {balance:.1e} of the load and the "
@@ -289,7 +291,7 @@ def equilibrium(scene, tolerance=1e-12):
             "try a moderate EA or `simulate` with damping."
         )
     tension = np.empty(model.n_segments)
-    unroll(net, load, EA, H, q, tension)
+    unroll(net.place, load, EA, H, q, tension)
     _check_slack(model, tension, total, scale)
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance)
 

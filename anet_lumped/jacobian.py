@@ -9,7 +9,7 @@ from scipy.sparse import csc_array
 from .chain import END, FIRST_NODE, FIRST_SEGMENT, SEGMENTS, START
 from .effects.axial import tension_slopes
 from .effects.signatures import as_tangent
-from .net import NET
+from .net import net_at
 
 _f2, _f3 = (types.Array(types.float64, d, "C") for d in (2, 3))
 _i2 = types.Array(types.int64, 2, "C")
@@ -53,8 +53,8 @@ def pattern(model):
     )
 
 
-@njit(void(types.float64, _f2, _f2, NET, _i2, _f3, _f3), cache=True, error_model="numpy")
-def blocks(t, q, v, net, slot, of_q, of_v):
+@njit(void(types.float64, _f2, _f2, types.int64, _i2, _f3, _f3), cache=True, error_model="numpy")
+def blocks(t, q, v, place, slot, of_q, of_v):
     """Blocks of df/dq and df/dv.
 
     A segment from node a to node b, d = q_b - q_a of length l and n = d/l, u = v_b - v_a, pulls a with T n, where
@@ -67,10 +67,11 @@ def blocks(t, q, v, net, slot, of_q, of_v):
     ----------
     t : float [s]
     q, v : (n, 3) float64 [m], [m/s]; prescribed rows hold the prescribed motion
-    net : Net
+    place : int, address of the net
     slot : (n_segments, 2) int64, see `Pattern`
     of_q, of_v : (blocks, 3, 3) float64 [N/m], [N s/m], overwritten
     """
+    net = net_at(place)
     n_free, effects = net.n_free, net.effects
     of_q[:] = 0.0
     of_v[:] = 0.0
@@ -137,7 +138,7 @@ def sparse_jacobian(model, net):
     of_q, of_v = values[:-1].reshape(2, p.blocks, 3, 3)
 
     def jacobian(t, q, v):
-        blocks(t, q, v, net, p.slot, of_q, of_v)
+        blocks(t, q, v, net.place, p.slot, of_q, of_v)
         return csc_array((values[p.source] * p.scale, p.indices, p.indptr), shape=(size, size))
 
     return jacobian

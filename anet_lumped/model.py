@@ -124,7 +124,7 @@ class Model:
             step=np.zeros((n, 3)),
             middle_q=np.zeros((n, 3)),
             middle_v=np.zeros((n, 3)),
-        )
+        ).placed()
 
 
 @lru_cache(maxsize=8)

@@ -1,5 +1,8 @@
 """The flat arrays that compiled code sees: one type for every scene, so that every kernel is compiled once.
 
+A kernel is given a net by its address, ``net.place``, and looks at it with `net_at`: handing over some thirty arrays by value would
+cost as much as eighty nodes.
+
 Nodes are numbered: interior nodes of the cables (each cable's run is contiguous, in elimination order), then the free
 points, then the fixed and at last the driven ones. The first ``n_free`` nodes move; the rest are prescribed.
 """
@@ -8,6 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
 
 from .path_kernel import TABLE
 
@@ -71,12 +76,57 @@ class Net(NamedTuple):
     step: np.ndarray  # (n, 3) the Newton step; zero on prescribed nodes
     middle_q: np.ndarray  # (n, 3) place and
     middle_v: np.ndarray  # (n, 3) velocity at which external forces are taken
+    place: int = 0  # address of ``words``
+    words: np.ndarray = np.empty(0, np.int64)  # this tuple as compiled code lays it out in memory, for `net_at`
+
+    def placed(self):
+        """The same net with its address; it and its arrays must outlive every use of the address."""
+        empty = self._replace(words=np.empty(len(_words(self)), np.int64))
+        net = empty._replace(place=empty.words.ctypes.data)
+        net.words[:] = _words(net)
+        return net
 
 
 EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1), Effects)
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
 NET = types.NamedTuple(
     (types.int64, types.int64, _f1, _i2, _f2, TABLE, types.int64, EFFECTS, POINTS, _f2, _f1, _f2, _f2, _f3, _f2, _f2, _f3)
-    + (_f2,) * 3,
+    + (_f2,) * 3
+    + (types.int64, _i1),
     Net,
 )
+
+
+def _words(value):
+    """A tuple of arrays and integers as Numba lays it out in memory, a word each: of an array no owner, no parent, then size,
+    item size, address, shape and strides."""
+    if isinstance(value, np.ndarray):
+        return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
+    if isinstance(value, tuple):
+        return [word for part in value for word in _words(part)]
+    return [value]
+
+
+@intrinsic
+def net_at(typing_context, place):
+    """The net at an address, borrowed: what is not used of it is not even read."""
+
+    def codegen(context, builder, signature, args):
+        model = context.data_model_manager[NET]
+        pointer = builder.inttoptr(args[0], model.get_data_type().as_pointer())
+        return _borrowed(context, builder, NET, model.load_from_data_pointer(builder, pointer))
+
+    return NET(types.int64), codegen
+
+
+def _borrowed(context, builder, kind, value):
+    """``value`` with arrays that own nothing, so that no references are counted."""
+    if isinstance(kind, types.Array):
+        array = context.make_array(kind)(context, builder, value)
+        array.meminfo = cgutils.get_null_value(array.meminfo.type)
+        array.parent = cgutils.get_null_value(array.parent.type)
+        return array._getvalue()
+    if isinstance(kind, types.BaseTuple):
+        parts = cgutils.unpack_tuple(builder, value, len(kind))
+        return context.make_tuple(builder, kind, [_borrowed(context, builder, k, x) for k, x in zip(kind, parts, strict=True)])
+    return value

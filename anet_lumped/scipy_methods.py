@@ -38,9 +38,9 @@ def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_
 
     net, compiled = model.net(), system(model)
     motion = scipy_adapter.Motion(
-        prescribe=lambda t, q, v: compiled.prescribe(t, net, q, v),
-        force=lambda t, q, v, f, power: compiled.force(t, q, v, net, f, power),
-        energy=lambda t, q, v, energy: compiled.energy(t, q, v, net, energy),
+        prescribe=lambda t, q, v: compiled.prescribe(t, net.place, q, v),
+        force=lambda t, q, v, f, power: compiled.force(t, q, v, net.place, f, power),
+        energy=lambda t, q, v, energy: compiled.energy(t, q, v, net.place, energy),
         jacobian=sparse_jacobian(model, net),
         mass=model.mass[: model.n_free],
     )

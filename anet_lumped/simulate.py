@@ -15,7 +15,6 @@ from .checks import nearest
 from .choice import choose
 from .equilibrium import equilibrium
 from .model import build
-from .net import NET
 from .run import Run, State, Work
 from .scene import Driven, Fixed, SceneError
 from .times import SAVES, save_times, stops
@@ -91,8 +90,8 @@ def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho
     """March with a scheme of our own; returns a Run."""
     from .bindings import system  # compiled on first use: a scene or its equilibrium need none of it
 
-    scheme = schemes.scheme(choice.method, NET)
-    stepping = adaptive_march(NET) if adaptive else fixed_march(NET)
+    scheme = schemes.scheme(choice.method)
+    stepping = adaptive_march() if adaptive else fixed_march()
     net, bound = model.net(), system(model)
     memory = np.zeros((scheme.memory, model.n, 3))
     options = scheme.options(rho_inf)
@@ -107,12 +106,12 @@ def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho
     began, error = time.perf_counter(), None
     if adaptive:
         status, saved, t, node, error = stepping(
-            scheme.step, bound, net, t0, t_end, choice.dt, scheme.order, *tolerances, scheme.kept, stops(model.scene), q, v, memory,
+            scheme.step, bound, net.place, t0, t_end, choice.dt, scheme.order, *tolerances, scheme.kept, stops(model.scene), q, v, memory,
             options, counts, balance, *out
         )  # fmt: skip
     else:
         status, saved, t, node = stepping(
-            scheme.step, bound, net, t0, t_end, choice.dt, stride, scheme.kept, q, v, memory, options, counts, balance, *out
+            scheme.step, bound, net.place, t0, t_end, choice.dt, stride, scheme.kept, q, v, memory, options, counts, balance, *out
         )
     return Run(
         model, *(rows[:saved] for rows in out), choice.method, choice.dt, choice.reason,

@@ -1,7 +1,5 @@
 """Marching a scheme: fixed steps with halving, or steps chosen by step doubling; saving, and stopping what goes wrong."""
 
-from functools import cache
-
 import numpy as np
 from numba import njit, types
 
@@ -16,10 +14,10 @@ from .system import (
     PUT_IN,
     REJECTED,
     SCRATCH,
+    STEP,
     STEPS,
+    SYSTEM,
     UNCONVERGED,
-    step_signature,
-    system_type,
 )
 
 _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
@@ -225,22 +223,21 @@ def adaptive_steps(
     return DONE, saved, t, -1, total
 
 
-@cache
-def fixed_march(net):
-    """`fixed_steps`, compiled (or loaded from the cache) for nets of Numba type ``net``."""
+def fixed_march():
+    """`fixed_steps`, compiled (or loaded from the cache) when it is first asked for."""
     f, i = types.float64, types.int64
-    return _compiled(fixed_steps, net, (f, f, f, i, i))
+    return _compiled(fixed_steps, (f, f, f, i, i))
 
 
-@cache
-def adaptive_march(net):
-    """`adaptive_steps`, compiled (or loaded from the cache) for nets of Numba type ``net``."""
+def adaptive_march():
+    """`adaptive_steps`, compiled (or loaded from the cache) when it is first asked for."""
     f, i = types.float64, types.int64
-    return _compiled(adaptive_steps, net, (f, f, f, i, f, f, i, _f1))
+    return _compiled(adaptive_steps, (f, f, f, i, f, f, i, _f1))
 
 
-def _compiled(march, net, own):
-    state, out = (_f2, _f2, _f3, _f1, _i1, _f1), (_f1, _f3, _f3, _f2)
-    march.compile((types.FunctionType(step_signature(net)), system_type(net), net, *own, *state, *out))
-    march.disable_compile()
+def _compiled(march, own):
+    if not march.signatures:
+        state, out = (_f2, _f2, _f3, _f1, _i1, _f1), (_f1, _f3, _f3, _f2)
+        march.compile((types.FunctionType(STEP), SYSTEM, types.int64, *own, *state, *out))
+        march.disable_compile()
     return march

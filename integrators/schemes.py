@@ -7,7 +7,7 @@ from importlib import import_module
 import numpy as np
 
 from . import dirk
-from .system import SCHEME, first_class, step_signature
+from .system import SCHEME, STEP, first_class
 
 NEWTON_TOLERANCE = 1e-6  # of the largest force on a node
 NEWTON_ITERATIONS = 60
@@ -36,7 +36,7 @@ class Scheme:
     Parameters
     ----------
     name : str
-    step : compiled function, see `system.step_signature`
+    step : compiled function, see `system.STEP`
     order : int
     memory : rows of (n, 3) that a step needs
     kept : rows of them that it carries from step to step; -1 for an explicit scheme, which never has to go back
@@ -62,11 +62,11 @@ class Scheme:
 
 
 @cache
-def scheme(name, net):
-    """The scheme ``name``, compiled (or loaded from the cache) for nets of Numba type ``net``."""
+def scheme(name):
+    """The scheme ``name``, compiled (or loaded from the cache) when it is first asked for."""
     module = import_module(f".{_MODULES[name]}", __package__)
     if not module.step.signatures:
-        module.step.compile(step_signature(net))
+        module.step.compile(STEP)
         module.step.disable_compile()
     return Scheme(name, first_class(module.step), module.ORDER, module.MEMORY, getattr(module, "KEPT", -1))
 

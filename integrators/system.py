@@ -1,7 +1,7 @@
 """What an integrator is given: M dv/dt = f(t, q, v) for the first ``n_free`` nodes, the rest prescribed.
 
 The compiled functions of a system are first-class (`numba.types.FunctionType`), so that a scheme is compiled and cached once
-for a kind of ``net`` (any tuple of arrays that the functions understand) and not again for every system.
+and for all. Whatever they work on is handed through as ``net``, an address that they alone understand.
 """
 
 from typing import NamedTuple
@@ -67,27 +67,17 @@ def first_class(function):
     return types.CompileResultWAP(compiled)
 
 
-def signatures(net):
-    """Signatures of the functions of `System`, in its order, for a Numba type ``net``."""
-    return (
-        types.void(types.float64, net, _f2, _f2),
-        types.void(types.float64, _f2, _f2, net, _f2, _f1),
-        types.UniTuple(types.float64, 3)(STAGE, _f2, _f2, _f2, net),
-        types.int64(STAGE, net),
-        types.void(net, types.float64, _f2),
-        types.void(STAGE, _f2, _f2, net, _f1),
-        types.void(net),
-        types.void(types.float64, _f2, _f2, net, _f1),
-    )
-
-
-def system_type(net):
-    """Numba type of a `System` whose functions take ``net``."""
-    return types.NamedTuple((*map(types.FunctionType, signatures(net)), _f2, types.int64), System)
-
-
-def step_signature(net):
-    """Signature of every scheme: step(system, net, t, h, q, v, memory, options, counts, balance) -> status."""
-    return types.int64(
-        system_type(net), net, types.float64, types.float64, _f2, _f2, _f3, _f1, _i1, _f1
-    )
+_f8, _i8 = types.float64, types.int64
+_FUNCTIONS = (
+    types.void(_f8, _i8, _f2, _f2),
+    types.void(_f8, _f2, _f2, _i8, _f2, _f1),
+    types.UniTuple(_f8, 3)(STAGE, _f2, _f2, _f2, _i8),
+    _i8(STAGE, _i8),
+    types.void(_i8, _f8, _f2),
+    types.void(STAGE, _f2, _f2, _i8, _f1),
+    types.void(_i8),
+    types.void(_f8, _f2, _f2, _i8, _f1),
+)
+SYSTEM = types.NamedTuple((*map(types.FunctionType, _FUNCTIONS), _f2, _i8), System)
+# step(system, net, t, h, q, v, memory, options, counts, balance) -> status, of every scheme
+STEP = _i8(SYSTEM, _i8, _f8, _f8, _f2, _f2, _f3, _f1, _i1, _f1)

@@ -39,7 +39,7 @@ def check(model, net, stiffness):
     condition number times 1 + k/W. Measured: at most half of that; four times is allowed.
     """
     right = net.right.copy()
-    smallest = chain.solve(net)
+    smallest = chain.solve(net.place)
     d, T, condition = naive.dense(model, net, right)
     bound = 4 * EPS * condition * (1 + stiffness / INERTIA)
     np.testing.assert_allclose(net.step, d, rtol=0, atol=bound * np.abs(d).max())
@@ -62,7 +62,7 @@ def test_all_segments_slack():
     net = random_system(model, np.random.default_rng(0), 1.0, slack=1.0)
     net.segment[:, chain.GEOMETRIC] = 0.0
     d = np.linalg.solve(net.diagonal, net.right[: model.n_free, :, None])[..., 0]
-    chain.solve(net)
+    chain.solve(net.place)
     np.testing.assert_allclose(net.step[: model.n_free], d, rtol=1e-13)  # 3x3 systems of condition below 2
     assert np.all(net.tension == 0.0)
 
@@ -109,7 +109,7 @@ def test_residual(law, compression):
         model = build(scene)
         net = model.net()
         stage, base, target, q = random_stage(model, law, np.random.default_rng(len(name)))
-        norm, scale, noise = dynamics.residual(stage, base, target, q, net)
+        norm, scale, noise = dynamics.residual(stage, base, target, q, net.place)
         r = naive.residual(model, stage, base, target, q)
         # round-off of a sum of forces of up to k L0 and m W L0, a few hundred newtons each
         np.testing.assert_allclose(naive.out_of_balance(model, net), r, atol=1e-12 * 1e3, err_msg=name)
@@ -149,9 +149,9 @@ def test_tangent(law, compression):
             if compression != "none":  # taut, so that no tension is negative where the damper is two-way
                 base, q = 3.5 * base, 3.5 * q
             d = rng.normal(size=(model.n_free, 3))
-            dynamics.residual(stage, base, target, q, net)
+            dynamics.residual(stage, base, target, q, net.place)
             net.tension[:] = net.segment[:, chain.TENSION]
-            dynamics.residual(stage, base, target, q, net)
+            dynamics.residual(stage, base, target, q, net.place)
             r, K = naive.out_of_balance(model, net), exact_tangent(model, net, law)
             if compression != "none" and net.tension.min() < 0:
                 continue
@@ -163,7 +163,7 @@ def test_tangent(law, compression):
             for x in h:
                 moved = q.copy()
                 moved[: model.n_free] += x * d
-                dynamics.residual(stage, base, target, moved, net)
+                dynamics.residual(stage, base, target, moved, net.place)
                 if not np.array_equal(before, state()):
                     break
                 r_x = naive.out_of_balance(model, net)

@@ -50,7 +50,7 @@ def state(model, net, seed, scatter):
     q = straight(model) + scatter * rng.standard_normal((model.n, 3))
     v = 0.3 * rng.standard_normal((model.n, 3))
     q[model.n_free :], v[model.n_free :] = straight(model)[model.n_free :], 0.0
-    dynamics.prescribe(0.3, net, q, v)
+    dynamics.prescribe(0.3, net.place, q, v)
     return q, v
 
 
@@ -66,7 +66,7 @@ def pieces(model, q, v):
 def rates(model, net, q, v):
     """dy/dt of y = (q, v) of the moving nodes."""
     f, power, n = np.empty_like(q), np.empty(2), model.n_free
-    dynamics.force(0.3, q, v, net, f, power)
+    dynamics.force(0.3, q, v, net.place, f, power)
     return np.concatenate([v[:n].ravel(), (f[:n] / model.mass[:n, None]).ravel()])
 
 

@@ -21,7 +21,7 @@ from numba import njit
 SWITCHES = {"none": (0.0, 0.0), "damped": (0.0, 1.0), "linear": (1.0, 1.0)}
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def select(condition, a, b):
     """``a`` where the condition holds, else ``b``."""
     return a if condition else b
@@ -32,7 +32,7 @@ def with_select(law, where):
     return FunctionType(law.py_func.__code__, {**law.py_func.__globals__, "select": where})
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def tension_parts(stretch, rate, k, c, two_way_spring, two_way_damper):
     """Tension of a segment at one time, and the part of it that the spring alone would have.
 
@@ -58,7 +58,7 @@ def tension_parts(stretch, rate, k, c, two_way_spring, two_way_damper):
     return select(T > 0.0, T, two_way_damper * T), spring
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def tension_slopes(stretch, rate, k, c, two_way_spring, two_way_damper):
     """Tension of `tension_parts` and its derivatives with respect to stretch [N/m] and to rate [N s/m]."""
     taut = stretch > 0.0
@@ -68,14 +68,14 @@ def tension_slopes(stretch, rate, k, c, two_way_spring, two_way_damper):
     return acts * T, acts * of_stretch, acts * of_rate
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def stored(stretch, k, two_way_spring):
     """Spring energy psi = k/2 (l - L0)^2 [J], of the taut part only if the spring cannot push."""
     taut = 1.0 * (stretch > 0.0)
     return 0.5 * k * stretch * stretch * (two_way_spring + (1.0 - two_way_spring) * taut)
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def secant_tension(stretch_a, stretch_b, k, two_way_spring):
     """Secant of the spring energy between two lengths, (psi_b - psi_a)/(l_b - l_a), without cancellation.
 
@@ -99,7 +99,7 @@ def secant_tension(stretch_a, stretch_b, k, two_way_spring):
     return T, -T / change
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def tension_between(stretch_a, stretch_b, k, damper, two_way_spring, two_way_damper):
     """Tension that acts over a whole step, from a to b, so that no step can raise the energy.
 
