@@ -108,14 +108,25 @@ def force(t, q, v, place, f, power):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _law(stage, stretch, before, k, c, two_spring, two_damper):
+def _numerical(stage, of):
+    """Numerical damper of a cable's segments [N/m]: alpha k s^2/(1 + s^2), s = omega h/2.
+
+    In full where the step does not resolve the highest frequency omega of a segment; of third order in the step where it does.
+    """
+    square = 0.25 * stage.tau * stage.tau * of[5]
+    return stage.dissipation * of[1] * (square / (1.0 + square))
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _law(stage, stretch, before, k, c, two_spring, two_damper, numerical):
     """Tension, its slope in the length, and its conservative part, for the law that the stage asks for.
 
     ``before`` is the stretch that belongs to the start of the stage. Where a segment cannot push, the damper acts on the
     change of the taut part of the length, so that the tension is continuous in the length when a slack segment turns taut.
+    ``numerical`` is the damper that the scheme adds [N/m], see `_numerical`.
     """
     if stage.law == BETWEEN:
-        return tension_between(before, stretch, k, c / stage.tau + stage.dissipation * k, two_spring, two_damper)
+        return tension_between(before, stretch, k, c / stage.tau + numerical, two_spring, two_damper)
     if two_damper > 0.0:
         rate = (stretch - before) / stage.tau
     else:
@@ -130,7 +141,7 @@ def _linearise(stage, q0, q1, a0, a1, law, guess, row):
 
     q0, q1 are its ends now, a0, a1 those of the base, ``guess`` the tension that its geometric stiffness takes.
     """
-    L0, k, damper, two_spring, two_damper = law
+    L0, k, damper, two_spring, two_damper, numerical = law
     dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
     ax, ay, az = a1[0] - a0[0], a1[1] - a0[1], a1[2] - a0[2]
     l = math.sqrt(dx * dx + dy * dy + dz * dz)
@@ -147,7 +158,7 @@ def _linearise(stage, q0, q1, a0, a1, law, guess, row):
             per = 1.0 / max(l_a + l, 1e-12 * L0)
             ex, ey, ez = (ax + dx) * per, (ay + dy) * per, (az + dz) * per
             per_sum = min(per, 100.0 / L0)
-    T, slope, secant = _law(stage, l - L0, before, k, damper, two_spring, two_damper)
+    T, slope, secant = _law(stage, l - L0, before, k, damper, two_spring, two_damper, numerical)
     if stage.law == STATE and slope > 0.0 and (before > 0.0 or two_damper > 0.0):
         # dT = slope n.dd - (c/tau)(I - n n^T) d_hat . dd / l: the damper sees the segment turn
         turn, along = damper / (slope * stage.tau * max(l, 0.01 * L0)), before + L0
@@ -169,7 +180,8 @@ def residual(stage, base, target, q, place):
     base, target, q : (n, 3) float64 [m]
         See `integrators.stage`; prescribed rows of q hold the prescribed places, those of base what makes v_m theirs.
     place : int64
-        Address of the net; its ``tension`` holds the tensions that the geometric stiffness takes; ``segment``, ``diagonal``, ``right`` are written.
+        Address of the net; its ``tension`` holds the tensions that the geometric stiffness takes; ``segment``, ``diagonal``
+        and ``right`` are written.
 
     Returns
     -------
@@ -180,9 +192,10 @@ def residual(stage, base, target, q, place):
     net = net_at(place)
     n, n_free, mass, right, diagonal = q.shape[0], net.n_free, net.mass, net.right, net.diagonal
     middle_q, middle_v, per_tau = net.middle_q, net.middle_v, 1.0 / stage.tau
-    reach, scale = 0.0, 0.0
+    reach, scale, heaviest = 0.0, 0.0, 0.0
     for i in range(n):
         W = mass[i] * stage.W if i < n_free else 0.0
+        heaviest = max(heaviest, W)
         for x in range(3):
             here, before = q[i, x], base[i, x]
             moved = here - before
@@ -208,11 +221,12 @@ def residual(stage, base, target, q, place):
     for i in range(net.n_interior, n):
         for x in range(3):
             pull[i, x] = right[i, x]
-    norm, noise, finite = 0.0, 0.0, 0.0
+    norm, noise, finite = 0.0, 4.0 * EPS * heaviest * reach, 0.0
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
         start, end, inner = net.cable[c, START], net.cable[c, END], count - 1
-        law = (net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4])
+        of = net.law[c]
+        law = (of[0], of[1], of[2], of[3], of[4], _numerical(stage, of))
         q0, a0 = (q[start, 0], q[start, 1], q[start, 2]), (base[start, 0], base[start, 1], base[start, 2])
         # views of the cable's own nodes, so that no index can be negative and the loop stays tight
         Q, A, R = q[node : node + inner], base[node : node + inner], right[node : node + inner]
@@ -281,6 +295,7 @@ def direction(stage, place):
             L0, k, damper, two_spring, two_damper = net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4]
             if two_spring > 0.0:
                 continue
+            numerical = _numerical(stage, net.law[c])
             x0, y0, z0 = step[net.cable[c, START], 0], step[net.cable[c, START], 1], step[net.cable[c, START], 2]
             for j in range(count):
                 i = node + j if j < count - 1 else net.cable[c, END]
@@ -293,7 +308,7 @@ def direction(stage, place):
                 T_linear = net.tension[first + j]
                 if (T_linear > 0.0) if stretch > 0.0 else row[TENSION] == 0.0:
                     continue
-                T, slope, _ = _law(stage, max(stretch, -L0), row[BEFORE], k, damper, two_spring, two_damper)
+                T, slope, _ = _law(stage, max(stretch, -L0), row[BEFORE], k, damper, two_spring, two_damper, numerical)
                 if abs(T - T_linear) > 1e-2 * (abs(T) + abs(T_linear)) + 64.0 * EPS * k:
                     if slope > 0.0 and length_direction == DIRECTION:
                         turn = row[STIFFNESS] / slope  # the part of the gradient that turns has no slope in it

@@ -144,7 +144,10 @@ def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
     return closing, balance, off, force, reach
 
 
-@njit(types.UniTuple(float64, 4)(int64, _f2, _f1, float64, float64, _f2, _f2), cache=True, error_model="numpy", fastmath={"contract"})
+@njit(
+    types.UniTuple(float64, 4)(int64, _f2, _f1, float64, float64, _f2, _f2),
+    cache=True, error_model="numpy", fastmath={"contract"},
+)  # fmt: skip
 def solve(place, load, EA, scale, tolerance, H, q):
     """Forces at the cables' starts and places of the free points, in place.
 

@@ -27,7 +27,7 @@ class Model:
     mass : (n,) float64 [kg]
         Half of the segments on either side, and the point's own.
     cable : (n_cables, 8) int64
-    law : (n_cables, 5) float64
+    law : (n_cables, 6) float64
     flipped : (n_cables,) bool
         The cable is eliminated from its end to its start.
     node_of : dict
@@ -150,7 +150,7 @@ def build(scene):
         mass[node_of[name]] = scene.point(name).mass
     symbolic, block_of = _symbolic(order, later)
     cable = np.full((len(scene.cables), 8), -1, np.int64)
-    law = np.empty((len(scene.cables), 5))
+    law = np.empty((len(scene.cables), 6))
     flipped = np.zeros(len(scene.cables), bool)
     segment = node = 0
     for c, one in enumerate(scene.cables):
@@ -160,12 +160,16 @@ def build(scene):
         cable[c, :6] = segment, one.segments, node, node_of[start], node_of[end], bordered
         if bordered:
             cable[c, 6:] = block_of[rank[start], rank[end]], block_of[rank[end], rank[start]]
-        law[c] = one.L0, one.stiffness, one.dashpot, *SWITCHES[one.compression]
+        law[c, :5] = one.L0, one.stiffness, one.dashpot, *SWITCHES[one.compression]
         half = 0.5 * one.mass_per_length * one.L0
         mass[node : node + one.segments - 1] = 2.0 * half
         mass[[node_of[start], node_of[end]]] += half
         segment += one.segments
         node += one.segments - 1
+    mobility = np.append(1.0 / mass[:n_free], np.zeros(n - n_free))
+    for c, (_, count, node, start, end) in enumerate(cable[:, :5]):
+        of = mobility[np.r_[start, node : node + count - 1, end]]
+        law[c, 5] = law[c, 1] * (of[1:] + of[:-1]).max()
     return Model(
         scene=scene,
         n=n,

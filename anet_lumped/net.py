@@ -53,7 +53,8 @@ class Net(NamedTuple):
 
     ``cable`` (n_cables, 8) int64: first segment, segments, first interior node, start node, end node, start is free,
     positions of the blocks (start, end) and (end, start) among the free points' blocks (-1 where there are none).
-    ``law`` (n_cables, 5): L0 [m], k [N/m], c [N s/m], two-way spring, two-way damper.
+    ``law`` (n_cables, 6): L0 [m], k [N/m], c [N s/m], two-way spring, two-way damper, and the square of the highest frequency
+    of a segment between the two masses at its ends, k (1/m_a + 1/m_b) [1/s2].
     """
 
     n_free: int

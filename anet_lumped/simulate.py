@@ -106,8 +106,8 @@ def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho
     began, error = time.perf_counter(), None
     if adaptive:
         status, saved, t, node, error = stepping(
-            scheme.step, bound, net.place, t0, t_end, choice.dt, scheme.order, *tolerances, scheme.kept, stops(model.scene), q, v, memory,
-            options, counts, balance, *out
+            scheme.step, bound, net.place, t0, t_end, choice.dt, scheme.order, *tolerances, scheme.kept, stops(model.scene), q, v,
+            memory, options, counts, balance, *out
         )  # fmt: skip
     else:
         status, saved, t, node = stepping(

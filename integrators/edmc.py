@@ -3,9 +3,11 @@
     v_b = 2 (q_b - q_a)/h - v_a ,      (2 M/h^2)(q_b - q_a - h v_a) = F((q_a + q_b)/2, (q_b - q_a)/h) - B^T (T e)
 
 The tension T acts between the two times along the mean direction e: the secant of the spring energy, the damper over the
-step and a numerical axial damper alpha k, alpha = (1 - rho_inf)/(1 + rho_inf)/2. Then the energy changes by
--sum (T - secant)(l_b - l_a) <= 0 and the work of the prescribed nodes, at any step, stiffness and damping; linear and angular
-momentum are kept. Order 2 (stiffly accurate in the shape: the stretch alone is damped numerically, by alpha k h, at order 1).
+step and a numerical axial damper alpha k. Then the energy changes by -sum (T - secant)(l_b - l_a) <= 0 and the work of the
+prescribed nodes, at any step, stiffness and damping; linear and angular momentum are kept. Order 2: the numerical damper has
+alpha = (1 - rho_inf)/(1 + rho_inf)/2 s^2/(1 + s^2), s = omega h/2, with the highest frequency omega that a segment has between
+the masses at its ends. A constant alpha would be an error of order 1 in stretching; this one is in full where the step does
+not resolve the stretching, and fades where it does.
 Source: Simo & Tarnow, Z. angew. Math. Phys. 43 (1992) 757; Armero & Romero, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6783.
 """
 

@@ -25,7 +25,7 @@ _i1 = types.Array(types.int64, 1, "C")
 
 CHECK_EVERY = 16  # explicit steps between two looks for a divergence
 ABSURD = 1e6  # metres plus metres a second, for anything that hangs on a cable
-SMALLEST = 2.0**-12  # of the step asked for
+SMALLEST = 2.0**-12  # of the step asked for, or of the first one: there Newton's method may fail no more
 
 
 @njit(cache=True, error_model="numpy")
@@ -166,7 +166,7 @@ def adaptive_steps(
     system.energy(t0, q, v, net, balance)
     out_q[0], out_v[0], out_balance[0] = q, v, balance[:5]
     saved, t, h, total, before = 1, t0, dt, 0.0, 1.0
-    kept = max(kept, 0)
+    kept = abs(kept)  # an explicit scheme carries the force at the end of its last step
     q_a, v_a, kept_a, balance_a = q.copy(), v.copy(), memory[:kept].copy(), balance.copy()
     q_1, v_1, shown = q.copy(), v.copy(), balance.copy()
     corner, rejections = 0, 0
@@ -218,7 +218,7 @@ def adaptive_steps(
             for k in range(kept):
                 memory[k] = kept_a[k]
             h *= 0.25 if error == np.inf else max(0.2, 0.9 * error ** (-1.0 / (order + 1.0)))
-            if rejections > 40 or h < 1e-12 * (t_end - t0):
+            if rejections > 40 or (error == np.inf and h < SMALLEST * dt):
                 return UNCONVERGED, saved, t, -1, total
     return DONE, saved, t, -1, total
 

@@ -18,7 +18,8 @@ STATE, BACKWARD, BETWEEN = 0, 1, 2
 
 
 class Stage(NamedTuple):
-    """Numbers of one stage; see the module. ``dissipation`` is the numerical axial damper as a multiple of the stiffness."""
+    """Numbers of one stage; see the module. ``dissipation`` is the numerical axial damper as a multiple of the stiffness, where the
+    step does not resolve the stretching."""
 
     law: int
     t: float  # [s] at which external forces are taken

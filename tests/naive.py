@@ -43,6 +43,12 @@ def stored(cable, l):
     return type(l)(cable.stiffness) * x * x / 2
 
 
+def top_frequency(model, a, b, cable):
+    """Frequency of a segment between the masses of its two nodes [1/s]; what is prescribed does not move."""
+    m = masses(model)
+    return np.sqrt(cable.stiffness * sum(1 / m[i] for i in (a, b) if i < model.n_free))
+
+
 def tension_between(cable, l_a, l_b, h, alpha):
     """Tension of the energy-decaying step from l_a to l_b, in exact arithmetic but for its last rounding."""
     A, B, L0 = Fraction(l_a), Fraction(l_b), Fraction(cable.L0)
@@ -120,7 +126,9 @@ def residual(model, stage, base, target, q):
         e = d / l
         if stage.law == BETWEEN:
             e = (before + d) / (l_a + l)
-            T, _ = tension_between(cable, l_a, l, stage.tau, stage.dissipation)
+            omega = max(top_frequency(model, *two, cable) for one, *two in segments(model) if one is cable)
+            s = omega * stage.tau / 2
+            T, _ = tension_between(cable, l_a, l, stage.tau, stage.dissipation * s**2 / (1 + s**2))
         else:
             then = l_a if stage.law == BACKWARD else e @ before
             if cable.compression == "none":  # the damper acts on the change of the taut part of the length

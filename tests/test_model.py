@@ -115,9 +115,9 @@ def test_law_of_each_cable():
     scene = everything()
     model = build(scene)
     one = model.law[[c.name for c in scene.cables].index("a-x")]
-    assert one == pytest.approx([0.3, 2e3 / 0.3, 0.1 * np.sqrt(2e3 * 0.1), 0, 0], rel=1e-14)  # c = BA/L0 = zeta sqrt(EA mu)
-    assert model.law[2] == pytest.approx([0.2, 5e3, 10.0, 0, 1], rel=1e-14)
-    assert model.law[1, 3:].tolist() == [1, 1]
+    assert one[:5] == pytest.approx([0.3, 2e3 / 0.3, 0.1 * np.sqrt(2e3 * 0.1), 0, 0], rel=1e-14)  # c = BA/L0 = zeta sqrt(EA mu)
+    assert model.law[2, :5] == pytest.approx([0.2, 5e3, 10.0, 0, 1], rel=1e-14)
+    assert model.law[1, 3:5].tolist() == [1, 1]
 
 
 def test_names_that_do_not_exist():

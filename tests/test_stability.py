@@ -131,8 +131,8 @@ def implicit_amplification(scheme, x, zeta):
         return solve(one - (1 - g) / (2 - g) * Z, (middle - (1 - g) ** 2 * one) / (g * (2 - g)))
     if scheme == "Radau":
         return solve(one - 3 / 5 * Z + 3 / 20 * Z @ Z - Z @ Z @ Z / 60, one + 2 / 5 * Z + Z @ Z / 20)
-    if scheme == "edmc":  # rho_inf = 0: numerical damper k/2
-        K, D = x**2, 2.0 * zeta * x + x**2 / 2.0
+    if scheme == "edmc":  # rho_inf = 0: numerical damper k/2 s^2/(1 + s^2), s = x/2
+        K, D = x**2, 2.0 * zeta * x + x**2 / 2.0 * (x**2 / (4.0 + x**2))
         q = np.array([2.0 + D - K / 2, 2.0]) / (2.0 + D + K / 2)
         return np.vstack([q, 2.0 * (q - [1.0, 0.0]) - [0.0, 1.0]])
     rho = 0.8  # generalised-alpha: rows q, v, and M(a at 1 - alpha_m) + C(v at 1 - alpha_f) + K(q at 1 - alpha_f) = 0
