@@ -5,7 +5,7 @@ from .equilibrium import EquilibriumError, equilibrium
 from .run import Run, State, load_run
 from .scene import Cable, Driven, Fixed, Free, Scene, SceneError
 from .scene_file import load_scene, save_scene
-from .simulate import RunError, simulate
+from .simulate import RunError, RunInterrupt, simulate
 
 __all__ = [
     "Cable",
@@ -15,6 +15,7 @@ __all__ = [
     "Free",
     "Run",
     "RunError",
+    "RunInterrupt",
     "Scene",
     "SceneError",
     "State",

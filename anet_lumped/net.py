@@ -82,9 +82,9 @@ class Net(NamedTuple):
 
     def placed(self):
         """The same net with its address; it and its arrays must outlive every use of the address."""
-        empty = self._replace(words=np.empty(len(_words(self)), np.int64))
-        net = empty._replace(place=empty.words.ctypes.data)
-        net.words[:] = _words(net)
+        words = np.empty(WORDS, np.int64)
+        net = self._replace(words=words, place=words.ctypes.data)
+        words[:] = _words(net)
         return net
 
 
@@ -106,6 +106,16 @@ def _words(value):
     if isinstance(value, tuple):
         return [word for part in value for word in _words(part)]
     return [value]
+
+
+def _size(kind):
+    """Words that a value of a Numba type takes."""
+    if isinstance(kind, types.Array):
+        return 5 + 2 * kind.ndim
+    return sum(map(_size, kind)) if isinstance(kind, types.BaseTuple) else 1
+
+
+WORDS = _size(NET)
 
 
 @intrinsic

@@ -133,7 +133,7 @@ class Run:
     method : str
     dt : float [s], the fixed or the first step
     reason : str, why this method and step
-    status : "done", "diverged" or "unconverged"
+    status : "done", "diverged", "unconverged" or "interrupted"
     message : str, one sentence that says when, where, why and what to try, if it is not done
     work : Work
     error_estimate : float or None [m], sum of the estimated errors of the steps, where the scheme has one

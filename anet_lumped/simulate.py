@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from integrators import schemes
+from integrators.interruptible import interruptible
 from integrators.march import adaptive_march, fixed_march
-from integrators.system import BALANCE, DIVERGED, DONE
+from integrators.system import BALANCE, DIVERGED, DONE, INTERRUPTED, UNCONVERGED
 
 from .checks import nearest
 from .choice import choose
@@ -21,6 +22,7 @@ from .times import SAVES, save_times, stops
 
 SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
 METHODS = schemes.EXPLICIT + schemes.IMPLICIT + SCIPY
+STATUS = {DONE: "done", UNCONVERGED: "unconverged", DIVERGED: "diverged", INTERRUPTED: "interrupted"}
 
 
 class StabilityWarning(UserWarning):
@@ -29,6 +31,14 @@ class StabilityWarning(UserWarning):
 
 class RunError(RuntimeError):
     """A run that did not reach its end; ``run`` holds its good part."""
+
+    def __init__(self, run):
+        super().__init__(run.message)
+        self.run = run
+
+
+class RunInterrupt(KeyboardInterrupt):
+    """Ctrl-C during a run; ``run`` holds what it had done."""
 
     def __init__(self, run):
         super().__init__(run.message)
@@ -67,6 +77,7 @@ def simulate(
     ------
     ValueError : an argument out of its range
     RunError : with ``check=True``
+    RunInterrupt : Ctrl-C; with what was done as its ``run``
     """
     _check(t_end, method, dt, save_every, rtol, atol, rho_inf)
     model = build(scene)
@@ -105,23 +116,27 @@ def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho
     out = saves, np.empty((k, model.n, 3)), np.empty((k, model.n, 3)), np.zeros((k, 5))
     began, error = time.perf_counter(), None
     if adaptive:
-        status, saved, t, node, error = stepping(
-            scheme.step, bound, net.place, t0, t_end, choice.dt, scheme.order, *tolerances, scheme.kept, stops(model.scene), q, v,
-            memory, options, counts, balance, *out
+        (status, saved, t, node, error), interrupted = interruptible(
+            stepping, scheme.step, bound, net.place, t0, t_end, choice.dt, scheme.order, *tolerances, scheme.kept,
+            stops(model.scene), q, v, memory, options, counts, balance, *out
         )  # fmt: skip
     else:
-        status, saved, t, node = stepping(
-            scheme.step, bound, net.place, t0, t_end, choice.dt, stride, scheme.kept, q, v, memory, options, counts, balance, *out
-        )
-    return Run(
+        (status, saved, t, node), interrupted = interruptible(
+            stepping, scheme.step, bound, net.place, t0, t_end, choice.dt, stride, scheme.kept, q, v, memory, options, counts,
+            balance, *out
+        )  # fmt: skip
+    run = Run(
         model, *(rows[:saved] for rows in out), choice.method, choice.dt, choice.reason,
-        status={DONE: "done", DIVERGED: "diverged"}.get(status, "unconverged"),
+        status=STATUS[status],
         message=_message(model, choice, status, t, node),
         work=Work(*map(int, counts)),
         error_estimate=error,
         wall_time=time.perf_counter() - began,
         warnings=choice.warnings,
     )  # fmt: skip
+    if interrupted:
+        raise RunInterrupt(run)
+    return run
 
 
 def _finish(run, check):
@@ -134,6 +149,8 @@ def _message(model, choice, status, t, node):
     """One sentence: when, where, why, what to try."""
     if status == DONE:
         return ""
+    if status == INTERRUPTED:
+        return f"{choice.method} with dt={choice.dt:.3g} s was stopped by the user at t={t:.4g} s."
     if status == DIVERGED:
         limit = f", whose predicted limit is {choice.limit:.3g} s" if math.isfinite(choice.limit) else ""
         return (

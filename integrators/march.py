@@ -9,6 +9,7 @@ from .system import (
     DONE,
     FORCES,
     HALVINGS,
+    INTERRUPTED,
     POWER_DISSIPATED,
     POWER_PUT_IN,
     PUT_IN,
@@ -73,14 +74,16 @@ def save(system, net, k, t, q, v, balance, out_t, out_q, out_v, out_balance):
     out_balance[k] = balance[:5]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def fixed_steps(
-    step, system, net, t0, t_end, dt, stride, kept, q, v, memory, options, counts, balance, out_t, out_q, out_v, out_balance
-):
+    step, system, net, t0, t_end, dt, stride, kept, q, v, memory, options, counts, balance, out_t, out_q, out_v, out_balance,
+    stop
+):  # fmt: skip
     """March from t0 to t_end with step dt; the last step is shortened to land on t_end.
 
     A step whose Newton iteration fails is taken in halves, quarters and so on. Every ``stride``-th state and the last one
-    are saved; ``kept`` is how many rows of ``memory`` a scheme carries from step to step.
+    are saved; ``kept`` is how many rows of ``memory`` a scheme carries from step to step; ``stop`` (1,) ends the march when
+    another thread sets it.
 
     Returns
     -------
@@ -122,7 +125,7 @@ def fixed_steps(
                     save(system, net, saved, t + done * whole, q, v, balance, out_t, out_q, out_v, out_balance)
                     return UNCONVERGED, saved + 1, t + done * whole, -1
             t = target
-        last = s == n_steps - 1
+        last = s == n_steps - 1 or stop[0] != 0
         if (s + 1) % stride == 0 or last or s % CHECK_EVERY == 0:
             node = worst_node(q, v)
             if node >= 0:
@@ -130,6 +133,8 @@ def fixed_steps(
             if (s + 1) % stride == 0 or last:
                 save(system, net, saved, t, q, v, balance, out_t, out_q, out_v, out_balance)
                 saved += 1
+        if stop[0] != 0:
+            return INTERRUPTED, saved, t, -1
     return DONE, saved, t, -1
 
 
@@ -146,10 +151,10 @@ def interpolate(theta, h, q_a, v_a, q_b, v_b, q, v):
             v[i, x] = slope / h
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def adaptive_steps(
     step, system, net, t0, t_end, dt, order, rtol, atol, kept, corners, q, v, memory, options, counts, balance, out_t, out_q,
-    out_v, out_balance
+    out_v, out_balance, stop
 ):  # fmt: skip
     """March with steps chosen by step doubling: one step of h beside two of h/2, of which the two are kept.
 
@@ -171,14 +176,16 @@ def adaptive_steps(
     q_1, v_1, shown = q.copy(), v.copy(), balance.copy()
     corner, rejections = 0, 0
     while t < t_end:
+        if stop[0] != 0:
+            return INTERRUPTED, saved, t, -1, total
         while corner < corners.shape[0] and corners[corner] <= t + 1e-12 * (t_end - t0):
             corner += 1
-        stop = min(corners[corner], t_end) if corner < corners.shape[0] else t_end
+        goal = min(corners[corner], t_end) if corner < corners.shape[0] else t_end
         full = h
-        if t + h > stop - 1e-9 * h:
-            h = stop - t
-        elif t + 2.0 * h > stop:
-            h = 0.5 * (stop - t)
+        if t + h > goal - 1e-9 * h:
+            h = goal - t
+        elif t + 2.0 * h > goal:
+            h = 0.5 * (goal - t)
         q_a[:], v_a[:], balance_a[:] = q, v, balance
         for k in range(kept):
             kept_a[k] = memory[k]
@@ -200,7 +207,7 @@ def adaptive_steps(
         if error <= 1.0:
             counts[STEPS] += 1
             total += error * (atol + rtol * np.max(np.abs(q)))
-            end = stop if t + h >= stop - 1e-9 * h else t + h
+            end = goal if t + h >= goal - 1e-9 * h else t + h
             while saved < out_t.shape[0] and out_t[saved] <= end:
                 interpolate((out_t[saved] - t) / (end - t), end - t, q_a, v_a, q, v, out_q[saved], out_v[saved])
                 shown[:] = balance
@@ -237,7 +244,7 @@ def adaptive_march():
 
 def _compiled(march, own):
     if not march.signatures:
-        state, out = (_f2, _f2, _f3, _f1, _i1, _f1), (_f1, _f3, _f3, _f2)
+        state, out = (_f2, _f2, _f3, _f1, _i1, _f1), (_f1, _f3, _f3, _f2, _i1)
         march.compile((types.FunctionType(STEP), SYSTEM, types.int64, *own, *state, *out))
         march.disable_compile()
     return march

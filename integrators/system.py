@@ -15,7 +15,7 @@ _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
 _i1 = types.Array(types.int64, 1, "C")
 
 # Status of a step or a run.
-DONE, UNCONVERGED, DIVERGED = 0, 1, 2
+DONE, UNCONVERGED, DIVERGED, INTERRUPTED = 0, 1, 2, 3
 # Work counts.
 STEPS, REJECTED, HALVINGS, FORCES, NEWTON, FACTORISATIONS = range(6)
 # Energy balance: kinetic, elastic, potential energy now; work put in and energy dissipated since the start; then the power

@@ -66,10 +66,13 @@ def simulate(
     as_json: Json = False,
 ):
     """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, places at the end [m]."""
-    from anet_lumped.simulate import simulate
+    from anet_lumped.simulate import RunInterrupt, simulate
     from studies.summary import of_run
 
-    run = simulate(_load(scene), t_end, method=method, dt=dt, start=start or "equilibrium", save_every=save_every)
+    try:
+        run = simulate(_load(scene), t_end, method=method, dt=dt, start=start or "equilibrium", save_every=save_every)
+    except RunInterrupt as stopped:
+        run = stopped.run
     _give(of_run(run), as_json, out, "run")
     if out:
         run.save(out / "run.nc")

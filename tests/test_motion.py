@@ -2,7 +2,11 @@
 
 import itertools
 import math
+import os
 import re
+import signal
+import threading
+import time
 import warnings
 from functools import partialmethod
 
@@ -12,7 +16,21 @@ import pytest
 from scipy.integrate import solve_ivp
 from systems import MU, four_cables, hanging_chain, loose_cable, scatter, spring_mass
 
-from anet_lumped import Cable, Driven, Fixed, Free, RunError, Scene, SceneError, State, equilibrium, load_run, paths, simulate
+from anet_lumped import (
+    Cable,
+    Driven,
+    Fixed,
+    Free,
+    RunError,
+    RunInterrupt,
+    Scene,
+    SceneError,
+    State,
+    equilibrium,
+    load_run,
+    paths,
+    simulate,
+)
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model import build
 from anet_lumped.simulate import METHODS, StabilityWarning
@@ -514,3 +532,17 @@ def test_a_run_on_disk(tmp_path, kind):
     assert (run.error_estimate is not None) == (kind == "adaptive")
     np.testing.assert_array_equal(again.tension("a-x"), run.tension("a-x"))
     np.testing.assert_array_equal(again.final.q, run.final.q)
+
+
+@pytest.mark.parametrize("options", [dict(method="edmc", dt=1e-3, save_every=0.02), dict(rtol=1e-8)])
+def test_interrupt(options):
+    """Ctrl-C ends a compiled march at once and hands over what was done."""
+    simulate(loose_cable(), 0.1, start="straight", **options)  # compiled before the clock runs
+    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    began = time.perf_counter()
+    with pytest.raises(RunInterrupt, match="was stopped by the user at t=") as stopped:
+        simulate(loose_cable(), 1e3, start="straight", **options)
+    run = stopped.value.run
+    assert run.status == "interrupted" and not run.ok and 0.4 < time.perf_counter() - began < 5.0
+    assert len(run.t) > 1 or "rtol" in options
+    assert np.isfinite(run.q).all()

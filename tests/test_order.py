@@ -66,8 +66,6 @@ def test_order(name, rho_inf, system, solve_to):
 
 
 def test_schemes_state_their_order():
-
-    axial, swing = MOTIONS["spring-mass"](0.0), MOTIONS["hanging chain"](1e-4)
     for name in schemes.EXPLICIT + schemes.IMPLICIT:
         assert schemes.scheme(name).order == order_of(name)
 

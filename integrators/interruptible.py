@@ -1,0 +1,30 @@
+"""A compiled march that hears Ctrl-C: it runs in a thread of its own, beside one that waits."""
+
+import threading
+from concurrent.futures import Future
+
+import numpy as np
+
+
+def interruptible(march, *arguments):
+    """Call ``march(*arguments, stop)``, which lets go of the interpreter and ends soon after ``stop[0]`` is set.
+
+    Python hands Ctrl-C to its main thread between two lines of Python, and a compiled march is one line. Outside the main
+    thread nothing is handed out and nothing is changed.
+
+    Returns
+    -------
+    result : what the march returns
+    interrupted : bool
+        Ctrl-C came; the caller has to raise it again.
+    """
+    stop = np.zeros(1, np.int64)
+    if threading.current_thread() is not threading.main_thread():
+        return march(*arguments, stop), False
+    marching = Future()
+    threading.Thread(target=lambda: marching.set_result(march(*arguments, stop))).start()
+    while True:
+        try:
+            return marching.result(), bool(stop[0])
+        except KeyboardInterrupt:
+            stop[0] = 1
