@@ -69,38 +69,34 @@ def force(t, q, v, place, f, power):
     power : (2,) float64 [W], overwritten: dissipated by dampers and effects; put in by prescribed nodes
     """
     net = net_at(place)
-    f[:] = 0.0
+    f[net.n_interior :] = 0.0
     dissipated = 0.0
+    for c in range(net.cable.shape[0]):
+        inner, node = net.cable[c, SEGMENTS] - 1, net.cable[c, FIRST_NODE]
+        start, end = net.cable[c, START], net.cable[c, END]
+        L0, k, damper, two_spring, two_damper = net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4]
+        q0, v0 = (q[start, 0], q[start, 1], q[start, 2]), (v[start, 0], v[start, 1], v[start, 2])
+        # views of the cable's own nodes, so that no index can be negative and the loop stays tight
+        Q, V, F = q[node : node + inner], v[node : node + inner], f[node : node + inner]
+        before, fx, fy, fz = f[start], -f[start, 0], -f[start, 1], -f[start, 2]
+        for j in range(inner):
+            q1, v1 = (Q[j, 0], Q[j, 1], Q[j, 2]), (V[j, 0], V[j, 1], V[j, 2])
+            gx, gy, gz, lost = _pull(q0, q1, v0, v1, L0, k, damper, two_spring, two_damper)
+            dissipated += lost
+            before[0], before[1], before[2] = gx - fx, gy - fy, gz - fz
+            before, q0, v0, fx, fy, fz = F[j], q1, v1, gx, gy, gz
+        q1, v1 = (q[end, 0], q[end, 1], q[end, 2]), (v[end, 0], v[end, 1], v[end, 2])
+        gx, gy, gz, lost = _pull(q0, q1, v0, v1, L0, k, damper, two_spring, two_damper)
+        dissipated += lost
+        before[0], before[1], before[2] = gx - fx, gy - fy, gz - fz
+        f[end, 0] -= gx
+        f[end, 1] -= gy
+        f[end, 2] -= gz
     effects = net.effects
     for e in range(effects.address.shape[0]):
         i, j = effects.index_at[e], effects.index_at[e + 1]
         a, b = effects.params_at[e], effects.params_at[e + 1]
         dissipated += as_force(effects.address[e, 0])(t, q, v, effects.index[i:j], effects.params[a:b], f)
-    for c in range(net.cable.shape[0]):
-        inner, node = net.cable[c, SEGMENTS] - 1, net.cable[c, FIRST_NODE]
-        start, end = net.cable[c, START], net.cable[c, END]
-        L0, k, damper, two_spring, two_damper = net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4]
-        q0, v0, before = (q[start, 0], q[start, 1], q[start, 2]), (v[start, 0], v[start, 1], v[start, 2]), f[start]
-        # views of the cable's own nodes, so that no index can be negative and the loop stays tight
-        Q, V, F = q[node : node + inner], v[node : node + inner], f[node : node + inner]
-        fx, fy, fz = 0.0, 0.0, 0.0
-        for j in range(inner):
-            q1, v1 = (Q[j, 0], Q[j, 1], Q[j, 2]), (V[j, 0], V[j, 1], V[j, 2])
-            gx, gy, gz, lost = _pull(q0, q1, v0, v1, L0, k, damper, two_spring, two_damper)
-            dissipated += lost
-            before[0] += gx - fx
-            before[1] += gy - fy
-            before[2] += gz - fz
-            before, q0, v0, fx, fy, fz = F[j], q1, v1, gx, gy, gz
-        q1, v1 = (q[end, 0], q[end, 1], q[end, 2]), (v[end, 0], v[end, 1], v[end, 2])
-        gx, gy, gz, lost = _pull(q0, q1, v0, v1, L0, k, damper, two_spring, two_damper)
-        dissipated += lost
-        before[0] += gx - fx
-        before[1] += gy - fy
-        before[2] += gz - fz
-        f[end, 0] -= gx
-        f[end, 1] -= gy
-        f[end, 2] -= gz
     put_in = 0.0
     for i in range(net.n_driven, q.shape[0]):
         put_in -= f[i, 0] * v[i, 0] + f[i, 1] * v[i, 1] + f[i, 2] * v[i, 2]

@@ -1,12 +1,15 @@
 """What does a step cost, how does the cost grow, and how much faster than real time is the carried net?"""
+
 import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from numba import njit
 
-from anet_lumped import equilibrium, load_scene, simulate
+from anet_lumped import dynamics, equilibrium, load_scene, simulate
+from integrators.stage import BETWEEN, Stage
 
 QUESTION = "What does a step cost, does its cost grow with the size of the net, and how fast is the carried net?"
 
@@ -17,7 +20,8 @@ STEPS = (40e-3, 20e-3, 10e-3, 5e-3)  # [s]
 REFERENCE = 0.5e-3  # [s] step of generalised-alpha, another method, that places are compared with
 T_END = 4.0  # [s]
 REPEATS = 5
-METHODS = ("symplectic_euler", "verlet", "edmc")
+EXPLICIT = ("symplectic_euler", "verlet")
+ITERATION, ACCOUNT = "edmc, a Newton iteration", "edmc, energy account of a step"
 
 
 def net(name, **changes):
@@ -26,29 +30,56 @@ def net(name, **changes):
     return replace(scene, cables=tuple(replace(cable, **changes) for cable in scene.cables))
 
 
+@njit(cache=True)
+def newton_iterations(stage, base, target, q, place, times):
+    """What Newton's method does in an iteration, again and again at one place."""
+    for _ in range(times):
+        dynamics.residual(stage, base, target, q, place)
+        dynamics.direction(stage, place)
+        dynamics.correct(place, 0.0, q)
+
+
+@njit(cache=True)
+def accounts(stage, base, q, place, energy, times):
+    """What the energy balance adds to a step of edmc."""
+    for _ in range(times):
+        dynamics.settle(stage, base, q, place, energy)
+
+
+def seconds(function, *arguments, times):
+    """Time of one of a number of repetitions inside a compiled function [s]."""
+    function(*arguments, 1)
+    began = time.perf_counter()
+    function(*arguments, times)
+    return (time.perf_counter() - began) / times
+
+
+def run_seconds(start, method, dt, steps):
+    """Time of a step of a run that saves its end only [s]."""
+    run = simulate(start.scene, steps * dt, method=method, dt=dt, start=start, save_every=steps * dt)
+    return run.wall_time / run.work.steps
+
+
 def costs(segments, repeats):
-    """Nanoseconds a node of an explicit step and of a Newton iteration, and milliseconds of an equilibrium."""
-    scene = net("net_carried", segments=segments)
-    start, nodes = equilibrium(scene), 4 * segments
-    rows = []
-    for method in METHODS:
-        implicit = method == "edmc"
-        dt = 0.01 if implicit else 1e-5 * 20 / segments
-        steps = max(10, int((4e5 if implicit else 2e6) / nodes))
-        cost = []
-        for _ in range(repeats + 1):
-            run = simulate(scene, steps * dt, method=method, dt=dt, start=start, save_every=steps * dt)
-            cost.append(1e9 * run.wall_time / (run.work.newton_iterations if implicit else steps) / nodes)
-        name = "edmc, a Newton iteration" if implicit else f"{method}, a step"
-        rows.append({"what": name, "nodes": nodes, "cost_a_node_ns": float(np.median(cost[1:])), "status": run.status})
-    held, took = net("net_held", segments=segments), []
+    """A row for each thing that costs, in nanoseconds a node; the repeats take turns, so that all see the same machine."""
+    held = net("net_held", segments=segments)
+    rest = equilibrium(held)
+    start, nodes, h = equilibrium(net("net_carried", segments=segments)), rest.model.n, 0.01
+    arrays, q, energy = rest.model.net(), rest.q.copy(), np.zeros(2)
+    arrays.tension[:] = rest.segment_tension
+    stage = Stage(BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
+    steps, iterations = max(10, int(2e6 / nodes)), max(5, int(1e6 / nodes))
+    found = []
     for _ in range(repeats + 1):
+        row = {f"{method}, a step": run_seconds(start, method, 2e-4 / segments, steps) for method in EXPLICIT}
+        row["edmc, a step"] = run_seconds(start, "edmc", h, max(10, steps // 10))
+        row[ITERATION] = seconds(newton_iterations, stage, rest.q, rest.q, q, arrays.place, times=iterations)
+        row[ACCOUNT] = seconds(accounts, stage, rest.q, q, arrays.place, energy, times=iterations)
         began = time.perf_counter()
         equilibrium(held)
-        took.append(time.perf_counter() - began)
-    took = float(np.median(took[1:]))
-    rows.append({"what": "equilibrium, the whole", "nodes": nodes, "cost_a_node_ns": 1e9 * took / nodes, "status": "done"})
-    return rows
+        found.append(row | {"equilibrium": time.perf_counter() - began})
+    medians = pd.DataFrame(found[1:]).median().items()
+    return [{"what": what, "nodes": nodes, "cost_a_node_ns": 1e9 * s / nodes, "total_ms": 1e3 * s} for what, s in medians]
 
 
 def pace(EA, steps, repeats):
@@ -92,7 +123,7 @@ def plot(rows):
     figure = Figure(figsize=(10, 3.8), layout="constrained")
     size, speed = figure.subplots(1, 2)
     for i, (what, part) in enumerate(rows["costs"].groupby("what", sort=False)):
-        size.loglog(part.nodes, part.cost_a_node_ns, marker="osv^"[i], ms=4, label=what)
+        size.loglog(part.nodes, part.cost_a_node_ns, marker="osv^DP"[i], ms=4, label=what)
     size.set(xlabel="nodes", ylabel="cost a node [ns]")
     size.legend(frameon=False, fontsize=8)
     for i, (EA, part) in enumerate(rows["paces"].groupby("EA_N")):
@@ -107,20 +138,24 @@ def plot(rows):
 def answer(rows):
     """Costs a node and the pace of the carried net, with the numbers asked for beside them."""
     costs_of = rows["costs"].pivot(index="nodes", columns="what", values="cost_a_node_ns")
-    large, small = costs_of.iloc[-1], costs_of.iloc[0]
+    held = rows["costs"][rows["costs"].what == "equilibrium"].iloc[0]
     paces = rows["paces"]
     good = paces[paces.p0_error_mm <= 0.1].sort_values("times_real_time").groupby("EA_N").tail(1)
-    rest = 1e-6 * small["equilibrium, the whole"] * costs_of.index[0]
+
+    def between(what):
+        return f"{costs_of[what].min():.0f} to {costs_of[what].max():.0f} ns"
+
     words = [
         f"With p0 within 0.1 mm the carried net runs {good.times_real_time.min():.0f} to {good.times_real_time.max():.0f} times "
         f"faster than real time at EA = {good.EA_N.min():.0e} to {good.EA_N.max():.0e} N, on one core, with edmc at "
         f"{1e3 * good.step_s.min():.0f} ms.",
-        f"A step of verlet costs {large['verlet, a step']:.0f} ns a node at {costs_of.index[-1]} nodes and "
-        f"{small['verlet, a step']:.0f} ns at {costs_of.index[0]}, where what a step costs apart from its nodes shows; a Newton "
-        f"iteration, with its share of the rest of the step, {large['edmc, a Newton iteration']:.0f} and "
-        f"{small['edmc, a Newton iteration']:.0f} ns. One Newton iteration is worth "
-        f"{large['edmc, a Newton iteration'] / large['verlet, a step']:.1f} explicit steps.",
-        f"The held net's equilibrium takes {rest:.2f} ms.",
+        f"A node costs {between('symplectic_euler, a step')} in a step of symplectic Euler, {between('verlet, a step')} in one of "
+        f"verlet and {between(ITERATION)} in a Newton iteration, over {costs_of.index[0]} to {costs_of.index[-1]} nodes; the "
+        f"largest explicit ones at {costs_of['verlet, a step'].idxmax()} nodes. A whole step of edmc costs as much as "
+        f"{(costs_of['edmc, a step'] / costs_of['verlet, a step']).median():.0f} steps of verlet.",
+        f"The energy balance takes {100 * (costs_of[ACCOUNT] / costs_of['edmc, a step']).max():.1f} % of a step of edmc at most; "
+        "an explicit step has it from the force at two additions a segment.",
+        f"The held net's equilibrium takes {held.total_ms:.2f} ms.",
         "Left out: compile time, which is paid once for a machine and kept; more than one core.",
     ]
     return "\n\n".join(words)
