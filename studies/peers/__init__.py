@@ -12,7 +12,7 @@ from studies.peers.problem import Outcome
 
 __all__ = ["PEERS", "Outcome", "installed", "peer"]
 
-PEERS = ("moordyn", "exudyn", "mujoco", "drake")
+PEERS = ("moordyn", "exudyn", "mujoco", "drake", "cabledyn")
 
 
 def peer(name):
