@@ -185,6 +185,25 @@ def test_cabledyn_starts_nowhere_but_at_rest():
         module.run(scene, T_END, SAVE_EVERY, equilibrium(net(mass=1.0, EA=1e3)), **FINE["cabledyn"])
 
 
+T = np.linspace(0.0, T_END, 9)
+WAYS = {
+    "harmonic": lambda at: paths.harmonic(at, (0.02, 0.0, 0.01), 2.0, 0.3, 0.3),
+    "samples": lambda at: paths.samples(T, np.array(at) + np.outer(0.02 * np.sin(5.0 * T) ** 2, (1.0, 0.5, 0.0))),
+}
+
+
+@pytest.mark.parametrize("name", NETS)
+@pytest.mark.parametrize("way", WAYS)
+def test_corners_follow_every_kind_of_path(name, way):
+    """A micrometre: what MoorDyn's straight pieces of 1 ms leave of an acceleration of 3 m/s²."""
+    law, fine = SUDDEN[name]
+    module, scene = skip_without(name), net(compression=law)
+    scene = replace(scene, points=(*(Driven(f"s{i}", WAYS[way](at)) for i, at in enumerate(CORNERS)), scene.points[3]))
+    rest = equilibrium(scene)
+    ours = simulate(scene, T_END, method="verlet", dt=2e-5, start=rest, save_every=SAVE_EVERY)
+    assert apart(module.run(scene, T_END, SAVE_EVERY, rest, **fine), ours, "p0") < 1e-6
+
+
 @pytest.mark.parametrize("name", NETS)
 def test_a_net_that_drops_its_load_moves_as_ours(name):
     """From the equilibrium of another scene; p0 jumps up by millimetres and rings. Fourth order leaves 0.01 mm at most."""
