@@ -535,7 +535,7 @@ def test_a_run_on_disk(tmp_path, kind):
 
 
 @pytest.mark.parametrize("options", [dict(method="edmc", dt=1e-3, save_every=0.02), dict(rtol=1e-8)])
-def test_interrupt(options):
+def test_interrupt(options, ctrl_c):
     """Ctrl-C ends a compiled march at once and hands over what was done."""
     simulate(loose_cable(), 0.1, start="straight", **options)  # compiled before the clock runs
     threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
