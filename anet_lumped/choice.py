@@ -12,8 +12,8 @@ from . import stability
 from .scene import Driven
 
 # Cost of a node and step, measured on the four-cable net (study `speed`): an explicit step, and an implicit one of about
-# four Newton iterations.
-EXPLICIT_COST, IMPLICIT_COST = 12e-9, 320e-9  # [s]
+# two Newton iterations.
+EXPLICIT_COST, IMPLICIT_COST = 14e-9, 200e-9  # [s]
 OF_LIMIT = 0.5  # of the predicted limit for an explicit step: a cable that whips undamped gains energy from 0.6 of it on
 OF_TIME_SCALE = 1.0 / 32.0  # of the motion's time scale for an implicit one: 10 ms for a metre of hanging cable
 

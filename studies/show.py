@@ -41,7 +41,10 @@ def show(result: dict) -> None:
 
 def column_head(name) -> str:
     """Words of a column's name, its unit in brackets: "sag error [mm]" for sag_error_mm."""
-    *words, last = str(name).split("_")
+    name = str(name)
+    if name.endswith("_N_per_m"):
+        return f"{_words(name.removesuffix('_N_per_m'))} [N/m]"
+    *words, last = name.split("_")
     return f"{' '.join(words)} [{last.replace('percent', '%')}]" if words and last in SUFFIXES else _words(name)
 
 
