@@ -26,6 +26,7 @@ STUDIES = {
     "What the thesis found": ("thesis_tables", "length_error", "model_mismatch"),
     "Why": ("stability_map",),
     "What cures it": ("energy_rise", "order", "speed"),
+    "What accuracy costs": ("work_precision",),
 }
 """Names of the studies, by the part of the report that each belongs to, in its order."""
 UNFINISHED = "unfinished"  # rows of a study that is still running, or was killed

@@ -1,0 +1,107 @@
+"""Error of a lumped cable against the continuous one, in its parts: model, discretisation, time.
+
+    x(EA, N, h) - x(inf, inf, 0)  =  [x(EA, inf, 0) - x(inf, inf, 0)]      model: a cable that stretches
+                                   + [x(EA, N, 0) - x(EA, inf, 0)]         discretisation: N segments a cable
+                                   + [x(EA, N, h) - x(EA, N, 0)]           time: step h of a method
+
+with x the place of p0 of the carried net over time. x(EA, N, 0) is a `reference`; x(EA, inf, 0) is extrapolated from two
+numbers of segments (errors fall as N^-2), x(inf, inf, 0) from two stiffnesses (the stretch falls as 1/EA).
+"""
+
+import numpy as np
+import pandas as pd
+
+from anet_lumped import simulate
+from anet_lumped.stability import predict
+from integrators.schemes import EXPLICIT
+from studies.cases import carried, fitting
+from studies.equal_error import on_front
+from studies.references import FINE_STEP, IMPLICIT_PAIR, largest_distance, track
+
+STIFFNESSES = (1e2, 1e4, 1e6, 1e8)  # EA [N]; the last two make the inextensible limit
+SEGMENTS = (5, 10, 20, 40, 80)
+STEPS = (40e-3, 20e-3, 10e-3, 5e-3, 2.5e-3)  # [s]
+METHODS = ("edmc", "generalised_alpha", "midpoint", "sdirk2", "verlet", "symplectic_euler", "rk4")
+SHARES = (0.9,)  # of an explicit method's predicted limit: its error in time is far below that of the segments
+FRONT_STIFFNESSES = STIFFNESSES[1:3]
+LONGEST = 1.0  # [s] of wall time that a run on the way to the front may take
+COST = {"verlet": 20e-9, "symplectic_euler": 20e-9, "rk4": 70e-9}  # [s] about, of a node and step
+REPEATS = 3
+
+
+class Limits:
+    """Tracks of p0 (k, 3) [m] in the limits of the step, of the segments and of the stiffness."""
+
+    def __init__(self, stiffnesses, segments, folder=None):
+        fine, method = FINE_STEP, IMPLICIT_PAIR[0]
+        self.exact = {
+            (EA, N): track(carried(EA, N), method, (fine, fine / 2), folder).place for EA in stiffnesses for N in segments
+        }
+        coarse, fine = segments[-2:]
+        ratio = (fine / coarse) ** 2
+        self.continuous = {EA: _extrapolated(self.exact[EA, coarse], self.exact[EA, fine], ratio) for EA in stiffnesses}
+        soft, stiff = stiffnesses[-2:]
+        self.inextensible = _extrapolated(self.continuous[soft], self.continuous[stiff], stiff / soft)
+
+    def parts(self, EA, segments, place):
+        """Largest distance of each part, and of the whole, over the saved times [mm]."""
+        exact, continuous, rigid = self.exact[EA, segments], self.continuous[EA], self.inextensible
+        return {
+            "model_mm": 1e3 * largest_distance(continuous, rigid),
+            "discretisation_mm": 1e3 * largest_distance(exact, continuous),
+            "time_mm": 1e3 * largest_distance(place, exact),
+            "total_mm": 1e3 * largest_distance(place, rigid),
+        }
+
+
+def _extrapolated(coarse, fine, ratio):
+    """Limit of what is off by an error that is ``ratio`` times as large in the coarse track as in the fine one."""
+    return fine + (fine - coarse) / (ratio - 1.0)
+
+
+def runs_of(quick=False):
+    """(EA, segments, method, step) of every run, few enough to be timed."""
+    stiffnesses, segments, methods, steps = STIFFNESSES, SEGMENTS, METHODS, STEPS
+    if quick:
+        stiffnesses, segments, methods, steps = stiffnesses[1:3], segments[:3], ("edmc", "verlet"), steps[1:3]
+    found = []
+    for EA in stiffnesses:
+        for N in segments:
+            case = carried(EA, N)
+            for method in methods:
+                if method in EXPLICIT:
+                    limit = predict(case.scene, schemes=(method,)).limits[method].step
+                    own = [fitting(share * limit, case.save_every) for share in SHARES]
+                    own = [dt for dt in own if case.t_end / dt * case.nodes * COST[method] <= LONGEST]
+                else:
+                    own = steps
+                if EA in FRONT_STIFFNESSES or method == "edmc":
+                    found += [(case, method, dt) for dt in own]
+    return stiffnesses, segments, found
+
+
+def compute(quick=False, folder=None):
+    """Every run's error in parts, its wall time, and whether it is on the front of total error and wall time.
+
+    Returns
+    -------
+    pandas.DataFrame
+    """
+    stiffnesses, segments, runs = runs_of(quick)
+    limits, rows, repeats = Limits(stiffnesses, segments, folder), [], 1 if quick else REPEATS
+    for _ in range(repeats):
+        rows.append([_run(limits, *one) for one in runs])
+    table = pd.DataFrame(rows[0])
+    table["wall_s"] = np.median([[row["wall_s"] for row in turn] for turn in rows], axis=0)
+    raced = table["EA_N"].isin(FRONT_STIFFNESSES)
+    table["on_front"] = False
+    table.loc[raced, "on_front"] = on_front(table.loc[raced, "total_mm"], table.loc[raced, "wall_s"])
+    return table
+
+
+def _run(limits, case, method, dt):
+    run = simulate(case.scene, case.t_end, method=method, dt=dt, start=case.start, save_every=case.save_every)
+    whole = run.ok and len(run.t) == len(limits.inextensible)
+    errors = limits.parts(case.EA, case.segments, run.position(case.point)) if whole else {}
+    row = {"EA_N": case.EA, "segments": case.segments, "method": method, "step_ms": 1e3 * dt, **errors}
+    return row | {"wall_s": run.wall_time, "status": run.status, "reason": run.message}

@@ -1,0 +1,185 @@
+"""Words of the study `work_precision`, every number from its rows."""
+
+import numpy as np
+
+from studies.contestants import OURS, OWN_CHOICE
+
+NET, LOOSE = "carried net", "loose cable"
+NET_TARGET, LOOSE_TARGET, LOOSE_EA = 0.1, 1.0, 1e6  # [mm], [mm], [N]
+SEGMENTS = 20
+TURNING = "midpoint", "generalised_alpha"
+
+
+def answer(rows):
+    """Paragraphs, the finding first."""
+    words = [_finding(rows), _loose(rows), _stiffness(rows), _size(rows), _parts(rows), _choice(rows), _shocks(rows), _doubt(rows)]
+    return "\n\n".join([*(text for text in words if text), _left_out(rows)])
+
+
+def _line(rows, motion, EA, target):
+    table = rows["equal_error"]
+    found = table[
+        (table["motion"] == motion) & (table["EA_N"] == EA) & (table["segments"] == SEGMENTS) & (table["target_mm"] == target)
+    ]
+    return found.iloc[0] if len(found) else None
+
+
+def _EA(EA):
+    return "∞" if np.isinf(EA) else f"1e{np.log10(EA):.0f} N"
+
+
+def _net_lines(rows):
+    table = rows["equal_error"]
+    stiffnesses = table.loc[(table["motion"] == NET) & (table["segments"] == SEGMENTS), "EA_N"].unique()
+    lines = [_line(rows, NET, EA, NET_TARGET) for EA in stiffnesses]
+    return [line for line in lines if np.isfinite(line["ours_s"])]
+
+
+def _against(line):
+    """A comparison with the best other engine in words; empty where there is none."""
+    if not np.isfinite(line["peer_s"]):
+        return ""
+    finer = "" if line["peer_error_mm"] >= line["target_mm"] else f", at its coarsest, {line['peer_error_mm']:.2g} mm"
+    return f"{line['ratio']:.3g} (beside {line['best_peer']}{finer})"
+
+
+def _finding(rows):
+    lines = _net_lines(rows)
+    paces = [line["ours_times_real_time"] for line in lines]
+    text = (
+        f"With p0 within {NET_TARGET} mm the carried net runs {min(paces):.0f} to {max(paces):.0f} times faster than real time on "
+        f"one core, with {_listed(line['best_ours'] for line in lines)}, at EA = {_listed(_EA(line['EA_N']) for line in lines)}. "
+    )
+    ratios = [f"{_against(line)} at EA = {_EA(line['EA_N'])}" for line in lines if _against(line)]
+    if not ratios:
+        return text + "Other engines are not installed here, so that nothing is said of them."
+    return text + f"The best other engine takes longer for the same error by a factor of {_listed(ratios)}."
+
+
+def _listed(words):
+    words = list(dict.fromkeys(words))
+    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1]
+
+
+def _loose(rows):
+    line = _line(rows, LOOSE, LOOSE_EA, LOOSE_TARGET)
+    if line is None or not np.isfinite(line["ours_s"]):
+        return ""
+    text = (
+        f"The loose cable at EA = {_EA(LOOSE_EA)}, let go from the horizontal, runs {line['ours_times_real_time']:.0f} times "
+        f"faster than real time with its tip within {LOOSE_TARGET:g} mm up to 1 s, with {line['best_ours']}"
+    )
+    return text + (f"; the ratio is {_against(line)}." if _against(line) else ".")
+
+
+def _stiffness(rows):
+    lines = _net_lines(rows)
+    if len(lines) < 2:
+        return ""
+    paces = [line["ours_s"] for line in lines]
+    runs = rows["runs"]
+    verlet = runs[(runs["motion"] == NET) & (runs["segments"] == SEGMENTS) & (runs["method"] == "verlet")]
+    least = verlet.groupby("EA_N")["wall_s"].min().dropna()
+    text = (
+        f"What this accuracy costs hardly depends on the stiffness: from EA = {_EA(lines[0]['EA_N'])} to {_EA(lines[-1]['EA_N'])} "
+        f"the dearest costs {max(paces) / min(paces):.2f} times the cheapest. "
+    )
+    if len(least) > 1:
+        slope = np.polyfit(np.log(least.index), np.log(least), 1)[0]
+        text += (
+            f"verlet, bound to the axial waves, costs as EA to the power {slope:.2f}: {least.iloc[0]:.2g} s at "
+            f"{_EA(least.index[0])} and {least.iloc[-1]:.2g} s at {_EA(least.index[-1])}, then far more accurate than asked."
+        )
+    return text
+
+
+def _size(rows):
+    table = rows["growth"]
+    slope = np.polyfit(np.log(table["nodes"]), np.log(table["wall_s"]), 1)[0]
+    first, last = table.iloc[0], table.iloc[-1]
+    return (
+        f"Cost grows with the number of nodes to the power {slope:.2f} at the same step and with it the same error: "
+        f"{1e3 * first['wall_s']:.2g} ms for a second of motion with {first['nodes']} nodes, {last['wall_s']:.2g} s with "
+        f"{last['nodes']}, p0 off by {table['error_mm'].min():.2g} to {table['error_mm'].max():.2g} mm, "
+        f"{table['newton_per_step'].min():.2f} to {table['newton_per_step'].max():.2f} Newton iterations a step. verlet would need "
+        f"{last['verlet_predicted_s']:.2g} s with {last['nodes']} nodes, because its step shrinks as they grow."
+    )
+
+
+def _parts(rows):
+    table = rows["total_error"]
+    edmc = table[table["method"] == "edmc"]
+    model, halves = edmc.groupby("EA_N")["model_mm"].first(), edmc.groupby("segments")["discretisation_mm"].max()
+    slope = np.polyfit(np.log(halves.index), np.log(halves), 1)[0]
+    step = 10.0
+    time = edmc.loc[edmc["step_ms"] == step, "time_mm"].max()
+    front = table[table["on_front"]].sort_values("wall_s")
+    good = front[front["total_mm"] <= NET_TARGET]
+    text = (
+        f"Of the whole error against a continuous inextensible net the segments are the largest part: "
+        f"{_listed(f'{value:.2g} mm with {N}' for N, value in halves.items())} segments a cable, as their number to the power "
+        f"{slope:.2f}. Stretching accounts for {_listed(f'{value:.2g} mm at EA = {_EA(EA)}' for EA, value in model.items())}, and "
+        f"steps of {step:g} ms of edmc for {time:.2g} mm. On the front of total error and wall time lie "
+        f"{_listed(sorted(set(front['method'])))} with {front['segments'].min()} to {front['segments'].max()} segments"
+    )
+    if not len(good):
+        return text + "."
+    best = good.iloc[0]
+    return text + (
+        f"; the cheapest {NET_TARGET} mm of total error take {best['method']} at {best['step_ms']:.3g} ms with {best['segments']} "
+        f"segments at EA = {_EA(best['EA_N'])}, {1e3 * best['wall_s']:.2g} ms for 4 s."
+    )
+
+
+def _choice(rows):
+    runs = rows["runs"]
+    own = runs[(runs["method"] == OWN_CHOICE) & (runs["status"] == "done")]
+    found = []
+    for line in own[(own["motion"] == NET) & (own["segments"] == SEGMENTS)].itertuples():
+        found.append(f"{line.error_mm:.2g} mm in {1e3 * line.wall_s:.2g} ms at EA = {_EA(line.EA_N)} ({line.reason})")
+    return f"Left to itself the library carries the net to within {_listed(found)}." if found else ""
+
+
+def _shocks(rows):
+    runs = rows["runs"]
+    jerked = runs[runs["motion"].isin(("net stopped", "load dropped")) & (runs["engine"] == OURS) & runs["error_mm"].notna()]
+    if not len(jerked):
+        return ""
+    worst = jerked[jerked["method"].isin(TURNING)].groupby("motion")["error_mm"].max()
+    edmc = jerked[jerked["method"] == "edmc"].groupby("motion")["error_mm"]
+    return (
+        "A net that is stopped at once, or loses its load, slackens and snaps taut. Schemes that keep the energy of axial waves at "
+        f"best go astray there: {' and '.join(TURNING)} are off by up to "
+        f"{_listed(f'{value:.0f} mm ({name})' for name, value in worst.items())}. edmc comes to within "
+        f"{_listed(f'{value:.2g} mm ({name})' for name, value in edmc.min().items())} at the steps tried, from "
+        f"{_listed(f'{value:.2g} mm' for value in edmc.max())}; what is below takes steps that resolve the axial waves."
+    )
+
+
+def _doubt(rows):
+    table = rows["references"]
+    worst = table.loc[table["difference_mm"].idxmax()]
+    return (
+        f"Each motion has two references by different methods. They differ by {table['difference_mm'].median():.1g} mm in the "
+        f"median and by {worst['difference_mm']:.2g} mm at worst ({worst['motion']}, EA = {_EA(worst['EA_N'])}, "
+        f"{worst['segments']} segments), and nothing below that is said of any method. Where dampers act only while a segment is "
+        "taut (law none) the force jumps as it snaps taut, which costs every method its order."
+    )
+
+
+def _left_out(rows):
+    runs = rows["runs"]
+    left, failed = runs[runs["status"] == "left out"], runs[~runs["status"].isin(("left out", "done", "refused"))]
+    text = "Left out: compile time, which the table of first calls has; more than one core; memory; "
+    if len(left):
+        text += (
+            f"{len(left)} of {len(runs)} runs that would take longer than their bound, of "
+            f"{_listed(sorted({f'{line.engine} {line.method}'.removeprefix(OURS).strip() for line in left.itertuples()}))}; "
+        )
+    if len(failed):
+        who = _listed(sorted(set(failed["engine"] + " " + failed["method"])))
+        text += f"{len(failed)} runs did not reach their end, of {who}; "
+    refused = [f"{line.engine} ({line.motion})" for line in rows["refused"].itertuples()]
+    if refused:
+        text += f"motions that an engine does not take: {_listed(refused)}; "
+    return text + "settings between those tried, which are interpolated."
