@@ -69,6 +69,13 @@ def choose(scene, method=None, dt=None, adaptive=False):
     -------
     Choice
     """
+    stiff = [cable.name for cable in scene.cables if cable.inextensible]
+    if stiff and method not in (None, "edmc"):
+        raise ValueError(
+            f'A cable that does not stretch needs method="edmc", but cable "{stiff[0]}" has EA=inf and the method is {method}.'
+        )
+    if stiff and method is None:
+        method = "edmc"
     prediction = _predict(scene, tuple(sorted({"verlet", "edmc" if method is None else method})))
     limit = prediction.limits["verlet"].step
     motion = OF_TIME_SCALE * time_scale(scene)

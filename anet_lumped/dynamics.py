@@ -4,7 +4,7 @@ import math
 
 from numba import float64, int64, njit, types, void
 
-from integrators.stage import BETWEEN, STAGE, STATE
+from integrators.stage import BACKWARD, BETWEEN, STAGE, STATE
 
 from . import chain
 from .chain import (
@@ -29,6 +29,8 @@ from .path_kernel import evaluate
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 EPS = 2.220446049250313e-16
+STRICT = 300.0  # times its inertia is what a length that must not change counts for
+PENALTY = 1e7  # of a length that must not change, over the inertia of a node
 ROUNDS = 4  # eliminations a Newton step may spend on finding which segments are slack
 
 
@@ -104,6 +106,26 @@ def force(t, q, v, place, f, power):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _moving(net, i):
+    """Mass of a node if it moves."""
+    return net.mass[i] if i < net.n_free else 0.0
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _rigid(stage, net, c):
+    """Penalty of a cable that does not stretch [N/m], 0 for one that does.
+
+    Its tension is a multiplier: each Newton step adds the penalty times the length that is too much, whatever the penalty,
+    until none is left (augmented Lagrangian); a large one leaves next to nothing after the first.
+    """
+    if net.law[c, 6] == 0.0:
+        return 0.0
+    if net.cable[c, SEGMENTS] > 1:
+        return PENALTY * stage.W * net.mass[net.cable[c, FIRST_NODE]]
+    return PENALTY * stage.W * max(_moving(net, net.cable[c, START]), _moving(net, net.cable[c, END]))
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _numerical(stage, of):
     """Numerical damper of a cable's segments [N/m]: alpha k s^2/(1 + s^2), s = omega h/2.
 
@@ -132,10 +154,11 @@ def _law(stage, stretch, before, k, c, two_spring, two_damper, numerical):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
-def _linearise(stage, q0, q1, a0, a1, law, guess, row):
+def _linearise(stage, q0, q1, a0, a1, law, guess, light, rigid, row):
     """Force of a segment on the node at its start, and its tension; writes the linearised law to ``row``.
 
-    q0, q1 are its ends now, a0, a1 those of the base, ``guess`` the tension that its geometric stiffness takes.
+    q0, q1 are its ends now, a0, a1 those of the base, ``guess`` the tension that its geometric stiffness takes. A segment that
+    cannot push, is short by a length that inertia (``light`` [N/m]) hardly feels and was predicted taut is linearised as taut.
     """
     L0, k, damper, two_spring, two_damper, numerical = law
     dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
@@ -154,7 +177,12 @@ def _linearise(stage, q0, q1, a0, a1, law, guess, row):
             per = 1.0 / max(l_a + l, 1e-12 * L0)
             ex, ey, ez = (ax + dx) * per, (ay + dy) * per, (az + dz) * per
             per_sum = min(per, 100.0 / L0)
-    T, slope, secant = _law(stage, l - L0, before, k, damper, two_spring, two_damper, numerical)
+    if rigid > 0.0:
+        T, slope, secant = guess + rigid * (l - L0), rigid, 0.0
+        if two_damper == 0.0 and guess + light * (l - L0) <= 0.0:
+            T, slope = 0.0, 0.0
+    else:
+        T, slope, secant = _law(stage, l - L0, before, k, damper, two_spring, two_damper, numerical)
     if stage.law == STATE and slope > 0.0 and (before > 0.0 or two_damper > 0.0):
         # dT = slope n.dd - (c/tau)(I - n n^T) d_hat . dd / l: the damper sees the segment turn
         turn, along = damper / (slope * stage.tau * max(l, 0.01 * L0)), before + L0
@@ -162,11 +190,15 @@ def _linearise(stage, q0, q1, a0, a1, law, guess, row):
     row[0], row[1], row[2], row[3], row[4], row[5] = ex, ey, ez, gx, gy, gz
     row[GEOMETRIC] = max(guess, 0.0) * per_sum
     row[STIFFNESS], row[TENSION] = slope, T
+    if rigid > 0.0 and two_damper == 0.0:
+        T = max(T, 0.0)
+    elif T == 0.0 and guess > 0.0 and two_damper == 0.0 and stage.law == BETWEEN and guess + light * min(l - L0, before) > 0.0:
+        row[TENSION], row[STIFFNESS], _ = tension_between(before, l - L0, k, damper / stage.tau + numerical, 1.0, 1.0)
     row[BEFORE], row[STRETCH], row[SECANT] = before, l - L0, secant
     return T * ex, T * ey, T * ez, T
 
 
-@njit(types.UniTuple(float64, 3)(STAGE, _f2, _f2, _f2, int64), cache=True, error_model="numpy", fastmath={"contract"})
+@njit(types.UniTuple(float64, 4)(STAGE, _f2, _f2, _f2, int64), cache=True, error_model="numpy", fastmath={"contract"})
 def residual(stage, base, target, q, place):
     """Out-of-balance force of a stage, and its linearisation in the net.
 
@@ -181,9 +213,12 @@ def residual(stage, base, target, q, place):
 
     Returns
     -------
-    norm, scale, noise : float64 [N]
+    norm, scale, noise, predicted : float64 [N]
         Largest component of the out-of-balance force; the largest inertial or external force on a node, which a tolerance
-        is relative to; and what rounding of the places alone leaves in it.
+        is relative to; what rounding of the places alone leaves in it; and the out-of-balance force with the tensions of the
+        net instead of those of the law at q, or, if it is more, the length by which the two laws of a segment differ, as
+        inertia would feel it, less what rounding leaves. That length is all that a stiff segment leaves open, and the
+        tension that goes with it is known far better from the Newton step than from the places.
     """
     net = net_at(place)
     n, n_free, mass, right, diagonal = q.shape[0], net.n_free, net.mass, net.right, net.diagonal
@@ -217,12 +252,26 @@ def residual(stage, base, target, q, place):
     for i in range(net.n_interior, n):
         for x in range(3):
             pull[i, x] = right[i, x]
-    norm, noise, finite = 0.0, 4.0 * EPS * heaviest * reach, 0.0
+    norm, noise, finite, predicted, floor = 0.0, 4.0 * EPS * heaviest * reach, 0.0, 0.0, 4.0 * EPS * heaviest * reach
+    kept, net.linearised[0], net.linearised[1] = net.kept, stage.law, stage.tau
+    for i in range(net.n_interior, n):
+        for x in range(3):
+            kept[i - net.n_interior, x] = right[i, x]
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
         start, end, inner = net.cable[c, START], net.cable[c, END], count - 1
         of = net.law[c]
-        law = (of[0], of[1], of[2], of[3], of[4], _numerical(stage, of))
+        numerical = _numerical(stage, of)
+        law = (of[0], of[1], of[2], of[3], of[4], numerical)
+        rigid = _rigid(stage, net, c)
+        taut = rigid + of[2] * per_tau + (0.5 * of[1] + numerical if stage.law == BETWEEN else of[1])
+        old = abs(0.5 * of[1] - numerical - of[2] * per_tau) if stage.law == BETWEEN else of[2] * per_tau
+        inertia = stage.W * max(mass[node] if inner > 0 else 0.0, _moving(net, start), _moving(net, end))
+        light = max(old, inertia)
+        # a length that is off costs k/2 of its square; where the length is not allowed to be off it must be small by itself
+        share = STRICT * inertia / rigid if rigid > 0.0 else max(light / max(taut, 1e-300), math.sqrt(inertia / max(taut, 1e-300)))
+        share, one_way = min(1.0, share), of[4] == 0.0
+        hx, hy, hz, off = 0.0, 0.0, 0.0, 0.0
         q0, a0 = (q[start, 0], q[start, 1], q[start, 2]), (base[start, 0], base[start, 1], base[start, 2])
         # views of the cable's own nodes, so that no index can be negative and the loop stays tight
         Q, A, R = q[node : node + inner], base[node : node + inner], right[node : node + inner]
@@ -230,8 +279,14 @@ def residual(stage, base, target, q, place):
         fx, fy, fz, largest = 0.0, 0.0, 0.0, 0.0
         for j in range(inner):
             q1, a1 = (Q[j, 0], Q[j, 1], Q[j, 2]), (A[j, 0], A[j, 1], A[j, 2])
-            tx, ty, tz, T = _linearise(stage, q0, q1, a0, a1, law, guess[j], row[j])
+            tx, ty, tz, T = _linearise(stage, q0, q1, a0, a1, law, guess[j], light, rigid, row[j])
+            used = max(guess[j], 0.0) if one_way else guess[j]
+            off = max(off, abs(row[j, TENSION] - used) * (share if row[j, STIFFNESS] > 0.9 * taut else 1.0))
+            ux, uy, uz = used * row[j, 0], used * row[j, 1], used * row[j, 2]
             if j == 0:
+                kept[start - net.n_interior, 0] += ux
+                kept[start - net.n_interior, 1] += uy
+                kept[start - net.n_interior, 2] += uz
                 pull[start, 0] += tx
                 pull[start, 1] += ty
                 pull[start, 2] += tz
@@ -241,17 +296,32 @@ def residual(stage, base, target, q, place):
                 rx, ry, rz = sx + tx - fx, sy + ty - fy, sz + tz - fz
                 norm = max(norm, abs(rx), abs(ry), abs(rz))
                 finite += rx + ry + rz
+                predicted = max(predicted, abs(sx + ux - hx), abs(sy + uy - hy), abs(sz + uz - hz))
+            hx, hy, hz = ux, uy, uz
             q0, a0, fx, fy, fz, largest = q1, a1, tx, ty, tz, max(largest, abs(T))
         q1, a1 = (q[end, 0], q[end, 1], q[end, 2]), (base[end, 0], base[end, 1], base[end, 2])
-        tx, ty, tz, T = _linearise(stage, q0, q1, a0, a1, law, guess[inner], row[inner])
+        tx, ty, tz, T = _linearise(stage, q0, q1, a0, a1, law, guess[inner], light, rigid, row[inner])
+        used = max(guess[inner], 0.0) if one_way else guess[inner]
+        off = max(off, abs(row[inner, TENSION] - used) * (share if row[inner, STIFFNESS] > 0.9 * taut else 1.0))
+        ux, uy, uz = used * row[inner, 0], used * row[inner, 1], used * row[inner, 2]
         if inner == 0:
+            kept[start - net.n_interior, 0] += ux
+            kept[start - net.n_interior, 1] += uy
+            kept[start - net.n_interior, 2] += uz
             pull[start, 0] += tx
             pull[start, 1] += ty
             pull[start, 2] += tz
         else:
-            rx, ry, rz = R[inner - 1, 0] + tx - fx, R[inner - 1, 1] + ty - fy, R[inner - 1, 2] + tz - fz
+            sx, sy, sz = R[inner - 1, 0], R[inner - 1, 1], R[inner - 1, 2]
+            rx, ry, rz = sx + tx - fx, sy + ty - fy, sz + tz - fz
             norm = max(norm, abs(rx), abs(ry), abs(rz))
             finite += rx + ry + rz
+            predicted = max(predicted, abs(sx + ux - hx), abs(sy + uy - hy), abs(sz + uz - hz))
+        floor = max(floor, 4.0 * EPS * (max(largest, abs(T)) + (share * taut + light) * max(reach, of[0])))
+        predicted = max(predicted, off)
+        kept[end - net.n_interior, 0] -= ux
+        kept[end - net.n_interior, 1] -= uy
+        kept[end - net.n_interior, 2] -= uz
         pull[end, 0] -= tx
         pull[end, 1] -= ty
         pull[end, 2] -= tz
@@ -259,9 +329,13 @@ def residual(stage, base, target, q, place):
     for i in range(net.n_interior, n_free):
         norm = max(norm, abs(pull[i, 0]), abs(pull[i, 1]), abs(pull[i, 2]))
         finite += pull[i, 0] + pull[i, 1] + pull[i, 2]
+        p = i - net.n_interior
+        predicted = max(predicted, abs(kept[p, 0]), abs(kept[p, 1]), abs(kept[p, 2]))
     if not finite - finite == 0.0:
         norm = 1e300
-    return norm, scale, noise
+    if stage.law == STATE or not finite - finite == 0.0:
+        predicted = 1e300
+    return norm, scale, noise, max(0.0, predicted - floor)
 
 
 @njit(int64(STAGE, int64), cache=True, error_model="numpy", fastmath={"contract"})
@@ -291,7 +365,7 @@ def direction(stage, place):
             L0, k, damper, two_spring, two_damper = net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4]
             if two_spring > 0.0:
                 continue
-            numerical = _numerical(stage, net.law[c])
+            numerical, rigid = _numerical(stage, net.law[c]), _rigid(stage, net, c)
             x0, y0, z0 = step[net.cable[c, START], 0], step[net.cable[c, START], 1], step[net.cable[c, START], 2]
             for j in range(count):
                 i = node + j if j < count - 1 else net.cable[c, END]
@@ -302,6 +376,12 @@ def direction(stage, place):
                 x0, y0, z0 = x1, y1, z1
                 stretch = row[STRETCH] + longer
                 T_linear = net.tension[first + j]
+                if rigid > 0.0:
+                    if row[STIFFNESS] > 0.0 and T_linear <= 0.0:
+                        row[STIFFNESS], row[TENSION], changed = 0.0, 0.0, True
+                    elif row[STIFFNESS] == 0.0 and stretch > 0.0:
+                        row[STIFFNESS], row[TENSION], changed = rigid, rigid * row[STRETCH], True
+                    continue
                 if (T_linear > 0.0) if stretch > 0.0 else row[TENSION] == 0.0:
                     continue
                 T, slope, _ = _law(stage, max(stretch, -L0), row[BEFORE], k, damper, two_spring, two_damper, numerical)
@@ -330,9 +410,24 @@ def correct(place, length, q):
 
 
 @njit(void(int64), cache=True, error_model="numpy", fastmath={"contract"})
+def adopt(place):
+    """Let the tensions of the net be those of the law, where `residual` was last: they balance the forces there."""
+    net = net_at(place)
+    for c in range(net.cable.shape[0]):
+        first = net.cable[c, FIRST_SEGMENT]
+        for s in range(first, first + net.cable[c, SEGMENTS]):
+            net.tension[s] = max(net.segment[s, TENSION], 0.0) if net.law[c, 4] == 0.0 else net.segment[s, TENSION]
+    for i in range(net.kept.shape[0]):
+        for x in range(3):
+            net.kept[i, x] = net.pull[net.n_interior + i, x]
+
+
+@njit(void(int64), cache=True, error_model="numpy", fastmath={"contract"})
 def forget(place):
     """Drop the predicted tensions, so that what a failed iteration left does not shape the next tangent."""
-    net_at(place).tension[:] = 0.0
+    net = net_at(place)
+    net.tension[:] = 0.0
+    net.linearised[0] = -1.0
 
 
 @njit(void(STAGE, _f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})
@@ -349,7 +444,7 @@ def settle(stage, base, q, place, energy):
     dissipated, put_in = 0.0, 0.0
     for s in range(net.segment.shape[0]):
         row = net.segment[s]
-        dissipated += (row[TENSION] - row[SECANT]) * (row[STRETCH] - row[BEFORE])
+        dissipated += (net.tension[s] - row[SECANT]) * (row[STRETCH] - row[BEFORE])
     effects = net.effects
     for e in range(effects.address.shape[0]):
         i, j = effects.index_at[e], effects.index_at[e + 1]
@@ -359,8 +454,45 @@ def settle(stage, base, q, place, energy):
         )
     for i in range(net.n_driven, q.shape[0]):
         for x in range(3):
-            put_in -= net.pull[i, x] * (q[i, x] - base[i, x])
+            put_in -= net.kept[i - net.n_interior, x] * (q[i, x] - base[i, x])
     energy[0], energy[1] = put_in, dissipated
+
+
+@njit(void(_f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})
+def observe(q, v, place, tension):
+    """Tension of every segment in a state (n_segments,) [N], overwritten.
+
+    By the law at one time; after a step of law ``BETWEEN`` by the tension that acted over it and what the law says of the
+    difference between the end and the mean of the step, in which an error of the places is not multiplied by the stiffness.
+    Nor is one of the rates by the damper: where the step does not resolve the stretching, the rate is that of the step.
+    """
+    net = net_at(place)
+    for c in range(net.cable.shape[0]):
+        first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
+        L0, k, damper, two_spring, two_damper = net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4]
+        before = net.cable[c, START]
+        for j in range(count):
+            i, s = node + j if j < count - 1 else net.cable[c, END], first + j
+            acting = net.tension[s] if two_damper > 0.0 else max(net.tension[s], 0.0)
+            if net.linearised[0] == BACKWARD or net.law[c, 6] > 0.0:
+                tension[s] = acting
+            else:
+                dx, dy, dz = q[i, 0] - q[before, 0], q[i, 1] - q[before, 1], q[i, 2] - q[before, 2]
+                l = math.sqrt(dx * dx + dy * dy + dz * dz)
+                rate = dx * (v[i, 0] - v[before, 0]) + dy * (v[i, 1] - v[before, 1]) + dz * (v[i, 2] - v[before, 2])
+                rate /= max(l, 1e-12 * L0)
+                T, spring = tension_parts(l - L0, rate, k, damper, two_spring, two_damper)
+                if net.linearised[0] == BETWEEN and T != 0.0:
+                    h, row = net.linearised[1], net.segment[s]
+                    mean = row[STRETCH] - row[BEFORE]
+                    if two_damper == 0.0:
+                        mean = max(row[STRETCH], 0.0) - max(row[BEFORE], 0.0)
+                    mean /= h
+                    resolved = 1.0 / (1.0 + 0.25 * h * h * net.law[c, 5])
+                    T = acting + (spring - row[TENSION] + damper * mean) + damper * resolved * (rate - mean)
+                    T = T if two_damper > 0.0 else max(T, 0.0)
+                tension[s] = T
+            before = i
 
 
 @njit(void(float64, _f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})

@@ -27,7 +27,7 @@ class Model:
     mass : (n,) float64 [kg]
         Half of the segments on either side, and the point's own.
     cable : (n_cables, 8) int64
-    law : (n_cables, 6) float64
+    law : (n_cables, 7) float64
     flipped : (n_cables,) bool
         The cable is eliminated from its end to its start.
     node_of : dict
@@ -115,7 +115,9 @@ class Model:
             points=self.symbolic._replace(block=np.zeros_like(self.symbolic.block)),
             segment=np.zeros((segments, 12)),
             tension=np.zeros(segments),
+            linearised=np.array([-1.0, 1.0]),
             pull=np.zeros((n, 3)),
+            kept=np.zeros((n - self.n_interior, 3)),
             right=np.zeros((n, 3)),
             diagonal=np.zeros((self.n_free, 3, 3)),
             factor=np.zeros((segments, 16)),
@@ -150,7 +152,7 @@ def build(scene):
         mass[node_of[name]] = scene.point(name).mass
     symbolic, block_of = _symbolic(order, later)
     cable = np.full((len(scene.cables), 8), -1, np.int64)
-    law = np.empty((len(scene.cables), 6))
+    law = np.zeros((len(scene.cables), 7))
     flipped = np.zeros(len(scene.cables), bool)
     segment = node = 0
     for c, one in enumerate(scene.cables):
@@ -160,7 +162,9 @@ def build(scene):
         cable[c, :6] = segment, one.segments, node, node_of[start], node_of[end], bordered
         if bordered:
             cable[c, 6:] = block_of[rank[start], rank[end]], block_of[rank[end], rank[start]]
-        law[c, :5] = one.L0, one.stiffness, one.dashpot, *SWITCHES[one.compression]
+        spring = (0.0, 0.0) if one.inextensible else (one.stiffness, one.dashpot)
+        law[c, :5] = one.L0, *spring, *SWITCHES[one.compression]
+        law[c, 6] = one.inextensible
         half = 0.5 * one.mass_per_length * one.L0
         mass[node : node + one.segments - 1] = 2.0 * half
         mass[[node_of[start], node_of[end]]] += half

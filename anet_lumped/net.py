@@ -53,8 +53,9 @@ class Net(NamedTuple):
 
     ``cable`` (n_cables, 8) int64: first segment, segments, first interior node, start node, end node, start is free,
     positions of the blocks (start, end) and (end, start) among the free points' blocks (-1 where there are none).
-    ``law`` (n_cables, 6): L0 [m], k [N/m], c [N s/m], two-way spring, two-way damper, and the square of the highest frequency
-    of a segment between the two masses at its ends, k (1/m_a + 1/m_b) [1/s2].
+    ``law`` (n_cables, 7): L0 [m], k [N/m], c [N s/m], two-way spring, two-way damper, and the square of the highest frequency
+    of a segment between the two masses at its ends, k (1/m_a + 1/m_b) [1/s2],
+    and 1 where the cable does not stretch (its k and c are then 0).
     """
 
     n_free: int
@@ -68,7 +69,9 @@ class Net(NamedTuple):
     points: Points
     segment: np.ndarray  # (n_segments, 12) scratch: the linearised law of each segment, columns in chain.py
     tension: np.ndarray  # (n_segments,) tension that the last Newton step predicted
+    linearised: np.ndarray  # (2,) law of the stage that ``segment`` belongs to, -1 before the first, and its tau [s]
     pull: np.ndarray  # (n, 3) scratch
+    kept: np.ndarray  # (points, 3) scratch
     right: np.ndarray  # (n, 3) right-hand side, overwritten by the elimination
     diagonal: np.ndarray  # (n_free, 3, 3)
     factor: np.ndarray  # (n_segments, 16) scratch of the elimination, see chain.py
@@ -91,7 +94,7 @@ class Net(NamedTuple):
 EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1), Effects)
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
 NET = types.NamedTuple(
-    (types.int64, types.int64, _f1, _i2, _f2, TABLE, types.int64, EFFECTS, POINTS, _f2, _f1, _f2, _f2, _f3, _f2, _f2, _f3)
+    (types.int64, types.int64, _f1, _i2, _f2, TABLE, types.int64, EFFECTS, POINTS, _f2, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f3)
     + (_f2,) * 3
     + (types.int64, _i1),
     Net,

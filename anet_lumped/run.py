@@ -139,6 +139,7 @@ class Run:
     error_estimate : float or None [m], sum of the estimated errors of the steps, where the scheme has one
     wall_time : float [s], of the march alone
     warnings : tuple of str
+    segment_tension : (k, n_segments) float64 [N]; None takes the law at every saved time
     """
 
     model: Model
@@ -155,6 +156,7 @@ class Run:
     error_estimate: float | None = None
     wall_time: float = 0.0
     warnings: tuple[str, ...] = ()
+    segment_tension: np.ndarray | None = None
 
     @property
     def scene(self):
@@ -176,10 +178,14 @@ class Run:
         """State at the last saved time."""
         return self.state(-1)
 
+    def __post_init__(self):
+        if self.segment_tension is None:
+            with np.errstate(over="ignore", invalid="ignore"):  # the last state of a run that diverged
+                object.__setattr__(self, "segment_tension", segment_tensions(self.model, self.q, self.v))
+
     def state(self, k):
-        """State at the k-th saved time; tensions by the law at that time."""
-        tension = segment_tensions(self.model, self.q[k], self.v[k])
-        return State(self.model, float(self.t[k]), self.q[k], self.v[k], tension)
+        """State at the k-th saved time."""
+        return State(self.model, float(self.t[k]), self.q[k], self.v[k], self.segment_tension[k])
 
     def position(self, point):
         """(k, 3) places of a point [m]."""
@@ -195,7 +201,7 @@ class Run:
 
     def tension(self, cable):
         """(k, segments) tension of a cable's segments from its start to its end [N]."""
-        return segment_tensions(self.model, self.q, self.v)[:, self.model.segments(cable)]
+        return self.segment_tension[:, self.model.segments(cable)]
 
     def length(self, cable):
         """(k,) stretched length of a cable [m]."""
@@ -226,6 +232,7 @@ class Run:
             {
                 "q": (("t", "node", "axis"), self.q, {"units": "m", "long_name": "place"}),
                 "v": (("t", "node", "axis"), self.v, {"units": "m/s", "long_name": "velocity"}),
+                "tension": (("t", "segment"), self.segment_tension, {"units": "N"}),
                 "energy": (("t", "energy_of"), self.energy, {"units": "J"}),
             },
             coords={"t": ("t", self.t, {"units": "s"}), "axis": list("xyz"), "energy_of": of},
@@ -255,6 +262,7 @@ def load_run(path):
             q=data["q"].values.copy(),
             v=data["v"].values.copy(),
             energy=data["energy"].values.copy(),
+            segment_tension=data["tension"].values.copy(),
             method=str(at["method"]),
             dt=float(at["dt"]),
             reason=str(at["reason"]),

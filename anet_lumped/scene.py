@@ -92,7 +92,7 @@ class Cable:
     start, end : names of the points that it joins
     length : float [m], unstretched
     mass_per_length : float [kg/m]
-    EA : float [N], axial stiffness
+    EA : float [N], axial stiffness; inf for a cable that does not stretch
     segments : number of segments
     zeta : damping ratio of one segment, BA = zeta·L0·√(EA·mu)
     BA : float [N·s] or None, axial viscosity, in place of `zeta`
@@ -121,7 +121,7 @@ class Cable:
             "name": name,
             "length": check_number("length", self.length, "m", owner, sign="positive"),
             "mass_per_length": check_number("mass_per_length", self.mass_per_length, "kg/m", owner, sign="positive"),
-            "EA": check_number("EA", self.EA, "N", owner, sign="positive"),
+            "EA": math.inf if self.EA == math.inf else check_number("EA", self.EA, "N", owner, sign="positive"),
             "segments": check_count("segments", self.segments, owner),
             "zeta": check_number("zeta", self.zeta, "", owner, sign="non-negative"),
         }
@@ -142,6 +142,11 @@ class Cable:
             )
 
     @property
+    def inextensible(self) -> bool:
+        """Whether it does not stretch, EA = inf."""
+        return math.isinf(self.EA)
+
+    @property
     def L0(self) -> float:
         """Unstretched length of one segment [m]."""
         return self.length / self.segments
@@ -159,6 +164,8 @@ class Cable:
     @property
     def axial_viscosity(self) -> float:
         """Axial viscosity, BA as given or zeta·L0·√(EA·mu) [N·s]."""
+        if self.inextensible:
+            return 0.0
         if self.BA is not None:
             return self.BA
         return self.zeta * self.L0 * math.sqrt(self.EA * self.mass_per_length)
@@ -166,7 +173,7 @@ class Cable:
     @property
     def damping_ratio(self) -> float:
         """Damping ratio of one segment, zeta as given or BA/(L0·√(EA·mu))."""
-        if self.BA is None:
+        if self.BA is None or self.inextensible:
             return self.zeta
         return self.BA / (self.L0 * math.sqrt(self.EA * self.mass_per_length))
 

@@ -4,6 +4,7 @@ import math
 import time
 import warnings
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -81,7 +82,7 @@ def simulate(
     """
     _check(t_end, method, dt, save_every, rtol, atol, rho_inf)
     model = build(scene)
-    q, v, t0 = _start(model, start)
+    q, v, t0, tension = _start(model, start)
     adaptive = method in SCIPY or rtol is not None or atol is not None
     choice = choose(scene, method, dt, adaptive)
     if dt is None and not adaptive:
@@ -93,17 +94,18 @@ def simulate(
     if choice.method in SCIPY:
         from .scipy_methods import march
     else:
-        march = _march
+        march = partial(_march, tension=tension)
     return _finish(march(model, choice, t0, t0 + t_end, q, v, save_every, adaptive, tolerances, rho_inf), check)
 
 
-def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_inf):
+def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_inf, tension):
     """March with a scheme of our own; returns a Run."""
     from .bindings import system  # compiled on first use: a scene or its equilibrium need none of it
 
     scheme = schemes.scheme(choice.method)
     stepping = adaptive_march() if adaptive else fixed_march()
     net, bound = model.net(), system(model)
+    net.tension[:] = tension
     memory = np.zeros((scheme.memory, model.n, 3))
     options = scheme.options(rho_inf)
     counts, balance = np.zeros(6, np.int64), np.zeros(BALANCE)
@@ -113,7 +115,7 @@ def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho
         stride, rows = _stride(t_end - t0, choice.dt, save_every)
         saves = np.empty(rows)
     k = len(saves)
-    out = saves, np.empty((k, model.n, 3)), np.empty((k, model.n, 3)), np.zeros((k, 5))
+    out = saves, np.empty((k, model.n, 3)), np.empty((k, model.n, 3)), np.zeros((k, 5)), np.empty((k, model.n_segments))
     began, error = time.perf_counter(), None
     if adaptive:
         (status, saved, t, node, error), interrupted = interruptible(
@@ -126,13 +128,14 @@ def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho
             balance, *out
         )  # fmt: skip
     run = Run(
-        model, *(rows[:saved] for rows in out), choice.method, choice.dt, choice.reason,
+        model, *(rows[:saved] for rows in out[:4]), choice.method, choice.dt, choice.reason,
         status=STATUS[status],
         message=_message(model, choice, status, t, node),
         work=Work(*map(int, counts)),
         error_estimate=error,
         wall_time=time.perf_counter() - began,
         warnings=choice.warnings,
+        segment_tension=out[4][:saved],
     )  # fmt: skip
     if interrupted:
         raise RunInterrupt(run)
@@ -164,13 +167,15 @@ def _message(model, choice, status, t, node):
 
 
 def _start(model, start):
-    """Places, velocities and time to start from, as arrays of their own."""
+    """Places, velocities and time to start from, as arrays of their own, and tensions."""
     if isinstance(start, State):
-        return (*_adopt(model, start), float(start.t))
+        return _adopt(model, start)
+    still = np.zeros((model.n, 3))
     if start == "equilibrium":
-        return equilibrium(model.scene).q.copy(), np.zeros((model.n, 3)), 0.0
+        rest = equilibrium(model.scene)
+        return rest.q.copy(), still, 0.0, rest.segment_tension
     if start == "straight":
-        return straight(model), np.zeros((model.n, 3)), 0.0
+        return straight(model), still, 0.0, np.zeros(model.n_segments)
     raise ValueError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {start!r}.')
 
 
@@ -191,8 +196,8 @@ def straight(model):
 
 
 def _adopt(model, state):
-    """Places and velocities of a State of the same or of a like scene, matched by the names of cables and points."""
-    q, v = np.zeros((model.n, 3)), np.zeros((model.n, 3))
+    """Places, velocities, time and tensions of a State of the same or of a like scene, matched by names."""
+    q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
     for cable in model.scene.cables:
         other = {c.name: c.segments for c in state.scene.cables}.get(cable.name)
         if other != cable.segments:
@@ -202,10 +207,11 @@ def _adopt(model, state):
             )
         mine, theirs = model.nodes(cable.name), state.model.nodes(cable.name)
         q[mine], v[mine] = state.q[theirs], state.v[theirs]
+        tension[model.segments(cable.name)] = state.tension(cable.name)
     for point in model.scene.points:
         if isinstance(point, Fixed):
             q[model.node(point.name)], v[model.node(point.name)] = point.at, 0.0
-    return q, v
+    return q, v, float(state.t), tension
 
 
 def _stride(duration, dt, save_every):

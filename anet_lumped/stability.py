@@ -222,13 +222,15 @@ def top_modes(scene) -> dict[str, TopMode]:
     """
     mass = {point.name: getattr(point, "mass", np.inf) for point in scene.points}  # those that are held have no mass
     stiffness = dict.fromkeys(mass, 0.0)
+    elastic = [cable for cable in scene.cables if not cable.inextensible]
     for cable in scene.cables:
         for point in (cable.start, cable.end):
             mass[point] += cable.mass_per_length * cable.L0 / 2.0
-            stiffness[point] += cable.stiffness
+            stiffness[point] += 0.0 if cable.inextensible else cable.stiffness
 
     share = {name: mass[name] / stiffness[name] for name in mass if stiffness[name]}
-    return {c.name: top_mode(c, c.stiffness * share[c.start], c.stiffness * share[c.end]) for c in scene.cables}
+    modes = {c.name: TopMode(c.name, np.inf, 0.0) for c in scene.cables}  # of those that do not stretch
+    return modes | {c.name: top_mode(c, c.stiffness * share[c.start], c.stiffness * share[c.end]) for c in elastic}
 
 
 def predict(scene, strain: float = 0.1, schemes: tuple[str, ...] = tuple(NOTES)) -> Prediction:
@@ -239,6 +241,11 @@ def predict(scene, strain: float = 0.1, schemes: tuple[str, ...] = tuple(NOTES))
     # by name: importing the class would load the compiled effects for a scene that has none
     rate = float(sum(effect.rate for effect in scene.effects if type(effect).__name__ == "ViscousDamping"))
     modes, limits = top_modes(scene), {}
+    rigid = next((mode.cable for mode in modes.values() if mode.omega == np.inf), None)
+    if rigid is not None:
+        note = f'only edmc takes a cable that does not stretch, such as "{rigid}" with EA=inf'
+        none, any_step = SchemeLimit(0.0, 0.0, 0.0, rigid, note), SchemeLimit(np.inf, np.inf, np.inf, "", NOTES["edmc"])
+        return Prediction(modes, rate, {scheme: any_step if scheme == "edmc" else none for scheme in schemes})
     omega, zeta = np.array([(mode.omega, mode.zeta) for mode in modes.values()]).T
     for scheme in schemes:
         axial = step_limit(scheme, omega, zeta, rate)

@@ -18,23 +18,25 @@ from .stage import BETWEEN, Stage
 from .system import DISSIPATED, DONE, PUT_IN, SCHEME, UNCONVERGED
 
 ORDER = 2
-MEMORY = 3
-KEPT = 0
+MEMORY = 6
+KEPT = 3
 
 
 @njit(cache=True, error_model="numpy")
 def step(system, net, t, h, q, v, memory, options, counts, balance):
-    """One step; ``options[SCHEME]`` is rho_inf."""
-    base, target, energy = memory[0], memory[1], memory[2, 0, :2]
-    rho = options[SCHEME]
-    for i in range(q.shape[0]):
-        for x in range(3):
-            base[i, x] = q[i, x]
-            q[i, x] += h * v[i, x]
-            target[i, x] = q[i, x]
-    for i in range(system.n_free, q.shape[0]):
-        for x in range(3):
-            q[i, x] = base[i, x]
+    """One step; ``options[SCHEME]`` is rho_inf.
+
+    memory[1] and memory[2] are the mean accelerations of the last step and the one before, from which the first guess of the
+    places is extrapolated: Newton's method then needs one iteration where the motion is smooth.
+    """
+    base, target, energy, rho = memory[3], memory[4], memory[5, 0, :2], options[SCHEME]
+    Q, V, a, b, Q_a, aim = q.ravel(), v.ravel(), memory[1].ravel(), memory[2].ravel(), base.ravel(), target.ravel()
+    free, half = 3 * system.n_free, 0.5 * h * h
+    for i in range(Q.shape[0]):
+        Q_a[i] = Q[i]
+        aim[i] = Q[i] + h * V[i]
+    for i in range(free):
+        Q[i] = aim[i] + half * (2.0 * a[i] - b[i])
     system.prescribe(t + h, net, q, v)
     stage = Stage(BETWEEN, t + 0.5 * h, 2.0 / (h * h), 0.5, h, 0.5 * (1.0 - rho) / (1.0 + rho))
     if not newton(system, net, stage, base, target, q, options, counts):
@@ -42,7 +44,10 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
     system.settle(stage, base, q, net, energy)
     balance[PUT_IN] += energy[0]
     balance[DISSIPATED] += energy[1]
-    for i in range(system.n_free):
-        for x in range(3):
-            v[i, x] = 2.0 * (q[i, x] - base[i, x]) / h - v[i, x]
+    per_h = 1.0 / h
+    for i in range(free):
+        change = 2.0 * ((Q[i] - Q_a[i]) * per_h - V[i])
+        V[i] += change
+        b[i] = a[i]
+        a[i] = change * per_h
     return DONE

@@ -65,8 +65,22 @@ def worst_node(q, v):
 
 
 @njit(cache=True, error_model="numpy")
-def save(system, net, k, t, q, v, balance, out_t, out_q, out_v, out_balance):
+def keep(q, v, carried, balance, q_to, v_to, carried_to, balance_to):
+    """Copy a state and what a scheme carries with it."""
+    Q, V, Q_to, V_to, C, C_to = q.ravel(), v.ravel(), q_to.ravel(), v_to.ravel(), carried.ravel(), carried_to.ravel()
+    for i in range(Q.shape[0]):
+        Q_to[i] = Q[i]
+        V_to[i] = V[i]
+    for i in range(C.shape[0]):
+        C_to[i] = C[i]
+    for i in range(balance.shape[0]):
+        balance_to[i] = balance[i]
+
+
+@njit(cache=True, error_model="numpy")
+def save(system, net, k, t, q, v, balance, out_t, out_q, out_v, out_balance, out_seen):
     """Write row k of what comes back."""
+    system.observe(q, v, net, out_seen[k])
     system.energy(t, q, v, net, balance)
     out_t[k] = t
     out_q[k] = q
@@ -77,7 +91,7 @@ def save(system, net, k, t, q, v, balance, out_t, out_q, out_v, out_balance):
 @njit(cache=True, error_model="numpy", nogil=True)
 def fixed_steps(
     step, system, net, t0, t_end, dt, stride, kept, q, v, memory, options, counts, balance, out_t, out_q, out_v, out_balance,
-    stop
+    out_seen, stop
 ):  # fmt: skip
     """March from t0 to t_end with step dt; the last step is shortened to land on t_end.
 
@@ -91,12 +105,13 @@ def fixed_steps(
         How it ended, rows written, time reached, and the node where it went wrong (or -1).
     """
     begin(system, net, t0, q, v, memory, counts, balance)
-    save(system, net, 0, t0, q, v, balance, out_t, out_q, out_v, out_balance)
+    save(system, net, 0, t0, q, v, balance, out_t, out_q, out_v, out_balance, out_seen)
     saved, t = 1, t0
     n_steps = int(np.ceil((t_end - t0) / dt * (1.0 - 1e-12) - 1e-12))
     implicit = kept >= 0
     kept = max(kept, 0)
-    q_a, v_a, kept_a, balance_a = q.copy(), v.copy(), memory[:kept].copy(), balance.copy()
+    carried = memory[:kept]
+    q_a, v_a, kept_a, balance_a = q.copy(), v.copy(), carried.copy(), balance.copy()
     for s in range(n_steps):
         target = t_end if s == n_steps - 1 else t0 + (s + 1) * dt
         h = target - t
@@ -107,22 +122,18 @@ def fixed_steps(
         else:
             whole, done, part = h, 0.0, 1.0
             while done < 1.0:
-                q_a[:], v_a[:], balance_a[:] = q, v, balance
-                for k in range(kept):
-                    kept_a[k] = memory[k]
+                keep(q, v, carried, balance, q_a, v_a, kept_a, balance_a)
                 if step(system, net, t + done * whole, part * whole, q, v, memory, options, counts, balance) == DONE:
                     counts[STEPS] += 1
                     done += part
                     if done % (2.0 * part) == 0.0:
                         part = min(2.0 * part, 1.0)
                     continue
-                q[:], v[:], balance[:] = q_a, v_a, balance_a
-                for k in range(kept):
-                    memory[k] = kept_a[k]
+                keep(q_a, v_a, kept_a, balance_a, q, v, carried, balance)
                 counts[HALVINGS] += 1
                 part *= 0.5
                 if part < SMALLEST:
-                    save(system, net, saved, t + done * whole, q, v, balance, out_t, out_q, out_v, out_balance)
+                    save(system, net, saved, t + done * whole, q, v, balance, out_t, out_q, out_v, out_balance, out_seen)
                     return UNCONVERGED, saved + 1, t + done * whole, -1
             t = target
         last = s == n_steps - 1 or stop[0] != 0
@@ -131,7 +142,7 @@ def fixed_steps(
             if node >= 0:
                 return DIVERGED, saved, t, node
             if (s + 1) % stride == 0 or last:
-                save(system, net, saved, t, q, v, balance, out_t, out_q, out_v, out_balance)
+                save(system, net, saved, t, q, v, balance, out_t, out_q, out_v, out_balance, out_seen)
                 saved += 1
         if stop[0] != 0:
             return INTERRUPTED, saved, t, -1
@@ -154,7 +165,7 @@ def interpolate(theta, h, q_a, v_a, q_b, v_b, q, v):
 @njit(cache=True, error_model="numpy", nogil=True)
 def adaptive_steps(
     step, system, net, t0, t_end, dt, order, rtol, atol, kept, corners, q, v, memory, options, counts, balance, out_t, out_q,
-    out_v, out_balance, stop
+    out_v, out_balance, out_seen, stop
 ):  # fmt: skip
     """March with steps chosen by step doubling: one step of h beside two of h/2, of which the two are kept.
 
@@ -170,9 +181,12 @@ def adaptive_steps(
     begin(system, net, t0, q, v, memory, counts, balance)
     system.energy(t0, q, v, net, balance)
     out_q[0], out_v[0], out_balance[0] = q, v, balance[:5]
+    system.observe(q, v, net, out_seen[0])
+    seen_a, seen_b = out_seen[0].copy(), out_seen[0].copy()
     saved, t, h, total, before = 1, t0, dt, 0.0, 1.0
     kept = abs(kept)  # an explicit scheme carries the force at the end of its last step
-    q_a, v_a, kept_a, balance_a = q.copy(), v.copy(), memory[:kept].copy(), balance.copy()
+    carried = memory[:kept]
+    q_a, v_a, kept_a, balance_a = q.copy(), v.copy(), carried.copy(), balance.copy()
     q_1, v_1, shown = q.copy(), v.copy(), balance.copy()
     corner, rejections = 0, 0
     while t < t_end:
@@ -186,15 +200,11 @@ def adaptive_steps(
             h = goal - t
         elif t + 2.0 * h > goal:
             h = 0.5 * (goal - t)
-        q_a[:], v_a[:], balance_a[:] = q, v, balance
-        for k in range(kept):
-            kept_a[k] = memory[k]
+        keep(q, v, carried, balance, q_a, v_a, kept_a, balance_a)
         error = np.inf
         if step(system, net, t, h, q, v, memory, options, counts, balance) == DONE:
             q_1[:], v_1[:] = q, v
-            q[:], v[:], balance[:] = q_a, v_a, balance_a
-            for k in range(kept):
-                memory[k] = kept_a[k]
+            keep(q_a, v_a, kept_a, balance_a, q, v, carried, balance)
             if step(system, net, t, 0.5 * h, q, v, memory, options, counts, balance) == DONE:
                 if step(system, net, t + 0.5 * h, 0.5 * h, q, v, memory, options, counts, balance) == DONE:
                     error, size = 0.0, 0.0
@@ -208,8 +218,13 @@ def adaptive_steps(
             counts[STEPS] += 1
             total += error * (atol + rtol * np.max(np.abs(q)))
             end = goal if t + h >= goal - 1e-9 * h else t + h
+            seen_a[:] = seen_b
+            system.observe(q, v, net, seen_b)
             while saved < out_t.shape[0] and out_t[saved] <= end:
-                interpolate((out_t[saved] - t) / (end - t), end - t, q_a, v_a, q, v, out_q[saved], out_v[saved])
+                theta = (out_t[saved] - t) / (end - t)
+                for i in range(seen_a.shape[0]):
+                    out_seen[saved, i] = (1.0 - theta) * seen_a[i] + theta * seen_b[i]
+                interpolate(theta, end - t, q_a, v_a, q, v, out_q[saved], out_v[saved])
                 shown[:] = balance
                 system.energy(out_t[saved], out_q[saved], out_v[saved], net, shown)
                 out_balance[saved] = shown[:5]
@@ -221,9 +236,7 @@ def adaptive_steps(
         else:
             counts[REJECTED] += 1
             rejections += 1
-            q[:], v[:], balance[:] = q_a, v_a, balance_a
-            for k in range(kept):
-                memory[k] = kept_a[k]
+            keep(q_a, v_a, kept_a, balance_a, q, v, carried, balance)
             h *= 0.25 if error == np.inf else max(0.2, 0.9 * error ** (-1.0 / (order + 1.0)))
             if rejections > 40 or (error == np.inf and h < SMALLEST * dt):
                 return UNCONVERGED, saved, t, -1, total
@@ -244,7 +257,7 @@ def adaptive_march():
 
 def _compiled(march, own):
     if not march.signatures:
-        state, out = (_f2, _f2, _f3, _f1, _i1, _f1), (_f1, _f3, _f3, _f2, _i1)
+        state, out = (_f2, _f2, _f3, _f1, _i1, _f1), (_f1, _f3, _f3, _f2, _f2, _i1)
         march.compile((types.FunctionType(STEP), SYSTEM, types.int64, *own, *state, *out))
         march.disable_compile()
     return march

@@ -35,16 +35,21 @@ class System(NamedTuple):
         Write the prescribed rows of q and v at time t.
     force(t, q, v, net, f, power)
         Write the force f (n, 3) [N]; power (2,) [W] is dissipated and put in by prescribed nodes.
-    residual(stage, base, target, q, net) -> norm, scale, noise
-        Out-of-balance force of a stage [N]; linearise it.
+    residual(stage, base, target, q, net) -> norm, scale, noise, predicted
+        Out-of-balance force of a stage [N]; linearise it. ``predicted`` is that with the internal forces that the last
+        full Newton step predicted, which are the better ones where they are stiff.
     direction(stage, net) -> factorisations
         Newton step of the stage linearised last.
     correct(net, length, q)
         q += length times the Newton step.
     settle(stage, base, q, net, energy)
         energy (2,) [J]: put in and dissipated between base and q by the law ``BETWEEN`` that was linearised last.
+    adopt(net)
+        Take the internal forces where `residual` was last for those that act in the step.
     forget(net)
         Drop what earlier Newton steps left to the next.
+    observe(q, v, net, row)
+        What else is saved of a state, such as internal forces.
     energy(t, q, v, net, energy)
         Kinetic, elastic and other potential energy (3,) [J].
     """
@@ -55,7 +60,9 @@ class System(NamedTuple):
     direction: object
     correct: object
     settle: object
+    adopt: object
     forget: object
+    observe: object
     energy: object
     per_mass: np.ndarray
     n_free: int
@@ -71,11 +78,13 @@ _f8, _i8 = types.float64, types.int64
 _FUNCTIONS = (
     types.void(_f8, _i8, _f2, _f2),
     types.void(_f8, _f2, _f2, _i8, _f2, _f1),
-    types.UniTuple(_f8, 3)(STAGE, _f2, _f2, _f2, _i8),
+    types.UniTuple(_f8, 4)(STAGE, _f2, _f2, _f2, _i8),
     _i8(STAGE, _i8),
     types.void(_i8, _f8, _f2),
     types.void(STAGE, _f2, _f2, _i8, _f1),
     types.void(_i8),
+    types.void(_i8),
+    types.void(_f2, _f2, _i8, _f1),
     types.void(_f8, _f2, _f2, _i8, _f1),
 )
 SYSTEM = types.NamedTuple((*map(types.FunctionType, _FUNCTIONS), _f2, _i8), System)

@@ -109,7 +109,7 @@ def test_residual(law, compression):
         model = build(scene)
         net = model.net()
         stage, base, target, q = random_stage(model, law, np.random.default_rng(len(name)))
-        norm, scale, noise = dynamics.residual(stage, base, target, q, net.place)
+        norm, scale, noise, _ = dynamics.residual(stage, base, target, q, net.place)
         r = naive.residual(model, stage, base, target, q)
         # round-off of a sum of forces of up to k L0 and m W L0, a few hundred newtons each
         np.testing.assert_allclose(naive.out_of_balance(model, net), r, atol=1e-12 * 1e3, err_msg=name)

@@ -42,7 +42,7 @@ def energy_of_errors(run, tolerance=schemes.NEWTON_TOLERANCE):
     E_b - E_a = -(what is dissipated, >= 0) + r . (q_b - q_a) for `edmc`, and <= for backward Euler by convexity, where r is
     the force left out of balance: at most ``tolerance`` times the largest force on a node (here from its acceleration and
     weight) plus 4 eps (T + (k + c/h) |q|), the rounding that `dynamics.residual` allows for. Beside it the rounding of the
-    energies themselves, with eps |q| in every length.
+    energies themselves, with the 4 eps |q| that Newton's method may leave in every length, at both ends of the step.
     """
     model, h = run.model, np.diff(run.t)
     m = model.mass[: model.n_free, None]
@@ -55,7 +55,7 @@ def energy_of_errors(run, tolerance=schemes.NEWTON_TOLERANCE):
     reach, k, c = np.abs(run.q).max(), model.law[:, 1].max(), model.law[:, 2].max()
     noise = 4 * EPS * (tension + (k + c / h) * reach)
     way = np.abs(np.diff(q, axis=0)).sum((1, 2))
-    rounding = 64 * EPS * np.abs(run.energy[1:]).sum(axis=1) + 4 * EPS * tension * reach * model.n_segments
+    rounding = 64 * EPS * np.abs(run.energy[1:]).sum(axis=1) + 8 * EPS * tension * reach * model.n_segments
     return (tolerance * force + noise) * way + rounding
 
 
@@ -114,7 +114,7 @@ def test_conserving_step_keeps_the_energy():
     total = run.energy[:, :3].sum(axis=1)
     assert np.ptp(run.energy[:, 0]) > 0.1  # [J]
     assert np.all(np.abs(np.diff(total)) <= energy_of_errors(run))
-    assert run.energy_balance.dissipated == 0.0
+    assert abs(run.energy_balance.dissipated) <= 1e-12  # tensions are those of the law but for the tolerance
 
 
 def net_in_drag(EA=1e4, **kwargs):

@@ -110,7 +110,7 @@ def test_equals_jax_on_a_net_written_from_the_equation(compression):
     net, n = model.net(), model.n_free
     q, v = state(model, net, 3, 0.06)
     a, b = model.ends.T
-    L0, k, c, two_spring, two_damper, _ = model.law[model.cable_of].T
+    L0, k, c, two_spring, two_damper, *_ = model.law[model.cable_of].T
     law = with_select(tension_parts, jnp.where)
     m = model.mass[:n, None]
 

@@ -68,7 +68,7 @@ def test_gravity_vector():
     ("make", "message"),
     [
         (lambda: cable(EA=-2.0), r'Argument `EA` must be positive and finite \[N\], but cable "s0-p0" has EA=-2.0.'),
-        (lambda: cable(EA=np.inf), r"`EA` must be positive and finite \[N\].*EA=inf"),
+        (lambda: cable(EA=-np.inf), r"`EA` must be positive and finite \[N\].*EA=-inf"),
         (lambda: cable(EA="stiff"), r"`EA` must be positive and finite \[N\].*EA='stiff'"),
         (lambda: cable(EA=True), r"`EA` must be positive.*EA=True"),
         (lambda: cable(length=0.0), r"`length` must be positive and finite \[m\].*length=0.0"),

@@ -126,7 +126,7 @@ def test_defaults_are_expanded_and_overruled(tmp_path):
         (HEAD + CABLE.replace("mass_per_length = 0.1", ""), r"cables\[0\]: key `mass_per_length` is missing\."),
         (HEAD + CABLE + 'EA = "1e4"', r"cables\[0\]: key `EA` has the wrong type: .*number, but it is '1e4'"),
         (HEAD + CABLE + "segments = 2.5", r"cables\[0\]: key `segments` has the wrong type: .*integer, but it is 2.5"),
-        (HEAD + CABLE + "EA = inf", r"cables\[0\]: Argument `EA` must be positive and finite \[N\], .* has EA=inf"),
+        (HEAD + CABLE + "EA = -inf", r"cables\[0\]: Argument `EA` must be positive and finite \[N\], .* has EA=-inf"),
         (HEAD + CABLE + 'compression = "nome"', r"cables\[0\]: .*`compression` must be .* did you mean \"none\"\?"),
         (HEAD + CABLE.replace("p0", "p1"), r'net.toml: Argument `end` must name a point .* did you mean "p0"\?'),
         (HEAD + CABLE * 2, r'net.toml: Names of cables must be unique, but two cables are named "s0-p0"'),
