@@ -1,0 +1,128 @@
+"""What becomes of a case with a method: its statements hold, or the library says that they cannot, or it fails."""
+
+import math
+import warnings
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from anet_lumped.choice import choose
+from anet_lumped.model import build
+from anet_lumped.simulate import SCIPY, StabilityWarning, simulate
+from integrators import schemes, scipy_adapter
+from studies.catalogue.case import ACCURACY, SPIN, Case, Statement, energy_statement
+
+HELD, REFUSED, FAILED = "held", "refused", "failed"
+DEFAULT = "default"  # no method given
+METHODS = (*schemes.EXPLICIT, *schemes.IMPLICIT, *SCIPY)  # without those that have to be compiled for every scene
+WAYS = (DEFAULT, *METHODS)
+NODE_STEPS = 1e7  # of an explicit run; beyond, it is refused for its number of steps
+EVALUATIONS = 4000  # of the force by one of scipy's solvers, each some 50 µs with what goes with it
+NODE_EVALUATIONS = 8e4
+NOT_ASKED = {  # what a scheme's own note in `anet_lumped.stability` denies
+    "backward_euler": (ACCURACY, SPIN),  # damps the motion itself strongly
+    "sdirk2": (SPIN,),  # nor do these promise angular momentum
+    "tr_bdf2": (SPIN,),
+    "generalised_alpha": (SPIN,),
+}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a case went with a method.
+
+    Parameters
+    ----------
+    outcome : HELD, REFUSED or FAILED
+    reason : str, one sentence with numbers, if not held
+    statements : what was measured
+    method : str, taken in the end
+    dt : float [s]
+    steps : int
+    seconds : float, of the march
+    """
+
+    outcome: str
+    reason: str = ""
+    statements: tuple[Statement, ...] = ()
+    method: str = ""
+    dt: float = math.nan
+    steps: int = 0
+    seconds: float = 0.0
+
+
+def meet(case: Case, way: str) -> Outcome:
+    """Run a case with a method and judge it.
+
+    Explicit methods run at half of their predicted limit or at the step that the motion asks for, whichever is less. Not
+    reaching the end with a message, a `StabilityWarning`, and more steps than `NODE_STEPS` allow are refusals, but for
+    the default method: that one has to hold.
+    """
+    method = None if way == DEFAULT else way
+    choice = choose(case.scene, method, case.dt, way in SCIPY)
+    dt = case.dt
+    if way in schemes.EXPLICIT and not case.given:
+        own = choose(case.scene, method, None, False).dt
+        dt = min(own, dt or own)
+    refusal = _too_many(case, choice.method, dt or choice.dt, choice.limit)
+    if refusal:
+        return Outcome(FAILED if method is None else REFUSED, refusal, method=choice.method, dt=dt or choice.dt)
+    run, said = _run(case, method, dt)
+    done = {"method": run.method, "dt": run.dt, "steps": run.work.steps, "seconds": run.wall_time}
+    finite = all(np.isfinite(x).all() for x in (run.q, run.v, run.energy))
+    if said or not run.ok:
+        silent = method is None or not (said or run.message) or (run.ok and not finite)
+        return Outcome(FAILED if silent else REFUSED, said or run.message, **done)
+    if not finite:
+        return Outcome(FAILED, "the run is done, yet holds numbers that are not finite", **done)
+    statements = [*case.judge(run), *_halved(case, run)]
+    if not case.driven or run.method == "edmc":  # of work at a jump of velocity, other methods' accounts are rough
+        statements.insert(0, energy_statement(run))
+    asked = tuple(s for s in statements if s.kind not in NOT_ASKED.get(run.method, ()))
+    broken = [s for s in asked if not s.holds]
+    return Outcome(FAILED if broken else HELD, "; ".join(map(str, broken)), asked, **done)
+
+
+def _run(case, method, dt):
+    """The run and what the library warned of before it."""
+    nodes = build(case.scene).n
+    with warnings.catch_warnings(record=True) as caught, bounded(int(min(EVALUATIONS, NODE_EVALUATIONS / nodes))):
+        warnings.simplefilter("always")
+        every = case.saved
+        if every is not None and method not in SCIPY:
+            whole = dt or choose(case.scene, method, None, False).dt
+            dt = every / math.ceil(every / whole * (1 - 1e-12))  # steps that end on what is saved
+        run = simulate(case.scene, case.t_end, method=method, dt=dt, start=case.begin(), save_every=every)
+    return run, next((str(w.message) for w in caught if issubclass(w.category, StabilityWarning)), "")
+
+
+def _halved(case, run):
+    """How much the result changes with half the step, where the method has a step and order 2."""
+    if case.measure is None or run.method in SCIPY or ACCURACY in NOT_ASKED.get(run.method, ()):
+        return []
+    other, _ = _run(case, run.method, 0.5 * run.dt)
+    change = np.abs(case.measure(run) - case.measure(other)).max() if other.ok else np.inf
+    return [Statement(ACCURACY, "change of the result with half the step", float(change), most=case.within, unit=case.unit)]
+
+
+def _too_many(case, method, dt, limit):
+    """Why a run would take too many steps, or ""."""
+    nodes = build(case.scene).n
+    if method in schemes.EXPLICIT:
+        most = NODE_STEPS / (4 if method == "rk4" else 1)
+        if case.t_end / dt * nodes > most and math.isfinite(limit) and dt < limit:
+            return f"{method} would need {case.t_end / dt:.2g} steps of {dt:.2g} s"
+    if method in ("RK45", "DOP853") and case.t_end / limit * 8 > min(EVALUATIONS, NODE_EVALUATIONS / nodes):
+        return f"{method} would need {case.t_end / limit:.2g} steps, as its error control is driven to {limit:.2g} s"
+    return ""
+
+
+@contextmanager
+def bounded(most):
+    """Within it, a run with one of scipy's solvers may evaluate the force at most so many times; then it gives up and says so."""
+    kept, scipy_adapter.MOST = scipy_adapter.MOST, most
+    try:
+        yield
+    finally:
+        scipy_adapter.MOST = kept

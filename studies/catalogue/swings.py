@@ -1,0 +1,230 @@
+"""A payload that swings on a cable: any stiffness, damper, number of segments and payload, coarse steps, an hour long.
+
+Released from `ANGLE` with the very stretch that its tension gives it, so that nothing rings. As a rod with a mass at its end
+it passes the lowest place with omega^2 = 2 g (1 - cos a) (M + m/2)/((M + m/3) L) and there pulls its support with
+(M + m) g + (M + m/2) omega^2 L.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from anet_lumped import Cable, Driven, Fixed, Free, Scene, State, equilibrium, paths
+from anet_lumped.effects import Gravity
+from anet_lumped.model import build
+from anet_lumped.run import segment_tensions
+from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, Case, Statement, strongest
+
+G, ANGLE = 9.81, math.radians(30.0)
+
+
+def pendulum(*, EA=1e4, zeta=0.05, segments=20, payload=0.1, mu=0.01, compression="none"):
+    """A metre of cable under a support, with a payload [kg]."""
+    cable = Cable(
+        "a", "b", length=1.0, mass_per_length=mu, EA=EA, zeta=zeta, segments=segments, compression=compression
+    )  # fmt: skip
+    return Scene([Fixed("a", (0, 0, 0)), Free("b", mass=payload)], [cable], [Gravity(G)])
+
+
+def released(scene, angle):
+    """State of a scene at rest, turned by an angle about its support with the tensions that it has at once when let go.
+
+    At rest under g cos(angle) along the turned cable: all forces along it are in balance.
+    """
+    aside = Gravity(G * math.cos(angle), (math.sin(angle), 0.0, -math.cos(angle)))
+    return equilibrium(replace(scene, effects=(aside,)))
+
+
+def rod_tension(scene, angle):
+    """Pull of the swinging rod with a mass on its support at the lowest place [N]; see the module."""
+    (cable,), M = scene.cables, scene.point("b").mass
+    m, L = cable.length * cable.mass_per_length, cable.length
+    square = 2.0 * G * (1.0 - math.cos(angle)) * (M + m / 2) / ((M + m / 3) * L)
+    return (M + m) * G + (M + m / 2) * square * L
+
+
+def swing(hard, off=0.1, within=5e-3, **kwargs):
+    """A pendulum whose largest tension is that of a rod within `off` of it."""
+    scene = pendulum(**kwargs)
+    expected = rod_tension(scene, ANGLE)
+
+    def judge(run):
+        pull = strongest(run) / expected
+        yield Statement(LOAD, "largest tension over that of a swinging rod", pull, most=1.0 + off)
+        yield Statement(ACCURACY, "largest tension over that of a swinging rod", pull, least=1.0 - off)
+        (cable,) = scene.cables
+        bound = cable.length * (1.0 + (1.0 + off) * expected / cable.EA)
+        yield Statement(LOAD, "length of the cable", run.length("a-b").max(), most=bound, unit="m")
+
+    return Case(
+        hard, scene, 0.8, judge, start=lambda: released(scene, ANGLE), measure=lambda run: run.position("b")[-1], within=within
+    )
+
+
+def loose_end(EA):
+    """No payload, released level without any damper: a whip.
+
+    Nothing pulls a node faster than all the energy of the fall allows, nor tightens a segment by more.
+    """
+    cable = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=EA, segments=20)
+    scene = Scene([Fixed("a", (0, 0, 0)), Free("b", at=(1, 0, 0))], [cable], [Gravity(G)])
+    model = build(scene)
+    fall = 0.1 * G * 1.0  # at most, [J]: the whole cable a metre down, and what it stretches is lifted by
+    bound = fall * (1.0 + math.sqrt(2.0 * fall / EA))
+
+    def judge(run):
+        most = math.sqrt(2.0 * cable.stiffness * bound)
+        yield Statement(LOAD, "largest tension", strongest(run), most=1.05 * most, unit="N")
+        kinetic = run.energy[:, 0].max()
+        yield Statement(LOAD, "largest kinetic energy", kinetic, 0.1 * fall, 1.05 * bound, unit="J")
+        deepest = -run.q[:, : model.n_free, 2].min()
+        yield Statement(LOAD, "depth", deepest, 0.9, 1.0 + math.sqrt(2.0 * bound / EA), unit="m")
+
+    return Case(
+        f"A whip without dampers at EA = {EA:.0e} N: no more tension, speed or depth than the fall pays for.", scene, 1.2, judge,
+        start="straight",
+    )  # fmt: skip
+
+
+def net(EA, dt=None, **kwargs):
+    """The thesis's net of four cables, carried off at 0.2 m/s; p0 stays near the middle of its corners."""
+    corners = [(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.5, 0.5, 0.0), (-0.5, 0.5, 0.0)]
+    points = [Driven(f"s{i}", paths.line(at, (0.2, 0.0, 0.0), ramp=1.0)) for i, at in enumerate(corners)]
+    cables = [
+        Cable(f"s{i}", "p0", length=1.0, mass_per_length=0.1, EA=EA, segments=20, **({"zeta": 0.05} | kwargs)) for i in range(4)
+    ]
+    scene = Scene([*points, Free("p0", mass=0.036)], cables, [Gravity(G)])
+
+    def judge(run):
+        middle = np.mean([run.position(f"s{i}") for i in range(4)], axis=0)
+        aside = run.position("p0") - middle
+        # quasi-static lag a/g of the depth 0.71 m at the largest acceleration 1.875 v/ramp, and twice that when it rings
+        sway = np.abs(aside[:, 0]).max()
+        yield Statement(LOAD, "sway of p0", sway, 0.005, 0.06, unit="m")
+        yield Statement(LOAD, "drift of p0 across", np.abs(aside[:, 1]).max(), most=1e-6, unit="m")
+        rest = equilibrium(scene)
+        still = max(rest.tension(cable.name).max() for cable in scene.cables)
+        yield Statement(LOAD, "largest tension over that at rest", strongest(run) / still, 0.99, 1.25)
+
+    return Case(
+        f"The net carried off at EA = {EA:.0e} N" + (f" with steps of {dt:g} s" if dt else "") + ": p0 sways and does no more.",
+        scene, 4.0, judge, dt=dt, given=dt is not None, measure=lambda run: run.position("p0")[-1], within=0.01 if dt else 1e-3,
+    )  # fmt: skip
+
+
+def hour():
+    """An hour of swing: neither lost nor gained, and on time."""
+    scene = pendulum(EA=200.0, zeta=0.0, segments=2)
+    angle = math.radians(10.0)
+    fall = float(0.1 * G * (1.0 - math.cos(angle)))
+
+    def judge(run):
+        x = run.position("b")[:, 0]
+        last = run.t > 3580.0
+        energy = run.energy[:, :3].sum(axis=1)
+        yield Statement(LOAD, "reach of the swing in the last 20 s", np.abs(x[last]).max(), most=1.01 * np.abs(x[0]), unit="m")
+        yield Statement(ACCURACY, "swing's energy lost in an hour over all of it", (energy[0] - energy[-1]) / fall, -0.1, 0.25)
+        crossings = np.count_nonzero(np.diff(np.sign(x)))
+        yield Statement(ACCURACY, "swings in an hour over those of a rod", crossings / 2 / rod_swings(scene, angle), 0.99, 1.01)
+
+    return Case(
+        "An hour of swing of 10 degrees without dampers: it neither dies nor grows, and keeps time.", scene, 3600.0, judge,
+        start=lambda: released(scene, angle), saved=0.2,
+    )  # fmt: skip
+
+
+def rod_swings(scene, angle):
+    """Swings in an hour of the rod with a mass, lengthened by its load: T = 2 pi sqrt(I/(S g)) (1 + a^2/16 + ...)."""
+    (cable,), M = scene.cables, scene.point("b").mass
+    m, L = cable.length * cable.mass_per_length, cable.length
+    L *= 1.0 + (M + m / 2) * G / cable.EA
+    period = 2 * math.pi * math.sqrt((M + m / 3) * L / ((M + m / 2) * G)) * (1 + angle**2 / 16 + 11 * angle**4 / 3072)
+    return 3600.0 / period
+
+
+def changed_payload(before, after):
+    """At rest with one payload, which another takes the place of: dropped or picked up.
+
+    From rest under one load to another: the pull overshoots its new value by no more than the change (the sudden load's
+    factor of two), and the end comes to hang where the new load puts it.
+    """
+    old, scene = pendulum(payload=before, zeta=1.0), pendulum(payload=after, zeta=1.0)
+
+    def judge(run):
+        low, high = (float(equilibrium(pendulum(payload=p, zeta=1.0)).tension("a-b").max()) for p in sorted((before, after)))
+        if after > before:
+            most = 2.0 * high - low
+        else:
+            most = high
+        yield Statement(LOAD, "largest tension", strongest(run), most=1.02 * most, unit="N")
+        mean = run.position("b")[run.t > 1.0, 2].mean()
+        yield Statement(LOAD, "mean height of the end after 1 s", mean, -1.0 - 2e-3, -1.0 + 0.3, unit="m")
+        aside = np.abs(run.position("b")[:, :2]).max()
+        yield Statement(MOMENTUM, "way of the end to the side", aside, most=1e-9, unit="m")
+
+    return Case(
+        f"A payload of {before:g} kg at rest becomes {after:g} kg: no more pull than a sudden load.", scene, 2.0, judge,
+        start=lambda: equilibrium(old),
+    )  # fmt: skip
+
+
+def turned_round():
+    """Gravity upwards is the mirror image of gravity downwards, to rounding."""
+    scene = pendulum()
+    up = replace(scene, effects=(Gravity(G, (0.0, 0.0, 1.0)),))
+
+    def start():
+        state = released(scene, ANGLE)
+        q = state.q * (1.0, 1.0, -1.0)
+        return State(build(up), 0.0, q, np.zeros_like(q), segment_tensions(build(up), q, np.zeros_like(q)))
+
+    def judge(run):
+        x, _, z = run.position("b").T
+        tilt = math.atan(np.abs(x).max() / z[np.abs(x).argmax()])
+        yield Statement(LOAD, "lowest height of the payload", z.min(), least=math.cos(ANGLE) * 0.999, unit="m")
+        yield Statement(LOAD, "largest tilt over that at the start", tilt / ANGLE, 0.999, 1.001)
+        rod = rod_tension(scene, ANGLE)
+        yield Statement(LOAD, "largest tension over that of a swinging rod", strongest(run) / rod, 0.9, 1.1)
+
+    return Case("Gravity points up: the same swing upside down.", up, 0.8, judge, start=start)
+
+
+STIFFNESSES = (1e2, 1e4, 1e7, 1e9)  # EA [N]; the inextensible limit belongs here as well
+ZETAS = (0.0, 1.0, 1e2, 1e4)
+SEGMENTS = (5, 100, 1000, 10_000)
+PAYLOADS = (1e-3, 1.0, 1e3, 1e6)  # times a node's mass, of 5 mg
+NODE = 0.01 / 20  # [kg]
+
+
+def _cases():
+    cases = {}
+    for EA in STIFFNESSES:
+        cases[f"swing, EA {EA:.0e} N"] = lambda EA=EA: swing(
+            f"EA = {EA:.0e} N: the pull of a swinging rod.", EA=EA, off=0.1 if EA > 1e2 else 0.15
+        )  # fmt: skip
+        cases[f"whip, EA {EA:.0e} N"] = lambda EA=EA: loose_end(EA)
+    for zeta in ZETAS:
+        cases[f"swing, zeta {zeta:g}"] = lambda zeta=zeta: swing(
+            f"Dampers of zeta = {zeta:g} in every segment do not touch the swing.", zeta=zeta
+        )  # fmt: skip
+    for n in SEGMENTS:
+        cases[f"swing, {n} segments"] = lambda n=n: swing(f"{n} segments: the pull of a swinging rod.", segments=n)
+    for ratio in PAYLOADS:
+        cases[f"swing, payload {ratio:.0e} nodes"] = lambda ratio=ratio: swing(
+            f"A payload of {ratio:g} times a node's mass: the pull of a swinging rod.",
+            payload=ratio * NODE, EA=max(1e4, 1e3 * ratio * NODE * G), off=0.1 if ratio > 100 else 0.5,
+        )  # fmt: skip
+    for law in ("damped", "linear"):
+        cases[f'swing, compression "{law}"'] = lambda law=law: swing(f'compression="{law}".', compression=law)
+    for EA in (1e4, 1e6):
+        cases[f"net, EA {EA:.0e} N"] = lambda EA=EA: net(EA)
+    cases["net, steps of 0.1 s"] = lambda: net(1e6, dt=0.1)
+    cases["hour of swing"] = hour
+    cases["payload dropped"] = lambda: changed_payload(1.0, 0.0)
+    cases["payload picked up"] = lambda: changed_payload(0.0, 1.0)
+    cases["gravity upwards"] = turned_round
+    return cases
+
+
+CASES = _cases()
