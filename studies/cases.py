@@ -15,6 +15,7 @@ NET_STEPS = (40e-3, 20e-3, 10e-3, 5e-3, 2.5e-3, 1.25e-3)  # [s]
 SHOCK_STEPS = (20e-3, 10e-3, 5e-3, 2.5e-3, 1.25e-3, 0.625e-3)  # [s]
 STOPPED_AT, STOPPED_STEP = 2.0, 1e-3  # [s]: when the carried net is stopped, and the step of generalised-alpha until then
 LOAD = 0.5  # [kg] beside the bottle's 36 g, until it is dropped
+REST = "equilibrium"
 SHARED_LAW = "damped"  # compression where a cable slackens: the one law that we and most other engines have
 
 
@@ -64,7 +65,18 @@ class Case:
 
     def with_law(self, law):
         """The same motion of cables with another law of compression."""
-        return replace(self, scene=replace(self.scene, cables=tuple(replace(c, compression=law) for c in self.scene.cables)))
+        return replace(self, scene=_changed(self.scene, compression=law))
+
+    def with_stiffness(self, EA):
+        """The same motion of cables with another axial stiffness, from rest or from straight cables."""
+        scene = _changed(self.scene, EA=EA)
+        if self.recipe not in (REST, "straight"):
+            raise ValueError(f"Only a motion from rest or from straight cables has another stiffness, but this is {self.recipe}.")
+        return replace(self, scene=scene, start=equilibrium(scene) if self.recipe == REST else self.start)
+
+
+def _changed(scene, **changes):
+    return replace(scene, cables=tuple(replace(cable, **changes) for cable in scene.cables))
 
 
 def fitting(step, save_every):
@@ -82,7 +94,7 @@ def loose(EA, segments=20, law=SHARED_LAW):
 def carried(EA, segments=20, t_end=NET_END):
     """The net of four cables whose corners set off together; no segment of it slackens."""
     scene = net("net_carried", EA=EA, segments=segments)
-    return Case("carried net", scene, equilibrium(scene), "equilibrium", t_end, NET_SAVE, "p0", NET_STEPS)
+    return Case("carried net", scene, equilibrium(scene), REST, t_end, NET_SAVE, "p0", NET_STEPS)
 
 
 def stopped(EA, segments=20):

@@ -22,6 +22,7 @@ GROWING, GROWING_SHARES = "explicit_euler", (0.1, 0.03, 0.01)  # never stable, s
 EDMC_RTOL = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 RTOL = (1e-3, 1e-5, 1e-7)  # of solvers that choose their steps
 ALSO = {"MuJoCo": ({"dt": 0.04 / 3, "integrator": "discrete"},)}  # coarser than its own settings, and it holds
+ELASTIC = "Of nets it takes elastic ones only."
 LAWS = {"both": "linear", "pull": "damped"}  # of compression, by what EXUDYN calls it
 LIKE = {"Drake": "linear"}  # rigid links push as they pull; other engines' springs only pull and their dampers always act
 
@@ -61,8 +62,9 @@ def ours(case, only=None):
 def peers(case):
     """Contestants of the engines that are installed and take the scene, one for each scheme of an engine."""
     found = []
+    refused = refusals(case)
     for module in installed():
-        if module.refuses(case.scene):
+        if module.NAME in refused:
             continue
         schemes = {}
         for setting in (*ALSO.get(module.NAME, ()), *module.settings(case.scene)):
@@ -75,7 +77,7 @@ def peers(case):
 
 def refusals(case):
     """Reasons of the engines that are installed and do not take the scene, by name."""
-    said = {module.NAME: module.refuses(case.scene) for module in installed()}
+    said = {module.NAME: ELASTIC if np.isinf(case.EA) else module.refuses(case.scene) for module in installed()}
     return {name: reason for name, reason in said.items() if reason}
 
 
@@ -93,10 +95,8 @@ def _own(case, method, settings):
 def _settings(case, method):
     if method not in EXPLICIT + IMPLICIT:
         return [{"rtol": rtol} for rtol in RTOL]
-    if method in IMPLICIT:
+    if method in IMPLICIT or np.isinf(case.EA):
         return [{"dt": dt} for dt in case.steps]
-    if not np.isfinite(case.EA):
-        return []
     of, shares = ("verlet", GROWING_SHARES) if method == GROWING else (method, SHARES)
     limit = predict(case.scene, schemes=(of,)).limits[of].step
     return [{"dt": fitting(share * limit, case.save_every)} for share in shares]

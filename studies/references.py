@@ -1,8 +1,9 @@
 """Places that methods are judged by: two independent methods at far smaller steps, kept on disk.
 
 Where the stiffness allows it, they are Runge-Kutta 4 and velocity Verlet at a small part of their stable steps; else
-generalised-alpha and the midpoint rule, both extrapolated from two small steps by Richardson's formula. A method is judged
-by the first, or by the second if the first is itself; their distance says how far either can be trusted.
+generalised-alpha and the midpoint rule, both extrapolated from two small steps by Richardson's formula. Cables that do not
+stretch have the limit of elastic ones, extrapolated from two stiffnesses too, and edmc. A method is judged by the first, or
+by the second if the first is itself; their distance says how far either can be trusted.
 """
 
 import hashlib
@@ -26,6 +27,7 @@ EXPLICIT_PAIR, IMPLICIT_PAIR = ("rk4", "verlet"), ("generalised_alpha", "midpoin
 SHARES = (0.1, 0.2, 0.5)  # of the stable step: the smallest that costs no more than AFFORDABLE
 COST = 60e-9  # [s] about, of a node and step of rk4
 AFFORDABLE = 20.0  # [s], twice that for the largest share
+INEXTENSIBLE_PAIR, LIMIT_STIFFNESSES = ("generalised_alpha", "edmc"), (1e6, 1e8)  # EA [N] that the limit is taken from
 FINE_STEP = 0.5e-3  # [s] of the implicit pair, and half of it
 SOURCES = ("effects/*.py", "model.py", "paths.py")  # the physics: a reference computed with others is not used
 
@@ -61,6 +63,11 @@ class Reference:
         return largest_distance(place, judges[0].place)
 
 
+def extrapolated(coarse, fine, ratio):
+    """Limit of what is off by an error that is ``ratio`` times as large in the coarse track as in the fine one."""
+    return fine + (fine - coarse) / (ratio - 1.0)
+
+
 def largest_distance(a, b):
     """Largest distance of two tracks (k, 3) at equal times [m]."""
     return float(np.linalg.norm(a - b, axis=1).max())
@@ -85,7 +92,13 @@ def reference(case, folder=None):
     Reference
     """
     methods, steps = plan(case)
-    return Reference({method: track(case, method, steps[method], folder) for method in methods})
+    if np.isfinite(case.EA):
+        return Reference({method: track(case, method, steps[method], folder) for method in methods})
+    elastic, own = methods
+    soft, stiff = (track(case.with_stiffness(EA), elastic, steps[elastic], folder) for EA in LIMIT_STIFFNESSES)
+    ratio = LIMIT_STIFFNESSES[1] / LIMIT_STIFFNESSES[0]
+    limit = Track(extrapolated(soft.place, stiff.place, ratio), stiff.least_tension)
+    return Reference({elastic: limit, own: track(case, own, steps[own], folder)})
 
 
 def plan(case):
@@ -98,11 +111,12 @@ def plan(case):
             if cost <= AFFORDABLE * (2 if share == SHARES[-1] else 1):
                 return EXPLICIT_PAIR, steps
     fine = fitting(FINE_STEP, case.save_every)
-    return IMPLICIT_PAIR, dict.fromkeys(IMPLICIT_PAIR, (fine, fine / 2))
+    pair = IMPLICIT_PAIR if np.isfinite(case.EA) else INEXTENSIBLE_PAIR
+    return pair, dict.fromkeys(pair, (fine, fine / 2))
 
 
 def track(case, method, steps, folder=None):
-    """A track, computed or read; two steps are extrapolated, x = x_h/2 + (x_h/2 - x_h)/3, both methods being of order 2.
+    """A track, computed or read; from two steps it is extrapolated, all implicit methods being of order 2.
 
     Raises
     ------
@@ -121,7 +135,7 @@ def track(case, method, steps, folder=None):
             )
             places.append(run.position(case.point))
             tensions.append(min(run.tension(cable.name).min() for cable in case.scene.cables))
-    place = places[-1] if len(places) == 1 else places[1] + (places[1] - places[0]) / 3.0
+    place = places[-1] if len(places) == 1 else extrapolated(*places, (steps[0] / steps[1]) ** 2)
     table = pd.DataFrame(place, columns=["x_m", "y_m", "z_m"])
     table["t_s"], table["least_tension_N"] = run.t, min(tensions)
     file.parent.mkdir(parents=True, exist_ok=True)

@@ -16,14 +16,15 @@ from anet_lumped.stability import predict
 from integrators.schemes import EXPLICIT
 from studies.cases import carried, fitting
 from studies.equal_error import on_front
-from studies.references import FINE_STEP, IMPLICIT_PAIR, largest_distance, track
+from studies.references import FINE_STEP, IMPLICIT_PAIR, extrapolated, largest_distance, track
 
 STIFFNESSES = (1e2, 1e4, 1e6, 1e8)  # EA [N]; the last two make the inextensible limit
+INEXTENSIBLE = np.inf  # cables that do not stretch at all, by edmc
 SEGMENTS = (5, 10, 20, 40, 80)
 STEPS = (40e-3, 20e-3, 10e-3, 5e-3, 2.5e-3)  # [s]
 METHODS = ("edmc", "generalised_alpha", "midpoint", "sdirk2", "verlet", "symplectic_euler", "rk4")
 SHARES = (0.9,)  # of an explicit method's predicted limit: its error in time is far below that of the segments
-FRONT_STIFFNESSES = STIFFNESSES[1:3]
+FRONT_STIFFNESSES = (1e4, 1e6, INEXTENSIBLE)
 LONGEST = 1.0  # [s] of wall time that a run on the way to the front may take
 COST = {"verlet": 20e-9, "symplectic_euler": 20e-9, "rk4": 70e-9}  # [s] about, of a node and step
 REPEATS = 3
@@ -33,15 +34,17 @@ class Limits:
     """Tracks of p0 (k, 3) [m] in the limits of the step, of the segments and of the stiffness."""
 
     def __init__(self, stiffnesses, segments, folder=None):
-        fine, method = FINE_STEP, IMPLICIT_PAIR[0]
-        self.exact = {
-            (EA, N): track(carried(EA, N), method, (fine, fine / 2), folder).place for EA in stiffnesses for N in segments
-        }
-        coarse, fine = segments[-2:]
-        ratio = (fine / coarse) ** 2
-        self.continuous = {EA: _extrapolated(self.exact[EA, coarse], self.exact[EA, fine], ratio) for EA in stiffnesses}
+        steps, method = (FINE_STEP, FINE_STEP / 2), IMPLICIT_PAIR[0]
         soft, stiff = stiffnesses[-2:]
-        self.inextensible = _extrapolated(self.continuous[soft], self.continuous[stiff], stiff / soft)
+        self.exact = {}
+        for N in segments:
+            for EA in stiffnesses:
+                self.exact[EA, N] = track(carried(EA, N), method, steps, folder).place
+            self.exact[INEXTENSIBLE, N] = extrapolated(self.exact[soft, N], self.exact[stiff, N], stiff / soft)
+        coarse, fine = segments[-2:]
+        limits = [(EA, self.exact[EA, coarse], self.exact[EA, fine]) for EA in (*stiffnesses, INEXTENSIBLE)]
+        self.continuous = {EA: extrapolated(a, b, (fine / coarse) ** 2) for EA, a, b in limits}
+        self.inextensible = self.continuous[INEXTENSIBLE]
 
     def parts(self, EA, segments, place):
         """Largest distance of each part, and of the whole, over the saved times [mm]."""
@@ -54,21 +57,16 @@ class Limits:
         }
 
 
-def _extrapolated(coarse, fine, ratio):
-    """Limit of what is off by an error that is ``ratio`` times as large in the coarse track as in the fine one."""
-    return fine + (fine - coarse) / (ratio - 1.0)
-
-
 def runs_of(quick=False):
-    """(EA, segments, method, step) of every run, few enough to be timed."""
+    """Stiffnesses, numbers of segments, and (case, method, step) of every run that can be afforded."""
     stiffnesses, segments, methods, steps = STIFFNESSES, SEGMENTS, METHODS, STEPS
     if quick:
         stiffnesses, segments, methods, steps = stiffnesses[1:3], segments[:3], ("edmc", "verlet"), steps[1:3]
     found = []
-    for EA in stiffnesses:
+    for EA in (*stiffnesses, INEXTENSIBLE):
         for N in segments:
             case = carried(EA, N)
-            for method in methods:
+            for method in methods if np.isfinite(EA) else methods[:1]:
                 if method in EXPLICIT:
                     limit = predict(case.scene, schemes=(method,)).limits[method].step
                     own = [fitting(share * limit, case.save_every) for share in SHARES]

@@ -15,6 +15,7 @@ PEER_COLOURS = ("deeppink", "darkviolet", "limegreen", "saddlebrown", "teal")
 LOST = 1e3  # [mm] as far as the axes go: whoever is a metre off is lost
 MARKS = "osv^D"
 COLUMNS = 4
+FILLS = ("none", "left", "full")  # of marks, by stiffness
 
 
 def plot(rows):
@@ -78,13 +79,14 @@ def _races(runs):
 
 def _parts(table):
     stiffnesses = table["EA_N"].unique()
-    figure = _figure(3.0 * len(stiffnesses) + 0.4, 3.9)
+    figure = _figure(2.5 * len(stiffnesses) + 0.4, 3.9)
     panels = figure.subplots(1, len(stiffnesses), sharey=True, squeeze=False)[0]
     for panel, EA in zip(panels, stiffnesses, strict=True):
         part = table[(table["EA_N"] == EA) & (table["method"] == "edmc")]
         one = part.groupby("segments").first()
         panel.loglog(one.index, one["discretisation_mm"], "k-o", ms=4, label="discretisation: segments instead of a continuum")
-        panel.loglog(one.index, one["model_mm"], "C2-", lw=1.5, label="model: stretches instead of being inextensible")
+        model = one["model_mm"].where(one["model_mm"] > 0)
+        panel.loglog(one.index, model, "C2-", lw=1.5, label="model: stretches instead of being inextensible")
         for i, (step, line) in enumerate(part.groupby("step_ms", sort=False)):
             shade = dict(color=f"C{(0, 1, 3, 4, 5)[i]}")
             panel.loglog(line["segments"], line["time_mm"], ls=":", lw=1.2, label=f"time: edmc at {step:g} ms", **shade)
@@ -107,9 +109,9 @@ def _front(table):
     segments, stiffnesses = list(raced["segments"].unique()), list(raced["EA_N"].unique())
     for (method, N, EA), part in raced.groupby(["method", "segments", "EA_N"], sort=False):
         colour = f"C{segments.index(N)}"
-        face = colour if EA == stiffnesses[-1] else "none"
+        fill = FILLS[stiffnesses.index(EA)]
         mark = STYLES.get(method, OTHER)[1]
-        axes.loglog(part["wall_s"], part["total_mm"], ls="none", marker=mark, color=colour, mfc=face, ms=5, alpha=0.8)
+        axes.loglog(part["wall_s"], part["total_mm"], ls="none", marker=mark, color=colour, fillstyle=fill, ms=5, alpha=0.8)
     front = table[table["on_front"]].sort_values("wall_s")
     axes.loglog(front["wall_s"], front["total_mm"], "k-", lw=1.2, drawstyle="steps-post", zorder=0)
     axes.set(xlabel="wall time of 4 s of motion [s]", ylabel="total error of p0 against\nthe continuous inextensible cable [mm]")
@@ -118,8 +120,8 @@ def _front(table):
     keys = [Line2D([], [], color=f"C{i}", marker="o", ls="none", label=f"{N} segments") for i, N in enumerate(segments)]
     keys += [Line2D([], [], color="0.3", marker=STYLES.get(name, OTHER)[1], ls="none", label=name) for name in methods]
     keys += [
-        Line2D([], [], color="0.3", marker="o", ls="none", mfc="0.3" if EA == stiffnesses[-1] else "none", label=stiffness(EA))
-        for EA in stiffnesses
+        Line2D([], [], color="0.3", marker="o", ls="none", fillstyle=fill, label=stiffness(EA))
+        for fill, EA in zip(FILLS, stiffnesses, strict=False)
     ]
     keys.append(Line2D([], [], color="k", label="front: nothing is faster and closer"))
     figure.legend(handles=keys, loc="outside right upper", frameon=False, fontsize=8)

@@ -107,6 +107,16 @@ def test_too_stiff_for_explicit_references():
     assert methods == references.IMPLICIT_PAIR and all(len(of) == 2 for of in steps.values())
 
 
+def test_cables_that_do_not_stretch_are_the_limit_of_those_that_do(tmp_path):
+    """The limit from two finite stiffnesses beside the library's own EA = inf, of 20 mm of way; both methods of order 2."""
+    case = carried(np.inf, 5, t_end=0.4)
+    judge = references.reference(case, tmp_path)
+    assert tuple(judge.tracks) == references.INEXTENSIBLE_PAIR and judge.taut
+    assert judge.difference < 1e-8
+    with pytest.raises(ValueError, match="Only a motion from rest or from straight cables has another stiffness"):
+        stopped(1e4, 5).with_stiffness(1e6)
+
+
 def test_cases_start_as_they_say():
     halt, fall, whip = stopped(1e4, 5), dropped(1e4, 5), loose(1e4, 5)
     v = halt.start.velocity("p0")
@@ -162,13 +172,18 @@ def test_the_best_of_ours_beside_the_best_peer():
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory):
-    """The quick study with references of its own."""
+def cache(tmp_path_factory):
+    """A cache folder of its own, in place of the user's."""
     folder = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CACHE_HOME", str(folder))
-        rows = work_precision.compute(quick=True, out=folder)
-    return rows
+        yield folder
+
+
+@pytest.fixture(scope="module")
+def study(cache):
+    """The quick study."""
+    return work_precision.compute(quick=True, out=cache)
 
 
 def test_parts_of_the_error_add_up(study):
@@ -191,10 +206,11 @@ def test_parts_behave_as_their_causes(study):
     assert edmc.loc[20.0] / edmc.loc[10.0] == pytest.approx(4.0, rel=0.02)
 
 
-def test_the_discretisation_error_at_rest_is_that_of_the_catenary_net(study):
+def test_the_discretisation_error_at_rest_is_that_of_the_catenary_net(cache):
     """At t = 0 the extrapolated continuum hangs where the exact elastic catenaries hang: 20 segments leave 4 um at N^-4."""
     from anet_lumped.catenary_net import catenary_net
 
+    assert references.cache_folder().is_relative_to(cache)
     limits = total_error.Limits((1e4, 1e6), (10, 20))
     case = carried(1e4, 20)
     places = {point.name: case.start.position(point.name) for point in case.scene.points}
