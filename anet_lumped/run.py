@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .audit import Audit
 from .effects.axial import tension_parts, with_select
 from .model import Model, build
 from .scene import Scene
@@ -133,13 +134,14 @@ class Run:
     method : str
     dt : float [s], the fixed or the first step
     reason : str, why this method and step
-    status : "done", "diverged", "unconverged" or "interrupted"
+    status : "done", "diverged", "unconverged", "interrupted" or "audit failed"
     message : str, one sentence that says when, where, why and what to try, if it is not done
     work : Work
     error_estimate : float or None [m], sum of the estimated errors of the steps, where the scheme has one
     wall_time : float [s], of the march alone
     warnings : tuple of str
     segment_tension : (k, n_segments) float64 [N]; None takes the law at every saved time
+    audit : Audit or None, what an audit found, if one was asked for
     """
 
     model: Model
@@ -157,6 +159,7 @@ class Run:
     wall_time: float = 0.0
     warnings: tuple[str, ...] = ()
     segment_tension: np.ndarray | None = None
+    audit: Audit | None = None
 
     @property
     def scene(self):
@@ -226,6 +229,7 @@ class Run:
             "message": self.message,
             "error_estimate": np.nan if self.error_estimate is None else self.error_estimate,
             "wall_time": self.wall_time,
+            "audit": json.dumps(asdict(self.audit) if self.audit else None),
         }
         of = ["kinetic", "elastic", "potential", "work", "dissipated"]
         xr.Dataset(
@@ -255,7 +259,7 @@ def load_run(path):
 
     with xr.open_dataset(path, engine="scipy") as data:
         at = data.attrs
-        error = float(at["error_estimate"])
+        error, audit = float(at["error_estimate"]), json.loads(at["audit"])
         return Run(
             model=build(scene_from_dict(json.loads(at["scene"]))),
             t=data["t"].values.copy(),
@@ -272,7 +276,8 @@ def load_run(path):
             error_estimate=None if np.isnan(error) else error,
             wall_time=float(at["wall_time"]),
             warnings=tuple(json.loads(at["warnings"])),
+            audit=Audit(**audit) if audit else None,
         )
 
 
-__all__ = ["EnergyBalance", "Run", "Scene", "State", "Work", "load_run"]
+__all__ = ["Audit", "EnergyBalance", "Run", "Scene", "State", "Work", "load_run"]

@@ -13,6 +13,7 @@ from integrators.interruptible import interruptible
 from integrators.march import adaptive_march, fixed_march
 from integrators.system import BALANCE, DIVERGED, DONE, INTERRUPTED, UNCONVERGED
 
+from .audit import audited
 from .checks import nearest
 from .choice import choose
 from .equilibrium import equilibrium
@@ -47,7 +48,8 @@ class RunInterrupt(KeyboardInterrupt):
 
 
 def simulate(
-    scene, t_end, *, method=None, dt=None, start="equilibrium", save_every=None, rtol=None, atol=None, rho_inf=None, check=False
+    scene, t_end, *, method=None, dt=None, start="equilibrium", save_every=None, rtol=None, atol=None, rho_inf=None, audit=False,
+    check=False
 ):  # fmt: skip
     """Motion of a scene from rest or from a State.
 
@@ -67,6 +69,10 @@ def simulate(
         Adaptive steps by step doubling: the error of a step is kept below atol [m] + rtol times the largest coordinate.
     rho_inf : float or None
         Spectral radius at infinite frequency, for `edmc` (default 0) and `generalised_alpha` (default 0.8).
+    audit : bool or float [m]
+        Run again with half the step or a tenth of the tolerance, and compare: ``Run.audit`` estimates the error of the run, and
+        its status is "audit failed" if that is above the number given (True: 1 % of the longest cable) or if the energy
+        does not balance. Costs two to three times the run.
     check : bool
         Raise `RunError` if the run does not reach its end, instead of returning its good part.
 
@@ -80,7 +86,7 @@ def simulate(
     RunError : with ``check=True``
     RunInterrupt : Ctrl-C; with what was done as its ``run``
     """
-    _check(t_end, method, dt, save_every, rtol, atol, rho_inf)
+    _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit)
     model = build(scene)
     q, v, t0, tension = _start(model, start)
     adaptive = method in SCIPY or rtol is not None or atol is not None
@@ -95,7 +101,13 @@ def simulate(
         from .scipy_methods import march
     else:
         march = partial(_march, tension=tension)
-    return _finish(march(model, choice, t0, t0 + t_end, q, v, save_every, adaptive, tolerances, rho_inf), check)
+    run = march(model, choice, t0, t0 + t_end, q, v, save_every, adaptive, tolerances, rho_inf)
+    if audit and run.ok:
+        finer = dict(rtol=0.1 * tolerances[0] or None, atol=0.1 * tolerances[1] or None) if adaptive else dict(dt=0.5 * choice.dt)
+        finer["save_every"] = save_every if adaptive or len(run.t) < 3 else run.t[1] - run.t[0]
+        again = partial(simulate, scene, t_end, method=run.method, start=start, rho_inf=rho_inf, **finer)
+        run = audited(run, again, adaptive, None if audit is True else audit)
+    return _finish(run, check)
 
 
 def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_inf, tension):
@@ -228,10 +240,11 @@ def _stride(duration, dt, save_every):
     return stride, steps // stride + 3
 
 
-def _check(t_end, method, dt, save_every, rtol, atol, rho_inf):
-    for name, value in (("t_end", t_end), ("dt", dt), ("save_every", save_every), ("rtol", rtol), ("atol", atol)):
+def _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit):
+    sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=None if isinstance(audit, bool) else audit)
+    for name, value in sizes.items():
         if value is not None and not (isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0):
-            unit = "" if name == "rtol" else " [m]" if name == "atol" else " [s]"
+            unit = "" if name == "rtol" else " [m]" if name in ("atol", "audit") else " [s]"
             raise ValueError(f"Argument `{name}` must be positive and finite{unit}, but it is {value!r}.")
     if method is not None and method not in METHODS:
         known = ", ".join(METHODS)

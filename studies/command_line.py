@@ -62,6 +62,7 @@ def simulate(
     dt: Step = None,
     start: Start = None,
     save_every: Annotated[float | None, typer.Option(help="Time between saved states [s].")] = None,
+    audit: Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")] = False,
     out: Out = None,
     as_json: Json = False,
 ):
@@ -70,7 +71,7 @@ def simulate(
     from studies.summary import of_run
 
     try:
-        run = simulate(_load(scene), t_end, method=method, dt=dt, start=start or "equilibrium", save_every=save_every)
+        run = simulate(_load(scene), t_end, method=method, dt=dt, start=start or "equilibrium", save_every=save_every, audit=audit)
     except RunInterrupt as stopped:
         run = stopped.run
     _give(of_run(run), as_json, out, "run")

@@ -34,6 +34,7 @@ def of_run(run) -> dict:
     return {name: value for name, value in result.items() if value is not None and value != ""} | {
         "work": [asdict(run.work)],
         "energy": [asdict(run.energy_balance)],
+        **({"audit": [_audit(run.audit)]} if run.audit else {}),
         "cables": [
             {
                 "cable": cable.name,
@@ -45,6 +46,13 @@ def of_run(run) -> dict:
         ],
         "points_at_the_end": _points(run.final),
     }
+
+
+def _audit(audit) -> dict:
+    return {
+        "error_m": audit.error, "where": audit.where, "t_s": audit.t, "allowed_m": audit.allowed, "imbalance": audit.imbalance,
+        "wall_time": audit.wall_time, "passed": audit.passed,
+    }  # fmt: skip
 
 
 def before_run(scene, dt: float | None = None) -> dict:
