@@ -26,7 +26,7 @@ TRIALS = 2000
 HELD, SAID, GAINED, FAILED = "held", "said", "gained", "failed"
 IMBALANCE = 1e-4  # of the energy in play, what the exact balance of edmc may miss: Newton's tolerance over some ten steps
 RISE, GAIN = 1e-5, 0.1  # of the energy in play: of methods that never raise it; of the others, counted
-EVALUATIONS = 1500  # of the force by one of scipy's solvers
+EVALUATIONS = 800  # of the force by one of scipy's solvers
 EXPLICIT_STEPS, ADAPTIVE_TURNS = 400, 300.0
 
 

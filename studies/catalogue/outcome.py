@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from anet_lumped.choice import choose
+from anet_lumped.equilibrium import EquilibriumError
 from anet_lumped.model import build
+from anet_lumped.scene import SceneError
 from anet_lumped.simulate import SCIPY, StabilityWarning, simulate
 from integrators import schemes, scipy_adapter
 from studies.catalogue.case import ACCURACY, SPIN, Case, Statement, energy_statement
@@ -18,8 +20,8 @@ DEFAULT = "default"  # no method given
 METHODS = (*schemes.EXPLICIT, *schemes.IMPLICIT, *SCIPY)  # without those that have to be compiled for every scene
 WAYS = (DEFAULT, *METHODS)
 NODE_STEPS = 1e7  # of an explicit run; beyond, it is refused for its number of steps
-EVALUATIONS = 4000  # of the force by one of scipy's solvers, each some 50 µs with what goes with it
-NODE_EVALUATIONS = 8e4
+NODE_EVALUATIONS = {"RK45": 4e5, "DOP853": 4e5, "Radau": 4e4, "BDF": 4e4, "LSODA": 4e4}
+"""Nodes times force evaluations of a run with one of scipy's solvers; beyond, it is refused likewise."""
 NOT_ASKED = {  # what a scheme's own note in `anet_lumped.stability` denies
     "backward_euler": (ACCURACY, SPIN),  # damps the motion itself strongly
     "sdirk2": (SPIN,),  # nor do these promise angular momentum
@@ -55,11 +57,17 @@ class Outcome:
 def meet(case: Case, way: str) -> Outcome:
     """Run a case with a method and judge it.
 
-    Explicit methods run at half of their predicted limit or at the step that the motion asks for, whichever is less. Not
-    reaching the end with a message, a `StabilityWarning`, and more steps than `NODE_STEPS` allow are refusals, but for
-    the default method: that one has to hold.
+    An error of the library's own in place of a run is a refusal, and so are not reaching the end with a message, a
+    `StabilityWarning`, and more work than `NODE_STEPS` or `NODE_EVALUATIONS` allow; but for the default method: that one has
+    to hold. Explicit methods run at half of their predicted limit or at the step that the motion asks for, whichever is less.
     """
-    method = None if way == DEFAULT else way
+    try:
+        return _meet(case, None if way == DEFAULT else way, way)
+    except (SceneError, EquilibriumError, ValueError) as error:
+        return Outcome(FAILED if way == DEFAULT else REFUSED, str(error), method="" if way == DEFAULT else way)
+
+
+def _meet(case, method, way):
     choice = choose(case.scene, method, case.dt, way in SCIPY)
     dt = case.dt
     if way in schemes.EXPLICIT and not case.given:
@@ -86,8 +94,7 @@ def meet(case: Case, way: str) -> Outcome:
 
 def _run(case, method, dt):
     """The run and what the library warned of before it."""
-    nodes = build(case.scene).n
-    with warnings.catch_warnings(record=True) as caught, bounded(int(min(EVALUATIONS, NODE_EVALUATIONS / nodes))):
+    with warnings.catch_warnings(record=True) as caught, bounded(_evaluations(case, method)):
         warnings.simplefilter("always")
         every = case.saved
         if every is not None and method not in SCIPY:
@@ -113,9 +120,14 @@ def _too_many(case, method, dt, limit):
         most = NODE_STEPS / (4 if method == "rk4" else 1)
         if case.t_end / dt * nodes > most and math.isfinite(limit) and dt < limit:
             return f"{method} would need {case.t_end / dt:.2g} steps of {dt:.2g} s"
-    if method in ("RK45", "DOP853") and case.t_end / limit * 8 > min(EVALUATIONS, NODE_EVALUATIONS / nodes):
+    if method in ("RK45", "DOP853") and case.t_end / limit * 8 > _evaluations(case, method):
         return f"{method} would need {case.t_end / limit:.2g} steps, as its error control is driven to {limit:.2g} s"
     return ""
+
+
+def _evaluations(case, method):
+    """Force evaluations that a run with one of scipy's solvers may take."""
+    return int(NODE_EVALUATIONS.get(method, 0) / build(case.scene).n)
 
 
 @contextmanager

@@ -1,0 +1,119 @@
+"""Random nets, starts, paths, methods and steps: each run ends well with its energy accounted for, or says why not."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from anet_lumped import Cable, Fixed, Free, Scene, SceneError, simulate
+from anet_lumped.effects import Gravity
+from studies import fuzz
+from studies.fuzz import FAILED, GAINED, HELD, SAID, Random, Trial, attempt, draw, try_many
+
+
+class Drawn:
+    """`Pick` from hypothesis."""
+
+    def __init__(self, data):
+        self.data = data
+
+    def integer(self, low, high):
+        return self.data.draw(st.integers(low, high))
+
+    def number(self, low, high):
+        return self.data.draw(st.floats(low, high))
+
+    def one_of(self, choices):
+        return self.data.draw(st.sampled_from(choices))
+
+
+@settings(max_examples=100, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck), database=None)
+@given(st.data())
+def test_no_run_fails(data):
+    """No NaN called success, no error but the library's own, no energy out of nothing where a method promises none."""
+    try:
+        trial = draw(Drawn(data))
+    except SceneError as error:
+        assert len(str(error)) > 20
+        return
+    outcome, why = attempt(trial)
+    assert outcome != FAILED, f"{why}: {trial}"
+
+
+def test_random_trials_are_the_same_again_and_of_every_kind():
+    assert draw(Random((7, 3))) == draw(Random((7, 3)))
+    found = try_many(7, 0, 60)
+    assert [one["number"] for one in found] == list(range(60))
+    assert {HELD, SAID} <= {one["outcome"] for one in found}
+    assert not [one for one in found if one["outcome"] == FAILED]
+
+
+# --- the audit itself ---------------------------------------------------------------------------------------------------
+
+
+def trial(method="edmc", **changes):
+    scene = Scene(
+        [Fixed("a", (0, 0, 0)), Free("b", at=(1, 0, 0))],
+        [Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e4, segments=10)],
+        [Gravity()],
+    )
+    return Trial(**{"scene": scene, "t_end": 0.1, "method": method, "dt": 0.01, "rtol": None, "start": "straight"} | changes)
+
+
+def tampered(monkeypatch, change):
+    """Have `simulate` hand out runs that are changed."""
+
+    def changed(*args, **kwargs):
+        run = simulate(*args, **kwargs)
+        change(run)
+        return run
+
+    monkeypatch.setattr(fuzz, "simulate", changed)
+
+
+def test_a_good_run_holds():
+    assert attempt(trial()) == (HELD, "")
+
+
+def test_energy_out_of_nothing_fails(monkeypatch):
+    def put_in(run):
+        run.energy[-1, 0] += 1e-3 * np.ptp(run.energy[:, 2])
+
+    def put_back(run):
+        run.energy[-1] = run.energy[-2]
+        put_in(run)
+
+    tampered(monkeypatch, put_in)
+    outcome, why = attempt(trial())
+    assert outcome == FAILED and "balance of energy is off by" in why
+    tampered(monkeypatch, put_back)
+    outcome, why = attempt(trial("backward_euler"))
+    assert outcome == FAILED and "backward Euler raises the energy" in why
+
+
+def test_a_nan_called_done_fails(monkeypatch):
+    tampered(monkeypatch, lambda run: run.q.__setitem__((-1, 0, 0), np.nan))
+    assert attempt(trial()) == (FAILED, "done, yet not finite")
+
+
+def test_an_error_that_is_not_the_librarys_fails(monkeypatch):
+    def break_down(run):
+        raise IndexError("index 7 is out of bounds")
+
+    tampered(monkeypatch, break_down)
+    assert attempt(trial()) == (FAILED, "IndexError: index 7 is out of bounds")
+
+
+@pytest.mark.parametrize(("changes", "words"), [
+    ({"method": "verlet", "dt": 1.0}, "beyond the largest stable step"),
+    ({"start": "nowhere"}, "must be"),
+    ({"method": "Radau", "dt": None, "t_end": 100.0}, "force evaluations were not enough"),
+])  # fmt: skip
+def test_what_is_refused_is_said(changes, words):
+    outcome, why = attempt(trial(**changes))
+    assert outcome == SAID and words in why
+
+
+def test_a_gain_is_counted_for_those_that_promise_nothing(monkeypatch):
+    tampered(monkeypatch, lambda run: run.energy.__setitem__((-1, 0), 100.0))
+    assert attempt(trial("midpoint"))[0] == GAINED
