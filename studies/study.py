@@ -25,7 +25,7 @@ from studies.rows import save_table
 STUDIES = {
     "What the thesis found": ("thesis_tables", "length_error", "model_mismatch"),
     "Why": ("stability_map",),
-    "What cures it": ("energy_rise", "order", "speed"),
+    "What cures it": ("energy_rise", "order", "hard_cases", "speed"),
     "What accuracy costs": ("work_precision",),
 }
 """Names of the studies, by the part of the report that each belongs to, in its order."""
