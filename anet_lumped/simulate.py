@@ -23,7 +23,8 @@ from .scene import Driven, Fixed, SceneError
 from .times import SAVES, save_times, stops
 
 SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
-METHODS = schemes.EXPLICIT + schemes.IMPLICIT + SCIPY
+DIFFRAX = ("Tsit5", "Kvaerno3", "Kvaerno5")
+METHODS = schemes.EXPLICIT + schemes.IMPLICIT + SCIPY + DIFFRAX
 STATUS = {DONE: "done", UNCONVERGED: "unconverged", DIVERGED: "diverged", INTERRUPTED: "interrupted"}
 
 
@@ -89,7 +90,7 @@ def simulate(
     _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit)
     model = build(scene)
     q, v, t0, tension = _start(model, start)
-    adaptive = method in SCIPY or rtol is not None or atol is not None
+    adaptive = method in SCIPY + DIFFRAX or rtol is not None or atol is not None
     choice = choose(scene, method, dt, adaptive)
     if dt is None and not adaptive:
         whole = save_every or t_end
@@ -99,6 +100,8 @@ def simulate(
         warnings.warn(text, StabilityWarning, stacklevel=2)
     if choice.method in SCIPY:
         from .scipy_methods import march
+    elif choice.method in DIFFRAX:
+        march = _of_diffrax(choice.method)
     else:
         march = partial(_march, tension=tension)
     run = march(model, choice, t0, t0 + t_end, q, v, save_every, adaptive, tolerances, rho_inf)
@@ -152,6 +155,18 @@ def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho
     if interrupted:
         raise RunInterrupt(run)
     return run
+
+
+def _of_diffrax(method):
+    """The march of diffrax's solvers; has JAX compute in float64 from here on."""
+    try:
+        from .diffrax_methods import march
+    except ModuleNotFoundError as missing:
+        raise ModuleNotFoundError(
+            f'Method "{method}" needs the packages jax and diffrax, but there is no {missing.name}; '
+            'pip install "anet-lumped[diffrax]" brings them.'
+        ) from missing
+    return march
 
 
 def _finish(run, check):

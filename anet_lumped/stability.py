@@ -23,6 +23,7 @@ EXPLICIT = {
     "rk4": "undamped modes to h omega = 2.828, overdamped ones to 2.785",
     "RK45": "adaptive: the step that error control is driven to; undamped modes only to h omega = 0.997",
     "DOP853": "adaptive: the step that error control is driven to; undamped modes to h omega = 5.960",
+    "Tsit5": "adaptive: the step that error control is driven to; undamped modes only to h omega = 0.478",
 }
 IMPLICIT = {
     "edmc": "energy never rises at any step, slack or taut",
@@ -33,10 +34,13 @@ IMPLICIT = {
     "generalised_alpha": "linear statement only: energy can grow without bound in nonlinear motion",
     "Radau": "linear statement (L-stable), adaptive",
     "BDF": "adaptive; orders 1 and 2 have no limit, orders 3 to 5 are unstable for weakly damped modes at some steps",
+    "Kvaerno3": "linear statement (L-stable), adaptive; its explicit first stage pumps energy into a slackening cable",
+    "Kvaerno5": "linear statement (L-stable), adaptive; its explicit first stage pumps energy into a slackening cable",
     "LSODA": "adaptive; its Adams half is limited like an explicit scheme, its BDF half as BDF is",
 }
 NOTES = EXPLICIT | IMPLICIT
 
+_TSIT5 = 0.0014322113248073478  # coefficient of z^6 in its R(z), from its tableau; the lower ones are those of exp(z)
 _DELAY = {"symplectic_euler": 1.0, "verlet": 2.0}  # half steps by which the damping force lags
 _SCAN = np.arange(0.0, 10.0, 0.25)  # finer than any feature of the three Runge-Kutta regions, wider than all of them
 
@@ -261,6 +265,8 @@ def _polynomial(scheme: str) -> np.ndarray:
     """Coefficients of R(z) = 1 + sum b'A^(j-1)1 z^j, lowest first: those of the solution that the pair propagates."""
     if scheme in ("explicit_euler", "rk4"):
         return np.array([1.0, 1.0, 1 / 2, 1 / 6, 1 / 24][: 2 if scheme == "explicit_euler" else 5])
+    if scheme == "Tsit5":
+        return np.array([1.0, 1.0, 1 / 2, 1 / 6, 1 / 24, 1 / 120, _TSIT5])
     import scipy.integrate
 
     pair = getattr(scipy.integrate, scheme)

@@ -45,6 +45,16 @@ def chain_matrices(c, ends, rate=0.0):
     return M, c.dashpot * B.T @ B + rate * np.diag(M), c.stiffness * B.T @ B
 
 
+def runge_kutta(tableau, Z):
+    """R(Z) of a tableau of diffrax: y + b (I - A Z)^-1 Z y, all stages at once."""
+    s, one = tableau.num_stages, np.eye(len(Z))
+    A = np.zeros((s, s)) if tableau.a_diagonal is None else np.diag(tableau.a_diagonal)
+    for i, row in enumerate(tableau.a_lower):
+        A[i + 1, : i + 1] = row
+    stages = np.linalg.solve(np.eye(s * len(Z)) - np.kron(A, Z), np.tile(one, (s, 1)))
+    return one + np.kron(tableau.b_sol, Z) @ stages
+
+
 def amplification(scheme, h, M, C, K):
     """One step of an explicit scheme, written from its equations, applied to every unit vector of its state."""
     n = len(M)
@@ -57,6 +67,9 @@ def amplification(scheme, h, M, C, K):
         q1 = q + h * v + h**2 / 2 * a0
         a1 = a(q1, v + h * a0)
         return np.vstack([q1, v + h / 2 * (a0 + a1), a1])
+    if scheme == "Tsit5":
+        tableau = pytest.importorskip("diffrax").Tsit5.tableau
+        return runge_kutta(tableau, h * np.block([[np.zeros((n, n)), np.eye(n)], [-K / M[:, None], -C / M[:, None]]]))
     q, v = np.split(np.eye(2 * n), 2)
     if scheme == "symplectic_euler":
         v = v + h * a(q, v)
@@ -131,6 +144,8 @@ def implicit_amplification(scheme, x, zeta):
         return solve(one - (1 - g) / (2 - g) * Z, (middle - (1 - g) ** 2 * one) / (g * (2 - g)))
     if scheme == "Radau":
         return solve(one - 3 / 5 * Z + 3 / 20 * Z @ Z - Z @ Z @ Z / 60, one + 2 / 5 * Z + Z @ Z / 20)
+    if scheme.startswith("Kvaerno"):
+        return runge_kutta(getattr(pytest.importorskip("diffrax"), scheme).tableau, Z)
     if scheme == "edmc":  # rho_inf = 0: numerical damper k/2 s^2/(1 + s^2), s = x/2
         K, D = x**2, 2.0 * zeta * x + x**2 / 2.0 * (x**2 / (4.0 + x**2))
         q = np.array([2.0 + D - K / 2, 2.0]) / (2.0 + D + K / 2)
@@ -209,7 +224,7 @@ def test_stability_intervals(scheme, zeta, expected):
     assert step_limit(scheme, 1.0, zeta) == pytest.approx(expected, rel=1e-5)
 
 
-@pytest.mark.parametrize("scheme", ["rk4", "RK45", "DOP853"])
+@pytest.mark.parametrize("scheme", ["rk4", "RK45", "DOP853", "Tsit5"])
 @pytest.mark.parametrize("zeta", [0.0, 1e-3, 0.05, 0.4, 0.9, 1.7])
 def test_no_instability_below_the_limit(scheme, zeta):
     """The coarse scan along the ray must not step over a gap."""

@@ -1,0 +1,73 @@
+"""diffrax's solvers on a Model: tolerances, the times that no step may cross, and the account of the run.
+
+Importing this module has JAX compute in float64 in the whole process (``jax_enable_x64``).
+"""
+
+import time
+
+import numpy as np
+
+from integrators import diffrax_adapter
+from integrators.system import DIVERGED, DONE
+
+from .bindings import system
+from .jax_net import jax_net
+from .run import Run, Work
+from .times import save_times, stops
+
+
+def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_inf):
+    """March with one of diffrax's solvers.
+
+    The error of a step is kept below atol + rtol times the largest coordinate for places [m], and below the same numbers a
+    second for velocities, in the mean square over all nodes. Saved states lie on the solver's interpolation between its
+    steps, the last one on a step. ``Run.wall_time`` holds what JAX took to compile, where it had not done so for such a net.
+
+    Parameters
+    ----------
+    model : Model
+    choice : Choice
+        ``dt`` is the first step.
+    t0, t_end : float [s]
+    q, v : (n, 3) float64 [m], [m/s]
+    save_every : float or None [s]
+    adaptive, rho_inf
+        Not used; every scheme of `simulate` is marched with the same arguments.
+    tolerances : (rtol, atol)
+
+    Returns
+    -------
+    Run
+    """
+    net, compiled, free = model.net(), system(model), model.n_free
+    times = save_times(t0, t_end, save_every)
+    rtol, atol = tolerances
+    reach = np.abs(q).max() or max(cable.length for cable in model.scene.cables)
+    began = time.perf_counter()
+    out = diffrax_adapter.march(
+        choice.method, jax_net(model), t0, t_end, stops(model.scene), q[:free], v[:free], times, choice.dt,
+        max(0.5 * rtol, 1e-13), atol + 0.5 * rtol * reach,
+    )  # fmt: skip
+    wall_time = time.perf_counter() - began
+    whole_q, whole_v, energy = np.tile(q, (len(out.t), 1, 1)), np.zeros((len(out.t), *q.shape)), np.zeros((len(out.t), 5))
+    whole_q[:, :free], whole_v[:, :free] = out.q, out.v
+    energy[:, 3], energy[:, 4] = out.put_in, out.dissipated
+    for k, t in enumerate(out.t):
+        compiled.prescribe(t, net.place, whole_q[k], whole_v[k])
+        compiled.energy(t, whole_q[k], whole_v[k], net.place, energy[k])
+    message = ""
+    if out.status != DONE:
+        at = f" at {model.where(out.node)}" if out.node >= 0 else ""
+        how = "diverged" if out.status == DIVERGED else "gave up"
+        message = (
+            f"{choice.method} with rtol={rtol:.3g}, atol={atol:.3g} m {how} at t={out.t[-1]:.4g} s{at}: {out.reason}; "
+            'try other tolerances or method="edmc".'
+        )
+    return Run(
+        model, out.t, whole_q, whole_v, energy, choice.method, choice.dt, choice.reason,
+        status={DONE: "done", DIVERGED: "diverged"}.get(out.status, "unconverged"),
+        message=message,
+        work=Work(*map(int, out.counts)),
+        wall_time=wall_time,
+        warnings=choice.warnings,
+    )  # fmt: skip
