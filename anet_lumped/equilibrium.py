@@ -27,6 +27,7 @@ from .scene import Fixed, Free
 _f1, _f2 = float64[::1], float64[:, ::1]
 EPS = 2.220446049250313e-16
 ROUNDINGS = 6  # of |F|, from 1e-2 of the load down to 1e-12 of it
+UNSTRETCHED = 1e13  # stiffness over load of a cable that does not stretch, for the equilibrium: 1e-13 of its length
 ITERATIONS = 200  # of Newton for each of them
 
 
@@ -280,9 +281,11 @@ def equilibrium(scene, tolerance=1e-12):
     if model.n_driven < model.n:
         evaluate(0.0, net.paths, q[model.n_driven :], v[model.n_driven :], np.zeros((model.n - model.n_driven, 3)))
     load = dead_load(scene, model, q)
-    EA = np.array([cable.EA for cable in scene.cables])
+    finite = [cable.EA for cable in scene.cables if not cable.inextensible]
     total = float(np.linalg.norm(load[: model.n_free], axis=1).sum())
-    scale = total if total > 0 else float(EA.min())
+    scale = total if total > 0 else float(min(finite, default=1.0))
+    # a straight cable that does not stretch would have no flexibility at all along itself
+    EA = np.array([min(cable.EA, UNSTRETCHED * scale) if cable.inextensible else cable.EA for cable in scene.cables])
     H = _first_guess(model, load, q, scale)
     for name in (point.name for point in scene.points if isinstance(point, Free)):
         q[model.node(name)] = q[model.n_free :].mean(axis=0)

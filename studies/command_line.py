@@ -60,8 +60,12 @@ def simulate(
     t_end: Annotated[float, typer.Option(help="How long to run [s].")],
     method: Method = None,
     dt: Step = None,
+    rtol: Annotated[float | None, typer.Option(help="Adaptive steps: error of a step over the largest coordinate.")] = None,
     start: Start = None,
     save_every: Annotated[float | None, typer.Option(help="Time between saved states [s].")] = None,
+    change: Annotated[
+        list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
+    ] = (),
     audit: Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")] = False,
     out: Out = None,
     as_json: Json = False,
@@ -71,13 +75,38 @@ def simulate(
     from studies.summary import of_run
 
     try:
-        run = simulate(_load(scene), t_end, method=method, dt=dt, start=start or "equilibrium", save_every=save_every, audit=audit)
+        run = simulate(
+            _changed(_load(scene), change), t_end, method=method, dt=dt, rtol=rtol, start=start or "equilibrium",
+            save_every=save_every, audit=audit,
+        )  # fmt: skip
     except RunInterrupt as stopped:
         run = stopped.run
     _give(of_run(run), as_json, out, "run")
     if out:
         run.save(out / "run.nc")
     if not run.ok:
+        raise typer.Exit(1)
+
+
+@app.command(epilog="Example: anet-lumped recommend net_carried --error 1mm --at p0 --realtime 5")
+def recommend(
+    scene: Scene,
+    error: Annotated[str, typer.Option(help="Largest error of a place, as in 1mm, 0.05 cm or 0.001 (m).")],
+    at: Annotated[str | None, typer.Option(help="The free point that counts; all if not given.")] = None,
+    t_end: Annotated[float | None, typer.Option(help="Motion to look at [s]; two swings if not given.")] = None,
+    start: Start = None,
+    realtime: Annotated[float | None, typer.Option(help="How many times faster than real time it must run.")] = None,
+    as_json: Json = False,
+):
+    """Find the cheapest segments, method and step that keep an error. Its parts, the runner-up, and the command to run."""
+    from anet_lumped.recommend import recommend
+    from studies.summary import of_recommendation
+
+    found = recommend(_load(scene), _metres(error), at=at, t_end=t_end, start=start or "equilibrium", realtime=realtime)
+    _give(of_recommendation(found, scene), as_json)
+    if not found.fast_enough:
+        pace = found.best.times_real_time
+        _tell(f"within {error} it runs {pace:.3g} times faster than real time, and not {realtime:g} times; allow a larger error.")
         raise typer.Exit(1)
 
 
@@ -204,6 +233,32 @@ def _load(text):
         hint = nearest(text, bundled) or f"; the scenes that come with this are {', '.join(sorted(bundled))}."
         raise SceneError(f'There is no scene and no file "{text}"{hint}')
     return load_scene(bundled[text])
+
+
+def _changed(scene, texts):
+    """The scene with NAME=VALUE put in."""
+    from studies.vary import SETTINGS, VaryError, apply, parse_vary, read_values
+
+    values = read_values(scene, parse_vary(texts)) if texts else {}
+    for name, given in values.items():
+        if name in SETTINGS or len(given) != 1:
+            raise VaryError(f"What is set must be one value of a field of the scene, but `{name}` was given {given}.")
+    return apply(scene, {name: given[0] for name, given in values.items()})[0]
+
+
+def _metres(text):
+    """Metres in a text such as 1mm, 0.05 cm, 20um or 0.001."""
+    number = text.strip()
+    for unit, size in (("mm", 1e-3), ("cm", 1e-2), ("um", 1e-6), ("µm", 1e-6), ("m", 1.0)):
+        if number.endswith(unit):
+            number, factor = number.removesuffix(unit), size
+            break
+    else:
+        factor = 1.0
+    try:
+        return float(number) * factor
+    except ValueError:
+        raise ValueError(f'Option `--error` must be a length such as 1mm, 0.05cm or 0.001, but it is "{text}".') from None
 
 
 def _give(result, as_json=False, out=None, stem=""):

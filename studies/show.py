@@ -90,6 +90,8 @@ def _words(name):
 
 
 def _head(name):
+    if name.split("_")[-1] in SUFFIXES and "_" in name:
+        return column_head(name)
     unit = next((UNIT[word] for word in reversed(name.split("_")) if word in UNIT), "")
     return f"{_words(name)} [{unit}]" if unit else column_head(name)
 

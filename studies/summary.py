@@ -55,6 +55,44 @@ def _audit(audit) -> dict:
     }  # fmt: skip
 
 
+def of_recommendation(found, scene) -> dict:
+    """What is recommended for a scene (its name or file), what it costs, the parts of its error, and the command to run it."""
+    cables = found.scene.cables
+    alike = len({cable.segments for cable in cables}) == 1
+    changes = {"segments": cables[0].segments} if alike else {f"{name}.segments": n for name, n in found.segments.items()}
+    best = found.best
+    stepping = f"--dt {best.dt:.6g}" if best.rtol is None else f"--rtol {best.rtol:.2g}"
+    sets = " ".join(f"--set {name}={value}" for name, value in changes.items())
+    rows = [one for one in (best, found.runner_up) if one]
+    return {
+        "recommended": [
+            {
+                "": "best" if one is best else "runner-up",
+                "method": one.method,
+                "step_ms": None if one.dt is None else 1e3 * one.dt,
+                "rtol": one.rtol,
+                "time_error_mm": 1e3 * one.error,
+                "times_faster": one.times_real_time,
+            }
+            for one in rows
+        ],
+        "segments": [{"cable": name, "segments": n} for name, n in found.segments.items()],
+        "error": [
+            {
+                "of": ", ".join(found.points) or "middles",
+                "asked_mm": 1e3 * found.error,
+                "segments_mm": 1e3 * found.segments_error,
+                "time_mm": 1e3 * found.time_error,
+                "checked_mm": 1e3 * found.checked_error,
+                "elasticity_mm": 1e3 * found.elasticity,
+            }
+        ],
+        "motion_looked_at": found.t_end,
+        "command": f"anet-lumped simulate {scene} --t-end {found.t_end:.4g} --method {best.method} {stepping} "
+        f"{'' if found.start == 'equilibrium' else f'--start {found.start} '}{sets}",
+    }
+
+
 def before_run(scene, dt: float | None = None) -> dict:
     """What is known of a scene before any run: static stretch, top modes, the steps that each method takes, warnings.
 

@@ -23,7 +23,15 @@ def test_equilibrium_is_that_of_rigid_links():
     rest, stiff = equilibrium(four_cables(math.inf)), equilibrium(four_cables(1e9))
     assert rest.residual < 1e-14
     np.testing.assert_allclose(rest.q, stiff.q, atol=1e-8)
-    assert all(rest.length(cable.name) == pytest.approx(1.0, abs=1e-14) for cable in rest.scene.cables)
+    assert all(rest.length(cable.name) == pytest.approx(1.0, abs=1e-12) for cable in rest.scene.cables)
+
+
+@pytest.mark.parametrize("segments", [1, 2, 4, 8, 20, 300])
+def test_a_cable_that_hangs_straight_down(segments):
+    """Nothing is flexible in it along itself."""
+    rest = equilibrium(loose_cable(math.inf, segments=segments))
+    np.testing.assert_allclose(rest.position("b"), [0, 0, -1], atol=1e-12)
+    assert simulate(rest.scene, 0.5, method="edmc", dt=0.1, start=rest).ok
 
 
 def test_equilibrium_against_the_catenary():
