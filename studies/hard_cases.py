@@ -89,6 +89,7 @@ def by_method(runs):
 COLORS = {HELD: "#d6e6f4", REFUSED: "#dddddd", FAILED: "#d55e00"}
 SHORT = {  # what a refusal says -> its label
     "steps of": "steps",
+    "too few steps": "nodes",
     "error control": "steps",
     "force evaluations": "work",
     "at no step": "never stable",
@@ -148,7 +149,9 @@ def answer(rows):
     cases = runs["case"].nunique()
     default = counts.loc[DEFAULT]
     broken = runs[(runs["way"] == DEFAULT) & (runs["outcome"] == FAILED)]
-    lines = "; ".join(f"{run.case}: {textwrap.shorten(run.why, 150, placeholder=' ...')}" for run in broken.itertuples())
+    names = f": {'; '.join(broken['case'])}" if len(broken) else ""
+    lines = [f"{run.case}: {textwrap.shorten(run.why, 200, placeholder=' ...')}." for run in broken.itertuples()]
+    details = "What the default method fails by. " + " ".join(lines) if lines else "The default method fails in none."
     own = statements[statements["what"] == "rise of energy over the energy in play"]
     rises = own[own["way"] != DEFAULT].groupby("way", sort=False)["value"].max()
     quiet = ", ".join(f"{way} {rises[way]:.1g}" for way in ("edmc", "backward_euler") if way in rises)
@@ -162,12 +165,16 @@ def answer(rows):
     gained = failed[failed["outcome"] == "gained"]
     gainers = ", ".join(f"{way} {n}" for way, n in gained["way"].value_counts().items()) or "none"
     return f"""
-Of {cases} hard cases the default method holds {default[HELD]} and fails {default[FAILED]}{f" ({lines})" if lines else ""}.
+Of {cases} hard cases the default method holds {default[HELD]} and fails in {default[FAILED]}{names}. Of the methods that are
+asked for by name, {", ".join(never) or "none"} are never silently wrong: each statement of physics holds, or the library says
+why the method does not serve.
 
-Held, refused and failed by the methods that were asked for by name: {table}. Never silently wrong:
-{", ".join(never) or "none"}. A refusal is a status with advice, a warning before the run, or more work than is spent here:
-{NODE_STEPS:.0e} nodes times steps (explicit methods), {NODE_EVALUATIONS["RK45"]:.0e} nodes times force evaluations (scipy's
-explicit solvers) or {NODE_EVALUATIONS["BDF"]:.0e} (its stiff ones).
+{details}
+
+Held, refused and failed by the methods that were asked for by name: {table}. A refusal is a status with advice, a warning
+before the run, or more work than is spent here: {NODE_STEPS:.0e} nodes times steps (explicit methods),
+{NODE_EVALUATIONS["RK45"]:.0e} nodes times force evaluations (scipy's explicit solvers) or {NODE_EVALUATIONS["BDF"]:.0e} (its
+stiff ones).
 
 Energy without input, largest rise over the energy in play of runs that ended as done: {quiet or "not measured"}, which is
 Newton's tolerance and rounding; {loud or "none"} of the others by more than a tenth.

@@ -22,6 +22,7 @@ WAYS = (DEFAULT, *METHODS)
 NODE_STEPS = 1e7  # of an explicit run; beyond, it is refused for its number of steps
 NODE_EVALUATIONS = {"RK45": 4e5, "DOP853": 4e5, "Radau": 4e4, "BDF": 4e4, "LSODA": 4e4}
 """Nodes times force evaluations of a run with one of scipy's solvers; beyond, it is refused likewise."""
+FEWEST = 200  # evaluations that are worth a try
 NOT_ASKED = {  # what a scheme's own note in `anet_lumped.stability` denies
     "backward_euler": (ACCURACY, SPIN),  # damps the motion itself strongly
     "sdirk2": (SPIN,),  # nor do these promise angular momentum
@@ -120,6 +121,8 @@ def _too_many(case, method, dt, limit):
         most = NODE_STEPS / (4 if method == "rk4" else 1)
         if case.t_end / dt * nodes > most and math.isfinite(limit) and dt < limit:
             return f"{method} would need {case.t_end / dt:.2g} steps of {dt:.2g} s"
+    if method in SCIPY and _evaluations(case, method) < FEWEST:
+        return f"{method} may spend {_evaluations(case, method)} force evaluations on {nodes} nodes here, too few steps to try"
     if method in ("RK45", "DOP853") and case.t_end / limit * 8 > _evaluations(case, method):
         return f"{method} would need {case.t_end / limit:.2g} steps, as its error control is driven to {limit:.2g} s"
     return ""
