@@ -9,13 +9,14 @@ A stage y = y_p + tau dy/dt has q = q_p + tau v and v = v_p + tau a, which leave
 
     M a = f(t, q_p + tau (v_p + tau a), v_p + tau a) ,    corrected by    (M - tau df/dv - tau^2 df/dq) da = M a - f ,
 
-a system of second order whose structure the motion knows. The matrix is made once a step, at the first implicit stage (all
-have the same tau), as in diffrax's `VeryChord`; the iteration ends when what is left of the error, as far as its rate of
-convergence tells, is below `KAPPA` of the step's tolerance. Hairer & Wanner, Solving Ordinary Differential Equations II, IV.8.
+a system of second order whose structure the motion knows. All implicit stages have the same tau, so the matrix is made once a
+step, near its first one; the iteration ends when what is left of the error, as far as its rate of convergence tells, is below
+`KAPPA` of the step's tolerance. Hairer & Wanner, Solving Ordinary Differential Equations II, IV.8.
 
 JAX computes in float64 here: importing this module sets ``jax_enable_x64`` for the whole process.
 """
 
+import time
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
@@ -64,7 +65,7 @@ class Outcome(NamedTuple):
 
     ``status`` and ``counts`` as in `integrators.system`; ``reason`` says why it stopped and ``node`` where, if it diverged
     (else -1). ``q``, ``v`` (k, n_free, 3), ``put_in`` and ``dissipated`` (k,) [J] belong to the times ``t`` (k,) [s]: those
-    asked for, as far as it came, and at last the time it reached.
+    asked for, as far as it came, and at last the time it reached. ``wall_time`` [s] is without that of compiling.
     """
 
     status: int
@@ -76,6 +77,7 @@ class Outcome(NamedTuple):
     put_in: np.ndarray
     dissipated: np.ndarray
     counts: np.ndarray
+    wall_time: float
 
 
 class _State(NamedTuple):
@@ -120,13 +122,12 @@ def _norm(y):
 
 def _rates(t, y, args):
     """dy/dt."""
-    motion, stop = args
+    motion, stop, _ = args
     f, power = motion.force(t, stop, y.q, y.v)
     return _State(y.v, f / motion.mass[:, None], power, jnp.zeros(()))
 
 
 class _ChordState(NamedTuple):
-    factor: Any
     size: Any
     before: Any
     iterations: Any
@@ -140,31 +141,21 @@ class _Chord(optx.AbstractRootFinder):
     norm: Callable = _norm
 
     def init(self, fn, y, args, options, f_struct, aux_struct, tags):
-        """Factorise at the predicted stage, or take over the factors of an earlier one."""
-        if "init_state" in options:
-            return options["init_state"]
-        _, diagonal, _, _, t, behind, (motion, stop), dt = args
-        tau = diagonal * dt
-        v = behind.v + tau * y.v
-        place = t, stop, behind.q + tau * v, v, tau
-        shapes = jax.eval_shape(motion.factor, *place)
-        factor = lax.cond(  # diffrax asks for one with tau = 0 too, and never uses it
-            tau > 0.0, lambda: motion.factor(*place), lambda: jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), shapes)
-        )
-        return _ChordState(factor, jnp.array(jnp.inf), jnp.array(jnp.inf), jnp.array(0))
+        """Nothing done; the matrix comes with the arguments."""
+        return _ChordState(jnp.array(jnp.inf), jnp.array(jnp.inf), jnp.array(0))
 
     def step(self, fn, y, args, options, state, tags):
         """Correct the acceleration."""
-        _, diagonal, _, _, _, behind, (motion, _), dt = args
+        _, diagonal, _, _, _, behind, (motion, _, factor), dt = args
         tau = diagonal * dt
         off, aux = fn(y._replace(q=behind.v + tau * y.v), args)
-        correction = jnp.where(tau > 0.0, motion.solve(state.factor, motion.mass[:, None] * off.v), off.v)
+        correction = jnp.where(tau > 0.0, motion.solve(factor, motion.mass[:, None] * off.v), off.v)
         a = y.v - correction
         v = behind.v + tau * a
         scale_q, scale_v = (self.atol + self.rtol * jnp.abs(x) for x in (behind.q + tau * v, v))
         size = _norm(_State(tau * tau * correction / scale_q, tau * correction / scale_v, 0.0, 0.0))
         iterations = state.iterations + 1
-        return _State(v, a, y.energy, 1.0 * iterations), _ChordState(state.factor, size, state.size, iterations), aux
+        return _State(v, a, y.energy, 1.0 * iterations), _ChordState(size, state.size, iterations), aux
 
     def terminate(self, fn, y, args, options, state, tags):
         """Whether what is left of the error is small, or the iteration diverges."""
@@ -193,7 +184,7 @@ def _solver(method, rtol, atol):
 @eqx.filter_jit
 def _begin(solver, controller, motion, t, stop, first_step, y):
     """Memories of solver and controller at the start of a stretch, and dy/dt."""
-    term, args = diffrax.ODETerm(_rates), (motion, stop)
+    term, args = diffrax.ODETerm(_rates), (motion, stop, None)
     t_next, memory = controller.init(term, t, stop, y, first_step, args, solver.func, solver.order(term))
     return t_next, solver.init(term, t, t_next, y, args), (*memory[:2], jnp.array(memory[2])), _rates(t, y, args)
 
@@ -201,7 +192,7 @@ def _begin(solver, controller, motion, t, stop, first_step, y):
 @eqx.filter_jit
 def _advance(solver, controller, motion, stop, times, march):
     """Up to `AT_ONCE` steps towards ``stop``; saves at ``times``."""
-    term, args = diffrax.ODETerm(_rates), (motion, stop)
+    term, diagonal = diffrax.ODETerm(_rates), solver.tableau.a_diagonal
     order, last = solver.order(term), march.tried + AT_ONCE
     shortest = SHORTEST * (jnp.abs(march.t) + jnp.abs(stop))
 
@@ -211,6 +202,13 @@ def _advance(solver, controller, motion, stop, times, march):
     def step(m):
         left = stop - m.t
         t = jnp.where((m.t_next - m.t) * (1.0 + 1e-9) >= left, stop, m.t_next)
+        factor = None
+        if diagonal is not None:
+            tau = diagonal[-1] * (t - m.t)
+            ahead, a = 2.0 * tau, m.solver[1].v  # the first implicit stage; acceleration at the end of the last step, or zero
+            place = m.y.q + ahead * (m.y.v + 0.5 * ahead * a), m.y.v + ahead * a
+            factor = motion.factor(m.t + ahead, stop, *place, tau)
+        args = motion, stop, factor
         y, error, dense, memory, result = solver.step(term, m.t, t, m.y, args, m.solver, False)
         # a solver that keeps its last stage as the next step's first one has none to keep when it starts
         afresh = m.solver[0] if solver.tableau.fsal else jnp.array(True)
@@ -280,11 +278,14 @@ def march(method, motion, t0, t_end, stops, q, v, times, first_step, rtol, atol)
     for stop in jnp.asarray([*stops[(stops > t0) & (stops < t_end)].tolist(), float(t_end)]):
         first = jnp.minimum(first_step, stop - m.t)
         t_next, memory, controlled, rates = _begin(solver, controller, motion, m.t, stop, first, m.y)
+        m = _typed(m._replace(t_next=t_next, solver=memory, controller=controlled))
         starts += 1
+        if starts == 1:
+            _advance(solver, controller, motion, stop, saving, m._replace(failure=_typed(zero + NOT_FINITE)))
+            began = time.perf_counter()  # what was needed is compiled, by a march of no step
         if not np.isfinite(rates.v).all():
             failure, node = NOT_FINITE, _largest(rates.v)
             break
-        m = _typed(m._replace(t_next=t_next, solver=memory, controller=controlled))
         while m.t < stop and failure == FINE and m.tried < MOST:
             m = _advance(solver, controller, motion, stop, saving, m)
             failure = int(m.failure)
@@ -296,7 +297,7 @@ def march(method, motion, t0, t_end, stops, q, v, times, first_step, rtol, atol)
     if failure == NOT_FINITE and m.tried == 0:
         reason = "the force at the start is not finite"
     elif status == DIVERGED:
-        node = _largest(_rates(m.t, m.y, (motion, stop)).v)
+        node = _largest(_rates(m.t, m.y, (motion, stop, None)).v)
     saved, out, reached = int(m.saved), [np.array(a) for a in m.out[:3]], float(m.t)
     times = np.append(times, 0.0)
     if status != DONE and reached > times[saved - 1]:
@@ -306,7 +307,7 @@ def march(method, motion, t0, t_end, stops, q, v, times, first_step, rtol, atol)
         saved += 1
     return Outcome(
         status, reason, node, times[:saved], out[0][:saved], out[1][:saved], out[2][:saved, 1], out[2][:saved, 0],
-        _counts(method, m, starts),
+        _counts(method, m, starts), time.perf_counter() - began,
     )  # fmt: skip
 
 
