@@ -88,7 +88,7 @@ def _first(net, c):
     return (*G, -row[0] * T, -row[1] * T, -row[2] * T)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _pass(state, D, r, row, out):
     """Eliminate a node, with stiffness D and right-hand side r of its own, through the segment ahead of it.
 
@@ -167,8 +167,11 @@ def eliminate_cables(place):
     net = net_at(place)
     diagonal, right, factor, segment, block = net.diagonal, net.right, net.factor, net.segment, net.points.block
     P = net.n_free - net.n_interior
-    block[:P] = diagonal[net.n_interior :]
     block[P:] = 0.0
+    for p in range(P):
+        for x in range(3):
+            for y in range(3):
+                block[p, x, y] = diagonal[net.n_interior + p, x, y]
     c = 0
     while c < net.cable.shape[0]:
         first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
@@ -256,7 +259,9 @@ def _eliminate_bordered(place, c, D, r, row, out):
                 turned[x, i] = Q[x, 0] * H[0, i] + Q[x, 1] * H[1, i] + Q[x, 2] * H[2, i]
             for u in range(4):
                 P[x, u] += Q[x, 0] * border[u] + Q[x, 1] * border[4 + u] + Q[x, 2] * border[8 + u]
-        Q[:], C[:] = turned, fresh
+        for x in range(3):
+            for u in range(4):
+                Q[x, u], C[x, u] = turned[x, u], fresh[x, u]
     # T = T_0 + k_0 g_0 . (d_first - d_start), solved for T: = tie . (d_end, d_start) + constant
     tie = net.factor[net.cable[c, FIRST_SEGMENT]]
     rho = 1.0 / (1.0 - k0 * (g0[0] * P[0, 3] + g0[1] * P[1, 3] + g0[2] * P[2, 3]))

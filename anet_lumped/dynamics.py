@@ -153,7 +153,7 @@ def _law(stage, stretch, before, k, c, two_spring, two_damper, numerical):
     return T, of_stretch + of_rate / stage.tau, 0.0
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def _linearise(stage, q0, q1, a0, a1, law, guess, light, rigid, row):
     """Force of a segment on the node at its start, and its tension; writes the linearised law to ``row``.
 

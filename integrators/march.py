@@ -65,16 +65,19 @@ def worst_node(q, v):
 
 
 @njit(cache=True, error_model="numpy")
+def copy(of, to):
+    """Copy a flat array; an assignment of arrays would compile for seconds, for the errors that it may raise."""
+    for i in range(of.shape[0]):
+        to[i] = of[i]
+
+
+@njit(cache=True, error_model="numpy")
 def keep(q, v, carried, balance, q_to, v_to, carried_to, balance_to):
     """Copy a state and what a scheme carries with it."""
-    Q, V, Q_to, V_to, C, C_to = q.ravel(), v.ravel(), q_to.ravel(), v_to.ravel(), carried.ravel(), carried_to.ravel()
-    for i in range(Q.shape[0]):
-        Q_to[i] = Q[i]
-        V_to[i] = V[i]
-    for i in range(C.shape[0]):
-        C_to[i] = C[i]
-    for i in range(balance.shape[0]):
-        balance_to[i] = balance[i]
+    copy(q.ravel(), q_to.ravel())
+    copy(v.ravel(), v_to.ravel())
+    copy(carried.ravel(), carried_to.ravel())
+    copy(balance, balance_to)
 
 
 @njit(cache=True, error_model="numpy")
@@ -83,9 +86,9 @@ def save(system, net, k, t, q, v, balance, out_t, out_q, out_v, out_balance, out
     system.observe(q, v, net, out_seen[k])
     system.energy(t, q, v, net, balance)
     out_t[k] = t
-    out_q[k] = q
-    out_v[k] = v
-    out_balance[k] = balance[:5]
+    copy(q.ravel(), out_q[k].ravel())
+    copy(v.ravel(), out_v[k].ravel())
+    copy(balance[:5], out_balance[k])
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -180,14 +183,13 @@ def adaptive_steps(
     """
     begin(system, net, t0, q, v, memory, counts, balance)
     system.energy(t0, q, v, net, balance)
-    out_q[0], out_v[0], out_balance[0] = q, v, balance[:5]
-    system.observe(q, v, net, out_seen[0])
+    save(system, net, 0, t0, q, v, balance, out_t, out_q, out_v, out_balance, out_seen)
     seen_a, seen_b = out_seen[0].copy(), out_seen[0].copy()
     saved, t, h, total, before = 1, t0, dt, 0.0, 1.0
     kept = abs(kept)  # an explicit scheme carries the force at the end of its last step
     carried = memory[:kept]
     q_a, v_a, kept_a, balance_a = q.copy(), v.copy(), carried.copy(), balance.copy()
-    q_1, v_1, shown = q.copy(), v.copy(), balance.copy()
+    q_1, shown = q.copy(), balance.copy()
     corner, rejections = 0, 0
     while t < t_end:
         if stop[0] != 0:
@@ -203,7 +205,7 @@ def adaptive_steps(
         keep(q, v, carried, balance, q_a, v_a, kept_a, balance_a)
         error = np.inf
         if step(system, net, t, h, q, v, memory, options, counts, balance) == DONE:
-            q_1[:], v_1[:] = q, v
+            copy(q.ravel(), q_1.ravel())
             keep(q_a, v_a, kept_a, balance_a, q, v, carried, balance)
             if step(system, net, t, 0.5 * h, q, v, memory, options, counts, balance) == DONE:
                 if step(system, net, t + 0.5 * h, 0.5 * h, q, v, memory, options, counts, balance) == DONE:
@@ -218,16 +220,16 @@ def adaptive_steps(
             counts[STEPS] += 1
             total += error * (atol + rtol * np.max(np.abs(q)))
             end = goal if t + h >= goal - 1e-9 * h else t + h
-            seen_a[:] = seen_b
+            copy(seen_b, seen_a)
             system.observe(q, v, net, seen_b)
             while saved < out_t.shape[0] and out_t[saved] <= end:
                 theta = (out_t[saved] - t) / (end - t)
                 for i in range(seen_a.shape[0]):
                     out_seen[saved, i] = (1.0 - theta) * seen_a[i] + theta * seen_b[i]
                 interpolate(theta, end - t, q_a, v_a, q, v, out_q[saved], out_v[saved])
-                shown[:] = balance
+                copy(balance, shown)
                 system.energy(out_t[saved], out_q[saved], out_v[saved], net, shown)
-                out_balance[saved] = shown[:5]
+                copy(shown[:5], out_balance[saved])
                 saved += 1
             t = end
             grow = 0.9 * max(error, 1e-8) ** (-0.7 / (order + 1.0)) * max(before, 1e-8) ** (0.4 / (order + 1.0))
