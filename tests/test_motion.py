@@ -476,7 +476,7 @@ LOOSE = loose_cable()
         (dict(rtol=-1.0), "`rtol` must be positive and finite, but it is -1.0"),
         (dict(atol=0.0), r"`atol` must be positive and finite \[m\], but it is 0.0"),
         (dict(method="verlett"), 'must be one of .*, but it is \'verlett\', did you mean "verlet"'),
-        (dict(method="gear"), "`method` must be one of explicit_euler, .* LSODA, but it is 'gear'"),
+        (dict(method="gear"), "`method` must be one of explicit_euler, .* Kvaerno5, but it is 'gear'"),
         (dict(method=3), "must be one of .* but it is 3"),
         (dict(method="verlet", rho_inf=0.5), "`rho_inf` belongs to edmc and generalised_alpha, but the method is verlet"),
         (dict(method="edmc", rho_inf=1.5), "`rho_inf` must lie between 0 and 1, but it is 1.5"),
