@@ -35,7 +35,7 @@ jax.config.update("jax_enable_x64", True)
 EXPLICIT = {"Tsit5": diffrax.Tsit5}
 IMPLICIT = {"Kvaerno3": diffrax.Kvaerno3, "Kvaerno5": diffrax.Kvaerno5}
 MOST = 5_000_000  # steps tried in a run; a bound on what is otherwise unbounded
-AT_ONCE = 500  # steps tried before Python has a look, which lets Ctrl-C through
+AT_ONCE = 100  # steps tried before Python has a look, which lets Ctrl-C through
 LARGEST = 1e12  # [m], [m/s] beyond any sense
 KAPPA = 1e-2
 ITERATIONS = 10  # for a stage, before the step is tried with a fifth of its length, as diffrax has it
