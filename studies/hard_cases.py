@@ -46,7 +46,7 @@ def compute(quick=False, executor=None, out=None):
     return {
         "outcomes": runs.pivot(index="case", columns="way", values="outcome").loc[list(cases), list(ways)].reset_index(),
         "by_method": by_method(runs),
-        "failed": runs[runs["outcome"] == FAILED][["case", "way", "why"]],
+        "failed": runs[runs["outcome"] == FAILED][["case", "way", "why", "audit"]],
         "runs": runs,
         "statements": statements,
         "random_trials": trials.pivot_table(index="way", columns="outcome", aggfunc="size", fill_value=0).reset_index(),
@@ -68,6 +68,7 @@ def one(row):
         "step_ms": 1e3 * found.dt,
         "steps": found.steps,
         "seconds": found.seconds,
+        "audit": found.audit,
         "statements": json.dumps(statements),
     }
 
@@ -158,6 +159,9 @@ def answer(rows):
     loud = ", ".join(f"{way} {rise:.2g}" for way, rise in rises.items() if rise > 0.1)
     table = "; ".join(f"{way} {line[HELD]}, {line[REFUSED]}, {line[FAILED]}" for way, line in counts.drop(DEFAULT).iterrows())
     never = [way for way, line in counts.drop(DEFAULT).iterrows() if line[FAILED] == 0]
+    missed = rows["failed"][rows["failed"]["audit"] == "done"]
+    seen = len(rows["failed"]) - len(missed)
+    unseen = ", ".join(f"{way} {n}" for way, n in missed["way"].value_counts(sort=False).items()) or "none"
     trials = rows["random_trials"].set_index("way")
     total = int(trials.to_numpy().sum())
     failed = rows["random_failures"]
@@ -175,6 +179,9 @@ Held, refused and failed by the methods that were asked for by name: {table}. A 
 before the run, or more work than is spent here: {NODE_STEPS:.0e} nodes times steps (explicit methods),
 {NODE_EVALUATIONS["RK45"]:.0e} nodes times force evaluations (scipy's explicit solvers) or {NODE_EVALUATIONS["BDF"]:.0e} (its
 stiff ones).
+
+An audit of the run (`audit=True`) finds {seen} of the {len(rows["failed"])} failures and ends as "audit failed"; it misses, by
+method: {unseen}.
 
 Energy without input, largest rise over the energy in play of runs that ended as done: {quiet or "not measured"}, which is
 Newton's tolerance and rounding; {loud or "none"} of the others by more than a tenth.

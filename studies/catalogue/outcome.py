@@ -44,6 +44,7 @@ class Outcome:
     dt : float [s]
     steps : int
     seconds : float, of the march
+    audit : str, status of the same run with ``audit=True``, if it failed
     """
 
     outcome: str
@@ -53,6 +54,7 @@ class Outcome:
     dt: float = math.nan
     steps: int = 0
     seconds: float = 0.0
+    audit: str = ""
 
 
 def meet(case: Case, way: str) -> Outcome:
@@ -90,10 +92,13 @@ def _meet(case, method, way):
         statements.insert(0, energy_statement(run))
     asked = tuple(s for s in statements if s.kind not in NOT_ASKED.get(run.method, ()))
     broken = [s for s in asked if not s.holds]
-    return Outcome(FAILED if broken else HELD, "; ".join(map(str, broken)), asked, **done)
+    if not broken:
+        return Outcome(HELD, "", asked, **done)
+    audited, _ = _run(case, method, dt, audit=True)
+    return Outcome(FAILED, "; ".join(map(str, broken)), asked, audit=audited.status, **done)
 
 
-def _run(case, method, dt):
+def _run(case, method, dt, audit=False):
     """The run and what the library warned of before it."""
     with warnings.catch_warnings(record=True) as caught, bounded(_evaluations(case, method)):
         warnings.simplefilter("always")
@@ -101,7 +106,7 @@ def _run(case, method, dt):
         if every is not None and method not in SCIPY:
             whole = dt or choose(case.scene, method, None, False).dt
             dt = every / math.ceil(every / whole * (1 - 1e-12))  # steps that end on what is saved
-        run = simulate(case.scene, case.t_end, method=method, dt=dt, start=case.begin(), save_every=every)
+        run = simulate(case.scene, case.t_end, method=method, dt=dt, start=case.begin(), save_every=every, audit=audit)
     return run, next((str(w.message) for w in caught if issubclass(w.category, StabilityWarning)), "")
 
 
