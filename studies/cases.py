@@ -10,7 +10,7 @@ from studies.speed import net
 
 LOOSE_END, NET_END, SHOCK_END = 1.0, 4.0, 2.0  # [s]; the loose cable is chaotic from 1.2 s on
 LOOSE_SAVE, NET_SAVE = 0.02, 0.04  # [s] between the places that are compared
-LOOSE_STEPS = (10e-3, 5e-3, 2.5e-3, 1.25e-3, 0.625e-3, 0.3125e-3, 0.15625e-3)  # [s] of implicit schemes, coarse to fine
+LOOSE_STEPS = (10e-3, 5e-3, 2.5e-3, 1.25e-3, 0.625e-3, 0.3125e-3, 0.15625e-3, 0.078125e-3)  # [s] of implicit schemes
 NET_STEPS = (40e-3, 20e-3, 10e-3, 5e-3, 2.5e-3, 1.25e-3)  # [s]
 SHOCK_STEPS = (20e-3, 10e-3, 5e-3, 2.5e-3, 1.25e-3, 0.625e-3)  # [s]
 STOPPED_AT, STOPPED_STEP = 2.0, 1e-3  # [s]: when the carried net is stopped, and the step of generalised-alpha until then

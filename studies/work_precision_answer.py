@@ -5,7 +5,7 @@ import numpy as np
 from studies.contestants import OURS, OWN_CHOICE
 
 NET, LOOSE = "carried net", "loose cable"
-NET_TARGET, LOOSE_TARGET, LOOSE_EA = 0.1, 1.0, 1e6  # [mm], [mm], [N]
+NET_TARGET, FINER, LOOSE_TARGET, LOOSE_EA = 0.1, 0.01, 1.0, 1e6  # [mm], [mm], [mm], [N]
 SEGMENTS = 20
 TURNING = "midpoint", "generalised_alpha"
 
@@ -36,11 +36,12 @@ def _net_lines(rows):
 
 
 def _against(line):
-    """A comparison with the best other engine in words; empty where there is none."""
+    """The best other engine beside ours in words; empty where there is none."""
     if not np.isfinite(line["peer_s"]):
         return ""
-    finer = "" if line["peer_error_mm"] >= line["target_mm"] else f", at its coarsest, {line['peer_error_mm']:.2g} mm"
-    return f"{line['ratio']:.3g} (beside {line['best_peer']}{finer})"
+    coarsest = line["peer_error_mm"] < line["target_mm"]
+    finer = f", whose fastest run leaves {line['peer_error_mm']:.2g} mm" if coarsest else ""
+    return f"{line['ratio']:.2g} times as long in the best other engine, {line['best_peer']}{finer}"
 
 
 def _finding(rows):
@@ -50,10 +51,19 @@ def _finding(rows):
         f"With p0 within {NET_TARGET} mm the carried net runs {min(paces):.0f} to {max(paces):.0f} times faster than real time on "
         f"one core, with {_listed(line['best_ours'] for line in lines)}, at EA = {_listed(_EA(line['EA_N']) for line in lines)}. "
     )
-    ratios = [f"{_against(line)} at EA = {_EA(line['EA_N'])}" for line in lines if _against(line)]
-    if not ratios:
+    compared = [line for line in lines if np.isfinite(line["peer_s"])]
+    if not compared:
         return text + "Other engines are not installed here, so that nothing is said of them."
-    return text + f"The best other engine takes longer for the same error by a factor of {_listed(ratios)}."
+    ratios = [f"{line['ratio']:.2g} at {_EA(line['EA_N'])}" for line in compared]
+    best = _listed(line["best_peer"] for line in compared)
+    text += f"The best other engine, {best}, takes longer by a factor of {_listed(ratios)}"
+    own = max(line["peer_error_mm"] for line in compared)
+    if own >= NET_TARGET:
+        return text + "."
+    finer = [_line(rows, NET, line["EA_N"], FINER) for line in compared]
+    ratios = [f"{line['ratio']:.2g} at {_EA(line['EA_N'])}" for line in finer if np.isfinite(line["ratio"])]
+    text += f", at the longest step that holds there, which leaves {own:.2g} mm"
+    return text + (f"; for errors of {FINER} mm the factor is {_listed(ratios)}." if ratios else ".")
 
 
 def _listed(words):
@@ -69,7 +79,7 @@ def _loose(rows):
         f"The loose cable at EA = {_EA(LOOSE_EA)}, let go from the horizontal, runs {line['ours_times_real_time']:.0f} times "
         f"faster than real time with its tip within {LOOSE_TARGET:g} mm up to 1 s, with {line['best_ours']}"
     )
-    return text + (f"; the ratio is {_against(line)}." if _against(line) else ".")
+    return text + (f"; the same error takes {_against(line)}." if _against(line) else ".")
 
 
 def _stiffness(rows):
@@ -99,10 +109,10 @@ def _size(rows):
     first, last = table.iloc[0], table.iloc[-1]
     return (
         f"Cost grows with the number of nodes to the power {slope:.2f} at the same step and with it the same error: "
-        f"{1e3 * first['wall_s']:.2g} ms for a second of motion with {first['nodes']} nodes, {last['wall_s']:.2g} s with "
-        f"{last['nodes']}, p0 off by {table['error_mm'].min():.2g} to {table['error_mm'].max():.2g} mm, "
+        f"{1e3 * first['wall_s']:.2g} ms for a second of motion with {int(first['nodes'])} nodes, {last['wall_s']:.2g} s with "
+        f"{int(last['nodes'])}, p0 off by {table['error_mm'].min():.2g} to {table['error_mm'].max():.2g} mm, "
         f"{table['newton_per_step'].min():.2f} to {table['newton_per_step'].max():.2f} Newton iterations a step. verlet would need "
-        f"{last['verlet_predicted_s']:.2g} s with {last['nodes']} nodes, because its step shrinks as they grow."
+        f"{last['verlet_predicted_s']:.2g} s with {int(last['nodes'])} nodes, because its step shrinks as they grow."
     )
 
 
@@ -148,8 +158,8 @@ def _shocks(rows):
     worst = jerked[jerked["method"].isin(TURNING)].groupby("motion")["error_mm"].max()
     edmc = jerked[jerked["method"] == "edmc"].groupby("motion")["error_mm"]
     return (
-        "A net that is stopped at once, or loses its load, slackens and snaps taut. Schemes that keep the energy of axial waves at "
-        f"best go astray there: {' and '.join(TURNING)} are off by up to "
+        "A net that is stopped at once slackens and snaps taut, one that loses its load rings. Schemes that do not damp axial "
+        f"waves, or hardly, go astray there: {' and '.join(TURNING)} are off by up to "
         f"{_listed(f'{value:.0f} mm ({name})' for name, value in worst.items())}. edmc comes to within "
         f"{_listed(f'{value:.2g} mm ({name})' for name, value in edmc.min().items())} at the steps tried, from "
         f"{_listed(f'{value:.2g} mm' for value in edmc.max())}; what is below takes steps that resolve the axial waves."
@@ -172,14 +182,10 @@ def _left_out(rows):
     left, failed = runs[runs["status"] == "left out"], runs[~runs["status"].isin(("left out", "done", "refused"))]
     text = "Left out: compile time, which the table of first calls has; more than one core; memory; "
     if len(left):
-        text += (
-            f"{len(left)} of {len(runs)} runs that would take longer than their bound, of "
-            f"{_listed(sorted({f'{line.engine} {line.method}'.removeprefix(OURS).strip() for line in left.itertuples()}))}; "
-        )
+        text += f"settings that would take longer than their bound, a row each that says so ({len(left)}); "
     if len(failed):
-        who = _listed(sorted(set(failed["engine"] + " " + failed["method"])))
-        text += f"{len(failed)} runs did not reach their end, of {who}; "
-    refused = [f"{line.engine} ({line.motion})" for line in rows["refused"].itertuples()]
-    if refused:
-        text += f"motions that an engine does not take: {_listed(refused)}; "
+        who = _listed(sorted(set((failed["engine"] + " " + failed["method"]).str.strip())))
+        text += f"the errors of {len(failed)} runs that did not reach their end ({who}); "
+    if len(rows["refused"]):
+        text += "motions that an engine does not take, in the table of those refused; "
     return text + "settings between those tried, which are interpolated."

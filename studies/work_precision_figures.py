@@ -12,6 +12,7 @@ STYLES = {  # of our methods: colour, marker
 }  # fmt: skip
 OTHER = ("0.6", "x")
 PEER_COLOURS = ("deeppink", "darkviolet", "limegreen", "saddlebrown", "teal")
+SEEN = 1e-7  # [mm] that smaller errors are drawn at
 LOST = 1e3  # [mm] as far as the axes go: whoever is a metre off is lost
 MARKS = "osv^D"
 COLUMNS = 4
@@ -40,6 +41,8 @@ def stiffness(EA):
 
 
 def _races(runs):
+    from matplotlib.ticker import NullFormatter
+
     motions = list(runs.groupby(["motion", "EA_N", "segments"], sort=False))
     columns = min(COLUMNS, len(motions))
     lines = -(-len(motions) // columns)
@@ -60,17 +63,19 @@ def _races(runs):
                 mark = MARKS[list(done[done["engine"] == engine]["method"].unique()).index(method)]
                 look = {"color": PEER_COLOURS[engines.index(engine)], "marker": mark, "ls": "--", "lw": 1.2, "ms": 4, "mfc": "none"}
                 label = f"{engine} {method}".strip()
-            handles.setdefault(label, panel.loglog(line["wall_s"], line["error_mm"], **look)[0])
-        low = min(done["error_mm"].min(), floor)
-        panel.set_ylim(max(low / 2, 1e-7), LOST)
+            handles.setdefault(label, panel.loglog(line["wall_s"], line["error_mm"].clip(lower=SEEN), **look)[0])
+        panel.set_ylim(max(done["error_mm"].min(), SEEN) / 2, LOST)
+        panel.set_xlim(10 ** np.floor(np.log10(done["wall_s"].min())), 10 ** np.ceil(np.log10(done["wall_s"].max())))
         panel.axhspan(1e-12, floor, color="0.9", lw=0)
         panel.set_title(f"{motion}, {stiffness(EA)}, {segments} segments", fontsize=8)
         panel.grid(color="0.9", lw=0.5)
         panel.tick_params(labelsize=8)
+        panel.xaxis.set_minor_formatter(NullFormatter())
+    for panel in panels[max(0, len(motions) - columns) : len(motions)]:
+        panel.set_xlabel("wall time [s]", fontsize=9)
     for panel in panels[len(motions) :]:
         panel.axis("off")
-    figure.supxlabel("wall time [s]", fontsize=10)
-    figure.supylabel("largest error of p0 or the tip [mm]", fontsize=10)
+    figure.supylabel(f"largest error of p0 or the tip [mm], {SEEN:g} for less", fontsize=10)
     handles["both references differ by this"] = panels[0].fill_between([], [], color="0.9")
     order = sorted(handles, key=lambda name: (name not in STYLES, name.startswith("both")))
     figure.legend([handles[name] for name in order], order, loc="outside lower center", ncols=6, frameon=False, fontsize=8)
