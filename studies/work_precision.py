@@ -30,10 +30,11 @@ LOOSE_STIFFNESSES = (1e4, 1e6)  # [N]
 SHOCK_EA = 1e6  # of the net that is stopped, and of that which drops its load [N]
 FINE_EA, FINE_SEGMENTS = 1e6, (80, 320)
 TARGETS_MM = (10.0, 1.0, 0.1, 0.01)
-LONGEST = 1.2  # [s] of wall time: after a run that took longer a method's finer settings are left out
-CHEAP, REPEATS = 0.1, 5  # [s] and runs of what takes less
+LONGEST = 0.8  # [s] of wall time: after a run that took longer a method's finer settings are left out
+CHEAP, REPEATS = 0.1, 3  # [s] and runs of what takes less
 SOFT, COARSE = 1e4, 20  # [N] and segments, up to which solvers of other packages are run
 PILOT = 0.125  # of the time between two saves: a run to predict the cost of a whole one by
+LONG_PILOT = 0.1  # of the whole time, for solvers of other packages, whose steps differ much
 GROWTH_SEGMENTS = (20, 80, 320, 2500, 25_000)  # of each of the net's four cables, up to 1e5 nodes
 GROWTH_EA, GROWTH_END, GROWTH_STEP = 1e6, 1.0, 10e-3  # [N], [s], [s]
 GROWTH_REFERENCE = (4e-3, 2e-3)  # [s] steps of generalised-alpha, extrapolated
@@ -129,10 +130,12 @@ def _names(case):
 def _too_long(case, one):
     """Why even the coarsest setting is left out, by the pace of a short run; empty if it is not."""
     own = one.engine == contestants.OURS
-    if own and contestants.from_elsewhere(one.method) and (case.EA > SOFT or case.segments > COARSE):
+    elsewhere = own and contestants.from_elsewhere(one.method)
+    if elsewhere and (case.EA > SOFT or case.segments > COARSE):
         return f"solvers of other packages are run to EA = {SOFT:g} N and {COARSE} segments only"
     setting, expected = one.settings[0], np.inf
     duration = min(case.save_every, max(PILOT * case.save_every, setting.get("dt", case.save_every)))
+    duration = LONG_PILOT * case.t_end if elsewhere else duration
     for _ in range(2 if own else 1):  # the first may compile
         if expected > LONGEST:
             expected = one.run(duration, setting).wall * case.t_end / duration
@@ -197,7 +200,7 @@ def equal_errors(runs):
     for keys, part in runs.groupby(["motion", "EA_N", "segments"], sort=False):
         for target in TARGETS_MM:
             best = {}
-            for (engine, method), line in part.groupby(["engine", "method"], sort=False):
+            for (engine, method), line in part[part["method"] != contestants.OWN_CHOICE].groupby(["engine", "method"], sort=False):
                 errors = np.maximum(line["error_mm"], line["reference_mm"])
                 time, error = time_at(errors, line["wall_s"], target)
                 side = "ours" if engine == contestants.OURS else "peer"
