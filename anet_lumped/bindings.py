@@ -23,6 +23,7 @@ def system(model):
         settle=first_class(dynamics.settle),
         adopt=first_class(dynamics.adopt),
         forget=first_class(dynamics.forget),
+        calm=first_class(dynamics.calm),
         observe=first_class(dynamics.observe),
         energy=first_class(dynamics.energies),
         per_mass=np.repeat(1.0 / model.mass, 3).reshape(-1, 3),

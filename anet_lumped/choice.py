@@ -15,6 +15,7 @@ from .scene import Driven
 # two Newton iterations.
 EXPLICIT_COST, IMPLICIT_COST = 14e-9, 200e-9  # [s]
 OF_LIMIT = 0.5  # of the predicted limit for an explicit step: a cable that whips undamped gains energy from 0.6 of it on
+CALM = 0.01  # damping ratio from which on a cable that goes slack and snaps taut does not pump an explicit step
 OF_TIME_SCALE = 1.0 / 32.0  # of the motion's time scale for an implicit one: 10 ms for a metre of hanging cable
 
 
@@ -80,20 +81,23 @@ def choose(scene, method=None, dt=None, adaptive=False):
     limit = prediction.limits["verlet"].step
     motion = OF_TIME_SCALE * time_scale(scene)
     explicit = OF_LIMIT * limit
+    whips = next((c.name for c in scene.cables if c.compression != "linear" and c.damping_ratio < CALM), None)
     if method is None and adaptive:
         method, why = "edmc", "adaptive steps: no limit of stability, and no energy gained"
     elif method is None and dt is not None:
-        method = "verlet" if dt <= explicit else "edmc"
+        method = "verlet" if dt <= explicit and whips is None else "edmc"
         why = f"dt={dt:.3g} s is {'within' if dt <= explicit else 'beyond'} the stable step of verlet, {limit:.3g} s"
     elif method is None:
         cost = EXPLICIT_COST / explicit if explicit > 0 else math.inf, IMPLICIT_COST / motion
-        method = "verlet" if cost[0] <= cost[1] else "edmc"
+        method = "verlet" if cost[0] <= cost[1] and whips is None else "edmc"
         why = (
             f"a second of motion costs {cost[0] * 1e6:.3g} µs a node with verlet at {explicit:.3g} s (stable to {limit:.3g} s) and "
             f"{cost[1] * 1e6:.3g} µs with edmc at {motion:.3g} s (1/{1 / OF_TIME_SCALE:.0f} of the motion's time scale)"
         )
     else:
         why = "asked for"
+    if whips is not None and why != "asked for":
+        why += f'; cable "{whips}" may go slack undamped, where an explicit step gains energy'
     of_method = prediction.limits[method].step
     if dt is None:
         if method in schemes.EXPLICIT:

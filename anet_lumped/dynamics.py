@@ -458,13 +458,56 @@ def settle(stage, base, q, place, energy):
     energy[0], energy[1] = put_in, dissipated
 
 
+@njit(float64(STAGE, _f2, int64), cache=True, error_model="numpy", fastmath={"contract"})
+def calm(stage, v, place):
+    """Take out of the velocities what rings: rates of length that a step of law ``BETWEEN`` cannot resolve.
+
+    Where stretching is over within a step, v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for ever, while the
+    places are at rest. Each taut segment, forth and back along every cable, takes from the rate at which its length changes a
+    share s'/(1 + s') of what that differs from the step's own, s' = (h/4 + c/2k) h omega^2, by equal and opposite impulses
+    along itself: momenta are kept, the rate never grows and the kinetic energy falls. Of third order where the step resolves.
+
+    Returns
+    -------
+    lost : float64 [J]
+    """
+    net, lost, h = net_at(place), 0.0, stage.tau
+    for c in range(net.cable.shape[0]):
+        first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
+        start, end, of = net.cable[c, START], net.cable[c, END], net.law[c]
+        stiff = 1e300 if of[6] > 0.0 else (0.25 * h + 0.5 * of[2] / of[1]) * h * of[5]
+        share = 2.0 * stage.dissipation * (stiff / (1.0 + stiff))
+        for way in range(2):
+            for k in range(count):
+                j = k if way == 0 else count - 1 - k
+                if net.tension[first + j] <= 0.0:
+                    continue
+                i1, i2 = node + j - 1 if j > 0 else start, node + j if j < count - 1 else end
+                m1, m2 = 1.0 / net.mass[i1] if i1 < net.n_free else 0.0, 1.0 / net.mass[i2] if i2 < net.n_free else 0.0
+                row, v1, v2 = net.segment[first + j], v[i1], v[i2]
+                nx, ny, nz = row[GRADIENT], row[GRADIENT + 1], row[GRADIENT + 2]
+                rate = nx * (v2[0] - v1[0]) + ny * (v2[1] - v1[1]) + nz * (v2[2] - v1[2])
+                less = share * (rate - (row[STRETCH] - row[BEFORE]) / h)
+                if less * rate <= 0.0 or m1 + m2 == 0.0:
+                    continue
+                if abs(less) > abs(rate):
+                    less = rate
+                impulse = less / (m1 + m2)
+                lost += impulse * (rate - 0.5 * less)
+                a, b = impulse * m1, impulse * m2
+                v1[0], v1[1], v1[2] = v1[0] + a * nx, v1[1] + a * ny, v1[2] + a * nz
+                v2[0], v2[1], v2[2] = v2[0] - b * nx, v2[1] - b * ny, v2[2] - b * nz
+    return lost
+
+
 @njit(void(_f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})
 def observe(q, v, place, tension):
     """Tension of every segment in a state (n_segments,) [N], overwritten.
 
     By the law at one time; after a step of law ``BETWEEN`` by the tension that acted over it and what the law says of the
     difference between the end and the mean of the step, in which an error of the places is not multiplied by the stiffness.
-    Nor is one of the rates by the damper: where the step does not resolve the stretching, the rate is that of the step.
+    Nor is one of the rates by the damper: where the step does not resolve the stretching, or how it is damped, the rate is
+    that of the step.
     """
     net = net_at(place)
     for c in range(net.cable.shape[0]):
@@ -482,13 +525,13 @@ def observe(q, v, place, tension):
                 rate = dx * (v[i, 0] - v[before, 0]) + dy * (v[i, 1] - v[before, 1]) + dz * (v[i, 2] - v[before, 2])
                 rate /= max(l, 1e-12 * L0)
                 T, spring = tension_parts(l - L0, rate, k, damper, two_spring, two_damper)
-                if net.linearised[0] == BETWEEN and T != 0.0:
+                if net.linearised[0] == BETWEEN and (spring != 0.0 or two_damper > 0.0):
                     h, row = net.linearised[1], net.segment[s]
                     mean = row[STRETCH] - row[BEFORE]
                     if two_damper == 0.0:
                         mean = max(row[STRETCH], 0.0) - max(row[BEFORE], 0.0)
                     mean /= h
-                    resolved = 1.0 / (1.0 + 0.25 * h * h * net.law[c, 5])
+                    resolved = 1.0 / (1.0 + (0.25 * h + 0.5 * damper / k) * h * net.law[c, 5])
                     T = acting + (spring - row[TENSION] + damper * mean) + damper * resolved * (rate - mean)
                     T = T if two_damper > 0.0 else max(T, 0.0)
                 tension[s] = T

@@ -50,4 +50,6 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
         V[i] += change
         b[i] = a[i]
         a[i] = change * per_h
+    if rho < 1.0:
+        balance[DISSIPATED] += system.calm(stage, v, net)
     return DONE
