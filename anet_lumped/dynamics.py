@@ -458,24 +458,25 @@ def settle(stage, base, q, place, energy):
     energy[0], energy[1] = put_in, dissipated
 
 
-@njit(float64(STAGE, _f2, int64), cache=True, error_model="numpy", fastmath={"contract"})
+@njit(types.UniTuple(float64, 2)(STAGE, _f2, int64), cache=True, error_model="numpy", fastmath={"contract"})
 def calm(stage, v, place):
     """Take out of the velocities what rings: rates of length that a step of law ``BETWEEN`` cannot resolve.
 
     Where stretching is over within a step, v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for ever, while the
     places are at rest. Each taut segment, forth and back along every cable, takes from the rate at which its length changes a
-    share s'/(1 + s') of what that differs from the step's own, s' = (h/4 + c/2k) h omega^2, by equal and opposite impulses
-    along itself: momenta are kept, the rate never grows and the kinetic energy falls. Of third order where the step resolves.
+    share s'/(1 + s') of what that differs from the step's own, s' = (h omega/2)^2 + (h omega^2 c/2k)^2, by equal and opposite
+    impulses along itself: momenta are kept, the rate never grows and the kinetic energy falls but for the work of prescribed
+    nodes. Of third order where the step resolves the stretching.
 
     Returns
     -------
-    lost : float64 [J]
+    put_in, lost : float64 [J]
     """
-    net, lost, h = net_at(place), 0.0, stage.tau
+    net, put_in, lost, h = net_at(place), 0.0, 0.0, stage.tau
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
         start, end, of = net.cable[c, START], net.cable[c, END], net.law[c]
-        stiff = 1e300 if of[6] > 0.0 else (0.25 * h + 0.5 * of[2] / of[1]) * h * of[5]
+        stiff = 1e300 if of[6] > 0.0 else 0.25 * h * h * of[5] + (0.5 * h * of[5] * of[2] / of[1]) ** 2
         share = 2.0 * stage.dissipation * (stiff / (1.0 + stiff))
         for way in range(2):
             for k in range(count):
@@ -494,10 +495,14 @@ def calm(stage, v, place):
                     less = rate
                 impulse = less / (m1 + m2)
                 lost += impulse * (rate - 0.5 * less)
+                if m1 == 0.0:
+                    put_in -= impulse * (nx * v1[0] + ny * v1[1] + nz * v1[2])
+                elif m2 == 0.0:
+                    put_in += impulse * (nx * v2[0] + ny * v2[1] + nz * v2[2])
                 a, b = impulse * m1, impulse * m2
                 v1[0], v1[1], v1[2] = v1[0] + a * nx, v1[1] + a * ny, v1[2] + a * nz
                 v2[0], v2[1], v2[2] = v2[0] - b * nx, v2[1] - b * ny, v2[2] - b * nz
-    return lost
+    return put_in, lost
 
 
 @njit(void(_f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})

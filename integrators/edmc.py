@@ -7,7 +7,9 @@ step and a numerical axial damper alpha k. Then the energy changes by -sum (T - 
 prescribed nodes, at any step, stiffness and damping; linear and angular momentum are kept. Order 2: the numerical damper has
 alpha = (1 - rho_inf)/(1 + rho_inf)/2 s^2/(1 + s^2), s = omega h/2, with the highest frequency omega that a segment has between
 the masses at its ends. A constant alpha would be an error of order 1 in stretching; this one is in full where the step does
-not resolve the stretching, and fades where it does.
+not resolve the stretching, and fades where it does. What then still rings in the velocities, at rest and for ever, is taken
+out of them after the step (`System.calm`). Slow stretching of a finely cut cable, whose segments the step does not resolve,
+is damped too, as by alpha k h: rho_inf = 1 or a smaller step spares it.
 Source: Simo & Tarnow, Z. angew. Math. Phys. 43 (1992) 757; Armero & Romero, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6783.
 """
 
@@ -51,5 +53,7 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
         b[i] = a[i]
         a[i] = change * per_h
     if rho < 1.0:
-        balance[DISSIPATED] += system.calm(stage, v, net)
+        put_in, lost = system.calm(stage, v, net)
+        balance[PUT_IN] += put_in
+        balance[DISSIPATED] += lost
     return DONE

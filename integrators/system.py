@@ -48,8 +48,9 @@ class System(NamedTuple):
         Take the internal forces where `residual` was last for those that act in the step.
     forget(net)
         Drop what earlier Newton steps left to the next.
-    calm(stage, v, net) -> energy
-        Take out of the velocities, after a step of law ``BETWEEN``, what it cannot resolve; the energy that goes [J].
+    calm(stage, v, net) -> put_in, lost
+        Take out of the velocities, after a step of law ``BETWEEN``, what it cannot resolve; the work put in and the energy
+        that goes [J].
     observe(q, v, net, row)
         What else is saved of a state, such as internal forces.
     energy(t, q, v, net, energy)
@@ -87,7 +88,7 @@ _FUNCTIONS = (
     types.void(STAGE, _f2, _f2, _i8, _f1),
     types.void(_i8),
     types.void(_i8),
-    _f8(STAGE, _f2, _i8),
+    types.UniTuple(_f8, 2)(STAGE, _f2, _i8),
     types.void(_f2, _f2, _i8, _f1),
     types.void(_f8, _f2, _f2, _i8, _f1),
 )
