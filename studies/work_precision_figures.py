@@ -8,7 +8,9 @@ STYLES = {  # of our methods: colour, marker
     "edmc": ("C0", "o"), ADAPTIVE: ("C0", "*"), "verlet": ("k", "v"), "symplectic_euler": ("0.5", "<"), "rk4": ("C7", "^"),
     "explicit_euler": ("0.75", ">"), "backward_euler": ("C2", "s"), "midpoint": ("C3", "D"), "sdirk2": ("C1", "p"),
     "tr_bdf2": ("C4", "P"), "generalised_alpha": ("C5", "X"), "RK45": ("C6", "1"), "DOP853": ("C8", "2"), "Radau": ("C9", "3"),
-    "BDF": ("tan", "4"), "LSODA": ("olive", "+"), OWN_CHOICE: ("r", "$A$"),
+    "BDF": ("tan", "4"),
+    "LSODA": ("olive", "+"), "Tsit5": ("navy", "x"), "Kvaerno3": ("darkgoldenrod", "d"), "Kvaerno5": ("firebrick", "h"),
+    OWN_CHOICE: ("r", "$A$"),
 }  # fmt: skip
 OTHER = ("0.6", "x")
 PEER_COLOURS = ("deeppink", "darkviolet", "limegreen", "saddlebrown", "teal")
