@@ -463,46 +463,53 @@ def calm(stage, v, place):
     """Take out of the velocities what rings: rates of length that a step of law ``BETWEEN`` cannot resolve.
 
     Where stretching is over within a step, v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for ever, while the
-    places are at rest. Each taut segment, forth and back along every cable, takes from the rate at which its length changes a
-    share s'/(1 + s') of what that differs from the step's own, s' = (h omega/2)^2 + (h omega^2 c/2k)^2, by equal and opposite
-    impulses along itself: momenta are kept, the rate never grows and the kinetic energy falls but for the work of prescribed
-    nodes. Of third order where the step resolves the stretching.
+    places are at rest. Each taut segment takes from the rate at which its length changes a share s'/(1 + s') of what that
+    differs from the step's own, s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2, by equal and opposite impulses along itself, all at
+    once and each as if its nodes were as many times lighter as they have segments: momenta are kept, and the kinetic energy
+    falls but for the work of prescribed nodes. Of fifth order where the step resolves the stretching. The impulses over the
+    step are a part of the tensions that acted.
 
     Returns
     -------
     put_in, lost : float64 [J]
     """
-    net, put_in, lost, h = net_at(place), 0.0, 0.0, stage.tau
+    net, put_in, h, change = net_at(place), 0.0, stage.tau, net_at(place).middle_v
+    for i in range(change.shape[0]):
+        for x in range(3):
+            change[i, x] = 0.0
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
         start, end, of = net.cable[c, START], net.cable[c, END], net.law[c]
-        stiff = 1e300 if of[6] > 0.0 else 0.25 * h * h * of[5] + (0.5 * h * of[5] * of[2] / of[1]) ** 2
-        share = 2.0 * stage.dissipation * (stiff / (1.0 + stiff))
-        for way in range(2):
-            for k in range(count):
-                j = k if way == 0 else count - 1 - k
-                if net.tension[first + j] <= 0.0:
-                    continue
-                i1, i2 = node + j - 1 if j > 0 else start, node + j if j < count - 1 else end
-                m1, m2 = 1.0 / net.mass[i1] if i1 < net.n_free else 0.0, 1.0 / net.mass[i2] if i2 < net.n_free else 0.0
-                row, v1, v2 = net.segment[first + j], v[i1], v[i2]
-                nx, ny, nz = row[GRADIENT], row[GRADIENT + 1], row[GRADIENT + 2]
-                rate = nx * (v2[0] - v1[0]) + ny * (v2[1] - v1[1]) + nz * (v2[2] - v1[2])
-                less = share * (rate - (row[STRETCH] - row[BEFORE]) / h)
-                if less * rate <= 0.0 or m1 + m2 == 0.0:
-                    continue
-                if abs(less) > abs(rate):
-                    less = rate
-                impulse = less / (m1 + m2)
-                lost += impulse * (rate - 0.5 * less)
-                if m1 == 0.0:
-                    put_in -= impulse * (nx * v1[0] + ny * v1[1] + nz * v1[2])
-                elif m2 == 0.0:
-                    put_in += impulse * (nx * v2[0] + ny * v2[1] + nz * v2[2])
-                a, b = impulse * m1, impulse * m2
-                v1[0], v1[1], v1[2] = v1[0] + a * nx, v1[1] + a * ny, v1[2] + a * nz
-                v2[0], v2[1], v2[2] = v2[0] - b * nx, v2[1] - b * ny, v2[2] - b * nz
-    return put_in, lost
+        stiff = 1e100 if of[6] > 0.0 else 0.25 * h * h * of[5] + (0.5 * h * of[5] * of[2] / of[1]) ** 2
+        share = 2.0 * stage.dissipation * (stiff * stiff / (1.0 + stiff * stiff))
+        i1 = start
+        for j in range(count):
+            i2 = node + j if j < count - 1 else end
+            row, v1, v2, d1, d2 = net.segment[first + j], v[i1], v[i2], change[i1], change[i2]
+            m1, m2 = 1.0 / net.mass[i1] if i1 < net.n_free else 0.0, 1.0 / net.mass[i2] if i2 < net.n_free else 0.0
+            of_1, of_2, i1 = net.degree[i1], net.degree[i2], i2
+            nx, ny, nz = row[GRADIENT], row[GRADIENT + 1], row[GRADIENT + 2]
+            rate = nx * (v2[0] - v1[0]) + ny * (v2[1] - v1[1]) + nz * (v2[2] - v1[2])
+            less = share * (rate - (row[STRETCH] - row[BEFORE]) / h)
+            if net.tension[first + j] <= 0.0 or less * rate <= 0.0 or m1 + m2 == 0.0:
+                continue
+            if abs(less) > abs(rate):
+                less = rate
+            impulse = less / (of_1 * m1 + of_2 * m2)
+            net.tension[first + j] += impulse / h
+            if m1 == 0.0:
+                put_in -= impulse * (nx * v1[0] + ny * v1[1] + nz * v1[2])
+            elif m2 == 0.0:
+                put_in += impulse * (nx * v2[0] + ny * v2[1] + nz * v2[2])
+            a, b = impulse * m1, impulse * m2
+            d1[0], d1[1], d1[2] = d1[0] + a * nx, d1[1] + a * ny, d1[2] + a * nz
+            d2[0], d2[1], d2[2] = d2[0] - b * nx, d2[1] - b * ny, d2[2] - b * nz
+    gained = 0.0
+    for i in range(net.n_free):
+        for x in range(3):
+            gained += net.mass[i] * change[i, x] * (v[i, x] + 0.5 * change[i, x])
+            v[i, x] += change[i, x]
+    return put_in, put_in - gained
 
 
 @njit(void(_f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})

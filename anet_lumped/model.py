@@ -107,6 +107,7 @@ class Model:
             n_free=self.n_free,
             n_interior=self.n_interior,
             mass=self.mass,
+            degree=np.bincount(self.ends.ravel(), minlength=n).astype(float),
             cable=self.cable,
             law=self.law,
             paths=pack([point.path for point in self.scene.points if isinstance(point, Driven)]),
