@@ -95,7 +95,8 @@ class Net(NamedTuple):
 EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1), Effects)
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
 NET = types.NamedTuple(
-    (types.int64, types.int64, _f1, _f1, _i2, _f2, TABLE, types.int64, EFFECTS, POINTS, _f2, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f3)
+    (types.int64, types.int64, _f1, _f1, _i2, _f2, TABLE, types.int64, EFFECTS, POINTS)
+    + (_f2, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f3)
     + (_f2,) * 3
     + (types.int64, _i1),
     Net,
