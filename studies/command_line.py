@@ -210,12 +210,14 @@ def mismatch(
 
 @app.command(epilog="Example: anet-lumped report --out results/report")
 def report(
-    quick: Quick = False, out: Annotated[Path, typer.Option(help="Folder for the page and its data.")] = REPORT
+    quick: Quick = False,
+    full: Annotated[bool, typer.Option("--full", help="All of the long studies too, not only a first look.")] = False,
+    out: Annotated[Path, typer.Option(help="Folder for the page and its data.")] = REPORT,
 ):
     """Run the studies and write one page. What the thesis found, why, and what cures it."""
     from studies.report import write_report
 
-    failed = write_report(out, quick=quick, tell=_tell)
+    failed = write_report(out, quick=quick, tell=_tell, full=full)
     print(out / "report.html")
     if failed:
         raise typer.Exit(1)

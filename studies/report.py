@@ -8,7 +8,7 @@ from pathlib import Path
 
 from studies.provenance import provenance
 from studies.show import as_text, column_head
-from studies.study import STUDIES, Study, run_study
+from studies.study import LONG, STUDIES, Study, run_study
 
 SHOWN = 40  # rows of a table on the page; the file beside it has all
 TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
@@ -30,6 +30,7 @@ def write_report(
     executor: Executor | None = None,
     parts: dict[str, Iterable[str]] = STUDIES,
     tell: Callable[[str], None] = lambda line: None,
+    full: bool = False,
 ) -> list[str]:
     """Run the studies and write `out/report.html`, with each study's data in a folder beside it.
 
@@ -40,6 +41,7 @@ def write_report(
     executor : where the studies' rows run
     parts : headings of the report -> names of studies
     tell : is given a line about each study as it ends
+    full : all of the studies that take minutes too, of which there is a first look otherwise
 
     Returns
     -------
@@ -48,14 +50,16 @@ def write_report(
     out = Path(out)
     sections = {}
     for part, names in parts.items():
-        sections[part] = [_run(name, out / name, quick, executor, tell) for name in names]
+        sections[part] = [
+            _run(name, out / name, quick or (name in LONG and not full), executor, tell) for name in names
+        ]
     studies = [study for part in sections.values() for study in part]
-    write_page(out / "report.html", sections, quick)
+    write_page(out / "report.html", sections, quick, () if full else LONG)
     return [study.name for study in studies if isinstance(study, Failure)]
 
 
-def write_page(file: Path, sections: dict[str, list[Study | Failure]], quick: bool = False) -> None:
-    """Write the page for studies that have run."""
+def write_page(file: Path, sections: dict[str, list[Study | Failure]], quick: bool = False, looks: Iterable[str] = ()) -> None:
+    """Write the page for studies that have run; of those in `looks` it says that they are a first look."""
     import jinja2
 
     environment = jinja2.Environment(
@@ -69,7 +73,7 @@ def write_page(file: Path, sections: dict[str, list[Study | Failure]], quick: bo
     environment.filters |= {"text": as_text, "head": column_head}
     environment.tests["failure"] = lambda study: isinstance(study, Failure)
     template = environment.get_template("report.html")
-    page = template.render(sections=sections, quick=quick, made=provenance(), shown=SHOWN)
+    page = template.render(sections=sections, quick=quick, looks=looks, made=provenance(), shown=SHOWN)
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(page, encoding="utf-8")
 
