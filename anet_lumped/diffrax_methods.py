@@ -6,11 +6,10 @@ Importing this module has JAX compute in float64 in the whole process (``jax_ena
 import numpy as np
 
 from integrators import diffrax_adapter
-from integrators.system import DIVERGED, DONE
 
+from .adapters import finished, scaled
 from .bindings import system
 from .jax_net import jax_net
-from .run import Run, Work
 from .times import save_times, stops
 
 
@@ -40,11 +39,10 @@ def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_
     """
     net, compiled, free = model.net(), system(model), model.n_free
     times = save_times(t0, t_end, save_every)
-    rtol, atol = tolerances
-    reach = np.abs(q).max() or max(cable.length for cable in model.scene.cables)
+    rtol, atol = scaled(model, q, tolerances)
     out = diffrax_adapter.march(
         choice.method, jax_net(model), t0, t_end, stops(model.scene), q[:free], v[:free], times, choice.dt,
-        max(0.5 * rtol, 1e-13), atol + 0.5 * rtol * reach,
+        rtol, atol,
     )  # fmt: skip
     whole_q, whole_v, energy = np.tile(q, (len(out.t), 1, 1)), np.zeros((len(out.t), *q.shape)), np.zeros((len(out.t), 5))
     whole_q[:, :free], whole_v[:, :free] = out.q, out.v
@@ -52,19 +50,4 @@ def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_
     for k, t in enumerate(out.t):
         compiled.prescribe(t, net.place, whole_q[k], whole_v[k])
         compiled.energy(t, whole_q[k], whole_v[k], net.place, energy[k])
-    message = ""
-    if out.status != DONE:
-        at = f" at {model.where(out.node)}" if out.node >= 0 else ""
-        how = "diverged" if out.status == DIVERGED else "gave up"
-        message = (
-            f"{choice.method} with rtol={rtol:.3g}, atol={atol:.3g} m {how} at t={out.t[-1]:.4g} s{at}: {out.reason}; "
-            'try other tolerances or method="edmc".'
-        )
-    return Run(
-        model, out.t, whole_q, whole_v, energy, choice.method, choice.dt, choice.reason,
-        status={DONE: "done", DIVERGED: "diverged"}.get(out.status, "unconverged"),
-        message=message,
-        work=Work(*map(int, out.counts)),
-        wall_time=out.wall_time,
-        warnings=choice.warnings,
-    )  # fmt: skip
+    return finished(model, choice, tolerances, out, whole_q, whole_v, energy, out.wall_time)

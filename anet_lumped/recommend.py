@@ -87,7 +87,7 @@ def recommend(scene, error, *, at=None, t_end=None, start="equilibrium", realtim
     Parameters
     ----------
     scene : Scene
-        Its segments are not looked at but for which cable has more of them a metre.
+        Of its segments only the proportion between the cables counts.
     error : float [m]
         Largest distance of a free point from where the continuous cables of the scene would have it, at any time.
     at : str or None
@@ -114,7 +114,7 @@ def recommend(scene, error, *, at=None, t_end=None, start="equilibrium", realtim
     free = [point.name for point in scene.points if isinstance(point, Free)]
     if at is not None and not isinstance(scene.point(at), Free):
         raise SceneError(f'The error can be asked of a free point, but "{at}" is held; free are {", ".join(free) or "none"}.')
-    search = _Search(scene, error, tuple(free) if at is None else (at,), t_end or _default_end(scene), start)
+    search = _Search(scene, tuple(free) if at is None else (at,), t_end or _default_end(scene), start)
     share = 0.5 * error
     for _ in range(ATTEMPTS):
         count, segments_error = search.segments(share)
@@ -150,11 +150,10 @@ def _default_end(scene):
 class _Search:
     """Pilots of one scene, each run once."""
 
-    def __init__(self, scene, error, points, t_end, start):
-        self.scene, self.error, self.points, self.t_end, self.start = scene, error, points, t_end, start
-        fineness = [cable.segments / cable.length for cable in scene.cables]
-        self.shares = [cable.length * f for cable, f in zip(scene.cables, fineness, strict=True)]
-        self.shares = [share / max(self.shares) for share in self.shares]
+    def __init__(self, scene, points, t_end, start):
+        self.scene, self.points, self.t_end, self.start = scene, points, t_end, start
+        most = max(cable.segments for cable in scene.cables)
+        self.shares = [cable.segments / most for cable in scene.cables]
         self.first_step = OF_TIME_SCALE * time_scale(scene)
         self.runs = {}
 
@@ -173,7 +172,7 @@ class _Search:
         return save / math.ceil(save / dt - 1e-9)
 
     def places(self, scene, **stepping):
-        """(SAVES + 1, points, 3) places of the points that count, and the time that the run took."""
+        """(SAVES + 1, points, 3) places of the points that count."""
         key = scene, tuple(stepping.items())
         if key not in self.runs:
             run = simulate(scene, self.t_end, start=self.start, save_every=self.t_end / SAVES, check=True, **stepping)
@@ -182,13 +181,13 @@ class _Search:
             else:  # halfway along: a node, or between the two nodes beside it
                 shapes = [run.shape(cable.name) for cable in scene.cables]
                 places = [0.5 * (q[:, (q.shape[1] - 1) // 2] + q[:, q.shape[1] // 2]) for q in shapes]
-            self.runs[key] = np.stack(places, axis=1), run.wall_time
+            self.runs[key] = np.stack(places, axis=1)
         return self.runs[key]
 
     def apart(self, one, other):
         """Largest distance between the places of two runs [m]."""
-        (a, _), (b, _) = self.places(one[0], **one[1]), self.places(other[0], **other[1])
-        return float(np.linalg.norm(a - b, axis=2).max())
+        apart = self.places(one[0], **one[1]) - self.places(other[0], **other[1])
+        return float(np.linalg.norm(apart, axis=2).max())
 
     def segments(self, share):
         """Number of segments whose error is within a share, and that error [m]."""

@@ -5,10 +5,14 @@ from functools import cached_property
 
 import numpy as np
 
+from integrators.system import DIVERGED, DONE, INTERRUPTED, UNCONVERGED
+
 from .audit import Audit
 from .effects.axial import tension_parts, with_select
 from .model import Model, build
 from .scene import Scene
+
+STATUS = {DONE: "done", UNCONVERGED: "unconverged", DIVERGED: "diverged", INTERRUPTED: "interrupted"}
 
 
 def segment_tensions(model, q, v):

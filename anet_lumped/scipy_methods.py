@@ -5,11 +5,10 @@ import time
 import numpy as np
 
 from integrators import scipy_adapter
-from integrators.system import DIVERGED, DONE
 
+from .adapters import finished, scaled
 from .bindings import system
 from .jacobian import sparse_jacobian
-from .run import Run, Work
 from .times import save_times, stops
 
 
@@ -45,26 +44,10 @@ def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_
         mass=model.mass[: model.n_free],
     )
     times = save_times(t0, t_end, save_every)
-    rtol, atol = tolerances
-    reach = np.abs(q).max() or max(cable.length for cable in model.scene.cables)
+    rtol, atol = scaled(model, q, tolerances)
     began = time.perf_counter()
     out = scipy_adapter.march(
         choice.method, motion, t0, t_end, stops(model.scene), q, v, times, choice.dt,
-        max(0.5 * rtol, 1e-13), np.full(6 * model.n_free, atol + 0.5 * rtol * reach),
+        rtol, np.full(6 * model.n_free, atol),
     )  # fmt: skip
-    message = ""
-    if out.status != DONE:
-        at = f" at {model.where(out.node)}" if out.node >= 0 else ""
-        how = "diverged" if out.status == DIVERGED else "gave up"
-        message = (
-            f"{choice.method} with rtol={rtol:.3g}, atol={atol:.3g} m {how} at t={out.t[-1]:.4g} s{at}: "
-            f'{out.reason.strip().rstrip(".")}; try other tolerances or method="edmc".'
-        )
-    return Run(
-        model, out.t, out.q, out.v, out.energy, choice.method, choice.dt, choice.reason,
-        status={DONE: "done", DIVERGED: "diverged"}.get(out.status, "unconverged"),
-        message=message,
-        work=Work(*map(int, out.counts)),
-        wall_time=time.perf_counter() - began,
-        warnings=choice.warnings,
-    )  # fmt: skip
+    return finished(model, choice, tolerances, out, out.q, out.v, out.energy, time.perf_counter() - began)

@@ -11,21 +11,20 @@ import numpy as np
 from integrators import schemes
 from integrators.interruptible import interruptible
 from integrators.march import adaptive_march, fixed_march
-from integrators.system import BALANCE, DIVERGED, DONE, INTERRUPTED, UNCONVERGED
+from integrators.system import BALANCE, DIVERGED, DONE, INTERRUPTED
 
 from .audit import audited
 from .checks import nearest
 from .choice import choose
 from .equilibrium import equilibrium
 from .model import build
-from .run import Run, State, Work
+from .run import STATUS, Run, State, Work
 from .scene import Driven, Fixed, SceneError
 from .times import SAVES, save_times, stops
 
 SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
 DIFFRAX = ("Tsit5", "Kvaerno3", "Kvaerno5")
 METHODS = schemes.EXPLICIT + schemes.IMPLICIT + SCIPY + DIFFRAX
-STATUS = {DONE: "done", UNCONVERGED: "unconverged", DIVERGED: "diverged", INTERRUPTED: "interrupted"}
 
 
 class StabilityWarning(UserWarning):

@@ -19,6 +19,7 @@ from .system import (
     STEPS,
     SYSTEM,
     UNCONVERGED,
+    compiled,
 )
 
 _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
@@ -182,7 +183,6 @@ def adaptive_steps(
         As `fixed_steps`, and the sum of the accepted errors [m].
     """
     begin(system, net, t0, q, v, memory, counts, balance)
-    system.energy(t0, q, v, net, balance)
     save(system, net, 0, t0, q, v, balance, out_t, out_q, out_v, out_balance, out_seen)
     seen_a, seen_b = out_seen[0].copy(), out_seen[0].copy()
     saved, t, h, total, before = 1, t0, dt, 0.0, 1.0
@@ -258,8 +258,5 @@ def adaptive_march():
 
 
 def _compiled(march, own):
-    if not march.signatures:
-        state, out = (_f2, _f2, _f3, _f1, _i1, _f1), (_f1, _f3, _f3, _f2, _f2, _i1)
-        march.compile((types.FunctionType(STEP), SYSTEM, types.int64, *own, *state, *out))
-        march.disable_compile()
-    return march
+    state, out = (_f2, _f2, _f3, _f1, _i1, _f1), (_f1, _f3, _f3, _f2, _f2, _i1)
+    return compiled(march, (types.FunctionType(STEP), SYSTEM, types.int64, *own, *state, *out))

@@ -7,7 +7,7 @@ from importlib import import_module
 import numpy as np
 
 from . import dirk
-from .system import SCHEME, STEP, first_class
+from .system import SCHEME, STEP, compiled, first_class
 
 NEWTON_TOLERANCE = 1e-6  # of the largest force on a node
 NEWTON_ITERATIONS = 60
@@ -65,10 +65,7 @@ class Scheme:
 def scheme(name):
     """The scheme ``name``, compiled (or loaded from the cache) when it is first asked for."""
     module = import_module(f".{_MODULES[name]}", __package__)
-    if not module.step.signatures:
-        module.step.compile(STEP)
-        module.step.disable_compile()
-    return Scheme(name, first_class(module.step), module.ORDER, module.MEMORY, getattr(module, "KEPT", -1))
+    return Scheme(name, first_class(compiled(module.step, STEP)), module.ORDER, module.MEMORY, getattr(module, "KEPT", -1))
 
 
 def order(name):

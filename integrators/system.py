@@ -72,6 +72,14 @@ class System(NamedTuple):
     n_free: int
 
 
+def compiled(function, signature):
+    """A function of Numba's, compiled for one signature (or loaded from the cache) when it is first asked for."""
+    if not function.signatures:
+        function.compile(signature)
+        function.disable_compile()
+    return function
+
+
 def first_class(function):
     """A compiled function with one signature as a first-class value, so that its type is its signature's alone."""
     (compiled,) = function.overloads.values()
