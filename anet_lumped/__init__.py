@@ -2,6 +2,10 @@
 
 from .catenary import catenary
 from .equilibrium import EquilibriumError, equilibrium
+from .events import PayloadChange
+from .moordyn_file import read_moordyn
+from .moordyn_writer import save_moordyn
+from .ropes import rope
 from .run import Run, State, load_run
 from .scene import Cable, Driven, Fixed, Free, Scene, SceneError
 from .scene_file import load_scene, save_scene
@@ -13,6 +17,7 @@ __all__ = [
     "EquilibriumError",
     "Fixed",
     "Free",
+    "PayloadChange",
     "Run",
     "RunError",
     "RunInterrupt",
@@ -23,6 +28,9 @@ __all__ = [
     "equilibrium",
     "load_run",
     "load_scene",
+    "read_moordyn",
+    "rope",
+    "save_moordyn",
     "save_scene",
     "simulate",
 ]

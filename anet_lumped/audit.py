@@ -6,8 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from integrators import schemes
-
 IMBALANCE = 1e-2  # of the energy in play: more than this is not accounted for
 SHARE = 1e-2  # of the longest cable: the largest error that passes where none is named
 
@@ -45,7 +43,7 @@ class Audit:
         return not self.reason
 
 
-def audited(run, finer, adaptive, allowed=None):
+def audited(run, finer, order, allowed=None):
     """A run that reached its end, with its audit; its status is "audit failed" if it did not pass.
 
     Parameters
@@ -53,7 +51,8 @@ def audited(run, finer, adaptive, allowed=None):
     run : Run
     finer : callable -> Run
         The same run with half the step or a tenth of the tolerance, saved at the same times.
-    adaptive : bool
+    order : int or None
+        Of the run in its step; None where its steps were chosen by a tolerance.
     allowed : float or None [m]
         Largest error that passes; None takes `SHARE` of the longest cable.
 
@@ -71,11 +70,11 @@ def audited(run, finer, adaptive, allowed=None):
     apart = np.linalg.norm(run.q[:k] - other.q[:k], axis=2)
     row, node = np.unravel_index(np.argmax(apart), apart.shape)
     # q_h - q_(h/2) = (1 - 2^-p) of the error of q_h; a tenth of the tolerance leaves next to nothing of it
-    error = float(apart[row, node]) / (1.0 if adaptive else 1.0 - 2.0 ** -schemes.order(run.method))
+    error = float(apart[row, node]) / (1.0 if order is None else 1.0 - 2.0**-order)
     where, t = run.model.where(int(node)), float(run.t[row])
     reasons = []
     if not other.ok:
-        reasons.append(f"the finer run ended {other.status} at t={other.t[-1]:.4g} s")
+        reasons.append(f'the finer run ended as "{other.status}" at t={other.t[-1]:.4g} s')
     if not error <= allowed:
         reasons.append(f"{where} is off by {error:.3g} m at t={t:.4g} s where {allowed:.3g} m are allowed")
     if not imbalance <= IMBALANCE:

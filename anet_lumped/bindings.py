@@ -23,9 +23,11 @@ def system(model):
         settle=first_class(dynamics.settle),
         adopt=first_class(dynamics.adopt),
         forget=first_class(dynamics.forget),
-        calm=first_class(dynamics.calm),
+        remember=first_class(dynamics.remember),
+        average=first_class(dynamics.average),
         observe=first_class(dynamics.observe),
         energy=first_class(dynamics.energies),
-        per_mass=np.repeat(1.0 / model.mass, 3).reshape(-1, 3),
+        margin=first_class(dynamics.margin),
+        per_mass=np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(-1, 3),  # a support may hold nothing
         n_free=model.n_free,
     )

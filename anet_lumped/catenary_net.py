@@ -85,7 +85,7 @@ def catenary_net(scene, places, *, elastic=True):
     Raises
     ------
     ValueError
-        A scene without gravity.
+        A scene without gravity, or a cable with a tension-strain curve that is to stretch.
     CatenaryNetError
         No balance within 1e-11 of the weight carried or what round-off allows.
 
@@ -116,6 +116,11 @@ class _Hung:
         self.at = {name: self.turn @ np.asarray(xyz, dtype=float) for name, xyz in places.items()}
         self.load = {point.name: point.mass * self.g for point in scene.points if isinstance(point, Free)}
         self.weight = sum(self.load.values()) + self.g * sum(c.mass_per_length * c.length for c in scene.cables)
+        curved = next((c.name for c in scene.cables if c.tension_strain is not None), None)
+        if elastic and curved is not None:
+            raise ValueError(
+                f'A cable with a tension-strain curve, such as "{curved}", has no catenary in closed form; take elastic=False.'
+            )
         self.EA = {c.name: c.EA if elastic else INEXTENSIBLE * self.weight for c in scene.cables}
         self.cables, self.loose = list(scene.cables), []
         while cut := next((c for c in self.cables if self._loose_end(c)), None):

@@ -17,40 +17,25 @@ which is (G^-1 + D^-1)^-1 for the segment stiffness G = a I + k e g^T, after She
 import numpy as np
 from numba import njit
 
+from .elimination import (
+    BORDERED,
+    COLUMNS,
+    DIRECTION,
+    END,
+    END_START,
+    FIRST_NODE,
+    FIRST_SEGMENT,
+    GEOMETRIC,
+    GRADIENT,
+    SEGMENTS,
+    START,
+    START_END,
+    STIFFNESS,
+    TENSION,
+    eliminate,
+)
+from .lanes import WIDTH, at, four, index, lane, largest, members_of, of_table, put, put_four
 from .net import net_at
-
-# Columns of the scratch table `Net.segment`, one row a segment: e and g of the docstring (three each), a, k, T_0; and for the
-# law: the stretch before (of the old segment, or of its component along the new one), the stretch now, and the conservative
-# part of the tension.
-DIRECTION, GRADIENT, GEOMETRIC, STIFFNESS, TENSION = 0, 3, 6, 7, 8
-BEFORE, STRETCH, SECANT = 9, 10, 11
-# Columns of `Net.cable`.
-FIRST_SEGMENT, SEGMENTS, FIRST_NODE, START, END, BORDERED, START_END, END_START = range(8)
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def inverse(m):
-    """Inverse of a 3x3 matrix, a tuple by rows, by LU without pivoting: backward stable for what is nearly symmetric
-    positive definite, where the adjugate would lose twice the digits of the condition number.
-
-    The eliminated rows keep the factor of their pivot (Bareiss), so that one division serves all three pivots.
-    """
-    m00, m01, m02, m10, m11, m12, m20, m21, m22 = m
-    p11, p12 = m00 * m11 - m10 * m01, m00 * m12 - m10 * m02
-    p21, p22 = m00 * m21 - m20 * m01, m00 * m22 - m20 * m02
-    det = p11 * p22 - p12 * p21
-    per = 1.0 / (m00 * p11 * det)
-    per_00, per_11, i2 = per * p11 * det, per * m00 * det, per * (m00 * p11) * (m00 * p11)
-    i1, l10, u12, l21 = per_11 * m00, per_00 * m10, per_00 * p12, per_11 * p21
-    a01 = -per_00 * m01 * i1
-    a12 = -i1 * u12 * i2
-    a02 = per_00 * (m01 * u12 * i1 - m02) * i2
-    b20 = l10 * l21 - per_00 * m20
-    return (
-        per_00 - a01 * l10 + a02 * b20, a01 - a02 * l21, a02,
-        -i1 * l10 + a12 * b20, i1 - a12 * l21, a12,
-        i2 * b20, -i2 * l21, i2,
-    )  # fmt: skip
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
@@ -58,15 +43,6 @@ def _add(block, m, sign):
     for x in range(3):
         for y in range(3):
             block[x, y] += sign * m[3 * x + y]
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _times(m, x, y, z):
-    return (
-        m[0] * x + m[1] * y + m[2] * z,
-        m[3] * x + m[4] * y + m[5] * z,
-        m[6] * x + m[7] * y + m[8] * z,
-    )
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
@@ -81,80 +57,55 @@ def _stiffness(row):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _first(net, c):
-    """What the first segment of cable c adds to the first interior node: stiffness by rows, then right-hand side."""
-    row = net.segment[net.cable[c, FIRST_SEGMENT]]
-    G, T = _stiffness(row), row[TENSION]
-    return (*G, -row[0] * T, -row[1] * T, -row[2] * T)
+def _linearised(segment, first, j):
+    """e, g, a, k, T_0 of a segment, as `eliminate` takes them."""
+    ex, ey, ez, gx = four(segment, index(first, j, COLUMNS, DIRECTION))
+    gy, gz, a, k = four(segment, index(first, j, COLUMNS, GRADIENT + 1))
+    return ex, ey, ez, gx, gy, gz, a, k, at(segment, index(first, j, COLUMNS, TENSION))
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _pass(state, D, r, row, out):
-    """Eliminate a node, with stiffness D and right-hand side r of its own, through the segment ahead of it.
-
-    ``state`` is what lies behind, as `_first` gives it; writes how the node follows the next one to ``out``. Returns what the
-    next node sees behind it, and M^-1, y, z, rho k of the docstring of the module.
-    """
-    s00, m01, m02, m10, s11, m12, m20, m21, s22, r0, r1, r2 = state
-    a, k, ex, ey, ez, gx, gy, gz = row[GEOMETRIC], row[STIFFNESS], row[0], row[1], row[2], row[3], row[4], row[5]
-    r0, r1, r2 = r0 + r[0], r1 + r[1], r2 + r[2]
-    m00, m01, m02 = s00 + D[0, 0] + a, m01 + D[0, 1], m02 + D[0, 2]
-    m10, m11, m12 = m10 + D[1, 0], s11 + D[1, 1] + a, m12 + D[1, 2]
-    m20, m21, m22 = m20 + D[2, 0], m21 + D[2, 1], s22 + D[2, 2] + a
-    # LU whose rows keep the factor of their pivot (Bareiss): pivots m00, p11, det serve one division, and g . y =
-    # (g0 e0 p11 det + f1 h1 det + f2 h2)/(m00 p11 det) does not wait for it
-    p11, p12 = m00 * m11 - m10 * m01, m00 * m12 - m10 * m02
-    p21, p22 = m00 * m21 - m20 * m01, m00 * m22 - m20 * m02
-    f1, h1 = m00 * ey - m10 * ex, m00 * gy - m01 * gx
-    f2, h2 = p11 * (m00 * ez - m20 * ex) - p21 * f1, p11 * (m00 * gz - m02 * gx) - p12 * h1
-    det, m_p = p11 * p22 - p12 * p21, m00 * p11
-    whole = m_p * det
-    rho = whole / (whole + k * (gx * ex * (p11 * det) + f1 * h1 * det + f2 * h2))
-    per = 1.0 / whole
-    i0, i1, i2 = per * p11 * det, per * m00 * m00 * det, per * m_p * m_p
-    l10, u12, l21 = i0 * m10, i0 * p12, per * m00 * det * p21
-    a01, a12 = -i0 * m01 * i1, -i1 * u12 * i2
-    a02, b20 = i0 * (m01 * u12 * i1 - m02) * i2, l10 * l21 - i0 * m20
-    M = (
-        i0 - a01 * l10 + a02 * b20, a01 - a02 * l21, a02,
-        -i1 * l10 + a12 * b20, i1 - a12 * l21, a12,
-        i2 * b20, -i2 * l21, i2,
-    )  # fmt: skip
-    yx, yy, yz = _times(M, ex, ey, ez)
-    zx = M[0] * gx + M[3] * gy + M[6] * gz
-    zy = M[1] * gx + M[4] * gy + M[7] * gz
-    zz = M[2] * gx + M[5] * gy + M[8] * gz
-    ux, uy, uz = _times(M, r0, r1, r2)
-    T, rho = rho * (row[TENSION] - k * (zx * r0 + zy * r1 + zz * r2)), rho * k
-    wx, wy, wz = rho * (gx - a * zx), rho * (gy - a * zy), rho * (gz - a * zz)
-    # d = H d_next + h and T = w . d_next + T
-    H00, H01, H02 = a * M[0] + yx * wx, a * M[1] + yx * wy, a * M[2] + yx * wz
-    H10, H11, H12 = a * M[3] + yy * wx, a * M[4] + yy * wy, a * M[5] + yy * wz
-    H20, H21, H22 = a * M[6] + yz * wx, a * M[7] + yz * wy, a * M[8] + yz * wz
-    hx, hy, hz = ux + yx * T, uy + yy * T, uz + yz * T
-    out[0], out[1], out[2], out[3], out[4], out[5], out[6], out[7], out[8] = H00, H01, H02, H10, H11, H12, H20, H21, H22
-    out[9], out[10], out[11], out[12], out[13], out[14], out[15] = hx, hy, hz, wx, wy, wz, T
-    # S = a (I - H) + e w^T, and the right-hand side that goes with it
-    ahead = (
-        a - a * H00 + ex * wx, ex * wy - a * H01, ex * wz - a * H02,
-        ey * wx - a * H10, a - a * H11 + ey * wy, ey * wz - a * H12,
-        ez * wx - a * H20, ez * wy - a * H21, a - a * H22 + ez * wz,
-        a * hx - ex * T, a * hy - ey * T, a * hz - ez * T,
-    )  # fmt: skip
-    return ahead, M, (yx, yy, yz), (zx, zy, zz), rho
+def _pass(state, flat, node, first, j):
+    """`eliminate` interior node j, through segment j + 1; writes ``net.factor``, and returns what is not written there."""
+    diagonal, right, segment, factor = flat
+    at_D, at_r, at_f = index(node, j, 9, 0), index(node, j, 3, 0), index(first, j + 1, 16, 0)
+    D = (*four(diagonal, at_D), *four(diagonal, index(at_D, 0, 1, 4)), at(diagonal, index(at_D, 0, 1, 8)))
+    r = (at(right, at_r), at(right, index(at_r, 0, 1, 1)), at(right, index(at_r, 0, 1, 2)))
+    ahead, follows, M, y, z, rho = eliminate(state, D, r, _linearised(segment, first, j + 1))
+    put_four(factor, at_f, follows[:4])
+    put_four(factor, index(at_f, 0, 1, 4), follows[4:8])
+    put_four(factor, index(at_f, 0, 1, 8), follows[8:12])
+    put_four(factor, index(at_f, 0, 1, 12), follows[12:])
+    return ahead, M, y, z, rho
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _finish(net, c, state):
-    """Hand what cable c looks like from its end to its end point, if that is free."""
-    end = net.cable[c, END]
-    if end < net.n_free:
-        S, b = net.points.block[end - net.n_interior], net.right[end]
-        for x in range(3):
-            S[x, 0] += state[3 * x]
-            S[x, 1] += state[3 * x + 1]
-            S[x, 2] += state[3 * x + 2]
-            b[x] += state[9 + x]
+def _eliminate(net, c, members):
+    """Eliminate the interior of a cable, or of the cables of a group of which ``members`` count, that hangs on a fixed start."""
+    first, node = of_table(net.cable, c, FIRST_SEGMENT), of_table(net.cable, c, FIRST_NODE)
+    ex, ey, ez, gx, gy, gz, a, k, T = _linearised(net.segment.ravel(), first, 0)
+    kx, ky, kz = k * ex, k * ey, k * ez
+    state = (
+        a + kx * gx, kx * gy, kx * gz, ky * gx, a + ky * gy, ky * gz, kz * gx, kz * gy, a + kz * gz, -ex * T, -ey * T, -ez * T
+    )  # fmt: skip
+    flat = net.diagonal.ravel(), net.right.ravel(), net.segment.ravel(), net.factor.ravel()
+    for j in range(lane(of_table(net.cable, c, SEGMENTS), 0) - 1):
+        state = _pass(state, flat, node, first, j)[0]
+    _finish(net, c, members, state)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _finish(net, c, members, state):
+    """Hand what a cable looks like from its end to its end point, if that is free."""
+    ends = of_table(net.cable, c, END)
+    for k in range(members):
+        end = lane(ends, k)
+        if end < net.n_free:
+            S, b = net.points.block[end - net.n_interior].ravel(), net.right[end]
+            S[0], S[1], S[2] = S[0] + lane(state[0], k), S[1] + lane(state[1], k), S[2] + lane(state[2], k)
+            S[3], S[4], S[5] = S[3] + lane(state[3], k), S[4] + lane(state[4], k), S[5] + lane(state[5], k)
+            S[6], S[7], S[8] = S[6] + lane(state[6], k), S[7] + lane(state[7], k), S[8] + lane(state[8], k)
+            b[0], b[1], b[2] = b[0] + lane(state[9], k), b[1] + lane(state[10], k), b[2] + lane(state[11], k)
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
@@ -165,39 +116,22 @@ def eliminate_cables(place):
     one before it and little else does, so two cables of one length are eliminated side by side.
     """
     net = net_at(place)
-    diagonal, right, factor, segment, block = net.diagonal, net.right, net.factor, net.segment, net.points.block
+    diagonal, block = net.diagonal, net.points.block
     P = net.n_free - net.n_interior
     block[P:] = 0.0
     for p in range(P):
         for x in range(3):
             for y in range(3):
                 block[p, x, y] = diagonal[net.n_interior + p, x, y]
-    c = 0
-    while c < net.cable.shape[0]:
-        first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
-        D, r = diagonal[node : node + count - 1], right[node : node + count - 1]
-        row, out = segment[first + 1 : first + count], factor[first + 1 : first + count]
-        if count == 1:
+    for g in range(net.group.shape[0]):
+        _eliminate(net, members_of(net.group, g), net.group[g, WIDTH])
+    for c in net.alone:
+        if net.cable[c, SEGMENTS] == 1:
             _single(place, c)
         elif net.cable[c, BORDERED] == 1:
-            _eliminate_bordered(place, c, D, r, row, out)
-        elif c + 1 < net.cable.shape[0] and net.cable[c + 1, SEGMENTS] == count and net.cable[c + 1, BORDERED] == 0:
-            c += 1
-            first, node = net.cable[c, FIRST_SEGMENT], net.cable[c, FIRST_NODE]
-            D2, r2 = diagonal[node : node + count - 1], right[node : node + count - 1]
-            row2, out2 = segment[first + 1 : first + count], factor[first + 1 : first + count]
-            state, state2 = _first(net, c - 1), _first(net, c)
-            for j in range(count - 1):
-                state = _pass(state, D[j], r[j], row[j], out[j])[0]
-                state2 = _pass(state2, D2[j], r2[j], row2[j], out2[j])[0]
-            _finish(net, c - 1, state)
-            _finish(net, c, state2)
+            _eliminate_bordered(place, c)
         else:
-            state = _first(net, c)
-            for j in range(count - 1):
-                state = _pass(state, D[j], r[j], row[j], out[j])[0]
-            _finish(net, c, state)
-        c += 1
+            _eliminate(net, c, 1)
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
@@ -220,7 +154,7 @@ def _single(place, c):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _eliminate_bordered(place, c, D, r, row, out):
+def _eliminate_bordered(place, c):
     """Eliminate a cable whose start is a free point too.
 
     The displacement of the start and the tension T of the first segment are carried along as four unknowns u = (d_start, T):
@@ -238,13 +172,15 @@ def _eliminate_bordered(place, c, D, r, row, out):
     for x in range(3):
         C[x, x], C[x, 3], Q[x, x] = a0, -e0[x], 1.0
     state = (a0, 0.0, 0.0, 0.0, a0, 0.0, 0.0, 0.0, a0, 0.0, 0.0, 0.0)
-    for j in range(D.shape[0]):
-        state, M, y, z, rho = _pass(state, D[j], r[j], row[j], out[j])
-        e, a, border = row[j], row[j, GEOMETRIC], net.border[net.cable[c, FIRST_SEGMENT] + 1 + j]
+    s = net.cable[c, FIRST_SEGMENT]
+    flat = net.diagonal.ravel(), net.right.ravel(), net.segment.ravel(), net.factor.ravel()
+    for j in range(net.cable[c, SEGMENTS] - 1):
+        state, M, y, z, rho = _pass(state, flat, net.cable[c, FIRST_NODE], s, j)
+        e, a, border, out = net.segment[s + 1 + j], net.segment[s + 1 + j, GEOMETRIC], net.border[s + 1 + j], net.factor[s + 1 + j]
         for x in range(3):
             for i in range(3):
                 X[x, i] = M[3 * x + i] - rho * y[x] * z[i]
-                H[x, i] = out[j, 3 * x + i]
+                H[x, i] = out[3 * x + i]
         for u in range(4):
             of_T = z[0] * C[0, u] + z[1] * C[1, u] + z[2] * C[2, u]
             border[12 + u] = -rho * of_T
@@ -255,7 +191,7 @@ def _eliminate_bordered(place, c, D, r, row, out):
                 fresh[x, u] = a * along + rho * (e[x] - a * y[x]) * of_T
         for x in range(3):
             for i in range(3):
-                p[x] += Q[x, i] * out[j, 9 + i]
+                p[x] += Q[x, i] * out[9 + i]
                 turned[x, i] = Q[x, 0] * H[0, i] + Q[x, 1] * H[1, i] + Q[x, 2] * H[2, i]
             for u in range(4):
                 P[x, u] += Q[x, 0] * border[u] + Q[x, 1] * border[4 + u] + Q[x, 2] * border[8 + u]
@@ -269,7 +205,7 @@ def _eliminate_bordered(place, c, D, r, row, out):
         tie[i] = rho * k0 * (g0[0] * Q[0, i] + g0[1] * Q[1, i] + g0[2] * Q[2, i])
         tie[3 + i] = rho * k0 * (g0[0] * P[0, i] + g0[1] * P[1, i] + g0[2] * P[2, i] - g0[i])
     tie[6] = rho * (first[TENSION] + k0 * (g0[0] * p[0] + g0[1] * p[1] + g0[2] * p[2]))
-    _finish(net, c, state)
+    _finish(net, c, 1, state)
     behind, ahead, far = block[before], block[end - net.n_interior], net.right
     to_end, to_start = block[net.cable[c, START_END]], block[net.cable[c, END_START]]
     for x in range(3):
@@ -345,46 +281,78 @@ def solve_points(place):
                 d[x] -= U[x, 0] * after[0] + U[x, 1] * after[1] + U[x, 2] * after[2]
 
 
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _follow(factor, s, x, y, z):
+    """Displacement of the node before segment s, and the tension of that, from the displacement of the one behind it."""
+    row = index(s, 0, 16, 0)
+    h00, h01, h02, h10 = four(factor, row)
+    h11, h12, h20, h21 = four(factor, index(row, 0, 1, 4))
+    h22, hx, hy, hz = four(factor, index(row, 0, 1, 8))
+    wx, wy, wz, T = four(factor, index(row, 0, 1, 12))
+    return (
+        hx + h00 * x + h01 * y + h02 * z, hy + h10 * x + h11 * y + h12 * z, hz + h20 * x + h21 * y + h22 * z,
+        T + wx * x + wy * y + wz * z,
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _substitute(net, c):
+    """`substitute_cables` of a cable, or of a group, that hangs on a fixed start or has no interior."""
+    first, node, end = of_table(net.cable, c, FIRST_SEGMENT), of_table(net.cable, c, FIRST_NODE), of_table(net.cable, c, END)
+    step, factor, segment = net.step.ravel(), net.factor.ravel(), net.segment.ravel()
+    at_end, at_start = index(end, 0, 3, 0), index(of_table(net.cable, c, START), 0, 3, 0)
+    x, y, z = at(step, at_end), at(step, index(at_end, 0, 1, 1)), at(step, index(at_end, 0, 1, 2))
+    most = -np.inf + 0.0 * x
+    for j in range(lane(of_table(net.cable, c, SEGMENTS), 0) - 1, 0, -1):
+        s = index(first, j, 1, 0)
+        x, y, z, T = _follow(factor, s, x, y, z)
+        put(net.tension, s, T)
+        i = index(node, j - 1, 3, 0)
+        put(step, i, x)
+        put(step, index(i, 0, 1, 1), y)
+        put(step, index(i, 0, 1, 2), z)
+        most = max(most, -T)
+    _, _, _, gx, gy, gz, _, k, T = _linearised(segment, first, 0)
+    x, y, z = x - at(step, at_start), y - at(step, index(at_start, 0, 1, 1)), z - at(step, index(at_start, 0, 1, 2))
+    T = T + k * (gx * x + gy * y + gz * z)
+    put(net.tension, first, T)
+    return -largest(max(most, -T))
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _substitute_bordered(net, c):
+    """`substitute_cables` of a cable whose start is a free point too."""
+    first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
+    step, factor, tension, start, end = net.step, net.factor, net.tension, net.cable[c, START], net.cable[c, END]
+    x, y, z = step[end, 0], step[end, 1], step[end, 2]
+    sx, sy, sz = step[start, 0], step[start, 1], step[start, 2]
+    tie = factor[first]
+    T0 = tie[6] + tie[0] * x + tie[1] * y + tie[2] * z + tie[3] * sx + tie[4] * sy + tie[5] * sz
+    tension[first], smallest = T0, T0
+    for j in range(count - 1, 0, -1):
+        b, i = net.border[first + j], node + j - 1
+        x, y, z, T = _follow(factor.ravel(), first + j, x, y, z)
+        x += b[0] * sx + b[1] * sy + b[2] * sz + b[3] * T0
+        y += b[4] * sx + b[5] * sy + b[6] * sz + b[7] * T0
+        z += b[8] * sx + b[9] * sy + b[10] * sz + b[11] * T0
+        T += b[12] * sx + b[13] * sy + b[14] * sz + b[15] * T0
+        tension[first + j], smallest = T, min(smallest, T)
+        step[i, 0], step[i, 1], step[i, 2] = x, y, z
+    return smallest
+
+
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
 def substitute_cables(place):
     """From the free points back along each cable: displacements to ``net.step``, tensions to ``net.tension``.
 
     Returns the smallest tension [N].
     """
-    net = net_at(place)
-    step, factor, tension, smallest = net.step, net.factor, net.tension, np.inf
-    for c in range(net.cable.shape[0]):
-        first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
-        start, end, bordered = net.cable[c, START], net.cable[c, END], net.cable[c, BORDERED] == 1 and count > 1
-        x, y, z = step[end, 0], step[end, 1], step[end, 2]
-        sx, sy, sz = step[start, 0], step[start, 1], step[start, 2]
-        tie = factor[first]
-        T0 = tie[6] + tie[0] * x + tie[1] * y + tie[2] * z + tie[3] * sx + tie[4] * sy + tie[5] * sz
-        for j in range(count - 1, 0, -1):
-            f = factor[first + j]
-            T = f[15] + f[12] * x + f[13] * y + f[14] * z
-            hx = f[9] + f[0] * x + f[1] * y + f[2] * z
-            hy = f[10] + f[3] * x + f[4] * y + f[5] * z
-            hz = f[11] + f[6] * x + f[7] * y + f[8] * z
-            if bordered:
-                b = net.border[first + j]
-                hx += b[0] * sx + b[1] * sy + b[2] * sz + b[3] * T0
-                hy += b[4] * sx + b[5] * sy + b[6] * sz + b[7] * T0
-                hz += b[8] * sx + b[9] * sy + b[10] * sz + b[11] * T0
-                T += b[12] * sx + b[13] * sy + b[14] * sz + b[15] * T0
-            x, y, z = hx, hy, hz
-            tension[first + j] = T
-            smallest = min(smallest, T)
-            i = node + j - 1
-            step[i, 0], step[i, 1], step[i, 2] = x, y, z
-        if bordered:
-            tension[first] = T0
-            smallest = min(smallest, T0)
-            continue
-        row = net.segment[first]
-        longer = row[3] * (x - sx) + row[4] * (y - sy) + row[5] * (z - sz)
-        tension[first] = row[TENSION] + row[STIFFNESS] * longer
-        smallest = min(smallest, tension[first])
+    net, smallest = net_at(place), np.inf
+    for g in range(net.group.shape[0]):
+        smallest = min(smallest, _substitute(net, members_of(net.group, g)))
+    for c in net.alone:
+        bordered = net.cable[c, BORDERED] == 1 and net.cable[c, SEGMENTS] > 1
+        smallest = min(smallest, _substitute_bordered(net, c) if bordered else _substitute(net, c))
     return smallest
 
 

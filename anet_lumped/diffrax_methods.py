@@ -10,10 +10,10 @@ from integrators import diffrax_adapter
 from .adapters import finished, scaled
 from .bindings import system
 from .jax_net import jax_net
-from .times import save_times, stops
+from .times import stops
 
 
-def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_inf):
+def march(model, choice, leg, q, v, tension, adaptive, tolerances, rho_inf):
     """March with one of diffrax's solvers.
 
     The error of a step is kept below atol + rtol times the largest coordinate for places [m], and below the same numbers a
@@ -26,10 +26,9 @@ def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_
     model : Model
     choice : Choice
         ``dt`` is the first step.
-    t0, t_end : float [s]
+    leg : Leg
     q, v : (n, 3) float64 [m], [m/s]
-    save_every : float or None [s]
-    adaptive, rho_inf
+    tension, adaptive, rho_inf
         Not used; every scheme of `simulate` is marched with the same arguments.
     tolerances : (rtol, atol)
 
@@ -38,10 +37,10 @@ def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_
     Run
     """
     net, compiled, free = model.net(), system(model), model.n_free
-    times = save_times(t0, t_end, save_every)
+    times = leg.times()
     rtol, atol = scaled(model, q, tolerances)
     out = diffrax_adapter.march(
-        choice.method, jax_net(model), t0, t_end, stops(model.scene), q[:free], v[:free], times, choice.dt,
+        choice.method, jax_net(model), leg.begin, leg.end, stops(model.scene), q[:free], v[:free], times, choice.dt,
         rtol, atol,
     )  # fmt: skip
     whole_q, whole_v, energy = np.tile(q, (len(out.t), 1, 1)), np.zeros((len(out.t), *q.shape)), np.zeros((len(out.t), 5))

@@ -16,8 +16,8 @@ idea of Andersen, Christiansen, Conn & Overton, SIAM J. Sci. Comput. 22 (2000) 2
 import numpy as np
 from numba import float64, int64, njit, types
 
-from . import chain
-from .chain import BORDERED, END, END_START, FIRST_NODE, FIRST_SEGMENT, SEGMENTS, START, START_END
+from . import chain, elimination
+from .elimination import BORDERED, END, END_START, FIRST_NODE, FIRST_SEGMENT, SEGMENTS, START, START_END
 from .model import build
 from .net import net_at
 from .path_kernel import evaluate
@@ -107,7 +107,7 @@ def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
         start, end = net.cable[c, START], net.cable[c, END]
         x, y, z, xf, yf, zf, fx, fy, fz, off_c = _cable_end(net, load, EA, c, H[c], delta, u, flat)
         off = max(off, off_c)
-        K = chain.inverse((flat[0], flat[1], flat[2], flat[3], flat[4], flat[5], flat[6], flat[7], flat[8]))
+        K = elimination.inverse((flat[0], flat[1], flat[2], flat[3], flat[4], flat[5], flat[6], flat[7], flat[8]))
         for i in range(9):
             stiffness[c, i] = K[i]
         rx, ry, rz = x - q[end, 0] + q[start, 0], y - q[end, 1] + q[start, 1], z - q[end, 2] + q[start, 2]
@@ -130,7 +130,7 @@ def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
     for c in range(net.cable.shape[0]):
         start, end, k, r = net.cable[c, START], net.cable[c, END], stiffness[c], gap[c]
         K = (k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7], k[8])
-        kr = chain._times(K, r[0], r[1], r[2])
+        kr = elimination.times(K, r[0], r[1], r[2])
         if start < net.n_free:
             chain._add(block[start - net.n_interior], K, 1.0)
             for x in range(3):
@@ -201,7 +201,7 @@ def solve(place, load, EA, scale, tolerance, H, q):
                     net.step[end, 1] - net.step[start, 1] - gap[c, 1],
                     net.step[end, 2] - net.step[start, 2] - gap[c, 2],
                 )
-                change[c, 0], change[c, 1], change[c, 2] = chain._times(
+                change[c, 0], change[c, 1], change[c, 2] = elimination.times(
                     (k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7], k[8]), dx, dy, dz
                 )
                 size += abs(change[c, 0]) + abs(change[c, 1]) + abs(change[c, 2])
@@ -280,12 +280,15 @@ def equilibrium(scene, tolerance=1e-12):
     v = np.zeros_like(q)
     if model.n_driven < model.n:
         evaluate(0.0, net.paths, q[model.n_driven :], v[model.n_driven :], np.zeros((model.n - model.n_driven, 3)))
-    load = dead_load(scene, model, q)
+    load = dead_load(model, net, q)
     finite = [cable.EA for cable in scene.cables if not cable.inextensible]
     total = float(np.linalg.norm(load[: model.n_free], axis=1).sum())
     scale = total if total > 0 else float(min(finite, default=1.0))
     # a straight cable that does not stretch would have no flexibility at all along itself
     EA = np.array([min(cable.EA, UNSTRETCHED * scale) if cable.inextensible else cable.EA for cable in scene.cables])
+    for c in net.lengths.cable:
+        if net.law[c, 6] == 0.0:
+            EA[c] = net.law[c, 1] * net.law[c, 0]  # of a segment as long as it is at rest
     H = _first_guess(model, load, q, scale)
     for name in (point.name for point in scene.points if isinstance(point, Free)):
         q[model.node(name)] = q[model.n_free :].mean(axis=0)
@@ -298,16 +301,34 @@ def equilibrium(scene, tolerance=1e-12):
         )
     tension = np.empty(model.n_segments)
     unroll(net.place, load, EA, H, q, tension)
-    _check_slack(model, tension, total, scale)
+    if len(model.springs) or not all(map(_is_dead, model.forces)):
+        from .relaxation import relaxed  # compiles what moves, of which dead loads need nothing
+
+        net.tension[:] = tension
+        balance = relaxed(model, net, q, scale)
+        if not balance <= 1e-9:
+            raise EquilibriumError(
+                f"No equilibrium was found with {', '.join(type(effect).__name__ for effect in scene.effects)}: forces balance to "
+                f"{balance:.1e} of the load, which should be 1e-9; try `simulate` with damping."
+            )
+        tension = net.tension.copy()
+    else:
+        _check_slack(model, tension, total, scale)
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance)
 
 
-def dead_load(scene, model, q):
-    """(n, 3) force of a scene's effects on the nodes at rest [N]."""
-    load, v = np.zeros_like(q), np.zeros_like(q)
-    for effect in scene.effects:
-        index, params = effect.table(model.mass[: model.n_free])
-        effect.kernels()[0](0.0, q, v, index, params, load)
+def _is_dead(effect):
+    """Whether the force of an effect at rest is the same in any shape."""
+    return getattr(effect, "linear", False)
+
+
+def dead_load(model, net, q):
+    """(n, 3) force of those of a model's effects on the nodes at rest that do not depend on the shape [N]."""
+    load, v, of = np.zeros_like(q), np.zeros_like(q), net.effects
+    for e, effect in enumerate(model.forces):
+        if _is_dead(effect):
+            index, params = of.index[of.index_at[e] : of.index_at[e + 1]], of.params[of.params_at[e] : of.params_at[e + 1]]
+            effect.kernels()["force"](0.0, q, v, index, params, load)
     return load
 
 
@@ -350,8 +371,9 @@ def _check_slack(model, tension, total, scale):
                 f'A cable needs a load or a tension to have a static shape, but cable "{cable.name}" is slack and nothing '
                 "loads it: a mechanism; give `start` a state instead."
             )
-        if cable.compression == "linear" and smallest < 1e-9 * scale:
+        pushes, law = cable.compression == "linear" or cable.EA_compression, cable.compression
+        if pushes and smallest < 1e-9 * scale:
             raise EquilibriumError(
-                f'A cable that hangs in equilibrium must be taut, but cable "{cable.name}" with compression="linear" has '
+                f'A cable that hangs in equilibrium must be taut, but cable "{cable.name}" with compression="{law}" has '
                 f"a slack segment that would push; use compression=\"none\" or \"damped\", or an even number of segments."
             )

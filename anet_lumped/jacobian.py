@@ -6,24 +6,30 @@ import numpy as np
 from numba import njit, types, void
 from scipy.sparse import csc_array
 
-from .chain import END, FIRST_NODE, FIRST_SEGMENT, SEGMENTS, START
+from . import elimination
+from .dynamics import TANGENT, _add_masses, _clear
 from .effects.axial import tension_slopes
 from .effects.signatures import as_tangent
+from .elimination import END, FIRST_NODE, FIRST_SEGMENT, SEGMENTS, START
 from .net import net_at
+from .segment_law import spring_of
 
 _f2, _f3 = (types.Array(types.float64, d, "C") for d in (2, 3))
-_i2 = types.Array(types.int64, 2, "C")
+_i1, _i2 = (types.Array(types.int64, d, "C") for d in (1, 2))
 
 
 class Pattern(NamedTuple):
     """Where the numbers of the Jacobian go; the same for every state of a model.
 
     The 3x3 blocks are numbered: first those of every moving node with itself, then both directions of every pair of
-    moving nodes that a segment joins. Entry e of the matrix in compressed columns is ``scale[e]`` times entry
+    moving nodes that a segment joins, or where an effect joins them two segments of a cable. Entry e
+    of the matrix in compressed columns is ``scale[e]`` times entry
     ``source[e]`` of all blocks of df/dq, all blocks of df/dv and a last 1.
     """
 
     slot: np.ndarray  # (n_segments, 2) int64: blocks (first node, second node) and back; -1 if one is prescribed
+    far_slot: np.ndarray  # (n_segments, 2) int64: blocks (first node, second node of the next segment) and back, likewise
+    row: np.ndarray  # (blocks,) int64: node whose force a block is of
     blocks: int
     indices: np.ndarray
     indptr: np.ndarray
@@ -39,6 +45,12 @@ def pattern(model):
     for s, (a, b) in enumerate(model.ends.tolist()):
         if a < n and b < n:
             slot[s] = [number.setdefault(pair, len(number)) for pair in ((a, b), (b, a))]
+    far_slot = np.full((model.n_segments, 2), -1, np.int64)
+    if any(getattr(effect, "couples", 0) > 1 for effect in model.scene.effects):
+        for s in range(model.n_segments - 1):
+            a, b = int(model.ends[s, 0]), int(model.ends[s + 1, 1])
+            if model.cable_of[s] == model.cable_of[s + 1] and a < n and b < n:
+                far_slot[s] = [number.setdefault(pair, len(number)) for pair in ((a, b), (b, a))]
     i, j = np.array(list(number), np.int64).reshape(-1, 2).T
     x, y = np.divmod(np.arange(9), 3)
     row, column = (3 * i[:, None] + x).ravel(), (3 * j[:, None] + y).ravel()
@@ -49,26 +61,51 @@ def pattern(model):
     order = np.lexsort((rows, columns))
     indptr = np.searchsorted(columns[order], np.arange(6 * n + 1))
     return Pattern(
-        slot, len(number), rows[order].astype(np.int32), indptr.astype(np.int32), source[order], scale[order]
-    )
+        slot, far_slot, np.ascontiguousarray(i), len(number),
+        rows[order].astype(np.int32), indptr.astype(np.int32), source[order], scale[order],
+    )  # fmt: skip
 
 
-@njit(void(types.float64, _f2, _f2, types.int64, _i2, _f3, _f3), cache=True, error_model="numpy")
-def blocks(t, q, v, place, slot, of_q, of_v):
+@njit(cache=True, error_model="numpy")
+def _add_couplings(net, slot, far_slot, of):
+    """Add what effects left in ``net.near`` and ``net.far`` to the blocks of the pairs of moving nodes."""
+    for s in range(net.near.shape[0]):
+        for way in range(2):
+            if slot[s, way] >= 0:
+                of[slot[s, way]] += net.near[s, way]
+            if net.far.shape[0] > 0 and far_slot[s, way] >= 0:
+                of[far_slot[s, way]] += net.far[s, way]
+    _clear(net.near)
+    _clear(net.far)
+
+
+@njit(cache=True, error_model="numpy")
+def _with_fluid(net, row, of):
+    """Multiply blocks of a force by m (m I + A)^-1, what added masses A of its node leave to the node's own."""
+    for b in range(of.shape[0]):
+        m, A = net.mass[row[b]], net.added[row[b]]
+        inverse = elimination.inverse((m + A[0, 0], A[0, 1], A[0, 2], A[1, 0], m + A[1, 1], A[1, 2], A[2, 0], A[2, 1], m + A[2, 2]))
+        for y in range(3):
+            of[b, 0, y], of[b, 1, y], of[b, 2, y] = elimination.times(inverse, m * of[b, 0, y], m * of[b, 1, y], m * of[b, 2, y])
+
+
+@njit(void(types.float64, _f2, _f2, types.int64, _i2, _i2, _i1, _f3, _f3), cache=True, error_model="numpy")
+def blocks(t, q, v, place, slot, far_slot, row, of_q, of_v):
     """Blocks of df/dq and df/dv.
 
     A segment from node a to node b, d = q_b - q_a of length l and n = d/l, u = v_b - v_a, pulls a with T n, where
 
         d(T n)/dd = n (T_l n + T_r (u - r n)/l)^T + (T/l)(I - n n^T),    d(T n)/du = T_r n n^T,    r = n . u ,
 
-    with the slopes T_l, T_r of the axial law in length and rate; effects add to the diagonal blocks.
+    with the slopes T_l, T_r of the axial law in length and rate; effects add their own. With added masses A the blocks of a node's
+    force are multiplied by m (m I + A)^-1, of which the derivative is left out.
 
     Parameters
     ----------
     t : float [s]
     q, v : (n, 3) float64 [m], [m/s]; prescribed rows hold the prescribed motion
     place : int, address of the net
-    slot : (n_segments, 2) int64, see `Pattern`
+    slot, far_slot, row : see `Pattern`
     of_q, of_v : (blocks, 3, 3) float64 [N/m], [N s/m], overwritten
     """
     net = net_at(place)
@@ -76,16 +113,18 @@ def blocks(t, q, v, place, slot, of_q, of_v):
     of_q[:] = 0.0
     of_v[:] = 0.0
     for e in range(effects.address.shape[0]):
+        if effects.address[e, TANGENT] == 0:
+            continue
         i, j = effects.index_at[e], effects.index_at[e + 1]
         a, b = effects.params_at[e], effects.params_at[e + 1]
-        index, params, tangent = effects.index[i:j], effects.params[a:b], as_tangent(effects.address[e, 1])
-        tangent(t, q, v, index, params, -1.0, 0.0, of_q[:n_free])
-        tangent(t, q, v, index, params, 0.0, -1.0, of_v[:n_free])
+        index, params, tangent = effects.index[i:j], effects.params[a:b], as_tangent(effects.address[e, TANGENT])
+        tangent(t, q, v, index, params, -1.0, 0.0, of_q[:n_free], net.near, net.far)
+        _add_couplings(net, slot, far_slot, of_q)
+        tangent(t, q, v, index, params, 0.0, -1.0, of_v[:n_free], net.near, net.far)
+        _add_couplings(net, slot, far_slot, of_v)
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, FIRST_SEGMENT], net.cable[c, SEGMENTS], net.cable[c, FIRST_NODE]
-        L0, k, damper, two_spring, two_damper = (
-            net.law[c, 0], net.law[c, 1], net.law[c, 2], net.law[c, 3], net.law[c, 4],
-        )  # fmt: skip
+        spring, L0, damper, two_damper = spring_of(net, c), net.law[c, 0], net.law[c, 2], net.law[c, 4]
         a = net.cable[c, START]
         for j in range(count):
             b = node + j if j < count - 1 else net.cable[c, END]
@@ -95,7 +134,7 @@ def blocks(t, q, v, place, slot, of_q, of_v):
             per_l = 1.0 / max(l, 1e-12 * L0)
             n = (dx * per_l, dy * per_l, dz * per_l)
             rate = n[0] * ux + n[1] * uy + n[2] * uz
-            T, of_length, of_rate = tension_slopes(l - L0, rate, k, damper, two_spring, two_damper)
+            T, of_length, of_rate = tension_slopes(l - L0, rate, spring, damper, two_damper)
             across, turn = T * per_l, of_rate * per_l
             along = of_length - turn * rate - across
             g = (along * n[0] + turn * ux, along * n[1] + turn * uy, along * n[2] + turn * uz)
@@ -117,6 +156,10 @@ def blocks(t, q, v, place, slot, of_q, of_v):
                         of_q[ba, x, y] += K
                         of_v[ba, x, y] += C
             a = b
+    if net.added.shape[0] > 0:
+        _add_masses(net, t, q)
+        _with_fluid(net, row, of_q)
+        _with_fluid(net, row, of_v)
 
 
 def sparse_jacobian(model, net):
@@ -138,7 +181,7 @@ def sparse_jacobian(model, net):
     of_q, of_v = values[:-1].reshape(2, p.blocks, 3, 3)
 
     def jacobian(t, q, v):
-        blocks(t, q, v, net.place, p.slot, of_q, of_v)
+        blocks(t, q, v, net.place, p.slot, p.far_slot, p.row, of_q, of_v)
         return csc_array((values[p.source] * p.scale, p.indices, p.indptr), shape=(size, size))
 
     return jacobian

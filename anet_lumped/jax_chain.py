@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 from jax import lax
 
-from .chain import inverse
+from .elimination import inverse
 
 
 def times(a, b):

@@ -15,6 +15,8 @@ where G = tau^2 dP/dd + tau dP/du is the tangent of a segment's pull P and A X_s
 the last, are the chain's answers to its ends. The system over the free points is dense. Cost: linear in the longest cable.
 """
 
+from typing import NamedTuple
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -40,6 +42,7 @@ class JaxNet(eqx.Module):
     real: jax.Array  # (C, S) whether there is such a segment
     count: jax.Array  # (C,) segments
     law: jax.Array  # (C, 5): L0 [m], k [N/m], c [N s/m], two-way spring, two-way damper
+    springs: jax.Array  # (rows, 2, C), see `Model.springs_of_cables`
     start: jax.Array  # (C,) point at the start, and
     end: jax.Array  # (C,) at the end of each cable
     inner: jax.Array  # (n_interior,) where an interior node is among the C (S - 1) places of interior nodes
@@ -65,16 +68,16 @@ class JaxNet(eqx.Module):
         l = jnp.sqrt(jnp.maximum(jnp.sum(d * d, axis=-1), (1e-12 * L0) ** 2))
         n = d / l[..., None]
         rate = jnp.sum(n * u, axis=-1)
-        T, spring = _parts(l - L0, rate, k, c, two_spring, two_damper)
-        return jnp.where(self.real, T, 0.0)[..., None] * n, jnp.where(self.real, (T - spring) * rate, 0.0)
+        T, elastic = _parts(l - L0, rate, (k, two_spring, L0, self.springs[..., None], 0, len(self.springs)), c, two_damper)
+        return jnp.where(self.real, T, 0.0)[..., None] * n, jnp.where(self.real, (T - elastic) * rate, 0.0)
 
     def _of_effects(self, t, q, v):
         """Force (n_free, 3) [N] of all effects, and the power [W] that they take."""
         f, power = jnp.zeros_like(q), 0.0
         for effect in self.effects:
-            index, params = effect.table(_objects([self.mass]))
+            index, params = effect.table(_Nodes(_objects([self.mass]), 1))
             rows = np.zeros((1, 3), object)
-            power += jnp.sum(effect.kernels()[0].py_func(t, _objects(q.T)[None], _objects(v.T)[None], index, params, rows))
+            power += jnp.sum(effect.kernels()["force"].py_func(t, _objects(q.T)[None], _objects(v.T)[None], index, params, rows))
             f += jnp.stack([x + jnp.zeros(len(q)) for x in rows[0]], axis=-1)
         return f, power
 
@@ -165,6 +168,13 @@ class JaxNet(eqx.Module):
         return jnp.concatenate([self._interior(jnp.moveaxis(x[..., 0], 0, 1)), of_points])
 
 
+class _Nodes(NamedTuple):
+    """What an effect that is linear looks up in a model."""
+
+    mass: np.ndarray
+    n_free: int
+
+
 def _objects(rows):
     """(k,) array of Python objects, each one of the rows."""
     out = np.empty(len(rows), object)
@@ -182,13 +192,23 @@ def jax_net(model):
 
     Raises
     ------
-    ValueError : an effect that acts on more than a node by itself
+    ValueError : an effect that is the user's own, is not linear in a node's own place and velocity, or knows more than its mass
     """
     for effect in model.scene.effects:
-        if len(effect.table(model.mass[: model.n_free])[0]):
+        if hasattr(effect, "law"):  # derived by dual numbers, which JAX does not trace
+            raise ValueError(f"Methods of diffrax need effects of the library, but {type(effect).__name__} is one of your own.")
+        if not getattr(effect, "linear", False):
             raise ValueError(
-                f"Methods of diffrax need effects that act on each node by itself, but {type(effect).__name__} joins several."
+                "Methods of diffrax need effects whose force is linear in a node's own place and velocity, but that of "
+                f"{type(effect).__name__} is not."
             )
+        try:
+            effect.table(_Nodes(model.mass, model.n_free))
+        except AttributeError:
+            raise ValueError(
+                "Methods of diffrax need effects that know of a node nothing but its mass, but "
+                f"{type(effect).__name__} knows more; take a method of this package or of scipy."
+            ) from None
     count, C = model.cable[:, 1], len(model.cable)
     S, offset = max(2, int(count.max())), model.n_interior  # with one place at least for an interior node
     node, inner = np.empty((C, S + 1), int), np.empty(model.n_interior, int)
@@ -197,12 +217,14 @@ def jax_net(model):
         node[c, :n] = np.r_[start, first : first + n - 1]
         inner[first : first + n - 1] = c * (S - 1) + np.arange(n - 1)
     points = model.scene.points
+    k, pushes, L0, rows, *_ = model.springs_of_cables
     return JaxNet(
         mass=jnp.asarray(model.mass[: model.n_free]),
         node=jnp.asarray(node),
         real=jnp.asarray(np.arange(S) < count[:, None]),
         count=jnp.asarray(count),
-        law=jnp.asarray(model.law[:, :5]),
+        law=jnp.asarray(np.column_stack([L0, k, model.law[:, 2], pushes, model.law[:, 4]])),
+        springs=jnp.asarray(rows),
         start=jnp.asarray(model.cable[:, 3] - offset),
         end=jnp.asarray(model.cable[:, 4] - offset),
         inner=jnp.asarray(inner),

@@ -1,13 +1,15 @@
 """Scene → Model: nodes, segments and the elimination order, as the flat arrays that compiled code works on."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 
+from . import rest_length
 from .effects.axial import SWITCHES
-from .effects.signatures import addresses
-from .net import Effects, Net, Points
+from .effects.signatures import SLOTS, addresses
+from .lanes import WIDTH
+from .net import COLUMNS, HALF_BAND, Effects, Lengths, Net, Points
 from .paths import pack
 from .scene import Driven, Fixed, Free, Scene
 
@@ -17,7 +19,7 @@ class Model:
     """A scene cut into nodes and segments.
 
     Nodes are numbered: interior nodes cable by cable, free points, fixed points, driven points; segments cable by cable,
-    from the end that is eliminated first. ``cable`` and ``law`` are the tables of `Net`.
+    from the end that is eliminated first. ``cable``, ``law``, ``springs``, ``group`` and ``alone`` are the tables of `Net`.
 
     Parameters
     ----------
@@ -26,8 +28,9 @@ class Model:
         Nodes, nodes that move, interior nodes, and the number of the first driven node.
     mass : (n,) float64 [kg]
         Half of the segments on either side, and the point's own.
-    cable : (n_cables, 8) int64
-    law : (n_cables, 7) float64
+    cable : (n_cables, 10) int64
+    law : (n_cables, 9) float64
+    springs : (rows, 2) float64
     flipped : (n_cables,) bool
         The cable is eliminated from its end to its start.
     node_of : dict
@@ -42,10 +45,19 @@ class Model:
     mass: np.ndarray
     cable: np.ndarray
     law: np.ndarray
+    springs: np.ndarray
+    group: np.ndarray
+    alone: np.ndarray
     flipped: np.ndarray
     node_of: dict
     symbolic: Points
     effects: Effects
+    lengths: Lengths
+
+    @property
+    def forces(self):
+        """Effects that exert forces, in the order of ``effects``."""
+        return tuple(effect for effect in self.scene.effects if not hasattr(effect, "lengths"))
 
     @property
     def n_segments(self):
@@ -61,13 +73,29 @@ class Model:
         return np.repeat(np.arange(len(self.cable)), self.cable[:, 1])
 
     @cached_property
+    def strength(self):
+        """(n_segments,) float64: tension at which each segment breaks [N], inf for never; empty if no cable breaks."""
+        limits = [np.inf if cable.breaking_tension is None else cable.breaking_tension for cable in self.scene.cables]
+        return np.array(limits)[self.cable_of] if np.isfinite(limits).any() else np.empty(0)
+
+    @cached_property
+    def springs_of_cables(self):
+        """What the law of each cable takes as its spring, see `effects.axial`, as arrays (n_cables,), filled up with empty rows."""
+        springs = [cable.springs for cable in self.scene.cables]
+        rows = np.zeros((max([len(own) for own in springs] + [1]) - 1, 2, len(springs)))
+        for c, own in enumerate(springs):
+            rows[: len(own) - 1, :, c] = np.reshape(own[1:], (-1, 2))
+        share = np.array([own[0][1] if own else 1.0 for own in springs])
+        return share * self.law[:, 1], self.law[:, 3], self.law[:, 0], rows, 0, len(rows)
+
+    @cached_property
     def ends(self):
         """(n_segments, 2) int64: nodes at both ends of each segment."""
         rows = []
         for _, count, node, start, end in self.cable[:, :5]:
             nodes = np.r_[start, node : node + count - 1, end]
             rows.append(np.column_stack([nodes[:-1], nodes[1:]]))
-        return np.concatenate(rows)
+        return np.concatenate([*rows, np.empty((0, 2), np.int64)])
 
     def node(self, point):
         """Number of a point's node."""
@@ -103,20 +131,30 @@ class Model:
     def net(self):
         """The arrays that compiled code works on, with fresh scratch space: one a run."""
         n, segments = self.n, self.n_segments
-        return Net(
+        couples = max((getattr(effect, "couples", 0) for effect in self.forces), default=0)
+        rows = 4 * self.n_interior + len(self.cable) if couples else 0
+        heavier = any("inertia" in effect.kernels() for effect in self.forces)
+        changing = len(self.lengths.cable) > 0  # then masses, laws and effects' numbers are the run's own
+        effects = self.effects._replace(params=self.effects.params.copy()) if changing else self.effects
+        net = Net(
             n_free=self.n_free,
             n_interior=self.n_interior,
-            mass=self.mass,
+            mass=self.mass.copy() if changing else self.mass,
             degree=np.bincount(self.ends.ravel(), minlength=n).astype(float),
             cable=self.cable,
-            law=self.law,
+            group=self.group,
+            alone=self.alone,
+            law=self.law.copy() if changing else self.law,
+            springs=self.springs,
             paths=pack([point.path for point in self.scene.points if isinstance(point, Driven)]),
             n_driven=self.n_driven,
-            effects=self.effects,
+            effects=effects,
+            lengths=rest_length.of_a_run(self.lengths) if changing else self.lengths,
             points=self.symbolic._replace(block=np.zeros_like(self.symbolic.block)),
-            segment=np.zeros((segments, 12)),
+            segment=np.zeros((segments, 14)),
             tension=np.zeros(segments),
-            linearised=np.array([-1.0, 1.0]),
+            mean=np.zeros(segments),
+            linearised=np.array([-1.0, 1.0, 2.0, 1.0, 0.0]),
             pull=np.zeros((n, 3)),
             kept=np.zeros((n - self.n_interior, 3)),
             right=np.zeros((n, 3)),
@@ -127,7 +165,19 @@ class Model:
             step=np.zeros((n, 3)),
             middle_q=np.zeros((n, 3)),
             middle_v=np.zeros((n, 3)),
+            near=np.zeros((segments if couples > 0 else 0, 2, 3, 3)),
+            far=np.zeros((segments if couples > 1 else 0, 2, 3, 3)),
+            added=np.zeros((self.n_free if heavier else 0, 3, 3)),
+            band=np.zeros((rows, 2 * HALF_BAND[couples] + 1)),
+            columns=np.zeros((rows, COLUMNS)),
+            ends=np.zeros((7, COLUMNS)),
+            strength=self.strength,
+            observed=np.zeros(len(self.strength)),
+            remembered=np.zeros(16 * len(self.strength) + 5),
         ).placed()
+        if changing:
+            rest_length.set_lengths(net.place, 0.0, 0.0, 0.0)
+        return net
 
 
 @lru_cache(maxsize=8)
@@ -152,8 +202,8 @@ def build(scene):
     for name in order:
         mass[node_of[name]] = scene.point(name).mass
     symbolic, block_of = _symbolic(order, later)
-    cable = np.full((len(scene.cables), 8), -1, np.int64)
-    law = np.zeros((len(scene.cables), 7))
+    cable = np.full((len(scene.cables), 10), -1, np.int64)
+    law = np.zeros((len(scene.cables), 9))
     flipped = np.zeros(len(scene.cables), bool)
     segment = node = 0
     for c, one in enumerate(scene.cables):
@@ -162,10 +212,12 @@ def build(scene):
         bordered = start in rank and end in rank
         cable[c, :6] = segment, one.segments, node, node_of[start], node_of[end], bordered
         if bordered:
-            cable[c, 6:] = block_of[rank[start], rank[end]], block_of[rank[end], rank[start]]
+            cable[c, 6:8] = block_of[rank[start], rank[end]], block_of[rank[end], rank[start]]
         spring = (0.0, 0.0) if one.inextensible else (one.stiffness, one.dashpot)
         law[c, :5] = one.L0, *spring, *SWITCHES[one.compression]
+        law[c, 3] = max(law[c, 3], one.EA_compression / one.EA_first)
         law[c, 6] = one.inextensible
+        law[c, 8] = one.L0
         half = 0.5 * one.mass_per_length * one.L0
         mass[node : node + one.segments - 1] = 2.0 * half
         mass[[node_of[start], node_of[end]]] += half
@@ -175,7 +227,9 @@ def build(scene):
     for c, (_, count, node, start, end) in enumerate(cable[:, :5]):
         of = mobility[np.r_[start, node : node + count - 1, end]]
         law[c, 5] = law[c, 1] * (of[1:] + of[:-1]).max()
-    return Model(
+    springs = _curves(scene.cables, cable)
+    group, alone = _groups(cable, law)
+    model = Model(
         scene=scene,
         n=n,
         n_free=n_free,
@@ -184,11 +238,39 @@ def build(scene):
         mass=mass,
         cable=cable,
         law=law,
+        springs=springs,
+        group=group,
+        alone=alone,
         flipped=flipped,
         node_of=node_of,
         symbolic=symbolic,
-        effects=_effect_tables(scene.effects, mass[:n_free]),
+        effects=None,
+        lengths=None,
     )
+    model = replace(model, effects=_effect_tables(model.forces, model))
+    return replace(model, lengths=rest_length.table(scene, model, build.__wrapped__))
+
+
+def _curves(cables, table):
+    """Rows of ``springs`` of all tension-strain curves, each one once; writes where those of a cable are into the table."""
+    first, rows = {(): (0, 0)}, []
+    for row, one in zip(table, cables, strict=True):
+        if one.springs not in first:
+            first[one.springs] = len(rows), len(rows) + len(one.springs)
+            rows.extend(one.springs)
+        row[8:] = first[one.springs]
+    return np.array(rows, float).reshape(-1, 2)
+
+
+def _groups(cable, law):
+    """Cables that hang on a prescribed point and are alike but for their numbers, by fours; the tables of `Net`."""
+    alike = {}
+    for c, (row, of) in enumerate(zip(cable, law, strict=True)):
+        alike.setdefault((row[1], row[9], *of[3:5], of[6]) if row[1] > 1 and row[5] == 0 else c, []).append(c)
+    fours = [cables[i : i + WIDTH] for cables in alike.values() for i in range(0, len(cables), WIDTH)]
+    groups = [[*four, *[four[-1]] * (WIDTH - len(four)), len(four)] for four in fours if len(four) > 1]
+    alone = sorted(four[0] for four in fours if len(four) == 1)
+    return np.array(groups, np.int64).reshape(-1, WIDTH + 1), np.array(alone, np.int64)
 
 
 def _minimum_degree(names, links):
@@ -238,14 +320,15 @@ def _symbolic(order, later):
     return points, block_of
 
 
-def _effect_tables(effects, mass):
-    """Tables and addresses of the compiled functions of the effects present."""
-    tables = [effect.table(mass) for effect in effects]
+def _effect_tables(effects, model):
+    """Tables and addresses of the compiled functions of the effects present; ``model`` is complete but for them."""
+    tables = [effect.table(model) for effect in effects]
     index, params = [np.asarray(i, np.int64) for i, _ in tables], [np.asarray(p, float) for _, p in tables]
     return Effects(
-        address=np.array([addresses(effect) for effect in effects], np.int64).reshape(-1, 3),
+        address=np.array([addresses(effect) for effect in effects], np.int64).reshape(-1, len(SLOTS)),
         index=np.concatenate([*index, np.empty(0, np.int64)]),
         index_at=np.cumsum([0, *map(len, index)]).astype(np.int64),
         params=np.concatenate([*params, np.empty(0)]),
         params_at=np.cumsum([0, *map(len, params)]).astype(np.int64),
+        linear=int(all(getattr(effect, "linear", False) for effect in effects)),
     )

@@ -1,7 +1,6 @@
 """The flat arrays that compiled code sees: one type for every scene, so that every kernel is compiled once.
 
-A kernel is given a net by its address, ``net.place``, and looks at it with `net_at`: handing over some thirty arrays by value would
-cost as much as eighty nodes.
+A kernel is given a net by its address, ``net.place``, and looks at it with `net_at`, see `integrators.placed`.
 
 Nodes are numbered: interior nodes of the cables (each cable's run is contiguous, in elimination order), then the free
 points, then the fixed and at last the driven ones. The first ``n_free`` nodes move; the rest are prescribed.
@@ -11,24 +10,55 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
+
+from integrators.placed import at_address, size, words
 
 from .path_kernel import TABLE
 
-_f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
+_f1, _f2, _f3, _f4 = (types.Array(types.float64, d, "C") for d in (1, 2, 3, 4))
 _i1, _i2 = (types.Array(types.int64, d, "C") for d in (1, 2))
+
+
+HALF_BAND = (0, 6, 10)  # of the matrix of `chain_wide`, by how far an effect couples nodes
+COLUMNS = 8  # right-hand sides there
 
 
 class Effects(NamedTuple):
     """The effects of a scene other than axial ones. Effect k has the numbers ``index[index_at[k]:index_at[k+1]]`` and
-    ``params[params_at[k]:params_at[k+1]]`` and the functions at ``address[k]``: force, tangent and energy."""
+    ``params[params_at[k]:params_at[k+1]]`` and the functions at ``address[k]``, in the order of `signatures.SLOTS`."""
 
     address: np.ndarray
     index: np.ndarray
     index_at: np.ndarray
     params: np.ndarray
     params_at: np.ndarray
+    linear: int  # 1 if the force of each is linear in the place and velocity of the node that it acts on
+
+
+class Lengths(NamedTuple):
+    """Rest lengths that change in time, see `rest_length`; all empty for a scene that has none.
+
+    Row r belongs to cable ``cable[r]``: ``material[r]`` is its length [m], EA [N], damper c [N s/m], and 1 where c goes as
+    1/length. Rows 2 r and 2 r + 1 of ``paths`` are, in x, the length paid out [m] and the strain at rest. A length x paid out
+    adds ``mass_slope`` x to the masses ``mass_node``, and ``param_slope`` x to the effects' numbers ``param``, from
+    ``mass_at[r]`` and ``param_at[r]`` on, to ``mass`` and ``params`` without it.
+    """
+
+    cable: np.ndarray
+    material: np.ndarray  # (rows, 4)
+    paths: tuple
+    mass: np.ndarray
+    mass_at: np.ndarray
+    mass_node: np.ndarray
+    mass_slope: np.ndarray
+    params: np.ndarray
+    param_at: np.ndarray
+    param: np.ndarray
+    param_slope: np.ndarray
+    at: np.ndarray  # (3,) times of ``paid`` [s]
+    paid: np.ndarray  # (4, rows) paid out before, in the middle and at the end of a step [m], and the rate at the end [m/s]
+    trial: np.ndarray  # (2, rows) scratch
+    place: np.ndarray  # (3, 2 rows, 3) scratch
 
 
 class Points(NamedTuple):
@@ -51,11 +81,12 @@ class Points(NamedTuple):
 class Net(NamedTuple):
     """A model as compiled code sees it, with the scratch arrays of one run.
 
-    ``cable`` (n_cables, 8) int64: first segment, segments, first interior node, start node, end node, start is free,
-    positions of the blocks (start, end) and (end, start) among the free points' blocks (-1 where there are none).
-    ``law`` (n_cables, 7): L0 [m], k [N/m], c [N s/m], two-way spring, two-way damper, and the square of the highest frequency
+    ``cable`` (n_cables, 10) int64: first segment, segments, first interior node, start node, end node, start is free,
+    positions of the blocks (start, end) and (end, start) among the free points' blocks (-1 where there are none), first row in
+    ``springs`` and the one after the last (the same where there is no curve).
+    ``law`` (n_cables, 9): L0 [m], k [N/m], c [N s/m], how much of k pushes, two-way damper, and the square of the highest frequency
     of a segment between the two masses at its ends, k (1/m_a + 1/m_b) [1/s2],
-    and 1 where the cable does not stretch (its k and c are then 0).
+    and 1 where the cable does not stretch (its k and c are then 0); dL0/dt [m/s], and L0 at the start of a stage [m].
     """
 
     n_free: int
@@ -63,14 +94,19 @@ class Net(NamedTuple):
     mass: np.ndarray  # (n,)
     degree: np.ndarray  # (n,) segments that a node has
     cable: np.ndarray
+    group: np.ndarray  # (groups, 5) cables that are taken at once, the last one repeated, and how many of the four count
+    alone: np.ndarray  # (cables not in a group,)
     law: np.ndarray
+    springs: np.ndarray  # (rows, 2) of tension-strain curves, see `Cable.springs`
     paths: tuple
     n_driven: int  # first driven node
     effects: Effects
+    lengths: Lengths
     points: Points
-    segment: np.ndarray  # (n_segments, 12) scratch: the linearised law of each segment, columns in chain.py
+    segment: np.ndarray  # (n_segments, 14) scratch: the linearised law of each segment, columns in chain.py
     tension: np.ndarray  # (n_segments,) tension that the last Newton step predicted
-    linearised: np.ndarray  # (2,) law of the stage that ``segment`` belongs to, -1 before the first, and its tau [s]
+    mean: np.ndarray  # (n_segments,) tension, averaged over the stages of a step
+    linearised: np.ndarray  # (5,) of the stage that ``segment`` belongs to, columns in dynamics.py
     pull: np.ndarray  # (n, 3) scratch
     kept: np.ndarray  # (points, 3) scratch
     right: np.ndarray  # (n, 3) right-hand side, overwritten by the elimination
@@ -81,68 +117,41 @@ class Net(NamedTuple):
     step: np.ndarray  # (n, 3) the Newton step; zero on prescribed nodes
     middle_q: np.ndarray  # (n, 3) place and
     middle_v: np.ndarray  # (n, 3) velocity at which external forces are taken
+    near: np.ndarray  # (n_segments, 2, 3, 3) blocks between neighbours, empty where no effect couples them
+    far: np.ndarray  # (n_segments, 2, 3, 3) blocks between next-but-one neighbours, likewise
+    added: np.ndarray  # (n_free, 3, 3) [kg] added mass, empty where no effect has any
+    band: np.ndarray  # scratch of `chain_wide`, empty where no effect couples nodes
+    columns: np.ndarray
+    ends: np.ndarray  # (7, COLUMNS)
+    strength: np.ndarray  # (n_segments,) [N] tension at which each breaks, inf for never; empty where no cable does
+    observed: np.ndarray  # (n_segments,) scratch, likewise
+    remembered: np.ndarray  # scratch of `dynamics.remember`, likewise
     place: int = 0  # address of ``words``
     words: np.ndarray = np.empty(0, np.int64)  # this tuple as compiled code lays it out in memory, for `net_at`
 
     def placed(self):
         """The same net with its address; it and its arrays must outlive every use of the address."""
-        words = np.empty(WORDS, np.int64)
-        net = self._replace(words=words, place=words.ctypes.data)
-        words[:] = _words(net)
+        held = np.empty(WORDS, np.int64)
+        net = self._replace(words=held, place=held.ctypes.data)
+        held[:] = words(net)
         return net
 
 
-EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1), Effects)
+EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1, types.int64), Effects)
+LENGTHS = types.NamedTuple(
+    (_i1, _f2, TABLE, _f1, _i1, _i1, _f1, _f1, _i1, _i1, _f1, _f1, _f2, _f2, _f3), Lengths
+)
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
 NET = types.NamedTuple(
-    (types.int64, types.int64, _f1, _f1, _i2, _f2, TABLE, types.int64, EFFECTS, POINTS)
-    + (_f2, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f3)
+    (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _f2, _f2, TABLE, types.int64, EFFECTS, LENGTHS, POINTS)
+    + (_f2, _f1, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f3)
     + (_f2,) * 3
+    + (_f4, _f4, _f3, _f2, _f2, _f2)
+    + (_f1,) * 3
     + (types.int64, _i1),
     Net,
 )
 
 
-def _words(value):
-    """A tuple of arrays and integers as Numba lays it out in memory, a word each: of an array no owner, no parent, then size,
-    item size, address, shape and strides."""
-    if isinstance(value, np.ndarray):
-        return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
-    if isinstance(value, tuple):
-        return [word for part in value for word in _words(part)]
-    return [value]
-
-
-def _size(kind):
-    """Words that a value of a Numba type takes."""
-    if isinstance(kind, types.Array):
-        return 5 + 2 * kind.ndim
-    return sum(map(_size, kind)) if isinstance(kind, types.BaseTuple) else 1
-
-
-WORDS = _size(NET)
-
-
-@intrinsic
-def net_at(typing_context, place):
-    """The net at an address, borrowed: what is not used of it is not even read."""
-
-    def codegen(context, builder, signature, args):
-        model = context.data_model_manager[NET]
-        pointer = builder.inttoptr(args[0], model.get_data_type().as_pointer())
-        return _borrowed(context, builder, NET, model.load_from_data_pointer(builder, pointer))
-
-    return NET(types.int64), codegen
-
-
-def _borrowed(context, builder, kind, value):
-    """``value`` with arrays that own nothing, so that no references are counted."""
-    if isinstance(kind, types.Array):
-        array = context.make_array(kind)(context, builder, value)
-        array.meminfo = cgutils.get_null_value(array.meminfo.type)
-        array.parent = cgutils.get_null_value(array.parent.type)
-        return array._getvalue()
-    if isinstance(kind, types.BaseTuple):
-        parts = cgutils.unpack_tuple(builder, value, len(kind))
-        return context.make_tuple(builder, kind, [_borrowed(context, builder, k, x) for k, x in zip(kind, parts, strict=True)])
-    return value
+WORDS = size(NET)
+net_at = at_address(NET)

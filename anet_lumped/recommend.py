@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from . import extrapolation
 from .choice import EXPLICIT_COST, OF_LIMIT, OF_TIME_SCALE, time_scale
 from .model import build
 from .scene import Free, SceneError
@@ -38,11 +39,13 @@ class Candidate:
     rtol: float | None
     error: float
     times_real_time: float
+    extrapolate: bool = False
 
     @property
     def stepping(self):
         """Arguments of `simulate`."""
-        return {"method": self.method} | ({"dt": self.dt} if self.rtol is None else {"rtol": self.rtol})
+        found = {"method": self.method} | ({"dt": self.dt} if self.rtol is None else {"rtol": self.rtol})
+        return found | ({"extrapolate": True} if self.extrapolate else {})
 
 
 @dataclass(frozen=True)
@@ -210,6 +213,8 @@ class _Search:
         """Methods that keep a share of the error, the cheapest first."""
         scene = self.divided(count)
         found = [self.fixed(scene, share), self.adaptive(scene, share)]
+        if all(cable.breaking_tension is None for cable in scene.cables):
+            found.append(self.fixed(scene, share, extrapolate=True))
         if not any(cable.inextensible for cable in scene.cables):
             limit = predict(scene, schemes=("verlet",)).limits["verlet"].step
             dt, implicit = self.step(OF_LIMIT * limit), self.t_end / found[0].times_real_time
@@ -217,19 +222,23 @@ class _Search:
                 found.append(self.candidate(scene, "verlet", self.halves(scene, "verlet", dt), dt=dt))
         return sorted((c for c in found if c and c.error <= share), key=lambda c: -c.times_real_time)
 
-    def halves(self, scene, method, dt):
-        """Error of a step of a method of order 2 [m]."""
-        return self.apart((scene, {"method": method, "dt": dt}), (scene, {"method": method, "dt": 0.5 * dt})) / DOUBLED
+    def halves(self, scene, method, dt, order=2, **options):
+        """Error of a step of a method [m]."""
+        coarse, fine = ({"method": method, "dt": step} | options for step in (dt, 0.5 * dt))
+        return self.apart((scene, coarse), (scene, fine)) / (1.0 - 2.0**-order)
 
-    def fixed(self, scene, share):
-        """The largest step of edmc whose error is within a share."""
-        dt = self.step(self.first_step)
+    def fixed(self, scene, share, extrapolate=False):
+        """The largest step of edmc whose error is within a share; None if extrapolation does not get there."""
+        dt, order = self.step(self.first_step), extrapolation.ORDER if extrapolate else 2
+        options = {"extrapolate": True} if extrapolate else {}
         for _ in range(2 * ATTEMPTS):
-            error = self.halves(scene, "edmc", dt)
-            enough = self.step(min(0.95 * dt * math.sqrt(share / error) if error > 0 else np.inf, self.t_end / SAVES))
+            error = self.halves(scene, "edmc", dt, order, **options)
+            enough = self.step(min(0.95 * dt * (share / error) ** (1.0 / order) if error > 0 else np.inf, self.t_end / SAVES))
             if error <= share and enough < 1.2 * dt:
-                return self.candidate(scene, "edmc", error, dt=dt)
+                return self.candidate(scene, "edmc", error, dt=dt, **options)
             dt = enough if enough < dt or error <= share else 0.8 * dt
+        if extrapolate:
+            return None
         raise RecommendError(f"The error does not fall as the square of the step: {error:.3g} m at {dt:.3g} s.")
 
     def adaptive(self, scene, share):
@@ -242,9 +251,9 @@ class _Search:
             rtol *= 0.8 * (share / error) ** 1.5  # an error in a step of h^3 makes a whole error of rtol^(2/3)
         return None
 
-    def candidate(self, scene, method, error, dt=None, rtol=None):
+    def candidate(self, scene, method, error, dt=None, rtol=None, extrapolate=False):
         """A method with its pace."""
-        one = Candidate(method, dt, rtol, error, np.inf)
+        one = Candidate(method, dt, rtol, error, np.inf, extrapolate)
         took = []
         for _ in range(REPEATS):
             began = time.perf_counter()
@@ -255,7 +264,7 @@ class _Search:
     def check(self, count, best):
         """Distance of the recommended run from one with twice the segments and half the step, over what that leaves [m]."""
         scene = self.divided(count)
-        finer = {"method": best.method} | ({"dt": 0.5 * best.dt} if best.rtol is None else {"rtol": 0.1 * best.rtol})
+        finer = best.stepping | ({"dt": 0.5 * best.dt} if best.rtol is None else {"rtol": 0.1 * best.rtol})
         if best.method == "verlet":
             finer["dt"] *= 0.5  # twice the segments halve its limit
         return self.apart((scene, best.stepping), (self.doubled(scene), finer)) / DOUBLED
@@ -263,6 +272,6 @@ class _Search:
     def elasticity(self, count, best):
         """What stretching changes [m]: the same net with EA = inf."""
         scene = self.divided(count)
-        rigid = replace(scene, cables=tuple(replace(cable, EA=math.inf) for cable in scene.cables))
+        rigid = replace(scene, cables=tuple(replace(cable, EA=math.inf, tension_strain=None) for cable in scene.cables))
         stepping = {"method": "edmc", "dt": best.dt if best.method == "edmc" and best.dt else self.step(0.5 * self.first_step)}
         return self.apart((scene, stepping), (rigid, stepping))

@@ -5,14 +5,30 @@ from functools import cached_property
 
 import numpy as np
 
-from integrators.system import DIVERGED, DONE, INTERRUPTED, UNCONVERGED
+from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
 from .audit import Audit
 from .effects.axial import tension_parts, with_select
+from .events import BREAK, Event, broken
 from .model import Model, build
 from .scene import Scene
 
-STATUS = {DONE: "done", UNCONVERGED: "unconverged", DIVERGED: "diverged", INTERRUPTED: "interrupted"}
+STATUS = {
+    DONE: "done",
+    UNCONVERGED: "unconverged",
+    DIVERGED: "diverged",
+    INTERRUPTED: "interrupted",
+    OUT_OF_STEPS: "out of steps",
+    EVENT: "event",  # of a leg that a break ended, never of a run
+}
+
+
+class RunInterrupt(KeyboardInterrupt):
+    """Ctrl-C during a run; ``run`` holds what it had done."""
+
+    def __init__(self, run):
+        super().__init__(run.message)
+        self.run = run
 
 
 def segment_tensions(model, q, v):
@@ -28,12 +44,13 @@ def segment_tensions(model, q, v):
     T : (..., n_segments) float64 [N]
     """
     a, b = model.ends.T
-    k, c, two_spring, two_damper = (model.law[model.cable_of, i] for i in (1, 2, 3, 4))
+    c, two_damper = model.law[model.cable_of, 2], model.law[model.cable_of, 4]
+    k, pushes, L0, rows, *ends = (x if np.ndim(x) == 0 else x[..., model.cable_of] for x in model.springs_of_cables)
     d = q[..., b, :] - q[..., a, :]
     l = np.linalg.norm(d, axis=-1)
     rate = np.sum(d * (v[..., b, :] - v[..., a, :]), axis=-1) / np.maximum(l, 1e-300)
     law = with_select(tension_parts, np.where)
-    return law(l - model.law[model.cable_of, 0], rate, k, c, two_spring, two_damper)[0]
+    return law(l - L0, rate, (k, pushes, L0, rows, *ends), c, two_damper)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +65,7 @@ class State:
     segment_tension : (n_segments,) float64 [N]
     residual : float or None
         Largest out-of-balance force over the weight carried, of an equilibrium.
+    events : tuple of Event, what has happened up to then
     """
 
     model: Model
@@ -56,6 +74,7 @@ class State:
     v: np.ndarray
     segment_tension: np.ndarray
     residual: float | None = None
+    events: tuple[Event, ...] = ()
 
     @property
     def scene(self):
@@ -79,8 +98,9 @@ class State:
         return self.segment_tension[self.model.segments(cable)]
 
     def length(self, cable):
-        """Stretched length of a cable [m]."""
-        return float(np.linalg.norm(np.diff(self.shape(cable), axis=0), axis=1).sum())
+        """Stretched length of a cable [m], without segments that broke."""
+        lengths = np.linalg.norm(np.diff(self.shape(cable), axis=0), axis=1)
+        return float(np.delete(lengths, broken(self.events).get(cable, ())).sum())
 
 
 @dataclass
@@ -100,9 +120,9 @@ class Work:
 class EnergyBalance:
     """Changes of energy over a run [J]: kinetic + elastic + gravitational = work - dissipated, but for the scheme's own.
 
-    ``work`` is done by driven points on the net, ``dissipated`` by dampers and effects (by `edmc` in its numerical damper
-    too). ``imbalance`` is what does not add up, relative to the largest energy that was in play: moved between its forms,
-    put in or dissipated.
+    ``work`` is done by driven points on the net, and what payloads bring or take with them (see `legs`); ``dissipated`` by dampers
+    and effects (by `edmc` in its numerical damper too), by pick-ups and breaks. ``imbalance`` is what does not add up, relative to
+    the largest energy that was in play: moved between its forms, put in or dissipated.
     """
 
     kinetic: float
@@ -138,14 +158,18 @@ class Run:
     method : str
     dt : float [s], the fixed or the first step
     reason : str, why this method and step
-    status : "done", "diverged", "unconverged", "interrupted" or "audit failed"
+    status : "done", "diverged", "unconverged", "interrupted", "out of steps", "energy gained" or "audit failed"
+        The last two are of runs that reached their end: see `gain` and `audit`.
     message : str, one sentence that says when, where, why and what to try, if it is not done
     work : Work
     error_estimate : float or None [m], sum of the estimated errors of the steps, where the scheme has one
     wall_time : float [s], of the march alone
-    warnings : tuple of str
+    warnings : tuple of str, before the run (see `choice`) and of what it has to say against itself (see `caveats`)
     segment_tension : (k, n_segments) float64 [N]; None takes the law at every saved time
     audit : Audit or None, what an audit found, if one was asked for
+    events : tuple of Event
+        What happened, in order: payloads that changed, segments that broke; with what its start had behind it. Rows saved at the
+        very time show the state before it.
     """
 
     model: Model
@@ -164,6 +188,7 @@ class Run:
     warnings: tuple[str, ...] = ()
     segment_tension: np.ndarray | None = None
     audit: Audit | None = None
+    events: tuple[Event, ...] = ()
 
     @property
     def scene(self):
@@ -172,8 +197,13 @@ class Run:
 
     @property
     def ok(self):
-        """Whether the run reached its end."""
+        """Whether the run reached its end, and nothing was found against it."""
         return self.status == "done"
+
+    @property
+    def reached_end(self):
+        """Whether the run reached its end, whatever was found against it."""
+        return self.status not in (STATUS[k] for k in (UNCONVERGED, DIVERGED, INTERRUPTED, OUT_OF_STEPS))
 
     @cached_property
     def energy_balance(self):
@@ -192,7 +222,9 @@ class Run:
 
     def state(self, k):
         """State at the k-th saved time."""
-        return State(self.model, float(self.t[k]), self.q[k], self.v[k], self.segment_tension[k])
+        t = float(self.t[k])
+        events = tuple(event for event in self.events if event.t < t or (event.t == t and event.kind == BREAK))
+        return State(self.model, t, self.q[k], self.v[k], self.segment_tension[k], events=events)
 
     def position(self, point):
         """(k, 3) places of a point [m]."""
@@ -211,8 +243,20 @@ class Run:
         return self.segment_tension[:, self.model.segments(cable)]
 
     def length(self, cable):
-        """(k,) stretched length of a cable [m]."""
-        return np.linalg.norm(np.diff(self.shape(cable), axis=1), axis=2).sum(axis=1)
+        """(k,) stretched length of a cable [m], without segments that broke."""
+        return (np.linalg.norm(np.diff(self.shape(cable), axis=1), axis=2) * self.holds(cable)).sum(axis=1)
+
+    def pieces(self, cable, k):
+        """(m, 3) places of a cable's nodes at the k-th saved time [m], with a row of NaN where a segment has broken."""
+        return np.insert(self.shape(cable)[k], 1 + np.flatnonzero(~self.holds(cable)[k]), np.nan, axis=0)
+
+    def holds(self, cable):
+        """(k, segments) bool: whether each segment of a cable, from its start to its end, has not broken."""
+        whole = np.ones((len(self.t), self.scene.cable(cable).segments), bool)
+        for event in self.events:
+            if event.kind == BREAK and event.where == cable:
+                whole[self.t > event.t, event.segment] = False
+        return whole
 
     def save(self, path):
         """Write the run, its scene and its account to one netCDF file."""
@@ -234,6 +278,7 @@ class Run:
             "error_estimate": np.nan if self.error_estimate is None else self.error_estimate,
             "wall_time": self.wall_time,
             "audit": json.dumps(asdict(self.audit) if self.audit else None),
+            "events": json.dumps([asdict(event) for event in self.events]),
         }
         of = ["kinetic", "elastic", "potential", "work", "dissipated"]
         xr.Dataset(
@@ -281,6 +326,7 @@ def load_run(path):
             wall_time=float(at["wall_time"]),
             warnings=tuple(json.loads(at["warnings"])),
             audit=Audit(**audit) if audit else None,
+            events=tuple(Event(**event) for event in json.loads(at["events"])),
         )
 
 

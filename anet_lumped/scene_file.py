@@ -5,6 +5,16 @@ A scene file holds the arguments of the Python classes under the same names::
     [effects.gravity]
     g = 9.81                                 # m/s²
 
+    [effects.air]
+    wind = {kind = "power_law", speed = 8.0, height = 10.0, exponent = 0.14}   # or a list of winds, which add up
+
+    [effects.water]
+    current = {kind = "sampled", samples = [[-50.0, 0.1, 0.0], [0.0, 0.8, 0.0]]}   # (z, u, v): m, m/s
+    wave = {kind = "airy", height = 2.0, period = 8.0}
+
+    [effects.line_change.paid_out]           # by cable; a length [m] as a function of time
+    s0-s1 = {kind = "line", start = 0.0, rate = 0.1, ramp = 1.0}
+
     [[points]]
     name = "s0"
     kind = "fixed"                           # or "free", "driven"
@@ -24,9 +34,19 @@ A scene file holds the arguments of the Python classes under the same names::
     length = 1.5                             # m
     mass_per_length = 0.1                    # kg/m
     segments = 20
+    breaking_tension = 900.0                 # N, if it may break
+
+    [[events]]                               # if anything happens
+    kind = "payload_change"
+    point = "p0"
+    t = 1.5                                  # s
+    mass = 0.0                               # kg
+
+A cable, or cable_defaults, may have `rope = "nylon"` and the nominal `diameter` [m] of that rope (module `ropes`) in place of
+`mass_per_length` and `EA`; what is given besides overrules what the rope says.
 
 Structure and types are checked by pydantic against the signatures of those classes, so no field is listed twice;
-values are checked by the classes themselves.
+values are checked by the classes themselves. A file that ends in .txt, .dat or .moordyn is MoorDyn's (`moordyn_file`).
 """
 
 import dataclasses
@@ -36,24 +56,39 @@ import re
 import tomllib
 from collections.abc import Callable
 from functools import cache
-from typing import Any
+from typing import Any, get_args
 
+from anet_lumped import paths, signals, waves, wind
 from anet_lumped.checks import SceneError, nearest
-from anet_lumped.paths import KINDS, Path
+from anet_lumped.events import KINDS as EVENTS
+from anet_lumped.events import PayloadChange
+from anet_lumped.paths import Path
 from anet_lumped.scene import Cable, Driven, Fixed, Free, Scene
+from anet_lumped.signals import Signal
+from anet_lumped.waves import Airy
+from anet_lumped.wind import Wind
 
 POINTS = {"fixed": Fixed, "driven": Driven, "free": Free}
-SECTIONS = ("points", "cables", "cable_defaults", "effects")
+# What is written as a table with a `kind` inside another.
+PARTS = {
+    Path: ("path", paths.KINDS), Signal: ("signal", signals.KINDS), Wind: ("wind", wind.KINDS), Airy: ("wave", waves.KINDS)
+}  # fmt: skip
+SECTIONS = ("points", "cables", "cable_defaults", "effects", "events")
+MOORDYN = (".txt", ".dat", ".moordyn")
 
 
 def load_scene(path: str | pathlib.Path) -> Scene:
-    """Read a scene from a TOML file.
+    """Read a scene from a TOML file, or from a MoorDyn input file by its ending.
 
     Raises
     ------
     SceneError : no such file, no valid TOML, or a scene that `scene_from_dict` refuses; names the file and the place
     """
     path = pathlib.Path(path)
+    if path.suffix.lower() in MOORDYN:
+        from anet_lumped.moordyn_file import read_moordyn
+
+        return read_moordyn(path).scene
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:
@@ -68,7 +103,11 @@ def load_scene(path: str | pathlib.Path) -> Scene:
 
 
 def save_scene(scene: Scene, path: str | pathlib.Path) -> None:
-    """Write a scene as a TOML file that `load_scene` reads back as an equal scene."""
+    """Write a scene as a TOML file that `load_scene` reads back as an equal scene, or as a MoorDyn input file by its ending."""
+    if pathlib.Path(path).suffix.lower() in MOORDYN:
+        from anet_lumped.moordyn_writer import save_moordyn
+
+        return save_moordyn(scene, path)
     import tomli_w
 
     text = tomli_w.dumps(scene_to_dict(scene))
@@ -81,17 +120,18 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
     """Return the scene as plain dicts, lists, strings and numbers, laid out as a scene file."""
     from anet_lumped.effects import REGISTRY
 
-    names = {kind: name for name, kind in REGISTRY.items()}
-    kinds = {kind: name for name, kind in POINTS.items()}
+    kinds, kind_of = ({kind: name for name, kind in known.items()} for known in (POINTS, EVENTS))
     cables = [_plain(cable) for cable in scene.cables]
     for cable in cables:
         if cable["name"] == f"{cable['start']}-{cable['end']}":
             del cable["name"]
+        if "tension_strain" in cable:
+            del cable["EA"]  # its steepest slope
     return {
-        "effects": {names[type(effect)]: _plain(effect) for effect in scene.effects},
+        "effects": {REGISTRY.name_of(effect): _plain(effect) for effect in scene.effects},
         "points": [{"name": point.name, "kind": kinds[type(point)]} | _plain(point) for point in scene.points],
         "cables": cables,
-    }
+    } | ({"events": [{"kind": kind_of[type(event)]} | _plain(event) for event in scene.events]} if scene.events else {})
 
 
 def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
@@ -111,36 +151,80 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
     _check_keys(entries, SECTIONS, source)
     shared = _table(entries.get("cable_defaults", {}), f"{source}, cable_defaults")
     _check_keys(
-        shared, [key for key in inspect.signature(Cable).parameters if key not in ("start", "end", "name")],
+        shared, ["rope", *(key for key in inspect.signature(Cable).parameters if key not in ("start", "end", "name"))],
         f"{source}, cable_defaults",
     )  # fmt: skip
     points = [_point(entry, place) for entry, place in _tables(entries, "points", source)]
-    cables = [_make(Cable, shared | entry, place) for entry, place in _tables(entries, "cables", source)]
+    cables = [_make(Cable, _of_rope(shared | entry, place), place) for entry, place in _tables(entries, "cables", source)]
     effects = []
     for name, entry in _table(entries.get("effects", {}), f"{source}, effects").items():
         place = f"{source}, effects.{name}"
         effects.append(_make(_choose(name, REGISTRY, "effect", place), _table(entry, place), place))
+    events = [_event(entry, place) for entry, place in _tables(entries, "events", source)] if "events" in entries else ()
     try:
-        return Scene(points, cables, effects)
+        return Scene(points, cables, effects, events)
     except ValueError as error:
         raise SceneError(f"{source}: {error}") from None
 
 
 def _point(entry: dict[str, Any], place: str) -> Fixed | Driven | Free:
     kind, entry = _take_kind(entry, POINTS, "point", place)
-    if kind is Driven and "path" in entry:
-        place_of_path = f"{place}.path"
-        maker, arguments = _take_kind(_table(entry["path"], place_of_path), KINDS, "path", place_of_path)
-        entry["path"] = _make(maker, arguments, place_of_path)
     return _make(kind, entry, place)
+
+
+def _event(entry: dict[str, Any], place: str) -> PayloadChange:
+    kind, entry = _take_kind(entry, EVENTS, "event", place)
+    return _make(kind, entry, place)
+
+
+def _of_rope(entry: dict[str, Any], place: str) -> dict[str, Any]:
+    """Return the entries of a cable with its rope, if it has one, replaced by what that says."""
+    if "rope" not in entry:
+        return entry
+    from anet_lumped.ropes import rope
+
+    if "diameter" not in entry:
+        raise SceneError(f"{place}: key `diameter` is missing; a rope needs its nominal diameter [m].")
+    try:
+        said = rope(entry["rope"], entry["diameter"])
+    except ValueError as error:
+        raise SceneError(f"{place}: {error}") from None
+    return said | {key: value for key, value in entry.items() if key not in ("rope", "diameter")}
+
+
+def _parts(maker: Callable, key: str, value: Any, place: str) -> Any:
+    """Return the value of an argument of `maker`, with what it holds as tables, itself or within, made of those."""
+    annotation = _arguments(maker)[key].annotation
+    for part, (what, kinds) in PARTS.items():
+        if _mentions(annotation, part):
+            return _made(what, kinds, value, f"{place}.{key}", may_be_number=_mentions(annotation, float))
+    return value
+
+
+def _mentions(annotation: Any, part: type) -> bool:
+    """Whether a type holds another, at any depth."""
+    return part is annotation or any(_mentions(inner, part) for inner in get_args(annotation))
+
+
+def _made(what: str, kinds: dict[str, Callable], value: Any, place: str, may_be_number: bool = False) -> Any:
+    if isinstance(value, list):
+        return [_made(what, kinds, entry, f"{place}[{i}]", isinstance(entry, str)) for i, entry in enumerate(value)]
+    if isinstance(value, dict) and value and all(isinstance(entry, dict) for entry in value.values()):
+        return {name: _part(what, kinds, entry, f"{place}.{name}") for name, entry in value.items()}
+    return value if may_be_number and not isinstance(value, dict) else _part(what, kinds, value, place)
+
+
+def _part(what: str, kinds: dict[str, Callable], value: Any, place: str) -> Any:
+    maker, arguments = _take_kind(_table(value, place), kinds, what, place)
+    return _make(maker, arguments, place)
 
 
 def _make(maker: Callable, entry: dict[str, Any], place: str) -> Any:
     """Call `maker` with the entries of a table, once pydantic has found them to fit its signature."""
     from pydantic import ValidationError
 
-    entry = {key: _tuples(value) for key, value in entry.items()}
-    _check_keys(entry, inspect.signature(maker).parameters, place)
+    _check_keys(entry, _arguments(maker), place)
+    entry = {key: _tuples(_parts(maker, key, value, place)) for key, value in entry.items()}
     try:
         _schema(maker).model_validate(entry)
         return maker(**entry)
@@ -157,14 +241,18 @@ def _make(maker: Callable, entry: dict[str, Any], place: str) -> Any:
 
 
 @cache
+def _arguments(maker: Callable) -> Any:
+    return inspect.signature(maker, eval_str=True).parameters
+
+
+@cache
 def _schema(maker: Callable) -> Any:
     """Return the pydantic model of the keyword arguments of `maker`."""
     from pydantic import ConfigDict, create_model
 
-    arguments = inspect.signature(maker, eval_str=True).parameters.values()
     fields: dict[str, Any] = {
         argument.name: (argument.annotation, ... if argument.default is argument.empty else argument.default)
-        for argument in arguments
+        for argument in _arguments(maker).values()
     }
     return create_model(
         maker.__name__, __config__=ConfigDict(strict=True, extra="forbid", arbitrary_types_allowed=True), **fields
@@ -209,15 +297,16 @@ def _tables(entries: dict[str, Any], section: str, source: str) -> list[tuple[di
 
 
 def _plain(thing: Any) -> dict[str, Any]:
-    """Return the fields of a point, cable or effect that are not None, as lists, strings and numbers."""
-    fields = {field.name: getattr(thing, field.name) for field in dataclasses.fields(thing)}
-    for name, value in fields.items():
-        if isinstance(value, Path):
-            fields[name] = {"kind": value.kind} | dict(value.parameters)
+    """Return the arguments of a point, cable, effect, wind or wave that are not None, as lists, strings and numbers."""
+    fields = {field.name: getattr(thing, field.name) for field in dataclasses.fields(thing) if field.init}
     return _lists({name: value for name, value in fields.items() if value is not None})
 
 
 def _lists(value: Any) -> Any:
+    if isinstance(value, Path | Signal):
+        return {"kind": value.kind} | _lists(dict(value.parameters))
+    if isinstance(value, Wind | Airy):
+        return {"kind": {kind: name for name, kind in (wind.KINDS | waves.KINDS).items()}[type(value)]} | _plain(value)
     if isinstance(value, dict):
         return {key: _lists(entry) for key, entry in value.items()}
     return [_lists(entry) for entry in value] if isinstance(value, tuple) else value

@@ -9,10 +9,10 @@ from integrators import scipy_adapter
 from .adapters import finished, scaled
 from .bindings import system
 from .jacobian import sparse_jacobian
-from .times import save_times, stops
+from .times import stops
 
 
-def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_inf):
+def march(model, choice, leg, q, v, tension, adaptive, tolerances, rho_inf):
     """March with one of scipy's solvers.
 
     The error of a step is kept below atol + rtol times the largest coordinate for places [m], and for velocities [m/s]
@@ -23,10 +23,9 @@ def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_
     model : Model
     choice : Choice
         ``dt`` is the first step.
-    t0, t_end : float [s]
+    leg : Leg
     q, v : (n, 3) float64 [m], [m/s]
-    save_every : float or None [s]
-    adaptive, rho_inf
+    tension, adaptive, rho_inf
         Not used; every scheme of `simulate` is marched with the same arguments.
     tolerances : (rtol, atol)
 
@@ -42,12 +41,13 @@ def march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_
         energy=lambda t, q, v, energy: compiled.energy(t, q, v, net.place, energy),
         jacobian=sparse_jacobian(model, net),
         mass=model.mass[: model.n_free],
+        margin=(lambda q, v: compiled.margin(q, v, net.place)) if len(net.strength) else None,
     )
-    times = save_times(t0, t_end, save_every)
+    times = leg.times()
     rtol, atol = scaled(model, q, tolerances)
     began = time.perf_counter()
     out = scipy_adapter.march(
-        choice.method, motion, t0, t_end, stops(model.scene), q, v, times, choice.dt,
+        choice.method, motion, leg.begin, leg.end, stops(model.scene), q, v, times, choice.dt,
         rtol, np.full(6 * model.n_free, atol),
     )  # fmt: skip
     return finished(model, choice, tolerances, out, out.q, out.v, out.energy, time.perf_counter() - began)

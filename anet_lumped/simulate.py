@@ -8,19 +8,26 @@ from functools import partial
 
 import numpy as np
 
-from integrators import schemes
+from integrators import embedded, schemes
 from integrators.interruptible import interruptible
 from integrators.march import adaptive_march, fixed_march
-from integrators.system import BALANCE, DIVERGED, DONE, INTERRUPTED
+from integrators.system import BALANCE, placed
 
+from . import extrapolation, rest_length
+from .account import stiff_for, why_it_stopped
 from .audit import audited
+from .caveats import caveats
 from .checks import nearest
 from .choice import choose
 from .equilibrium import equilibrium
+from .extrapolation import extrapolated
+from .gain import weighed
+from .legs import in_legs
 from .model import build
-from .run import STATUS, Run, State, Work
+from .remainder import lightest
+from .run import STATUS, Run, RunInterrupt, State, Work
 from .scene import Driven, Fixed, SceneError
-from .times import SAVES, save_times, stops
+from .times import stops
 
 SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
 DIFFRAX = ("Tsit5", "Kvaerno3", "Kvaerno5")
@@ -32,15 +39,7 @@ class StabilityWarning(UserWarning):
 
 
 class RunError(RuntimeError):
-    """A run that did not reach its end; ``run`` holds its good part."""
-
-    def __init__(self, run):
-        super().__init__(run.message)
-        self.run = run
-
-
-class RunInterrupt(KeyboardInterrupt):
-    """Ctrl-C during a run; ``run`` holds what it had done."""
+    """A run that is not "done"; ``run`` holds what there is of it."""
 
     def __init__(self, run):
         super().__init__(run.message)
@@ -48,10 +47,10 @@ class RunInterrupt(KeyboardInterrupt):
 
 
 def simulate(
-    scene, t_end, *, method=None, dt=None, start="equilibrium", save_every=None, rtol=None, atol=None, rho_inf=None, audit=False,
-    check=False
+    scene, t_end, *, method=None, dt=None, start="equilibrium", save_every=None, rtol=None, atol=None, rho_inf=None,
+    extrapolate=False, audit=False, check=False
 ):  # fmt: skip
-    """Motion of a scene from rest or from a State.
+    """Motion of a scene from rest or from a State, through its events and the breaks of its cables (`Run.events`).
 
     Parameters
     ----------
@@ -60,21 +59,26 @@ def simulate(
     method : str or None
         One of `METHODS`; None picks one from the predicted limits and the motion's time scale, see ``Run.reason``.
     dt : float or None [s]
-        Step; None picks it. With rtol or atol, the first step of an adaptive march.
+        Step; None picks it. With rtol or atol, the first step of an adaptive march; `dop853` without dt is adaptive at
+        rtol=1e-6, as the solvers of other packages are.
     start : "equilibrium", "straight" or State
         "straight" has the nodes evenly spaced between the places of the points, at rest.
     save_every : float or None [s]
         Time between saved states, a multiple of dt for a fixed step; None saves about 400 states, or every step if fewer.
     rtol, atol : float or None
         Adaptive steps by step doubling: the error of a step is kept below atol [m] + rtol times the largest coordinate.
+        `dop853` has an estimate of its own, which counts an error of a velocity as that of a place a second later.
     rho_inf : float or None
         Spectral radius at infinite frequency, for `edmc` (default 0) and `generalised_alpha` (default 0.8).
+    extrapolate : bool
+        Run with half the step too, and take the limit that the two runs of `edmc` tend to: order 4 where the motion is smooth, for
+        half as much again as the finer run.
     audit : bool or float [m]
         Run again with half the step or a tenth of the tolerance, and compare: ``Run.audit`` estimates the error of the run, and
         its status is "audit failed" if that is above the number given (True: 1 % of the longest cable) or if the energy
         does not balance. Costs two to three times the run.
     check : bool
-        Raise `RunError` if the run does not reach its end, instead of returning its good part.
+        Raise `RunError` if the run is not "done", instead of returning what there is.
 
     Returns
     -------
@@ -87,10 +91,18 @@ def simulate(
     RunInterrupt : Ctrl-C; with what was done as its ``run``
     """
     _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit)
-    model = build(scene)
-    q, v, t0, tension = _start(model, start)
-    adaptive = method in SCIPY + DIFFRAX or rtol is not None or atol is not None
-    choice = choose(scene, method, dt, adaptive)
+    if extrapolate:
+        method = extrapolation.check(method, rtol, atol)
+    begin = _start(build(scene), start)
+    of_itself = method in SCIPY + DIFFRAX or (method in schemes.EMBEDDED and dt is None)
+    adaptive = of_itself or rtol is not None or atol is not None
+    if rest_length.changes(scene) and method in SCIPY + DIFFRAX:
+        raise ValueError(
+            f"Lengths that change in time need a method of this package, {', '.join(schemes.EXPLICIT + schemes.IMPLICIT)}, but the "
+            f"method is {method}."
+        )
+    choice = choose(lightest(rest_length.at_shortest(scene, begin.t, begin.t + t_end)), method, dt, adaptive)
+    _check_breaks(scene, choice.method, extrapolate)
     if dt is None and not adaptive:
         whole = save_every or t_end
         choice = replace(choice, dt=whole / math.ceil(whole / choice.dt))  # steps that end on what is saved
@@ -102,53 +114,71 @@ def simulate(
     elif choice.method in DIFFRAX:
         march = _of_diffrax(choice.method)
     else:
-        march = partial(_march, tension=tension)
-    run = march(model, choice, t0, t0 + t_end, q, v, save_every, adaptive, tolerances, rho_inf)
+        march = _march
+    whole = partial(in_legs, march, scene, start=begin, t_end=begin.t + t_end, stepped=not adaptive)
+    run = whole(choice, save_every=save_every, settings=(adaptive, tolerances, rho_inf))
+    if extrapolate:
+        every = run.t[1] - run.t[0] if len(run.t) > 2 else t_end
+        half = replace(choice, dt=0.5 * choice.dt)
+        run = extrapolated(run, whole(half, save_every=every, settings=(adaptive, tolerances, rho_inf)))
     if audit and run.ok:
         finer = dict(rtol=0.1 * tolerances[0] or None, atol=0.1 * tolerances[1] or None) if adaptive else dict(dt=0.5 * choice.dt)
         finer["save_every"] = save_every if adaptive or len(run.t) < 3 else run.t[1] - run.t[0]
-        again = partial(simulate, scene, t_end, method=run.method, start=start, rho_inf=rho_inf, **finer)
-        run = audited(run, again, adaptive, None if audit is True else audit)
+        again = partial(simulate, scene, t_end, method=run.method, start=start, rho_inf=rho_inf, extrapolate=extrapolate, **finer)
+        order = None if adaptive else extrapolation.ORDER if extrapolate else schemes.order(run.method)
+        run = audited(run, again, order, None if audit is True else audit)
+    if run.ok:
+        run = weighed(run, choice.limit, adaptive)
+    if run.ok:
+        run = replace(run, warnings=run.warnings + caveats(run, adaptive))
     return _finish(run, check)
 
 
-def _march(model, choice, t0, t_end, q, v, save_every, adaptive, tolerances, rho_inf, tension):
-    """March with a scheme of our own; returns a Run."""
+def _march(model, choice, leg, q, v, tension, adaptive, tolerances, rho_inf):
+    """March a leg with a scheme of our own; returns a Run."""
     from .bindings import system  # compiled on first use: a scene or its equilibrium need none of it
 
     scheme = schemes.scheme(choice.method)
-    stepping = adaptive_march() if adaptive else fixed_march()
+    embedding = adaptive and choice.method in schemes.EMBEDDED
+    stepping = embedded.embedded_march() if embedding else adaptive_march() if adaptive else fixed_march()
     net, bound = model.net(), system(model)
+    words = placed(bound)
     net.tension[:] = tension
     memory = np.zeros((scheme.memory, model.n, 3))
     options = scheme.options(rho_inf)
     counts, balance = np.zeros(6, np.int64), np.zeros(BALANCE)
     if adaptive:
-        saves = save_times(t0, t_end, save_every)
+        saves = leg.times()
     else:
-        stride, rows = _stride(t_end - t0, choice.dt, save_every)
+        stride, rows = leg.stride(choice.dt)
         saves = np.empty(rows)
     k = len(saves)
     out = saves, np.empty((k, model.n, 3)), np.empty((k, model.n, 3)), np.zeros((k, 5)), np.empty((k, model.n_segments))
-    began, error = time.perf_counter(), None
-    if adaptive:
+    began, error, stiff = time.perf_counter(), None, ()
+    if embedding:
+        (status, saved, t, node, error, *held), interrupted = interruptible(
+            stepping, scheme.step, words.ctypes.data, net.place, leg.begin, leg.end, choice.dt, scheme.order, *tolerances,
+            scheme.stiff, embedded.MOST, stops(model.scene), q, v, memory, options, counts, balance, *out
+        )  # fmt: skip
+        stiff = stiff_for(choice, tolerances, counts, *held)
+    elif adaptive:
         (status, saved, t, node, error), interrupted = interruptible(
-            stepping, scheme.step, bound, net.place, t0, t_end, choice.dt, scheme.order, *tolerances, scheme.kept,
-            stops(model.scene), q, v, memory, options, counts, balance, *out
+            stepping, scheme.step, words.ctypes.data, net.place, leg.begin, leg.end, choice.dt, scheme.order, *tolerances,
+            scheme.kept, stops(model.scene), q, v, memory, options, counts, balance, *out
         )  # fmt: skip
     else:
         (status, saved, t, node), interrupted = interruptible(
-            stepping, scheme.step, bound, net.place, t0, t_end, choice.dt, stride, scheme.kept, q, v, memory, options, counts,
-            balance, *out
+            stepping, scheme.step, words.ctypes.data, net.place, leg.begin, leg.end, leg.run_begin, choice.dt, stride, scheme.kept,
+            q, v, memory, options, counts, balance, *out
         )  # fmt: skip
     run = Run(
         model, *(rows[:saved] for rows in out[:4]), choice.method, choice.dt, choice.reason,
         status=STATUS[status],
-        message=_message(model, choice, status, t, node),
+        message=why_it_stopped(model, choice, status, t, node, tolerances if embedding else None, counts),
         work=Work(*map(int, counts)),
         error_estimate=error,
         wall_time=time.perf_counter() - began,
-        warnings=choice.warnings,
+        warnings=(*choice.warnings, *stiff),
         segment_tension=out[4][:saved],
     )  # fmt: skip
     if interrupted:
@@ -174,34 +204,15 @@ def _finish(run, check):
     return run
 
 
-def _message(model, choice, status, t, node):
-    """One sentence: when, where, why, what to try."""
-    if status == DONE:
-        return ""
-    if status == INTERRUPTED:
-        return f"{choice.method} with dt={choice.dt:.3g} s was stopped by the user at t={t:.4g} s."
-    if status == DIVERGED:
-        limit = f", whose predicted limit is {choice.limit:.3g} s" if math.isfinite(choice.limit) else ""
-        return (
-            f"{choice.method} with dt={choice.dt:.3g} s{limit}, diverged at t={t:.4g} s at {model.where(node)}; "
-            "try a smaller step or method=\"edmc\"."
-        )
-    return (
-        f"{choice.method} with dt={choice.dt:.3g} s did not converge at t={t:.4g} s even with the step cut to "
-        f"{choice.dt / 4096:.1e} s; try a smaller step, method=\"edmc\" or compression=\"none\"."
-    )
-
-
 def _start(model, start):
-    """Places, velocities and time to start from, as arrays of their own, and tensions."""
+    """State to start from, with arrays of its own."""
     if isinstance(start, State):
         return _adopt(model, start)
     still = np.zeros((model.n, 3))
     if start == "equilibrium":
-        rest = equilibrium(model.scene)
-        return rest.q.copy(), still, 0.0, rest.segment_tension
+        return equilibrium(model.scene)
     if start == "straight":
-        return straight(model), still, 0.0, np.zeros(model.n_segments)
+        return State(model, 0.0, straight(model), still, np.zeros(model.n_segments))
     raise ValueError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {start!r}.')
 
 
@@ -222,7 +233,7 @@ def straight(model):
 
 
 def _adopt(model, state):
-    """Places, velocities, time and tensions of a State of the same or of a like scene, matched by names."""
+    """A State of the same or of a like scene as one of this model, matched by names."""
     q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
     for cable in model.scene.cables:
         other = {c.name: c.segments for c in state.scene.cables}.get(cable.name)
@@ -237,21 +248,18 @@ def _adopt(model, state):
     for point in model.scene.points:
         if isinstance(point, Fixed):
             q[model.node(point.name)], v[model.node(point.name)] = point.at, 0.0
-    return q, v, float(state.t), tension
+    return State(model, float(state.t), q, v, tension, events=state.events)
 
 
-def _stride(duration, dt, save_every):
-    """Steps between saved states, and their number."""
-    steps = max(1, math.ceil(duration / dt * (1 - 1e-12) - 1e-12))
-    if save_every is None:
-        stride = max(1, round(steps / SAVES))
-    else:
-        stride = max(1, round(save_every / dt))
-        if abs(stride * dt - save_every) > 1e-6 * save_every:
-            raise ValueError(
-                f"Argument `save_every` must be a multiple of the step, but save_every={save_every:g} s and dt={dt:g} s."
-            )
-    return stride, steps // stride + 3
+def _check_breaks(scene, method, extrapolate):
+    """Cables that may break need a march that looks for it, and one motion."""
+    brittle = next((cable.name for cable in scene.cables if cable.breaking_tension is not None), None)
+    if brittle is not None and (method in DIFFRAX or extrapolate):
+        given = "`extrapolate` is set" if extrapolate else f"the method is {method}"
+        raise ValueError(
+            f'A cable with a `breaking_tension` needs a method other than {", ".join(DIFFRAX)} and one run, but cable "{brittle}" '
+            f"has one and {given}."
+        )
 
 
 def _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit):

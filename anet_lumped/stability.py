@@ -21,6 +21,7 @@ EXPLICIT = {
     "symplectic_euler": "(h omega)^2 + 4 zeta h omega <= 4",
     "verlet": "(h omega)^2 + 8 zeta h omega <= 4; damping at the predicted velocity halves the dashpot it tolerates",
     "rk4": "undamped modes to h omega = 2.828, overdamped ones to 2.785",
+    "dop853": "undamped modes to h omega = 5.960, overdamped ones to 6.394; error control is driven to it",
     "RK45": "adaptive: the step that error control is driven to; undamped modes only to h omega = 0.997",
     "DOP853": "adaptive: the step that error control is driven to; undamped modes to h omega = 5.960",
     "Tsit5": "adaptive: the step that error control is driven to; undamped modes only to h omega = 0.478",
@@ -269,7 +270,7 @@ def _polynomial(scheme: str) -> np.ndarray:
         return np.array([1.0, 1.0, 1 / 2, 1 / 6, 1 / 24, 1 / 120, _TSIT5])
     import scipy.integrate
 
-    pair = getattr(scipy.integrate, scheme)
+    pair = getattr(scipy.integrate, "DOP853" if scheme == "dop853" else scheme)
     A = np.pad(pair.A, ((0, 0), (0, len(pair.B) - pair.A.shape[1])))
     powers = (np.linalg.matrix_power(A, j).sum(axis=1) for j in range(len(pair.B)))
     return np.array([1.0, *(pair.B @ power for power in powers)])

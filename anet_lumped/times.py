@@ -1,11 +1,58 @@
-"""Times that a run must meet: those it saves and those that no step may cross."""
+"""Times that a run must meet: those it saves, those of its legs, and those that no step may cross."""
+
+import math
+from typing import NamedTuple
 
 import numpy as np
 
-from .scene import Driven
+from integrators.march import SAME
 
 SAVES = 400  # states that come back when nothing else is asked for
 RESTING = 1e-6  # of a path's whole way: what a driven point may move within a piece and still be called at rest
+
+
+class Leg(NamedTuple):
+    """A part of a run between two events, on whose steps and saved times it keeps.
+
+    Parameters
+    ----------
+    begin, end : float [s]
+    run_begin, run_end : float [s]
+    save_every : float or None [s]
+    """
+
+    begin: float
+    end: float
+    run_begin: float
+    run_end: float
+    save_every: float | None
+
+    def stride(self, dt):
+        """Steps of the run between saved states, and the most states that this leg may save."""
+        steps = max(1, math.ceil((self.run_end - self.run_begin) / dt * (1 - 1e-12) - 1e-12))
+        if self.save_every is None:
+            stride = max(1, round(steps / SAVES))
+        else:
+            stride = max(1, round(self.save_every / dt))
+            if abs(stride * dt - self.save_every) > 1e-6 * self.save_every:
+                raise ValueError(
+                    f"Argument `save_every` must be a multiple of the step, but save_every={self.save_every:g} s and dt={dt:g} s."
+                )
+        return stride, math.ceil((self.end - self.begin) / (stride * dt)) + 4
+
+    def times(self):
+        """Times at which this leg saves if steps do not tell: those of the run, its own begin and its end; increasing (k,) [s]."""
+        every = save_times(self.run_begin, self.run_end, self.save_every)
+        return np.concatenate([[self.begin], every[(every > self.begin) & (every < self.end)], [self.end]])
+
+    def saves(self, t, dt):
+        """Whether a state at t [s] is one that the run saves, with a step dt [s], or without one."""
+        if t == self.run_end:
+            return True
+        if dt is None:
+            return bool(np.any(save_times(self.run_begin, self.run_end, self.save_every) == t))
+        rows = (t - self.run_begin) / (self.stride(dt)[0] * dt)
+        return abs(rows - round(rows)) * self.stride(dt)[0] <= SAME
 
 
 def save_times(t0, t_end, save_every):
@@ -22,7 +69,7 @@ def save_times(t0, t_end, save_every):
 
 
 def stops(scene):
-    """Times that no step may cross: the corners of driven points' paths, and where one sets out after a rest.
+    """Times that no step may cross: the corners of prescribed motions, and where one sets out after a rest.
 
     At rest an adaptive step grows without bound and could pass over a short motion altogether; a solver that starts
     afresh where the motion sets out cannot.
@@ -32,12 +79,10 @@ def stops(scene):
     stops : increasing (k,) float64 [s]
     """
     found = [np.zeros(0)]
-    for point in scene.points:
-        if isinstance(point, Driven):
-            path = point.path
-            lasting = np.diff(path.breaks)[:, None] ** np.arange(1, path.coefficients.shape[1])
-            way = np.einsum("kix,ki->k", np.abs(path.coefficients[:-1, 1:]), lasting)  # at least the way of each piece
-            moves = np.append(way > RESTING * way.sum(), True)
-            sets_out = moves & np.append(True, ~moves[:-1])
-            found += [path.corners, path.breaks[sets_out]]
+    for path in scene.motions:
+        lasting = np.diff(path.breaks)[:, None] ** np.arange(1, path.coefficients.shape[1])
+        way = np.einsum("kix,ki->k", np.abs(path.coefficients[:-1, 1:]), lasting)  # at least the way of each piece
+        moves = np.append(way > RESTING * way.sum(), True)
+        sets_out = moves & np.append(True, ~moves[:-1])
+        found += [path.corners, path.breaks[sets_out]]
     return np.unique(np.concatenate(found))

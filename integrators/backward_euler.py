@@ -34,5 +34,5 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
     for i in range(system.n_free):
         for x in range(3):
             v[i, x] = (q[i, x] - base[i, x]) / h
-    arrive(system, net, t, h, q, v, memory, counts, balance)
+    arrive(system, net, t, h, q, v, memory, counts, balance, 1.0)  # only forces at its end act
     return DONE

@@ -4,12 +4,11 @@
 
 The tension T acts between the two times along the mean direction e: the secant of the spring energy, the damper over the
 step and a numerical axial damper alpha k. Then the energy changes by -sum (T - secant)(l_b - l_a) <= 0 and the work of the
-prescribed nodes, at any step, stiffness and damping; linear and angular momentum are kept. Order 2: the numerical damper has
-alpha = (1 - rho_inf)/(1 + rho_inf)/2 s^2/(1 + s^2), s = omega h/2, with the highest frequency omega that a segment has between
-the masses at its ends. A constant alpha would be an error of order 1 in stretching; this one is in full where the step does
-not resolve the stretching, and fades where it does. What then still rings in the velocities, at rest and for ever, is taken
-out of them after the step (`System.calm`). Slow stretching of a finely cut cable, whose segments the step does not resolve,
-is damped too, as by alpha k h: rho_inf = 1 or a smaller step spares it.
+prescribed nodes, at any step, stiffness and damping; linear and angular momentum are kept. Order 2: the numerical damper is at
+most alpha = (1 - rho_inf)/(1 + rho_inf)/2 s^2/(1 + s^2), s = omega h/2, with the highest frequency omega that a segment has
+between the masses at its ends, and where the energy that it would take counts, it is in force only as far as a length swings
+to and fro from step to step. A constant alpha would be an error of order 1 in stretching. What then still rings in the
+velocities, at rest and for ever, is taken out of them after the step (`System.settle`).
 Source: Simo & Tarnow, Z. angew. Math. Phys. 43 (1992) 757; Armero & Romero, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6783.
 """
 
@@ -43,17 +42,13 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
     stage = Stage(BETWEEN, t + 0.5 * h, 2.0 / (h * h), 0.5, h, 0.5 * (1.0 - rho) / (1.0 + rho))
     if not newton(system, net, stage, base, target, q, options, counts):
         return UNCONVERGED
-    system.settle(stage, base, q, net, energy)
-    balance[PUT_IN] += energy[0]
-    balance[DISSIPATED] += energy[1]
     per_h = 1.0 / h
     for i in range(free):
         change = 2.0 * ((Q[i] - Q_a[i]) * per_h - V[i])
         V[i] += change
         b[i] = a[i]
         a[i] = change * per_h
-    if rho < 1.0:
-        put_in, lost = system.calm(stage, v, net)
-        balance[PUT_IN] += put_in
-        balance[DISSIPATED] += lost
+    system.settle(stage, base, q, v, net, energy)
+    balance[PUT_IN] += energy[0]
+    balance[DISSIPATED] += energy[1]
     return DONE

@@ -7,9 +7,11 @@ from .system import (
     DISSIPATED,
     DIVERGED,
     DONE,
+    EVENT,
     FORCES,
     HALVINGS,
     INTERRUPTED,
+    NEVER,
     POWER_DISSIPATED,
     POWER_PUT_IN,
     PUT_IN,
@@ -17,9 +19,9 @@ from .system import (
     SCRATCH,
     STEP,
     STEPS,
-    SYSTEM,
     UNCONVERGED,
     compiled,
+    system_at,
 )
 
 _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
@@ -28,6 +30,9 @@ _i1 = types.Array(types.int64, 1, "C")
 CHECK_EVERY = 16  # explicit steps between two looks for a divergence
 ABSURD = 1e6  # metres plus metres a second, for anything that hangs on a cable
 SMALLEST = 2.0**-12  # of the step asked for, or of the first one: there Newton's method may fail no more
+SAME = 1e-6  # of a step: times that are no farther apart are one; a velocity over less shows rounding
+WITHIN = 1e-8  # margin of an event to which its time is found, or else to `SAME`
+TRIALS = 60  # steps that finding it may take
 
 
 @njit(cache=True, error_model="numpy")
@@ -41,14 +46,17 @@ def begin(system, net, t, q, v, memory, counts, balance):
 
 
 @njit(cache=True, error_model="numpy")
-def arrive(system, net, t, h, q, v, memory, counts, balance):
-    """Force at the end of a step in ``memory[0]``; adds the work of the step by the trapezoidal rule."""
+def arrive(system, net, t, h, q, v, memory, counts, balance, share=0.5):
+    """Force at the end of a step in ``memory[0]``; adds the step's work by the trapezoidal rule.
+
+    Of the power dissipated, that at the end has the ``share`` that its forces have in the step.
+    """
     power = balance[SCRATCH:]
     system.prescribe(t + h, net, q, v)
     system.force(t + h, q, v, net, memory[0], power)
     counts[FORCES] += 1
     dissipated, put_in = power[0], power[1]
-    balance[DISSIPATED] += 0.5 * h * (balance[POWER_DISSIPATED] + dissipated)
+    balance[DISSIPATED] += h * ((1.0 - share) * balance[POWER_DISSIPATED] + share * dissipated)
     balance[PUT_IN] += 0.5 * h * (balance[POWER_PUT_IN] + put_in)
     balance[POWER_DISSIPATED], balance[POWER_PUT_IN] = dissipated, put_in
 
@@ -92,43 +100,130 @@ def save(system, net, k, t, q, v, balance, out_t, out_q, out_v, out_balance, out
     copy(balance[:5], out_balance[k])
 
 
+@njit(cache=True, error_model="numpy")
+def advance(step, system, net, t, h, parts, q, v, memory, options, counts, balance):
+    """Take h in equal parts."""
+    for part in range(parts):
+        status = step(system, net, t + part * h / parts, h / parts, q, v, memory, options, counts, balance)
+        if status != DONE:
+            return status
+    return DONE
+
+
+@njit(cache=True, error_model="numpy")
+def locate(
+    step, system, net, t, h, parts, before, after, q_a, v_a, carried_a, balance_a, q, v, memory, options, counts, balance
+):  # fmt: skip
+    """Find the event within a step, at whose end the margin is positive: the step is taken again, from its start and shorter.
+
+    Regula falsi on the length of the step with Illinois' rule; whatever the margin does, its sign changes between two lengths
+    that close up on each other. Source: Dowell & Jarratt, BIT 11 (1971) 168.
+
+    Parameters
+    ----------
+    t, h : float64 [s]
+        Start of the step and its length, taken in ``parts`` equal ones.
+    before, after : float64
+        Margin at its start, or any number below zero, and at its end.
+    q_a, v_a, carried_a, balance_a
+        What `keep` copied at its start, where the system has been told to remember.
+
+    Returns
+    -------
+    length : float64 [s]
+        Shortest one found with a positive margin; the state is the one at its end.
+    """
+    carried = memory[: carried_a.shape[0]]
+    low, high, g_low, g_high, margin, here, side = 0.0, h, min(before, -WITHIN), after, after, h, 0
+    for _ in range(TRIALS):
+        if margin <= WITHIN or high - low <= SAME * h:
+            break
+        trial = high - g_high * (high - low) / (g_high - g_low)
+        nearest = 1e-3 * (high - low)
+        trial = min(max(trial, low + nearest), high - nearest)
+        keep(q_a, v_a, carried_a, balance_a, q, v, carried, balance)
+        system.remember(net, 1)
+        if advance(step, system, net, t, trial, parts, q, v, memory, options, counts, balance) != DONE:
+            here = -1.0
+            break
+        here, found = trial, system.margin(q, v, net)
+        if found > 0.0:
+            high, g_high, margin = trial, found, found
+            g_low *= 0.5 if side == 1 else 1.0
+            side = 1
+        else:
+            low, g_low = trial, min(found, -WITHIN * WITHIN)
+            g_high *= 0.5 if side == -1 else 1.0
+            side = -1
+    if here != high:
+        keep(q_a, v_a, carried_a, balance_a, q, v, carried, balance)
+        system.remember(net, 1)
+        advance(step, system, net, t, high, parts, q, v, memory, options, counts, balance)
+    return high
+
+
 @njit(cache=True, error_model="numpy", nogil=True)
 def fixed_steps(
-    step, system, net, t0, t_end, dt, stride, kept, q, v, memory, options, counts, balance, out_t, out_q, out_v, out_balance,
-    out_seen, stop
+    step, place, net, t0, t_end, origin, dt, stride, kept, q, v, memory, options, counts, balance, out_t, out_q, out_v,
+    out_balance, out_seen, stop
 ):  # fmt: skip
-    """March from t0 to t_end with step dt; the last step is shortened to land on t_end.
+    """March from t0 to t_end with step dt; steps end on multiples of dt after ``origin`` <= t0, and the last one on t_end.
 
-    A step whose Newton iteration fails is taken in halves, quarters and so on. Every ``stride``-th state and the last one
-    are saved; ``kept`` is how many rows of ``memory`` a scheme carries from step to step; ``stop`` (1,) ends the march when
-    another thread sets it.
+    A step whose Newton iteration fails is taken in halves, quarters and so on. Every ``stride``-th state after ``origin``, the
+    first and the last one are saved; ``kept`` is how many rows of ``memory`` a scheme carries from step to step; ``stop`` (1,)
+    ends the march when another thread sets it. The march ends at an event, see `locate`.
 
     Returns
     -------
     status, saved, t, node : int64, int64, float64, int64
         How it ended, rows written, time reached, and the node where it went wrong (or -1).
     """
+    system = system_at(place)
     begin(system, net, t0, q, v, memory, counts, balance)
     save(system, net, 0, t0, q, v, balance, out_t, out_q, out_v, out_balance, out_seen)
     saved, t = 1, t0
-    n_steps = int(np.ceil((t_end - t0) / dt * (1.0 - 1e-12) - 1e-12))
-    implicit = kept >= 0
-    kept = max(kept, 0)
+    n_steps = max(1, int(np.ceil((t_end - origin) / dt - SAME)))
+    implicit, watched, margin = kept >= 0, system.margin(q, v, net) > NEVER, -1.0
+    kept = abs(kept)  # an explicit scheme has to go back only from an event
     carried = memory[:kept]
     q_a, v_a, kept_a, balance_a = q.copy(), v.copy(), carried.copy(), balance.copy()
-    for s in range(n_steps):
-        target = t_end if s == n_steps - 1 else t0 + (s + 1) * dt
+    for s in range(min(int(np.floor((t0 - origin) / dt + SAME)), n_steps - 1), n_steps):
+        target = t_end if s == n_steps - 1 else origin + (s + 1) * dt
         h = target - t
         if not implicit:
+            if watched:
+                keep(q, v, carried, balance, q_a, v_a, kept_a, balance_a)
+                system.remember(net, 0)
             step(system, net, t, h, q, v, memory, options, counts, balance)
             counts[STEPS] += 1
+            if watched:
+                before, margin = margin, system.margin(q, v, net)
+                if margin > 0.0 and worst_node(q, v) < 0:
+                    t += locate(
+                        step, system, net, t, h, 1, before, margin, q_a, v_a, kept_a, balance_a, q, v, memory, options, counts,
+                        balance
+                    )  # fmt: skip
+                    save(system, net, saved, t, q, v, balance, out_t, out_q, out_v, out_balance, out_seen)
+                    return EVENT, saved + 1, t, -1
             t = target
         else:
             whole, done, part = h, 0.0, 1.0
             while done < 1.0:
                 keep(q, v, carried, balance, q_a, v_a, kept_a, balance_a)
+                if watched:
+                    system.remember(net, 0)
                 if step(system, net, t + done * whole, part * whole, q, v, memory, options, counts, balance) == DONE:
                     counts[STEPS] += 1
+                    if watched:
+                        before, margin = margin, system.margin(q, v, net)
+                        if margin > 0.0:
+                            t += done * whole
+                            t += locate(
+                                step, system, net, t, part * whole, 1, before, margin, q_a, v_a, kept_a, balance_a, q, v, memory,
+                                options, counts, balance
+                            )  # fmt: skip
+                            save(system, net, saved, t, q, v, balance, out_t, out_q, out_v, out_balance, out_seen)
+                            return EVENT, saved + 1, t, -1
                     done += part
                     if done % (2.0 * part) == 0.0:
                         part = min(2.0 * part, 1.0)
@@ -168,7 +263,7 @@ def interpolate(theta, h, q_a, v_a, q_b, v_b, q, v):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def adaptive_steps(
-    step, system, net, t0, t_end, dt, order, rtol, atol, kept, corners, q, v, memory, options, counts, balance, out_t, out_q,
+    step, place, net, t0, t_end, dt, order, rtol, atol, kept, corners, q, v, memory, options, counts, balance, out_t, out_q,
     out_v, out_balance, out_seen, stop
 ):  # fmt: skip
     """March with steps chosen by step doubling: one step of h beside two of h/2, of which the two are kept.
@@ -177,11 +272,14 @@ def adaptive_steps(
     over the moving nodes is at most atol + rtol max|q|, and the next is chosen by a PI controller (Gustafsson). Steps end on
     the corners of the prescribed motions and on t_end; the times in out_t are interpolated.
 
+    The march ends at an event, see `locate`; its last row is the state there.
+
     Returns
     -------
     status, saved, t, node, error : int64, int64, float64, int64, float64
         As `fixed_steps`, and the sum of the accepted errors [m].
     """
+    system = system_at(place)
     begin(system, net, t0, q, v, memory, counts, balance)
     save(system, net, 0, t0, q, v, balance, out_t, out_q, out_v, out_balance, out_seen)
     seen_a, seen_b = out_seen[0].copy(), out_seen[0].copy()
@@ -190,7 +288,7 @@ def adaptive_steps(
     carried = memory[:kept]
     q_a, v_a, kept_a, balance_a = q.copy(), v.copy(), carried.copy(), balance.copy()
     q_1, shown = q.copy(), balance.copy()
-    corner, rejections = 0, 0
+    corner, rejections, watched, margin, status = 0, 0, system.margin(q, v, net) > NEVER, -1.0, DONE
     while t < t_end:
         if stop[0] != 0:
             return INTERRUPTED, saved, t, -1, total
@@ -203,6 +301,8 @@ def adaptive_steps(
         elif t + 2.0 * h > goal:
             h = 0.5 * (goal - t)
         keep(q, v, carried, balance, q_a, v_a, kept_a, balance_a)
+        if watched:
+            system.remember(net, 0)
         error = np.inf
         if step(system, net, t, h, q, v, memory, options, counts, balance) == DONE:
             copy(q.ravel(), q_1.ravel())
@@ -220,6 +320,14 @@ def adaptive_steps(
             counts[STEPS] += 1
             total += error * (atol + rtol * np.max(np.abs(q)))
             end = goal if t + h >= goal - 1e-9 * h else t + h
+            if watched:
+                last, margin = margin, system.margin(q, v, net)
+                if margin > 0.0:
+                    status = EVENT
+                    end = t + locate(
+                        step, system, net, t, h, 2, last, margin, q_a, v_a, kept_a, balance_a, q, v, memory, options, counts,
+                        balance
+                    )  # fmt: skip
             copy(seen_b, seen_a)
             system.observe(q, v, net, seen_b)
             while saved < out_t.shape[0] and out_t[saved] <= end:
@@ -232,6 +340,11 @@ def adaptive_steps(
                 copy(shown[:5], out_balance[saved])
                 saved += 1
             t = end
+            if status == EVENT:
+                if out_t[saved - 1] < t:
+                    save(system, net, saved, t, q, v, balance, out_t, out_q, out_v, out_balance, out_seen)
+                    saved += 1
+                return EVENT, saved, t, -1, total
             grow = 0.9 * max(error, 1e-8) ** (-0.7 / (order + 1.0)) * max(before, 1e-8) ** (0.4 / (order + 1.0))
             h = max(h * min(4.0, max(0.2, grow)), full if h < full and error < 0.5 else 0.0)
             before, rejections = error, 0
@@ -248,7 +361,7 @@ def adaptive_steps(
 def fixed_march():
     """`fixed_steps`, compiled (or loaded from the cache) when it is first asked for."""
     f, i = types.float64, types.int64
-    return _compiled(fixed_steps, (f, f, f, i, i))
+    return _compiled(fixed_steps, (f, f, f, f, i, i))
 
 
 def adaptive_march():
@@ -259,4 +372,4 @@ def adaptive_march():
 
 def _compiled(march, own):
     state, out = (_f2, _f2, _f3, _f1, _i1, _f1), (_f1, _f3, _f3, _f2, _f2, _i1)
-    return compiled(march, (types.FunctionType(STEP), SYSTEM, types.int64, *own, *state, *out))
+    return compiled(march, (types.FunctionType(STEP), types.int64, types.int64, *own, *state, *out))

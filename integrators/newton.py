@@ -30,10 +30,13 @@ def newton(system, net, stage, base, target, q, options, counts):
             return True
         if norm == 1e300 or iteration == int(options[ITERATIONS]):
             break
-        counts[FACTORISATIONS] += system.direction(stage, net)
+        solves, left = system.direction(stage, net)
+        counts[FACTORISATIONS] += solves
         counts[NEWTON] += 1
         length, before = 1.0, norm
         system.correct(net, 1.0, q)
+        if left <= options[TOLERANCE] * scale:
+            return True
         norm, scale, noise, predicted = system.residual(stage, base, target, q, net)
         counts[FORCES] += 1
         while iteration >= FULL_STEPS and not norm < before and predicted > options[TOLERANCE] * scale and length > SHORTEST:

@@ -18,6 +18,7 @@ _MODULES = {
     "symplectic_euler": "symplectic_euler",
     "verlet": "verlet",
     "rk4": "rk4",
+    "dop853": "dop853",
     "edmc": "edmc",
     "backward_euler": "backward_euler",
     "midpoint": "dirk",
@@ -25,7 +26,8 @@ _MODULES = {
     "tr_bdf2": "dirk",
     "generalised_alpha": "generalised_alpha",
 }
-EXPLICIT = ("explicit_euler", "symplectic_euler", "verlet", "rk4")
+EXPLICIT = ("explicit_euler", "symplectic_euler", "verlet", "rk4", "dop853")
+EMBEDDED = ("dop853",)  # those with an error estimate of their own
 IMPLICIT = tuple(name for name in _MODULES if name not in EXPLICIT)
 
 
@@ -40,6 +42,7 @@ class Scheme:
     order : int
     memory : rows of (n, 3) that a step needs
     kept : rows of them that it carries from step to step; -1 for an explicit scheme, which never has to go back
+    stiff : h |lambda| of its last stages above which stability holds a step, of a scheme in `EMBEDDED`
     """
 
     name: str
@@ -47,6 +50,7 @@ class Scheme:
     order: int
     memory: int
     kept: int
+    stiff: float = np.inf
 
     def options(self, rho_inf=None, tolerance=NEWTON_TOLERANCE):
         """Numbers for its steps: Newton's tolerance and iterations, then rho_inf or the tableau."""
@@ -54,6 +58,8 @@ class Scheme:
             own = [RHO_INF[self.name] if rho_inf is None else rho_inf]
         elif self.name in dirk.TABLEAUS:
             own = dirk.options(self.name)
+        elif self.name in EMBEDDED:
+            own = _module(self.name).options()
         else:
             own = []
         options = np.concatenate([[tolerance, NEWTON_ITERATIONS], own])
@@ -64,10 +70,15 @@ class Scheme:
 @cache
 def scheme(name):
     """The scheme ``name``, compiled (or loaded from the cache) when it is first asked for."""
-    module = import_module(f".{_MODULES[name]}", __package__)
-    return Scheme(name, first_class(compiled(module.step, STEP)), module.ORDER, module.MEMORY, getattr(module, "KEPT", -1))
+    module = _module(name)
+    step, kept = first_class(compiled(module.step, STEP)), getattr(module, "KEPT", -1)
+    return Scheme(name, step, module.ORDER, module.MEMORY, kept, getattr(module, "STIFF", np.inf))
 
 
 def order(name):
     """Order of the scheme ``name``, without compiling it."""
-    return import_module(f".{_MODULES[name]}", __package__).ORDER
+    return _module(name).ORDER
+
+
+def _module(name):
+    return import_module(f".{_MODULES[name]}", __package__)

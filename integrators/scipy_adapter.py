@@ -11,13 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import BDF, DOP853, LSODA, RK45, Radau
+from scipy.optimize import brentq
 from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from .system import DIVERGED, DONE, FACTORISATIONS, FORCES, NEWTON, REJECTED, STEPS, UNCONVERGED
+from .system import DIVERGED, DONE, EVENT, FACTORISATIONS, FORCES, NEWTON, REJECTED, STEPS, UNCONVERGED
 
 SOLVERS = {"RK45": RK45, "DOP853": DOP853, "Radau": Radau, "BDF": BDF, "LSODA": LSODA}
 MOST = 50_000_000  # force evaluations of a run; a bound on what is otherwise unbounded
+EPS = np.finfo(float).eps
 LARGEST = 1e12  # [m], [m/s] beyond any sense
 FREE = 1e100  # absolute tolerance of what must not decide about a step
 
@@ -36,6 +38,8 @@ class Motion(NamedTuple):
     jacobian(t, q, v) -> csc_array (6 n_free, 6 n_free)
         Of dy/dt for y = (q, v) of the moving nodes, with a fixed pattern.
     mass : (n_free,) float64 [kg]
+    margin(q, v) -> float, or None
+        How far a state is beyond an event, see `integrators.system`; None if there are none.
     """
 
     prescribe: Callable
@@ -43,6 +47,7 @@ class Motion(NamedTuple):
     energy: Callable
     jacobian: Callable
     mass: np.ndarray
+    margin: Callable | None = None
 
 
 class Outcome(NamedTuple):
@@ -105,6 +110,19 @@ class _Equations:
         J = self.motion.jacobian(t, *self.place(t, self.y))
         return csc_array((J.data, J.indices, np.append(J.indptr, J.indptr[[-1, -1]])), shape=(self.size, self.size))
 
+    def margin(self, t, y):
+        """Margin of the motion at (t, y), y in the natural order."""
+        return self.motion.margin(*self.place(t, y))
+
+    def event(self, before, t, dense):
+        """Time at which the margin turns positive within a step from ``before`` to t, and y there, in the natural order."""
+        place = np.argsort(self.order)
+        if self.margin(before, dense(before)[place]) < 0.0:
+            t = brentq(lambda t: self.margin(t, dense(t)[place]), before, t, xtol=1e-9 * (t - before), rtol=8 * EPS)
+        else:
+            t = before
+        return t, dense(t)[place]
+
     def narrow(self, t):
         """Reorder y so that the Jacobian's band is narrow; returns what LSODA has to know about it."""
         J = self.matrix(t, self.y.copy())
@@ -150,13 +168,20 @@ def march(method, motion, t0, t_end, stops, q, v, times, first_step, rtol, atol)
     times[0], states[0], saved = t0, equations.y, 1
     status, reason, t, y = DONE, "", t0, equations.y.copy()
     try:
+        before = t0
         for t, y, dense in _steps(method, equations, t0, t_end, stops, first_step, rtol, atol, counts):
+            if motion.margin is not None and equations.margin(t, y) > 0.0:
+                t, y = equations.event(before, t, dense())
+                status = EVENT
+            before = t
             due = saved + np.searchsorted(times[saved:], t, side="right")
             if due > saved:
                 states[saved:due, equations.order] = dense()(times[saved:due]).T
                 saved = due
             if times[saved - 1] == t:
                 states[saved - 1] = y
+            if status == EVENT:
+                raise _StopError(EVENT, "")
     except _StopError as stopped:
         status, reason = stopped.args
         if t > times[saved - 1]:

@@ -4,18 +4,21 @@ The compiled functions of a system are first-class (`numba.types.FunctionType`),
 and for all. Whatever they work on is handed through as ``net``, an address that they alone understand.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numba import types
 
+from .placed import value_at, words
 from .stage import STAGE
 
 _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
 _i1 = types.Array(types.int64, 1, "C")
 
 # Status of a step or a run.
-DONE, UNCONVERGED, DIVERGED, INTERRUPTED = 0, 1, 2, 3
+DONE, UNCONVERGED, DIVERGED, INTERRUPTED, OUT_OF_STEPS, EVENT = 0, 1, 2, 3, 4, 5
+NEVER = -1e300  # margin of a system that no event can stop
 # Work counts.
 STEPS, REJECTED, HALVINGS, FORCES, NEWTON, FACTORISATIONS = range(6)
 # Energy balance: kinetic, elastic, potential energy now; work put in and energy dissipated since the start; then the power
@@ -38,23 +41,28 @@ class System(NamedTuple):
     residual(stage, base, target, q, net) -> norm, scale, noise, predicted
         Out-of-balance force of a stage [N]; linearise it. ``predicted`` is that with the internal forces that the last
         full Newton step predicted, which are the better ones where they are stiff.
-    direction(stage, net) -> factorisations
-        Newton step of the stage linearised last.
+    direction(stage, net) -> factorisations, left
+        Newton step of the stage linearised last, and what a whole step leaves out of balance at most [N].
     correct(net, length, q)
         q += length times the Newton step.
-    settle(stage, base, q, net, energy)
-        energy (2,) [J]: put in and dissipated between base and q by the law ``BETWEEN`` that was linearised last.
+    settle(stage, base, q, v, net, energy)
+        After a step of law ``BETWEEN``: energy (2,) [J] put in and dissipated between base and q; takes out of the velocities
+        at the end what the step cannot resolve.
     adopt(net)
         Take the internal forces where `residual` was last for those that act in the step.
     forget(net)
         Drop what earlier Newton steps left to the next.
-    calm(stage, v, net) -> put_in, lost
-        Take out of the velocities, after a step of law ``BETWEEN``, what it cannot resolve; the work put in and the energy
-        that goes [J].
+    remember(net, back)
+        Copy what steps leave to the next, or put it back if ``back`` is 1. Asked only of a system that has events.
+    average(net, share, h)
+        Add a share of the internal forces of the stage solved last to their mean over a step of h seconds; no share begins one.
     observe(q, v, net, row)
         What else is saved of a state, such as internal forces.
     energy(t, q, v, net, energy)
         Kinetic, elastic and other potential energy (3,) [J].
+    margin(q, v, net) -> margin
+        How far a state is beyond an event, by any measure that grows through zero there; `NEVER` if there are none. A march
+        stops where it turns positive.
     """
 
     prescribe: object
@@ -65,9 +73,11 @@ class System(NamedTuple):
     settle: object
     adopt: object
     forget: object
-    calm: object
+    remember: object
+    average: object
     observe: object
     energy: object
+    margin: object
     per_mass: np.ndarray
     n_free: int
 
@@ -80,10 +90,19 @@ def compiled(function, signature):
     return function
 
 
+@cache
 def first_class(function):
     """A compiled function with one signature as a first-class value, so that its type is its signature's alone."""
     (compiled,) = function.overloads.values()
-    return types.CompileResultWAP(compiled)
+    value = types.CompileResultWAP(compiled)
+    address = value.__wrapper_address__()
+    value.__wrapper_address__ = lambda: address  # asked for at every call that takes it
+    return value
+
+
+def placed(system):
+    """A system as words (k,) int64 in memory, of whose address a march is told; it and the system must outlive the march."""
+    return np.array(words(system), np.int64)
 
 
 _f8, _i8 = types.float64, types.int64
@@ -91,15 +110,18 @@ _FUNCTIONS = (
     types.void(_f8, _i8, _f2, _f2),
     types.void(_f8, _f2, _f2, _i8, _f2, _f1),
     types.UniTuple(_f8, 4)(STAGE, _f2, _f2, _f2, _i8),
-    _i8(STAGE, _i8),
+    types.Tuple((_i8, _f8))(STAGE, _i8),
     types.void(_i8, _f8, _f2),
-    types.void(STAGE, _f2, _f2, _i8, _f1),
+    types.void(STAGE, _f2, _f2, _f2, _i8, _f1),
     types.void(_i8),
     types.void(_i8),
-    types.UniTuple(_f8, 2)(STAGE, _f2, _i8),
+    types.void(_i8, _i8),
+    types.void(_i8, _f8, _f8),
     types.void(_f2, _f2, _i8, _f1),
     types.void(_f8, _f2, _f2, _i8, _f1),
+    _f8(_f2, _f2, _i8),
 )
 SYSTEM = types.NamedTuple((*map(types.FunctionType, _FUNCTIONS), _f2, _i8), System)
+system_at = value_at(SYSTEM)
 # step(system, net, t, h, q, v, memory, options, counts, balance) -> status, of every scheme
 STEP = _i8(SYSTEM, _i8, _f8, _f8, _f2, _f2, _f3, _f1, _i1, _f1)

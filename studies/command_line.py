@@ -15,12 +15,17 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=N
 SCENES = Path(__file__).parent / "scenes"
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
-Scene = Annotated[str, typer.Argument(metavar="SCENE", help="A TOML file, or a scene that comes with this by name.")]
+Scene = Annotated[
+    str, typer.Argument(metavar="SCENE", help="A TOML or MoorDyn file (.txt, .dat), or a scene that comes with this by name.")
+]
 Out = Annotated[Path | None, typer.Option(help="Folder for the results.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables (SI units).")]
 Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for you if not given.")]
 Step = Annotated[float | None, typer.Option(help="Step [s]; chosen for you if not given.")]
 Start = Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")]
+Changes = Annotated[
+    list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
+]
 Quick = Annotated[bool, typer.Option("--quick", help="A first look: the same from less work.")]
 
 
@@ -61,29 +66,35 @@ def simulate(
     method: Method = None,
     dt: Step = None,
     rtol: Annotated[float | None, typer.Option(help="Adaptive steps: error of a step over the largest coordinate.")] = None,
+    extrapolate: Annotated[bool, typer.Option(help="Half the step too, and their limit: order 4 of edmc.")] = False,
     start: Start = None,
     save_every: Annotated[float | None, typer.Option(help="Time between saved states [s].")] = None,
-    change: Annotated[
-        list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
-    ] = (),
+    change: Changes = (),
     audit: Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")] = False,
     out: Out = None,
     as_json: Json = False,
 ):
-    """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, places at the end [m]."""
+    """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, places at the end [m].
+
+    With --out the run is saved there (run.nc), with its account (run.json) and a picture (run.png). A run that does not reach
+    its end, gains energy or fails its audit exits with 1, and says so in all of them.
+    """
     from anet_lumped.simulate import RunInterrupt, simulate
     from studies.summary import of_run
 
     try:
         run = simulate(
             _changed(_load(scene), change), t_end, method=method, dt=dt, rtol=rtol, start=start or "equilibrium",
-            save_every=save_every, audit=audit,
+            save_every=save_every, extrapolate=extrapolate, audit=audit,
         )  # fmt: skip
     except RunInterrupt as stopped:
         run = stopped.run
     _give(of_run(run), as_json, out, "run")
     if out:
+        from studies.run_figure import plot
+
         run.save(out / "run.nc")
+        plot(run).savefig(out / "run.png", dpi=110)
     if not run.ok:
         raise typer.Exit(1)
 
@@ -108,6 +119,35 @@ def recommend(
         pace = found.best.times_real_time
         _tell(f"within {error} it runs {pace:.3g} times faster than real time, and not {realtime:g} times; allow a larger error.")
         raise typer.Exit(1)
+
+
+@app.command(epilog="Example: anet-lumped effects net_flown --error 1mm --at p0   (or --error 0.05N --tension s0-p0)")
+def effects(
+    scene: Scene,
+    error: Annotated[str, typer.Option(help="What matters: of a place, as in 1mm; of a tension, as in 0.1N.")] = "1mm",
+    at: Annotated[str | None, typer.Option(help="The free point whose place counts; all if not given.")] = None,
+    tension: Annotated[str | None, typer.Option(metavar="CABLE", help="The cable whose tension counts instead.")] = None,
+    t_end: Annotated[float | None, typer.Option(help="Motion to look at [s]; two swings if not given.")] = None,
+    start: Start = None,
+    water_level: Annotated[float | None, typer.Option(help="Height of still water [m], if there is any.")] = None,
+    change: Changes = (),
+    out: Out = None,
+    as_json: Json = False,
+):
+    """Judge which effects a scene needs. Of each, its dimensionless number, what it changes, its cost, and a verdict.
+
+    What the scene has is taken away, what it lacks but could have is put in, one at a time; with --out also as effects.csv.
+    """
+    from anet_lumped.effect_audit import audit_effects
+    from studies.summary import of_effects, write_effects
+
+    limit = _newtons(error) if tension else _metres(error)
+    start = start or "equilibrium"
+    loaded = _changed(_load(scene), change)
+    found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
+    _give(of_effects(found), as_json, out, "effects")
+    if out:
+        write_effects(found, out / "effects.csv")
 
 
 @app.command(epilog="Example: anet-lumped check net_held --dt 0.001   (a step of 1 ms)")
@@ -223,6 +263,31 @@ def report(
         raise typer.Exit(1)
 
 
+@app.command(epilog="Example: anet-lumped ropes --diameter 0.024   (24 mm, nominal)")
+def ropes(
+    diameter: Annotated[float, typer.Option(help="Nominal diameter [m].", min=1e-6)] = 0.012,
+    as_json: Json = False,
+):
+    """List the ropes that a cable may be made of. Mass, stiffness, strength at one diameter, and where the numbers are from."""
+    from studies.summary import of_ropes
+
+    _give(of_ropes(diameter), as_json)
+
+
+@app.command(epilog="Example: anet-lumped convert mooring.txt mooring.toml   (lengths in m, forces in N)")
+def convert(
+    scene: Scene,
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write: .toml, or MoorDyn's .txt, .dat, .moordyn.")],
+):
+    """Write a scene in another form. TOML or a MoorDyn input file, by the ending of OUT."""
+    from anet_lumped.scene_file import MOORDYN, save_scene
+
+    if out.suffix.lower() not in (".toml", *MOORDYN):
+        raise ValueError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}.")
+    save_scene(_load(scene), out)
+    print(out)
+
+
 def _load(text):
     """Scene of a file or, by its bare name, one that comes with the program."""
     from anet_lumped.checks import SceneError, nearest
@@ -250,17 +315,23 @@ def _changed(scene, texts):
 
 def _metres(text):
     """Metres in a text such as 1mm, 0.05 cm, 20um or 0.001."""
+    units = {"mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6, "m": 1.0}
+    return _amount(text, units, "a length such as 1mm, 0.05cm or 0.001")
+
+
+def _newtons(text):
+    """Newtons in a text such as 0.1N, 2 kN or 0.1."""
+    return _amount(text, {"kN": 1e3, "mN": 1e-3, "N": 1.0}, "a force such as 0.1N, 2kN or 0.1")
+
+
+def _amount(text, units, like):
+    """The number in a text, times the size of the first of the units that it ends with."""
     number = text.strip()
-    for unit, size in (("mm", 1e-3), ("cm", 1e-2), ("um", 1e-6), ("µm", 1e-6), ("m", 1.0)):
-        if number.endswith(unit):
-            number, factor = number.removesuffix(unit), size
-            break
-    else:
-        factor = 1.0
+    unit = next((unit for unit in units if number.endswith(unit)), "")
     try:
-        return float(number) * factor
+        return float(number.removesuffix(unit)) * units.get(unit, 1.0)
     except ValueError:
-        raise ValueError(f'Option `--error` must be a length such as 1mm, 0.05cm or 0.001, but it is "{text}".') from None
+        raise ValueError(f'Option `--error` must be {like}, but it is "{text}".') from None
 
 
 def _give(result, as_json=False, out=None, stem=""):

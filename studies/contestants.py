@@ -10,16 +10,17 @@ import numpy as np
 from anet_lumped import simulate
 from anet_lumped.simulate import METHODS, StabilityWarning
 from anet_lumped.stability import predict
-from integrators.schemes import EXPLICIT, IMPLICIT
+from integrators.schemes import EMBEDDED, EXPLICIT, IMPLICIT
 from studies.cases import fitting
 from studies.peers import installed
 
 OURS = "anet-lumped"
 OWN_CHOICE = "own choice"  # method and step that the library picks
-ADAPTIVE = "edmc, adaptive"
+ADAPTIVE, EXTRAPOLATED = "edmc, adaptive", "edmc, extrapolated"
 SHARES = (0.9, 0.3)  # of an explicit method's predicted limit
 GROWING, GROWING_SHARES = "explicit_euler", (0.1, 0.02)  # never stable, so of verlet's limit, and still it grows
 EDMC_RTOL = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+EMBEDDED_RTOL = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 RTOL = (1e-3, 1e-5, 1e-7)  # of solvers that choose their steps
 ALSO = {"MuJoCo": ({"dt": 0.04 / 3, "integrator": "discrete"},)}  # coarser than its own settings, and it holds
 ELASTIC = "Of nets it takes elastic ones only."
@@ -54,13 +55,14 @@ class Contestant:
 
 def from_elsewhere(method):
     """Whether a method is a solver of another package, which pays for each step what a compiled march does not."""
-    return method not in (*EXPLICIT, *IMPLICIT, ADAPTIVE, OWN_CHOICE)
+    return method not in (*EXPLICIT, *IMPLICIT, ADAPTIVE, EXTRAPOLATED, OWN_CHOICE)
 
 
 def ours(case, only=None):
     """Contestants of this package; ``only`` some methods."""
     found = [_own(case, method, _settings(case, method)) for method in METHODS]
     found += [_own(case, ADAPTIVE, [{"rtol": rtol} for rtol in EDMC_RTOL]), _own(case, OWN_CHOICE, [{}])]
+    found += [_own(case, EXTRAPOLATED, [{"dt": dt, "extrapolate": True} for dt in case.steps])]
     return [one for one in found if only is None or one.method in only]
 
 
@@ -100,6 +102,8 @@ def _own(case, method, settings):
 def _settings(case, method):
     if from_elsewhere(method):
         return [{"rtol": rtol} for rtol in RTOL]
+    if method in EMBEDDED and np.isfinite(case.EA):
+        return [{"rtol": rtol} for rtol in EMBEDDED_RTOL]
     if method in IMPLICIT or np.isinf(case.EA):
         return [{"dt": dt} for dt in case.steps]
     of, shares = ("verlet", GROWING_SHARES) if method == GROWING else (method, SHARES)
@@ -108,7 +112,7 @@ def _settings(case, method):
 
 
 def _run_own(case, method, t_end, setting):
-    method = {ADAPTIVE: "edmc", OWN_CHOICE: None}.get(method, method)
+    method = {ADAPTIVE: "edmc", EXTRAPOLATED: "edmc", OWN_CHOICE: None}.get(method, method)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StabilityWarning)
         try:

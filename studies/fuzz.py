@@ -89,6 +89,8 @@ def draw(pick: Pick) -> Trial:
         limit = predict(scene, schemes=(method,)).limits[method].step or 1e-4
         dt = limit * 10.0 ** pick.number(-1.0, 0.3)
         t_end = dt * pick.integer(5, EXPLICIT_STEPS)
+        if method in schemes.EMBEDDED and pick.integer(0, 1):
+            dt = None
     elif method in SCIPY or rtol:  # as many steps as it takes: within some turns of the fastest motion they are few
         turns = SCIPY_TURNS if method in SCIPY else ADAPTIVE_TURNS
         t_end, dt = min(dt * steps, turns / max(cable.omega_max for cable in scene.cables)), None

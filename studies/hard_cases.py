@@ -12,7 +12,7 @@ import pandas as pd
 
 from studies.catalogue import CASES
 from studies.catalogue.case import ENERGY
-from studies.catalogue.outcome import DEFAULT, FAILED, HELD, NODE_EVALUATIONS, NODE_STEPS, REFUSED, WAYS, meet
+from studies.catalogue.outcome import DEFAULT, FAILED, HELD, NODE_EVALUATIONS, NODE_STEPS, NODE_TRIES, REFUSED, WAYS, meet
 from studies.fuzz import try_many
 from studies.rows import run_rows
 
@@ -95,20 +95,33 @@ SHORT = {  # what a refusal says -> its label
     "force evaluations": "work",
     "at no step": "never stable",
     "beyond the largest": "step",
+    "its energy rose": "energy",
     "diverged": "diverged",
     "did not converge": "no root",
+    "steps that a run may take": "steps",
+    "found no step": "tolerance",
+    "steps tried were not enough": "work",
     "gave up": "gave up",
     "EA=inf": "EA = inf",
+    "tension stretches it": "length",
+    "of the energy in play were": "lost energy",
+    "of the energy in play are": "lost energy",
+    "far from a limit": "no limit",
+    "needs the packages": "missing",
 }
 
 
+WORK = ("steps", "nodes", "work")  # labels of what is refused for its work alone
+
+
 def label(run, statements):
-    """A word or two for a cell of the figure: how the library refused, or the kind of what is broken."""
+    """A word for a cell of the figure: how the library refused, or the kind of what is broken, with a star if an audit fails."""
     if run.outcome == REFUSED:
         return next((word for part, word in SHORT.items() if part in run.why), "refused")
     if run.outcome == FAILED:
         own = statements[(statements["case"] == run.case) & (statements["way"] == run.way) & ~statements["holds"].astype(bool)]
-        return ENERGY if ENERGY in set(own["kind"]) else next(iter(own["kind"]), "failed")
+        kind = ENERGY if ENERGY in set(own["kind"]) else next(iter(own["kind"]), "failed")
+        return kind + ("*" if run.audit not in ("", "done") else "")
     return ""
 
 
@@ -137,7 +150,7 @@ def plot(rows):
     axes.invert_yaxis()
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
-    names = {HELD: "held", REFUSED: "refused, with the reason", FAILED: "failed: done, but the statement does not hold"}
+    names = {HELD: "held", REFUSED: "refused, with the reason", FAILED: "failed: done, a statement is broken (* an audit fails)"}
     handles = [Patch(color=color, label=names[outcome]) for outcome, color in COLORS.items()]
     figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize=9)
     return {"outcomes": figure}
@@ -159,6 +172,7 @@ def answer(rows):
     loud = ", ".join(f"{way} {rise:.2g}" for way, rise in rises.items() if rise > 0.1)
     table = "; ".join(f"{way} {line[HELD]}, {line[REFUSED]}, {line[FAILED]}" for way, line in counts.drop(DEFAULT).iterrows())
     never = [way for way, line in counts.drop(DEFAULT).iterrows() if line[FAILED] == 0]
+    dear = sum(label(run, statements) in WORK for run in runs[runs["outcome"] == REFUSED].itertuples())
     missed = rows["failed"][rows["failed"]["audit"] == "done"]
     seen = len(rows["failed"]) - len(missed)
     unseen = ", ".join(f"{way} {n}" for way, n in missed["way"].value_counts(sort=False).items()) or "none"
@@ -175,13 +189,15 @@ why the method does not serve.
 
 {details}
 
-Held, refused and failed by the methods that were asked for by name: {table}. A refusal is a status with advice, a warning
-before the run, or more work than is spent here: {NODE_STEPS:.0e} nodes times steps (explicit methods),
-{NODE_EVALUATIONS["RK45"]:.0e} nodes times force evaluations (scipy's explicit solvers) or {NODE_EVALUATIONS["BDF"]:.0e} (its
-stiff ones).
+Held, refused and failed by the methods that were asked for by name: {table}. A refusal is
+a status with advice (a run that gained energy has one too), a warning before the run, what a run that is done says against
+itself where that is what is broken (energy lost in its steps, a cable longer than it is pulled), or, {dear} times, more work
+than is spent here: {NODE_STEPS:.0e} nodes times steps (explicit methods), {NODE_EVALUATIONS["RK45"]:.0e} nodes times force
+evaluations (scipy's explicit solvers) or {NODE_EVALUATIONS["BDF"]:.0e} (its
+stiff ones), {NODE_TRIES["Kvaerno5"]:.0e} to {NODE_TRIES["Tsit5"]:.0e} nodes times steps (diffrax's).
 
-An audit of the run (`audit=True`) finds {seen} of the {len(rows["failed"])} failures and ends as "audit failed"; it misses, by
-method: {unseen}.
+An audit of the run (`audit=True`) finds {seen} of the {len(rows["failed"])} failures and ends as "audit failed" (a star in the
+figure); it misses, by method: {unseen}.
 
 Energy without input, largest rise over the energy in play of runs that ended as done: {quiet or "not measured"}, which is
 Newton's tolerance and rounding; {loud or "none"} of the others by more than a tenth.
@@ -190,7 +206,8 @@ Random trials: {total} random nets, stiffnesses, dampers, starts, driven points,
 finite yet done, an error that is not the library's own, or energy out of nothing with a method that promises none. Of methods
 that make no such promise, runs that ended as done and had gained more than a tenth of the energy in play: {gainers}.
 
-Explicit methods run at half of their predicted limit. Backward Euler is not asked for accuracy nor spin, which its own note
+Explicit methods run at half of their predicted limit, verlet and symplectic Euler at an eighth where a cable may go slack
+undamped. Backward Euler is not asked for accuracy nor spin, which its own note
 denies. Left out: how accurate a method is at equal cost, which is the study `speed`'s.
 """
 

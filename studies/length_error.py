@@ -224,7 +224,7 @@ def cure(row):
     length = run.length("s0-tip")
     return {
         "stretch_at_rest": rest.length("s0-tip") / LENGTH - 1,
-        "largest_stretch": length.max() / LENGTH - 1 if run.ok else np.inf,
+        "largest_stretch": length.max() / LENGTH - 1 if run.reached_end else np.inf,
         "energy_rise": energy_rise(run) / run.energy[0, 0],
         "newton_per_step": run.work.newton_iterations / run.work.steps,
         "ended": run.status,
@@ -435,8 +435,8 @@ RK4, {100 * joined.loc[1e-2, "floor_measured"]:.1f} %.
 The cure: `edmc` swung the same cable (1 rad/s at first, 2 s) at both steps with EA up to {edmc["EA_N"].max():.0e} N,
 where it stretches by {100 * stiff["largest_stretch"].max():.1e} % at most, with {edmc["newton_per_step"].max():.1f}
 Newton iterations a step or fewer; the largest rise of its energy is {edmc["energy_rise"].max():.1g} of that of the swing.
-Of RK4's {len(rk4)} runs at the same steps and stiffnesses {int(below.sum())} are below its floor;
-{int((rk4["ended"][below] != "done").sum())} of them and {int((rk4["ended"][~below] != "done").sum())} of the others diverged.
+Of RK4's {len(rk4)} runs at the same steps and stiffnesses {int(below.sum())} are below its floor; of them
+{int((rk4["ended"][below] == "diverged").sum())} diverged, of the others {int((rk4["ended"][~below] == "diverged").sum())}.
 
 Left out: the thesis states neither its solver nor its step, so that the floor is an inference from three symptoms that it
 does state. Its rigid links are another matter: twenty joints of 5 mm between links of 5 cm make 1.10 m as well. The sag's

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from anet_lumped import load_scene, simulate
+from studies.run_figure import mark
 
 HERE = Path(__file__).parent
 
@@ -18,9 +19,11 @@ def draw():
     scene = load_scene(HERE / "scenes" / "net_carried.toml")
     figure = Figure(figsize=(10, 3.6), layout="constrained")
     side, sway = figure.subplots(1, 2, width_ratios=(1.5, 1))
+    runs = []
     for EA, dashes in ((1e4, "-"), (1e6, "--"), (1e8, ":")):
         cables = tuple(replace(cable, EA=EA) for cable in scene.cables)
-        run = simulate(replace(scene, cables=cables), 4.0, method="edmc", dt=0.01, save_every=0.01)
+        run = simulate(replace(scene, cables=cables), 4.0, method="edmc", dt=0.01, save_every=0.01, audit=True)
+        runs.append(run)
         middle = np.mean([run.position(f"s{i}") for i in range(4)], axis=0)
         label = f"EA = 1e{np.log10(EA):.0f} N"
         sway.plot(run.t, 1e3 * (run.position("p0") - middle)[:, 0], dashes, label=label)
@@ -39,6 +42,7 @@ def draw():
     sway.legend(frameon=False, fontsize=8, loc="lower center", ncols=3)
     for panel in (side, sway):
         panel.spines[["top", "right"]].set_visible(False)
+    mark(figure, *runs)
     return figure
 
 

@@ -26,7 +26,7 @@ STUDIES = {
     "What the thesis found": ("thesis_tables", "length_error", "model_mismatch"),
     "Why": ("stability_map",),
     "What cures it": ("energy_rise", "order", "hard_cases", "speed"),
-    "What accuracy costs": ("work_precision",),
+    "What accuracy costs": ("work_precision", "effects_cost"),
 }
 """Names of the studies, by the part of the report that each belongs to, in its order."""
 LONG = ("hard_cases", "work_precision")  # minutes by themselves: the report takes a first look unless it is asked for all

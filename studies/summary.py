@@ -6,6 +6,7 @@ import numpy as np
 
 from anet_lumped.scene import Free
 from studies.measures import sag
+from studies.show import as_text
 
 SOFT = 0.01  # static stretch worth a warning: cords under their working load stay below it
 
@@ -35,6 +36,8 @@ def of_run(run) -> dict:
         "work": [asdict(run.work)],
         "energy": [asdict(run.energy_balance)],
         **({"audit": [_audit(run.audit)]} if run.audit else {}),
+        **({"events": [_event(event) for event in run.events]} if run.events else {}),
+        **({"warning": list(run.warnings)} if run.warnings else {}),
         "cables": [
             {
                 "cable": cable.name,
@@ -46,6 +49,13 @@ def of_run(run) -> dict:
         ],
         "points_at_the_end": _points(run.final),
     }
+
+
+def _event(event) -> dict:
+    return {
+        "t_s": event.t, "event": event.kind, "where": event.where, "segment": event.segment, "tension": event.tension,
+        "mass_kg": event.mass, "lost_J": event.lost,
+    }  # fmt: skip
 
 
 def _audit(audit) -> dict:
@@ -62,13 +72,14 @@ def of_recommendation(found, scene) -> dict:
     changes = {"segments": cables[0].segments} if alike else {f"{name}.segments": n for name, n in found.segments.items()}
     best = found.best
     stepping = f"--dt {best.dt:.6g}" if best.rtol is None else f"--rtol {best.rtol:.2g}"
+    stepping += " --extrapolate" if best.extrapolate else ""
     sets = " ".join(f"--set {name}={value}" for name, value in changes.items())
     rows = [one for one in (best, found.runner_up) if one]
     return {
         "recommended": [
             {
                 "": "best" if one is best else "runner-up",
-                "method": one.method,
+                "method": one.method + (", extrapolated" if one.extrapolate else ""),
                 "step_ms": None if one.dt is None else 1e3 * one.dt,
                 "rtol": one.rtol,
                 "time_error_mm": 1e3 * one.error,
@@ -93,6 +104,35 @@ def of_recommendation(found, scene) -> dict:
     }
 
 
+def of_effects(found) -> dict:
+    """Each effect of an audit: its numbers, what it changes, its cost, a verdict; and what the table does not say."""
+    from anet_lumped.effect_audit import NEEDED, NEGLIGIBLE
+
+    return {
+        "effects": _effects(found),
+        "asked_for": f"{found.of} within {found.error:g} {found.unit}",
+        "motion_known_to": f"{found.known_to:.3g} {found.unit}",
+        "looked_at": f"{found.t_end:.4g} s of motion by edmc at dt={found.dt:.3g} s",
+        "notes": [f"{one.effect}: {one.reason}" for one in found.verdicts if one.verdict not in (NEEDED, NEGLIGIBLE)],
+    }
+
+
+def _effects(found):
+    changes, size = ("changes_mm", 1e3) if found.unit == "m" else ("changes_N", 1.0)
+    return [
+        {
+            "effect": one.effect.replace("_", " "),
+            "in_the_scene": "yes" if one.present else "no",
+            "dimensionless": ", ".join(f"{name} {as_text(value)}" for name, value in one.numbers.items()),
+            changes: size * one.change,
+            "cost_percent": 100.0 * one.cost,
+            "explicit_steps": one.stiffness or None,
+            "verdict": one.verdict,
+        }
+        for one in found.verdicts
+    ]
+
+
 def before_run(scene, dt: float | None = None) -> dict:
     """What is known of a scene before any run: static stretch, top modes, the steps that each method takes, warnings.
 
@@ -112,7 +152,7 @@ def before_run(scene, dt: float | None = None) -> dict:
     else:
         for row, cable in zip(cables, scene.cables, strict=True):
             row |= _at_rest(rest, cable)
-            strains[cable.name] = rest.tension(cable.name).mean() / cable.EA
+            strains[cable.name] = cable.strain(rest.tension(cable.name).mean())
             warnings += _about_rest(row, cable)
     methods = []
     for name, limit in prediction.limits.items():
@@ -154,6 +194,36 @@ def against_markers(scene, file) -> dict:
         "offset": [_xyz(fit.offset)],
         "cables": [asdict(cable) for cable in fit.cables],
     }
+
+
+def of_ropes(diameter: float) -> dict:
+    """What each rope of the catalogue is, at a nominal diameter [m]."""
+    from anet_lumped.ropes import ROPES
+
+    rows = []
+    for name, rope in ROPES.items():
+        low, high = rope.diameters or (np.nan, np.nan)
+        rows.append({
+            "rope": name,
+            "what": rope.about,
+            "mass_per_metre_kg": rope.m2 * diameter**2,
+            "EA": rope.static_EA(diameter),
+            "breaking_load_N": rope.breaking_load(diameter),
+            "outer_diameter_mm": 1e3 * rope.dv * diameter,
+            "compared_from_mm": 1e3 * low,
+            "to_mm": 1e3 * high,
+            "source": rope.source,
+        })  # fmt: skip
+    return {"nominal_diameter_mm": 1e3 * diameter, "ropes": rows}
+
+
+def write_effects(found, file) -> None:
+    """Write what an audit found of each effect as CSV, a row each, with its reason."""
+    with file.open("w", newline="", encoding="utf-8") as text:
+        rows = _effects(found)
+        table = csv.DictWriter(text, [*rows[0], "reason"])
+        table.writeheader()
+        table.writerows(row | {"reason": one.reason} for row, one in zip(rows, found.verdicts, strict=True))
 
 
 def write_nodes(state, file) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from anet_lumped import simulate
+from anet_lumped.gain import GAINED
 from anet_lumped.stability import predict
 from studies import contestants, total_error
 from studies.cases import SHARED_LAW, carried, dropped, loose, stopped
@@ -56,10 +57,11 @@ def compute(quick=False, executor=None, out=None):
     Returns
     -------
     dict of DataFrame
-        "equal_error" (best of ours and best peer at the same errors), "references", "runs", "total_error", "growth",
-        "first_calls" (what a method's first run in a process takes beside the run itself), "refused"
+        "equal_error" (best of ours and best peer at the same errors), "own_choice" (and the best at its error),
+        "references", "runs", "total_error", "growth", "first_calls" (what a method's first run in a process
+        takes beside the run itself), "refused"
     """
-    only = ("edmc", "verlet", contestants.ADAPTIVE, contestants.OWN_CHOICE) if quick else None
+    only = ("edmc", "verlet", contestants.ADAPTIVE, contestants.EXTRAPOLATED, contestants.OWN_CHOICE) if quick else None
     motions = cases(quick)
     first = first_calls(motions[0], only)
     judges = {case: reference(case) for case in motions}
@@ -68,6 +70,7 @@ def compute(quick=False, executor=None, out=None):
     refused = [(case, *said) for case in motions if same[case] for said in contestants.refusals(case).items()]
     return {
         "equal_error": equal_errors(runs),
+        "own_choice": own_choices(runs),
         "references": pd.DataFrame([_about(case, judges[case]) for case in motions]),
         "runs": runs,
         "total_error": total_error.compute(quick),
@@ -106,7 +109,7 @@ def race(case, judge, only=None, with_peers=True):
             rows[-1] |= {"reason": attempt.reason, "repeats": 1}
             if attempt.status == "refused":
                 break
-            if attempt.status == "done":
+            if attempt.status in ("done", GAINED):
                 rows[-1]["error_mm"] = 1e3 * _judge(case, judges, one).error(one.method, attempt.place)
                 if attempt.wall < CHEAP:
                     again.append((rows[-1], one, setting, [attempt.wall]))
@@ -212,6 +215,22 @@ def equal_errors(runs):
                 row |= {f"best_{side}": who, f"{side}_s": time, f"{side}_error_mm": error}
             duration = (part["wall_s"] * part["times_real_time"]).median()
             rows.append(row | {"ratio": row["peer_s"] / row["ours_s"], "ours_times_real_time": duration / row["ours_s"]})
+    return pd.DataFrame(rows)
+
+
+def own_choices(runs):
+    """What the library picks by itself against the best of its methods at the error that the choice had."""
+    rows, ours = [], runs[runs["engine"] == contestants.OURS]
+    for keys, part in ours.groupby(["motion", "EA_N", "segments"], sort=False):
+        judged = part["method"] == contestants.OWN_CHOICE
+        for own in part[judged & (part["status"] == "done")].itertuples():
+            target, best, who = max(own.error_mm, own.reference_mm), np.inf, ""
+            for method, line in part[~judged].groupby("method", sort=False):
+                seconds, _ = time_at(np.maximum(line["error_mm"], line["reference_mm"]), line["wall_s"], target)
+                if seconds < best:
+                    best, who = seconds, method
+            row = dict(zip(("motion", "EA_N", "segments"), keys, strict=True)) | {"choice": own.reason, "error_mm": own.error_mm}
+            rows.append(row | {"wall_s": own.wall_s, "best": who, "best_s": best, "ratio": own.wall_s / best})
     return pd.DataFrame(rows)
 
 

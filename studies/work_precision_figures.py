@@ -2,10 +2,12 @@
 
 import numpy as np
 
-from studies.contestants import ADAPTIVE, OURS, OWN_CHOICE
+from studies.contestants import ADAPTIVE, EXTRAPOLATED, OURS, OWN_CHOICE
 
 STYLES = {  # of our methods: colour, marker
-    "edmc": ("C0", "o"), ADAPTIVE: ("C0", "*"), "verlet": ("k", "v"), "symplectic_euler": ("0.5", "<"), "rk4": ("C7", "^"),
+    "edmc": ("C0", "o"), ADAPTIVE: ("C0", "*"), EXTRAPOLATED: ("C0", "4"),
+    "verlet": ("k", "v"), "symplectic_euler": ("0.5", "<"), "rk4": ("C7", "^"),
+    "dop853": ("k", "^"),
     "explicit_euler": ("0.75", ">"), "backward_euler": ("C2", "s"), "midpoint": ("C3", "D"), "sdirk2": ("C1", "p"),
     "tr_bdf2": ("C4", "P"), "generalised_alpha": ("C5", "X"), "RK45": ("C6", "1"), "DOP853": ("C8", "2"), "Radau": ("C9", "3"),
     "BDF": ("tan", "4"),

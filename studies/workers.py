@@ -53,6 +53,8 @@ def through_own_pool(function: Callable[[dict], dict], rows: Iterable[dict], wor
     finally:
         for process in set(multiprocessing.active_children()) - set(others):
             process.terminate()
+        if pool:  # waits for its thread, which else may find its pipe closed as the interpreter ends
+            pool.shutdown(cancel_futures=True)
 
 
 def available_cores() -> int:

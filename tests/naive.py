@@ -5,8 +5,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from anet_lumped.chain import DIRECTION, GEOMETRIC, GRADIENT, STIFFNESS, TENSION
 from anet_lumped.effects import Gravity, ViscousDamping
+from anet_lumped.elimination import DIRECTION, GEOMETRIC, GRADIENT, STIFFNESS, TENSION
 from anet_lumped.scene import Free
 from integrators.stage import BACKWARD, BETWEEN
 
@@ -161,6 +161,15 @@ def operator(model, net):
     return K[: model.n_free, :, : model.n_free]
 
 
+def couplings(model, net):
+    """Blocks (2, 3, 3) both ways between the nodes (i, j) of each pair that effects join."""
+    pairs = [(net.near[s], nodes) for s, nodes in enumerate(model.ends[: len(net.near)])]
+    for s in range(len(net.far) - 1):
+        if model.cable_of[s] == model.cable_of[s + 1]:
+            pairs.append((net.far[s], (model.ends[s, 0], model.ends[s + 1, 1])))
+    return pairs
+
+
 def dense(model, net, right):
     """Solution of the system of `anet_lumped.chain` with the tensions as unknowns: d (n, 3), T, and the condition number.
 
@@ -179,6 +188,9 @@ def dense(model, net, right):
             A[P, other] -= a * np.eye(3)
             A[P, n + s] += sign * e
             A[n + s, P] += sign * k * g
+    for s, (i, j) in couplings(model, net):
+        for p, q, K in ((i, j, s[0]), (j, i, s[1])):
+            A[3 * p : 3 * p + 3, 3 * q : 3 * q + 3] += K
     moves = np.append(np.arange(3 * model.n_free), np.arange(n, n + S))
     A, b = A[np.ix_(moves, moves)], b[moves]
     scale = 1.0 / np.abs(A).max(axis=1)

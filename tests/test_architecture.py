@@ -3,13 +3,18 @@
 import ast
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
+from anet_lumped.effects import REGISTRY
+
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("studies", "anet_lumped", "integrators")  # each may import those after it
-EFFECT = {"axial", "gravity", "viscous_damping"}
+EFFECT = {"axial", "gravity", "viscous_damping"} | set(REGISTRY)
+SHARED = {"signatures", "drag", "axial", "morison", "submergence"}  # what effects may share
+OUTSIDE = {"effects", "checks", "lanes", "signals", "wind", "waves", "wave_kernel"}  # what they may import of the rest
 
 
 def modules(package):
@@ -27,6 +32,13 @@ def imported(path):
             module = ".".join([*base, *([node.module] if node.module else [])])
             yield module
             yield from (f"{module}.{alias.name}" for alias in node.names)
+
+
+def test_every_package_is_installed():
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    modules = [path for package in PACKAGES for path in (ROOT / package).rglob("__init__.py")]
+    found = {".".join(path.parent.relative_to(ROOT).parts) for path in modules}
+    assert set(listed) == found
 
 
 @pytest.mark.parametrize("package", PACKAGES)
@@ -55,9 +67,9 @@ def test_no_effect_knows_another():
                 parts = name.split(".")
                 assert parts[0] != "integrators", f"{path.name} imports {name}"
                 if parts[:2] == ["anet_lumped", "effects"] and len(parts) > 2:
-                    assert parts[2] == "signatures", f"{path.name} imports {name}"
-                else:
-                    assert parts[0] != "anet_lumped" or parts == ["anet_lumped", "effects"], f"{path.name} imports {name}"
+                    assert parts[2] in SHARED, f"{path.name} imports {name}"
+                elif parts[0] == "anet_lumped":
+                    assert parts[1] in OUTSIDE, f"{path.name} imports {name}"
 
 
 @pytest.mark.parametrize(
@@ -74,6 +86,17 @@ def test_what_an_import_loads(statement):
     code = f"import sys; {statement}; print([m for m in {heavy!r} if m in sys.modules])"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
     assert out.stdout.strip() == "[]"
+
+
+def test_a_scene_imports_the_effects_that_it_has():
+    code = (
+        "import sys; from anet_lumped import Fixed, Free, Cable, Scene, equilibrium; from anet_lumped.effects import Gravity\n"
+        "cable = Cable('a', 'b', length=1.0, mass_per_length=0.1, EA=1e3, segments=2)\n"
+        "equilibrium(Scene([Fixed('a', (0, 0, 0)), Free('b')], [cable], [Gravity()]))\n"
+        "print(sorted(m for m in sys.modules if m.startswith('anet_lumped.effects.')))"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert out.stdout.strip() == str([f"anet_lumped.effects.{name}" for name in ("axial", "gravity", "signatures")])
 
 
 def test_public_face():

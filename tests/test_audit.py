@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from systems import four_cables, hanging_chain, loose_cable
+from systems import four_cables, hanging_chain, loose_cable, spring_mass
 
 from anet_lumped import RunError, load_run, simulate
 
@@ -27,6 +27,15 @@ def test_estimate_of_adaptive_steps():
     exact = simulate(net, 1.0, method="edmc", dt=2.5e-4, save_every=0.1)
     error = np.linalg.norm(run.q - exact.q, axis=2).max()
     assert run.ok and 0.3 * error < run.audit.error < 3.0 * error
+
+
+@pytest.mark.parametrize("method", ["dop853", "RK45"])
+def test_estimate_of_methods_that_choose_their_steps(method):
+    """A tenth of the tolerance leaves a tenth of the error or less."""
+    motion = spring_mass()
+    run = simulate(motion.scene, 5.0, method=method, rtol=1e-5, start=motion.start, save_every=0.1, audit=True)
+    error = max(np.abs(q[:1, 0] - motion.exact(t)[0]).max() for t, q in zip(run.t, run.q, strict=True))
+    assert run.ok and run.audit.error == pytest.approx(error, rel=0.2)
 
 
 def test_a_run_that_fails_says_so_everywhere(tmp_path):

@@ -7,9 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from systems import mesh, nets, scatter
 
-from anet_lumped import Cable, Fixed, Free, Scene, chain, dynamics
+from anet_lumped import Cable, Fixed, Free, Scene, chain, chain_wide, dynamics, elimination
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model import build
+from anet_lumped.net import COLUMNS, HALF_BAND
 from integrators.stage import BACKWARD, BETWEEN, STATE, Stage
 
 EPS = np.finfo(float).eps
@@ -24,28 +25,58 @@ def random_system(model, rng, stiffness, slack=0.2, turn=0.4):
     e = rng.normal(size=(S, 3))
     e /= np.linalg.norm(e, axis=1)[:, None]
     net.segment[:, 0:3], net.segment[:, 3:6] = e, e + rng.uniform(-turn, turn, (S, 3))
-    net.segment[:, chain.GEOMETRIC] = 10.0 ** rng.uniform(-3, 3, S) * rng.integers(0, 2, S)
-    net.segment[:, chain.STIFFNESS] = stiffness * (rng.uniform(size=S) >= slack)
-    net.segment[:, chain.TENSION] = rng.normal(size=S) * (net.segment[:, chain.STIFFNESS] > 0)
+    net.segment[:, elimination.GEOMETRIC] = 10.0 ** rng.uniform(-3, 3, S) * rng.integers(0, 2, S)
+    net.segment[:, elimination.STIFFNESS] = stiffness * (rng.uniform(size=S) >= slack)
+    net.segment[:, elimination.TENSION] = rng.normal(size=S) * (net.segment[:, elimination.STIFFNESS] > 0)
     net.diagonal[:] = INERTIA * (np.eye(3) + rng.uniform(-0.1, 0.1, (model.n_free, 3, 3)))
     net.right[: model.n_free] = rng.normal(size=(model.n_free, 3))
     return net
 
 
-def check(model, net, stiffness):
+def check(model, net, stiffness, solve=chain.solve):
     """Solve, and compare with the dense solution.
 
     An elimination that puts k into a block with the inertia W loses k/W of its digits, so the error may be eps times the
     condition number times 1 + k/W. Measured: at most half of that; four times is allowed.
     """
     right = net.right.copy()
-    smallest = chain.solve(net.place)
+    smallest = solve(net.place)
     d, T, condition = naive.dense(model, net, right)
     bound = 4 * EPS * condition * (1 + stiffness / INERTIA)
     np.testing.assert_allclose(net.step, d, rtol=0, atol=bound * np.abs(d).max())
     # a tension is k times a difference of displacements
     np.testing.assert_allclose(net.tension, T, rtol=0, atol=bound * (np.abs(T).max() + stiffness * np.abs(d).max()))
     assert smallest == net.tension.min()
+
+
+def coupled(model, net, rng, couples, size=3.0):
+    """The same system with random blocks [N/m] between nodes that effects join, small against the inertia."""
+    S, rows = model.n_segments, 4 * model.n_interior + len(model.cable)
+    blocks = [size * rng.uniform(-1, 1, (S if couples > reach else 0, 2, 3, 3)) for reach in (0, 1)]
+    band = np.zeros((rows, 2 * HALF_BAND[couples] + 1))
+    return net._replace(near=blocks[0], far=blocks[1], band=band, columns=np.zeros((rows, COLUMNS))).placed()
+
+
+@pytest.mark.parametrize("couples", [1, 2])
+@pytest.mark.parametrize("stiffness", [0.0, 1e1, 1e4, 1e10])
+@pytest.mark.parametrize("name", NETS)
+def test_solution_with_couplings(name, stiffness, couples):
+    model = build(NETS[name])
+    for seed in range(1 if name == "mesh" else 10):
+        rng = np.random.default_rng(seed)
+        net = coupled(model, random_system(model, rng, stiffness), rng, couples)
+        check(model, net, stiffness, chain_wide.solve_wide)
+
+
+@pytest.mark.parametrize("name", NETS)
+def test_both_eliminations_agree(name):
+    model, rng = build(NETS[name]), np.random.default_rng(0)
+    net = random_system(model, rng, 1e4)
+    wide = coupled(model, net._replace(right=net.right.copy(), step=net.step.copy(), tension=net.tension.copy()), rng, 2, 0.0)
+    assert chain.solve(net.place) == pytest.approx(chain_wide.solve_wide(wide.place), rel=1e-9, abs=1e-9)
+    # both keep what is as large as inertia and tension: 1e-16 times their condition, some 1e3
+    np.testing.assert_allclose(wide.step, net.step, atol=1e-11 * np.abs(net.step).max())
+    np.testing.assert_allclose(wide.tension, net.tension, atol=1e-10 * np.abs(net.tension).max())
 
 
 @pytest.mark.parametrize("stiffness", [0.0, 1e1, 1e4, 1e10])
@@ -60,7 +91,7 @@ def test_all_segments_slack():
     """Nothing couples the nodes: d = D^-1 r."""
     model = build(NETS["wheel"])
     net = random_system(model, np.random.default_rng(0), 1.0, slack=1.0)
-    net.segment[:, chain.GEOMETRIC] = 0.0
+    net.segment[:, elimination.GEOMETRIC] = 0.0
     d = np.linalg.solve(net.diagonal, net.right[: model.n_free, :, None])[..., 0]
     chain.solve(net.place)
     np.testing.assert_allclose(net.step[: model.n_free], d, rtol=1e-13)  # 3x3 systems of condition below 2
@@ -120,17 +151,19 @@ def test_residual(law, compression):
 def exact_tangent(model, net, law):
     """`naive.operator` with the exact geometric stiffness, T (I - e n^T)/l in place of a I.
 
-    The code takes two liberties that keep every block positive definite: a compressed segment has no geometric
-    stiffness, and a e n^T, the strain's part of the axial stiffness, is left out. Newton's method then contracts the
-    axial error by T/(k l), the strain, at each iteration instead of quadratically.
+    The code takes two liberties that keep every block positive definite: a compressed segment has no geometric stiffness, and
+    a e n^T, the strain's part of the axial stiffness, is left out at one time.
+    Newton's method then contracts the axial error by T/(k l), the strain, at each iteration instead of quadratically.
     """
     K = np.zeros((model.n, 3, model.n, 3))
     K[: model.n_free, :, : model.n_free] = naive.operator(model, net)
     for s, (i, j) in enumerate(model.ends):
-        e, g, a, _, T = naive.segment_law(net, s)
+        e, g, a, k, T = naive.segment_law(net, s)
         n = g if law == "between" else e
         per_l = a / net.tension[s] if net.tension[s] > 0 else 0.0
         G = T * per_l * (np.eye(3) - np.outer(e, n)) - a * np.eye(3)
+        if law != "state" and k != 0.0:
+            G += a * np.outer(e, n)
         for p, q, sign in ((i, i, 1), (j, j, 1), (i, j, -1), (j, i, -1)):
             K[p, :, q] += sign * G
     return K[: model.n_free, :, : model.n_free]
@@ -150,14 +183,14 @@ def test_tangent(law, compression):
                 base, q = 3.5 * base, 3.5 * q
             d = rng.normal(size=(model.n_free, 3))
             dynamics.residual(stage, base, target, q, net.place)
-            net.tension[:] = net.segment[:, chain.TENSION]
+            net.tension[:] = net.segment[:, elimination.TENSION]
             dynamics.residual(stage, base, target, q, net.place)
             r, K = naive.out_of_balance(model, net), exact_tangent(model, net, law)
             if compression != "none" and net.tension.min() < 0:
                 continue
 
             def state():
-                return net.segment[:, chain.STRETCH] > 0, net.segment[:, chain.TENSION] > 0  # noqa: B023
+                return net.segment[:, elimination.STRETCH] > 0, net.segment[:, elimination.TENSION] > 0  # noqa: B023
 
             before, remainders, h = state(), [], 10.0 ** -np.arange(3.5, 5.6, 0.5)
             for x in h:

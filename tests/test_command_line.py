@@ -15,7 +15,7 @@ from test_rows import start_and_wait_for_rows, wait_for_end_of
 from studies import command_line
 from studies.command_line import main
 
-COMMANDS = ["equilibrium", "simulate", "check", "sweep", "measures", "study", "mismatch", "report"]
+COMMANDS = ["equilibrium", "simulate", "check", "sweep", "measures", "study", "mismatch", "report", "convert", "ropes", "effects"]
 PROGRAM = ["-c", "from studies.command_line import main; main()"]
 
 
@@ -32,6 +32,11 @@ def test_help_shows_an_example(command, capsys):
     said = capsys.readouterr().out
     assert f"Usage: anet-lumped {command}" in said
     assert "Example: anet-lumped" in said or command == "measures"
+
+
+def test_a_run_tells_what_speaks_against_it(capsys):
+    assert call("simulate", "loose_cable", "--t-end", 1.2, "--start", "straight", "--method", "backward_euler", "--dt", 0.01) == 0
+    assert "warning: backward_euler: 0.33 of the energy in play were lost in its steps" in capsys.readouterr().out
 
 
 def test_help_loads_nothing_heavy():
@@ -72,7 +77,84 @@ def test_simulate_says_what_ran_and_saves_it(tmp_path, capsys):
     assert call("simulate", "net_carried", "--t-end", 0.2, "--method", "edmc", "--dt", 0.01, "--out", tmp_path) == 0
     assert "method: edmc" in capsys.readouterr().out
     assert json.loads((tmp_path / "run.json").read_text())["status"] == "done"
-    assert (tmp_path / "run.nc").exists()
+    assert (tmp_path / "run.nc").exists() and (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_simulate_tells_what_happened(tmp_path, capsys):
+    file = tmp_path / "scene.toml"
+    file.write_text("""
+        points = [{name = "a", kind = "fixed", at = [0, 0, 0]}, {name = "b", kind = "free", mass = 0.1}]
+        effects = {gravity = {g = 9.81}}
+        events = [{kind = "payload_change", point = "b", t = 0.1, mass = 1.0}]
+        [[cables]]
+        start = "a"
+        end = "b"
+        length = 1.0
+        mass_per_length = 0.1
+        EA = 1e4
+        zeta = 0.3
+        segments = 5
+        breaking_tension = 8.0
+    """)
+    assert call("simulate", file, "--t-end", 0.3, "--out", tmp_path / "run") == 0
+    said = capsys.readouterr().out
+    assert "payload changed" in said and "broke" in said
+    happened = json.loads((tmp_path / "run" / "run.json").read_text())["events"]
+    assert [(event["event"], event["where"]) for event in happened[:2]] == [("payload changed", "b"), ("broke", "a-b")]
+    assert happened[0]["t_s"] == 0.1 and 0.1 < happened[1]["t_s"] < 0.15 and happened[1]["tension"] == pytest.approx(8.0, rel=1e-6)
+    assert (tmp_path / "run" / "run.png").stat().st_size > 1000
+
+
+def test_an_audit_that_fails_is_in_the_status_the_files_and_the_exit_status(tmp_path, capsys):
+    from anet_lumped import load_run
+
+    loose = ["simulate", "loose_cable", "--start", "straight", "--method", "edmc", "--audit", "--out", tmp_path]
+    assert call(*loose, "--t-end", 2.5, "--dt", 0.02) == 1
+    said = capsys.readouterr().out
+    assert "status: audit failed" in said and "message: The audit failed: " in said and "error [m]" in said
+    found = json.loads((tmp_path / "run.json").read_text())
+    assert found["status"] == "audit failed" and not found["audit"][0]["passed"]
+    back = load_run(tmp_path / "run.nc")
+    assert not back.ok and back.audit.error == found["audit"][0]["error_m"] > back.audit.allowed
+    assert back.message == found["message"] and not back.audit.passed
+    assert call(*loose, "--t-end", 0.3, "--dt", 0.002) == 0
+    said = capsys.readouterr().out
+    assert "status: done" in said and "error [m]" in said and "True" in said
+    assert load_run(tmp_path / "run.nc").audit.passed
+
+
+def test_energy_out_of_nothing_exits_with_1(capsys):
+    assert call("simulate", "loose_cable", "--start", "straight", "--t-end", 2, "--method", "midpoint", "--dt", 0.01) == 1
+    said = " ".join(capsys.readouterr().out.split())
+    assert "status: energy gained" in said and 'try method="edmc"' in said
+
+
+def test_ropes_lists_the_catalogue(capsys):
+    assert call("ropes", "--diameter", 0.02, "--json") == 0
+    rows = {row["rope"]: row for row in json.loads(capsys.readouterr().out)["ropes"]}
+    assert rows["nylon"]["mass_per_metre_kg"] == pytest.approx(585.0 * 0.02**2)
+    assert rows["hmpe"]["compared_from_mm"] is None and rows["polyester"]["to_mm"] == pytest.approx(290.0)
+    assert call("ropes") == 0
+    assert "breaking load [N]" in capsys.readouterr().out
+
+
+def test_convert_writes_what_every_command_reads(tmp_path, capsys):
+    deck, again = tmp_path / "net.txt", tmp_path / "net.toml"
+    assert call("convert", "net_held", deck) == 0
+    said = capsys.readouterr()
+    assert said.out.strip() == str(deck) and "warning: MoorDyn's dampers act on slack segments too" in said.err
+    assert call("convert", deck, again) == 0
+    capsys.readouterr()
+    rests = []
+    for scene in ("net_held", deck, again):
+        assert call("equilibrium", scene, "--json") == 0
+        rests.append(json.loads(capsys.readouterr().out)["points"])
+    assert rests[0] == rests[1] == rests[2]
+
+
+def test_convert_refuses_an_ending_it_does_not_know(tmp_path, capsys):
+    assert call("convert", "net_held", tmp_path / "net.yaml") == 2
+    assert "OUT must end in .toml, .txt, .dat, .moordyn, but is" in capsys.readouterr().err
 
 
 def test_a_run_that_fails_says_so_and_exits_with_1(capsys):

@@ -89,9 +89,9 @@ def test_paths():
 
 def test_an_effect_that_joins_nodes_is_refused():
     model = build(nets()["between supports"])
-    pairs = type("Contact", (), {"table": lambda self, mass: (np.arange(2), np.ones(1))})()
+    pairs = type("Contact", (), {"table": lambda self, model: (np.arange(2), np.ones(1))})()
     stand_in = SimpleNamespace(scene=SimpleNamespace(effects=(pairs,)), mass=model.mass, n_free=model.n_free)
-    with pytest.raises(ValueError, match="need effects that act on each node by itself, but Contact joins several"):
+    with pytest.raises(ValueError, match=r"need effects whose force is linear .*, but that of Contact is not"):
         jax_net(stand_in)
 
 

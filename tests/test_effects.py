@@ -2,6 +2,7 @@
 
 import math
 from fractions import Fraction
+from types import SimpleNamespace
 
 import naive
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from systems import mesh, nets, scatter
 
+import anet_lumped.effects
 from anet_lumped import Cable, Fixed, Free, Scene
 from anet_lumped.bindings import system
 from anet_lumped.effects import REGISTRY, Gravity, ViscousDamping, axial
@@ -18,6 +20,8 @@ from anet_lumped.run import segment_tensions
 
 jax = pytest.importorskip("jax")
 jax.config.update("jax_enable_x64", True)
+
+NO_BLOCKS = (np.zeros((0, 2, 3, 3)), np.zeros((0, 2, 3, 3)))  # near and far, of a net in which no effect joins nodes
 jnp = jax.numpy
 
 EPS = np.finfo(float).eps
@@ -36,8 +40,9 @@ def cable_of(compression, EA=1e3, BA=5.0, length=0.5):
 
 
 def numbers(cable):
-    """k, c and the two switches, as the compiled laws take them."""
-    return cable.stiffness, cable.dashpot, *axial.SWITCHES[cable.compression]
+    """Spring, damper and its switch, as the compiled laws take them."""
+    two_way_spring, two_way_damper = axial.SWITCHES[cable.compression]
+    return axial.one_spring(cable.stiffness, two_way_spring), cable.dashpot, two_way_damper
 
 
 @pytest.mark.parametrize("compression", COMPRESSION)
@@ -67,10 +72,10 @@ def test_slopes_by_differences(compression, strain, rate, k, c):
     h, g = 0.25 * abs(strain), 0.25 * abs(rate)
     T_l, T_r = axial.tension_parts(strain + h, rate, *law)[0], axial.tension_parts(strain, rate + g, *law)[0]
     # within a piece: neither slack nor cut at zero changes on the way
-    whole = law[0] * strain + law[1] * rate
-    assume(compression != "none" or strain <= 0 or min(whole, whole + law[0] * h) > 0 or max(whole, whole + law[0] * h) < 0)
-    assume(compression != "none" or strain <= 0 or (whole > 0) == (whole + law[1] * g > 0))
-    size = 1.25 * (abs(law[0] * strain) + abs(law[1] * rate))
+    whole = k * strain + c * rate
+    assume(compression != "none" or strain <= 0 or min(whole, whole + k * h) > 0 or max(whole, whole + k * h) < 0)
+    assume(compression != "none" or strain <= 0 or (whole > 0) == (whole + c * g > 0))
+    size = 1.25 * (abs(k * strain) + abs(c * rate))
     assert T_l - T == pytest.approx(of_stretch * h, abs=8 * EPS * size)
     assert T_r - T == pytest.approx(of_rate * g, abs=8 * EPS * size)
 
@@ -78,14 +83,15 @@ def test_slopes_by_differences(compression, strain, rate, k, c):
 @pytest.mark.parametrize("compression", COMPRESSION)
 def test_laws_in_jax(compression):
     """The same lines, traced: values equal but for products fused with sums, and JAX's derivatives are the slopes."""
-    parts, slopes, stored = (
-        axial.with_select(law, jnp.where) for law in (axial.tension_parts, axial.tension_slopes, axial.stored)
+    parts, slopes, energy = (
+        axial.with_select(law, jnp.where) for law in (axial.tension_parts, axial.tension_slopes, axial.elastic_energy)
     )
-    law = numbers(cable_of(compression))
+    cable = cable_of(compression)
+    law, k, c = numbers(cable), cable.stiffness, cable.dashpot
     tension = jax.jit(jax.vmap(lambda x, r: parts(x, r, *law)[0]))
     of_stretch = jax.jit(jax.vmap(jax.grad(lambda x, r: parts(x, r, *law)[0], 0)))
     of_rate = jax.jit(jax.vmap(jax.grad(lambda x, r: parts(x, r, *law)[0], 1)))
-    spring = jax.jit(jax.vmap(jax.grad(lambda x: stored(x, law[0], law[2]))))
+    spring = jax.jit(jax.vmap(jax.grad(lambda x: energy(x, law[0]))))
     traced = jax.jit(jax.vmap(lambda x, r: jnp.stack(slopes(x, r, *law))))
 
     @settings(deadline=None, max_examples=200)
@@ -93,14 +99,14 @@ def test_laws_in_jax(compression):
     def check(states):
         x, r = np.array(states).T
         compiled = np.array([axial.tension_slopes(*state, *law) for state in states])
-        size = np.abs(law[0] * x) + np.abs(law[1] * r)
-        cut = np.abs(law[0] * x + law[1] * r) <= 8 * EPS * size  # where fusing decides on which side of the cut
+        size = np.abs(k * x) + np.abs(c * r)
+        cut = np.abs(k * x + c * r) <= 8 * EPS * size  # where fusing decides on which side of the cut
         np.testing.assert_allclose(tension(x, r), compiled[:, 0], rtol=0, atol=8 * EPS * size.max())
         np.testing.assert_array_equal(np.where(cut, 0, of_stretch(x, r)), np.where(cut, 0, compiled[:, 1]))
         np.testing.assert_array_equal(np.where(cut, 0, of_rate(x, r)), np.where(cut, 0, compiled[:, 2]))
         np.testing.assert_allclose(traced(x, r)[~cut], compiled[~cut], rtol=0, atol=8 * EPS * size.max())
-        energy = np.array([axial.tension_parts(a, 0.0, *law)[1] for a in x])
-        np.testing.assert_allclose(spring(x), energy, rtol=4 * EPS)
+        elastic = np.array([axial.tension_parts(a, 0.0, *law)[1] for a in x])
+        np.testing.assert_allclose(spring(x), elastic, rtol=4 * EPS)
 
     check()
     assert tension(np.zeros(1), np.zeros(1)).dtype == np.float64
@@ -118,8 +124,8 @@ def test_tension_between(compression, a, b, near, k, c, rho):
     cable = cable_of(compression, EA=k, BA=c, length=1.0)
     l_a, l_b = 1.0 + a, 1.0 + b
     x_a, x_b, h, alpha = l_a - 1.0, l_b - 1.0, 0.01, 0.5 * (1 - rho) / (1 + rho)  # the differences are exact
-    k, c, two_spring, two_damper = numbers(cable)
-    T, slope, secant = axial.tension_between(x_a, x_b, k, c / h + alpha * k, two_spring, two_damper)
+    (spring, c, two_damper), k = numbers(cable), cable.stiffness
+    T, slope, secant = axial.tension_between(x_a, x_b, spring, c / h + alpha * k, two_damper)
     T_exact, secant_exact = naive.tension_between(cable, l_a, l_b, h, alpha)
     size = (k + c / h) * (abs(x_a) + abs(x_b))
     assert secant == pytest.approx(secant_exact, rel=8 * EPS)  # no cancellation, however small the change
@@ -137,11 +143,11 @@ def test_tension_between(compression, a, b, near, k, c, rho):
 def test_slope_between(compression, a, b, k, c):
     """The slope of `tension_between` in l_b, by a central difference in exact arithmetic."""
     cable, h = cable_of(compression, EA=k, BA=c, length=1.0), 0.01
-    k, c, two_spring, two_damper = numbers(cable)
+    (spring, c, two_damper), k = numbers(cable), cable.stiffness
     step = Fraction(1, 2**40)
     l_a, l_b = 1 + Fraction(a), 1 + Fraction(b)
     assume(abs(b) > 1e-6 and abs(b - a) > 1e-3)  # away from the kink, and from where the secant's curvature is large
-    T, slope, _ = axial.tension_between(a, b, k, c / h + 0.5 * k, two_spring, two_damper)
+    T, slope, _ = axial.tension_between(a, b, spring, c / h + 0.5 * k, two_damper)
     assume(T == 0.0 or abs(T) > 1e-6 * (k + c / h))  # away from the cut
     low, high = (naive.tension_between(cable, l_a, l_b + s, h, 0.5)[0] for s in (-step, step))
     # T is rounded at eps T in each of two values 2^-39 apart; its third derivative in l_b is below k/(b - a)^3
@@ -199,33 +205,39 @@ def test_an_effect_not_asked_for_has_no_entry():
     scene = nets()["junction"]
     for effects, n in (((), 0), ((Gravity(),), 1), ((ViscousDamping(1.0), Gravity()), 2)):
         table = build(Scene(scene.points, scene.cables, effects)).effects
-        assert table.address.shape == (n, 3) and len(table.index_at) == len(table.params_at) == n + 1
-    assert set(REGISTRY.values()) == {Gravity, ViscousDamping}
+        assert table.address.shape == (n, 5) and len(table.index_at) == len(table.params_at) == n + 1
+
+
+def test_effects_are_found_by_name_and_not_imported_before():
+    assert {REGISTRY["gravity"], REGISTRY["viscous_damping"]} == {Gravity, ViscousDamping} <= set(REGISTRY.values())
+    assert REGISTRY.name_of(Gravity()) == "gravity" and REGISTRY.name_of(object()) is None
+    known = [REGISTRY.classes[name] for name in REGISTRY.library]
+    assert {kind if isinstance(kind, str) else kind.__name__ for kind in known} < set(anet_lumped.effects.__all__)
+    with pytest.raises(AttributeError, match="has no attribute 'Gravitas'"):
+        anet_lumped.effects.Gravitas  # noqa: B018
 
 
 def test_gravity():
     gravity = Gravity(2.0, (0, 3, -4))
     np.testing.assert_allclose(gravity.acceleration, [0, 1.2, -1.6], rtol=1e-15)
     q = np.arange(6.0).reshape(2, 3)
-    index, params = gravity.table(np.array([1.0, 3.0]))
-    force, tangent, energy = gravity.kernels()
-    f, D = np.ones((3, 3)), np.ones((2, 3, 3))
+    index, params = gravity.table(SimpleNamespace(mass=np.array([1.0, 3.0]), n_free=2))
+    force, energy = gravity.kernels().values()
+    f = np.ones((3, 3))
     assert force(0.0, q, q, index, params, f) == 0.0
     np.testing.assert_allclose(f, 1 + np.array([[0, 1.2, -1.6], [0, 3.6, -4.8], [0, 0, 0]]), rtol=1e-15)
     assert energy(0.0, q, index, params) == pytest.approx(-(1.2 - 3.2) - 3 * (4.8 - 8.0), rel=1e-15)
-    tangent(0.0, q, q, index, params, 1.0, 1.0, D)
-    assert np.all(D == 1.0)
     np.testing.assert_array_equal(Gravity(0.0).acceleration, 0.0)
 
 
 def test_viscous_damping():
     damping = ViscousDamping(0.5)
-    index, params = damping.table(np.array([1.0, 3.0]))
-    force, tangent, energy = damping.kernels()
+    index, params = damping.table(SimpleNamespace(mass=np.array([1.0, 3.0]), n_free=2))
+    force, tangent, energy = damping.kernels().values()
     v, f, D = np.array([[1.0, 2, 3], [-1, 0, 1]]), np.zeros((2, 3)), np.zeros((2, 3, 3))
     assert force(0.0, v, v, index, params, f) == pytest.approx(0.5 * 14 + 1.5 * 2)
     np.testing.assert_allclose(f, [[-0.5, -1, -1.5], [1.5, 0, -1.5]])
-    tangent(0.0, v, v, index, params, 7.0, 100.0, D)
+    tangent(0.0, v, v, index, params, 7.0, 100.0, D, *NO_BLOCKS)
     np.testing.assert_allclose(D, [50 * np.eye(3), 150 * np.eye(3)])
     assert energy(0.0, v, index, params) == 0.0
 

@@ -7,7 +7,7 @@ import pytest
 
 from anet_lumped import dynamics
 from anet_lumped.effects import Gravity, ViscousDamping
-from anet_lumped.effects.axial import SWITCHES, tension_parts, tension_slopes, with_select
+from anet_lumped.effects.axial import SWITCHES, one_spring, tension_parts, tension_slopes, with_select
 from anet_lumped.jacobian import sparse_jacobian
 from anet_lumped.model import build
 from anet_lumped.paths import harmonic
@@ -118,7 +118,7 @@ def test_equals_jax_on_a_net_written_from_the_equation(compression):
         x, u = (jnp.asarray(fixed).at[:n].set(part.reshape(n, 3)) for fixed, part in ((q, y[: 3 * n]), (v, y[3 * n :])))
         d = x[b] - x[a]
         l = jnp.linalg.norm(d, axis=1)
-        T, _ = law(l - L0, jnp.sum(d * (u[b] - u[a]), axis=1) / l, k, c, two_spring, two_damper)
+        T, _ = law(l - L0, jnp.sum(d * (u[b] - u[a]), axis=1) / l, one_spring(k, two_spring), c, two_damper)
         pull = (T / l)[:, None] * d
         f = jnp.zeros_like(x).at[a].add(pull).at[b].add(-pull)[:n]
         return jnp.concatenate([u[:n].ravel(), (f / m + jnp.array([0.0, 0.0, -9.81]) - RATE * u[:n]).ravel()])
@@ -148,15 +148,17 @@ def test_pattern_is_fixed_and_no_larger_than_the_net():
 @pytest.mark.parametrize("compression", LAWS)
 def test_slopes_of_the_axial_law_are_those_of_jax(compression):
     law = with_select(tension_parts, jnp.where)
+    two_spring, two_damper = SWITCHES[compression]
+    made = one_spring(2e3, two_spring), 3.0, two_damper
 
     def of(i):
-        return jax.jit(jax.vmap(jax.grad(lambda s, r: law(s, r, 2e3, 3.0, *SWITCHES[compression])[0], i)))
+        return jax.jit(jax.vmap(jax.grad(lambda s, r: law(s, r, *made)[0], i)))
 
     stretch, rate = (x.ravel() for x in np.meshgrid(np.linspace(-0.1, 0.1, 8), np.linspace(-80.0, 80.0, 8)))
     pairs = zip(stretch, rate, strict=True)
-    T, of_stretch, of_rate = np.transpose([tension_slopes(s, r, 2e3, 3.0, *SWITCHES[compression]) for s, r in pairs])
+    T, of_stretch, of_rate = np.transpose([tension_slopes(s, r, *made) for s, r in pairs])
     assert {"none": 0 < (T == 0).sum() < 64, "damped": (T < 0).any(), "linear": (T < 0).any()}[compression]
     # the same few products; the largest is 440 N
-    np.testing.assert_allclose(T, law(stretch, rate, 2e3, 3.0, *SWITCHES[compression])[0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(T, law(stretch, rate, *made)[0], rtol=0, atol=1e-12)
     np.testing.assert_allclose(of_stretch, of(0)(stretch, rate), rtol=0, atol=1e-12)
     np.testing.assert_allclose(of_rate, of(1)(stretch, rate), rtol=0, atol=1e-12)

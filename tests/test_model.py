@@ -140,7 +140,7 @@ def test_a_net_has_scratch_of_its_own():
 
 def test_effects_that_a_scene_lacks_take_no_room():
     bare = build(Scene([Fixed("a", (0, 0, 0)), Free("p")], [cable("a", "p")]))
-    assert bare.effects.address.shape == (0, 3) and bare.effects.params.size == 0
+    assert bare.effects.address.shape == (0, 5) and bare.effects.params.size == 0
     model = build(everything())
     assert model.effects.address.tolist() == [addresses(effect) for effect in model.scene.effects]
     assert model.effects.params_at.tolist() == [0, 3 + model.n_free, 3 + 2 * model.n_free]

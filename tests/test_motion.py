@@ -177,8 +177,11 @@ def test_a_run_goes_on_from_its_state(method):
     first = simulate(scene, 0.15, method=method, dt=dt, start="straight")
     second = simulate(scene, 0.15, method=method, dt=dt, start=first.final)
     assert second.t[0] == first.t[-1] and second.t[-1] == pytest.approx(0.3, rel=1e-15)
-    # rounding of the times; for edmc, the tensions that the last step predicted start the next Newton iteration
-    np.testing.assert_allclose(second.q[-1], whole.q[-1], atol=1e-11 if method == "verlet" else 1e-7)
+    atol = 1e-11  # rounding of the times
+    if method == "edmc":  # whose numerical damper looks back on two steps, and is in full at a start: a small part of its error
+        finer = simulate(scene, 0.3, method=method, dt=0.5 * dt, start="straight")
+        atol = 0.01 * np.abs(whole.q[-1] - finer.q[-1]).max()
+    np.testing.assert_allclose(second.q[-1], whole.q[-1], atol=atol)
     for point in scene.points:
         if isinstance(point, Driven):
             for run in (whole, second):
@@ -354,20 +357,24 @@ def test_saving():
 def test_work_counts():
     """Forces and factorisations are counted where they are made; a wrong count would hide a wrong Jacobian."""
     net, n = loose_cable(1e2), 50
-    work = {m: simulate(net, n * 1e-3, method=m, dt=1e-3, start="straight").work for m in ("symplectic_euler", "verlet", "rk4")}
-    assert [w.force_evaluations for w in work.values()] == [n + 1, n + 1, 4 * n + 1]
+    explicit = ("symplectic_euler", "verlet", "rk4", "dop853")
+    work = {m: simulate(net, n * 1e-3, method=m, dt=1e-3, start="straight").work for m in explicit}
+    assert [w.force_evaluations for w in work.values()] == [n + 1, n + 1, 4 * n + 1, 12 * n + 1]
     assert all(w.steps == n and w.newton_iterations == w.factorisations == w.rejected == 0 for w in work.values())
     for method in schemes.IMPLICIT:
         work = simulate(net, n * 1e-3, method=method, dt=1e-3, start="straight").work
         stages = 2 if method in ("sdirk2", "tr_bdf2") else 1
-        forces = 1 + n * stages + work.newton_iterations + (0 if method == "edmc" else n)  # a force for the balance
-        assert work.steps == n and work.halvings == 0 and work.force_evaluations == forces
+        forces = 1 + n * stages + (0 if method == "edmc" else n)  # one for the first residual of each, and for the balance
+        again = work.force_evaluations - forces  # one after each iteration that is not known to leave nothing
+        assert work.steps == n and work.halvings == 0 and 0 <= again <= work.newton_iterations
+        if method not in ("edmc", "backward_euler"):
+            assert again == work.newton_iterations
         assert 1 * n * stages <= work.newton_iterations <= 4 * n * stages  # small steps: two each, and a few slack ones
         assert work.newton_iterations <= work.factorisations <= 2 * work.newton_iterations
 
 
 def test_method_and_step_are_chosen():
-    soft, stiff = (simulate(four_cables(EA), 0.02) for EA in (1e2, 1e9))
+    soft, stiff = (simulate(four_cables(EA), 0.02) for EA in (2e1, 1e9))
     assert (soft.method, stiff.method) == ("verlet", "edmc")
     for run in (soft, stiff):
         assert run.ok and run.reason.startswith(run.method) and "µs a node" in run.reason and "stable to" in run.reason
@@ -395,7 +402,7 @@ def test_shapes_and_points_of_a_run():
 # --- failures -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("method", ["symplectic_euler", "verlet", "rk4"])
+@pytest.mark.parametrize("method", ["symplectic_euler", "verlet", "rk4", "dop853"])
 def test_divergence(method):
     """Beyond the limit: a warning before with both numbers, a status and where and when after, the good part kept."""
     net = four_cables(1e6, segments=10)
@@ -404,7 +411,7 @@ def test_divergence(method):
     warning = str(told[0].message)
     limit = float(re.search(r'", ([\d.e-]+) s, set by cable', warning).group(1))
     omega = float(re.search(r"top frequency ([\d.e+]+) rad/s", warning).group(1))
-    assert limit < 1e-3 and 1.5 < limit * omega < 3.0
+    assert limit < 1e-3 and 1.5 < limit * omega < (6.5 if method == "dop853" else 3.0)
     assert run.warnings == (warning,)
     assert run.status == "diverged" and not run.ok
     pattern = (
@@ -534,7 +541,7 @@ def test_a_run_on_disk(tmp_path, kind):
     np.testing.assert_array_equal(again.final.q, run.final.q)
 
 
-@pytest.mark.parametrize("options", [dict(method="edmc", dt=1e-3, save_every=0.02), dict(rtol=1e-8)])
+@pytest.mark.parametrize("options", [dict(method="edmc", dt=1e-3, save_every=0.02), dict(rtol=1e-8), dict(method="dop853")])
 def test_interrupt(options, ctrl_c):
     """Ctrl-C ends a compiled march at once and hands over what was done."""
     simulate(loose_cable(), 0.1, start="straight", **options)  # compiled before the clock runs

@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+from dataclasses import replace
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -78,8 +79,8 @@ def test_bundled_scene(file, tmp_path):
         assert (cable.length, cable.mass_per_length, cable.EA, cable.segments) == (1.0, 0.1, 1e4, 20)
 
 
-def test_five_scenes_are_bundled():
-    names = ["loose_cable", "net_carried", "net_held", "thesis_single_cable", "thesis_two_cables"]
+def test_six_scenes_are_bundled():
+    names = ["loose_cable", "net_carried", "net_flown", "net_held", "thesis_single_cable", "thesis_two_cables"]
     assert [file.stem for file in SCENES] == names
 
 
@@ -89,6 +90,13 @@ def test_carried_net_is_the_held_one_set_in_motion():
     for still, moving in zip(held.points[:4], carried.points[:4], strict=True):
         assert moving.path == line(still.at, (0.2, 0.0, 0.0), 1.0)
     assert held.point("p0") == carried.point("p0") == Free("p0", mass=0.036)
+
+
+def test_flown_net_is_the_carried_one_at_the_speed_of_the_thesis():
+    carried, flown = (load_scene(SCENES[0].with_stem(stem)) for stem in ("net_carried", "net_flown"))
+    assert [replace(cable, diameter=None) for cable in flown.cables] == list(carried.cables) and flown.effects == carried.effects
+    for slow, fast in zip(carried.points[:4], flown.points[:4], strict=True):
+        assert fast.path == line(slow.path.at(0.0)[0], (0.0, 5.0, 0.0), 2.0)
 
 
 def test_saved_vectors_stay_on_one_line(tmp_path):

@@ -17,7 +17,7 @@ from anet_lumped.paths import line, samples
 from anet_lumped.scene import Cable, Driven, Fixed, Free, Scene
 from anet_lumped.scipy_methods import march
 from anet_lumped.simulate import straight
-from anet_lumped.times import stops
+from anet_lumped.times import Leg, stops
 from integrators import scipy_adapter
 from integrators.scipy_adapter import Motion
 from integrators.system import DIVERGED, DONE
@@ -30,7 +30,7 @@ def run(scene, method, t_end, *, q=None, dt=1e-3, save_every=None, tolerances=(1
     model = build(scene)
     q = equilibrium(scene).q.copy() if q is None else q
     choice = Choice(method, dt, "asked for", np.inf, ())
-    return march(model, choice, 0.0, t_end, q, np.zeros_like(q), save_every, True, tolerances, None)
+    return march(model, choice, Leg(0.0, t_end, 0.0, t_end, save_every), q, np.zeros_like(q), None, True, tolerances, None)
 
 
 def carried_net():

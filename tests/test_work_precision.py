@@ -130,7 +130,7 @@ def test_every_method_of_the_library_runs_at_some_setting(short):
     from anet_lumped.simulate import METHODS
 
     named = {one.method: one for one in contestants.ours(short)}
-    assert set(METHODS) | {contestants.ADAPTIVE, contestants.OWN_CHOICE} == set(named)
+    assert set(METHODS) | {contestants.ADAPTIVE, contestants.EXTRAPOLATED, contestants.OWN_CHOICE} == set(named)
     assert all(one.settings for one in named.values())
     for name in ("explicit_euler", "rk4", "edmc", contestants.OWN_CHOICE):
         attempt = named[name].run(short.t_end, named[name].settings[-1])

@@ -1,8 +1,73 @@
-"""The physical effects a scene may ask for, besides the axial elasticity that every cable has."""
+"""The physical effects a scene may ask for, besides the axial elasticity that every cable has.
 
-from .gravity import Gravity
-from .viscous_damping import ViscousDamping
+Each lives in a file of its own, which is imported when the effect is asked for: as ``anet_lumped.effects.Gravity`` or by its
+name in a scene file, ``REGISTRY["gravity"]``. Those of one's own are made of a law in plain Python (`anet_lumped.own_effects`).
+"""
 
-REGISTRY = {"gravity": Gravity, "viscous_damping": ViscousDamping}
+from collections.abc import Iterator, MutableMapping
+from importlib import import_module
+from typing import Any
 
-__all__ = ["REGISTRY", "Gravity", "ViscousDamping"]
+
+class Registry(MutableMapping):
+    """Classes of effects by name; one given by its own name stands in the file of the other, imported when it is looked up."""
+
+    def __init__(self, classes: dict[str, str | type]):
+        self.classes = classes
+
+    def __getitem__(self, name: str) -> type:
+        kind = self.classes[name]
+        return getattr(import_module(f"{__name__}.{name}"), kind) if isinstance(kind, str) else kind
+
+    def __setitem__(self, name: str, kind: str | type) -> None:
+        self.classes[name] = kind
+
+    def __delitem__(self, name: str) -> None:
+        del self.classes[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.classes)
+
+    def __len__(self) -> int:
+        return len(self.classes)
+
+    @property
+    def library(self) -> list[str]:
+        """Names of the effects that come with the library, which are not those of one's own."""
+        return [name for name, kind in self.classes.items() if isinstance(kind, str)]
+
+    def name_of(self, effect: Any) -> str | None:
+        """Return the name that the class of an effect has here, or None; imports nothing."""
+        kind = type(effect)
+        for name, known in self.classes.items():
+            if known is kind or (kind.__module__, kind.__name__) == (f"{__name__}.{name}", known):
+                return name
+        return None
+
+
+REGISTRY = Registry(
+    {
+        "air": "Air",
+        "axial_damping": "AxialDamping",
+        "bending": "Bending",
+        "gravity": "Gravity",
+        "ground": "Ground",
+        "line_change": "LineChange",
+        "load": "Load",
+        "temperature": "Temperature",
+        "viscous_damping": "ViscousDamping",
+        "water": "Water",
+    }
+)
+
+OWN = ("node_energy", "node_force", "segment_energy", "segment_force")  # make an effect of one's own
+__all__ = ["REGISTRY", *OWN, *(kind for kind in REGISTRY.classes.values())]
+
+
+def __getattr__(attribute: str) -> Any:
+    if attribute in OWN:
+        return getattr(import_module("anet_lumped.own_effects"), attribute)
+    for name, kind in REGISTRY.classes.items():
+        if kind == attribute:
+            return REGISTRY[name]
+    raise AttributeError(f"module {__name__!r} has no attribute {attribute!r}")

@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numba import njit
 
-from .signatures import ENERGY, FORCE, TANGENT
+from .signatures import ENERGY, FORCE
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,8 @@ class Gravity:
     g: float = 9.81
     direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
 
+    linear: ClassVar[bool] = True
+
     def __post_init__(self):
         if not (math.isfinite(self.g) and self.g >= 0):
             raise ValueError(f"Argument `g` of Gravity must be finite and not negative [m/s2], but it is {self.g}.")
@@ -40,13 +43,13 @@ class Gravity:
         direction = np.array(self.direction)
         return self.g * direction / np.linalg.norm(direction)
 
-    def table(self, mass):
-        """Index and parameters for the kernels below; ``mass`` (n_free,) [kg] is that of the moving nodes."""
-        return np.empty(0, np.int64), np.concatenate([self.acceleration, mass])
+    def table(self, model):
+        """Index and parameters for the kernels below."""
+        return np.empty(0, np.int64), np.concatenate([self.acceleration, model.mass[: model.n_free]])
 
     def kernels(self):
-        """Compiled force, tangent and energy."""
-        return force, tangent, energy
+        """Compiled functions, by their slot in `signatures`."""
+        return {"force": force, "energy": energy}
 
 
 @njit(FORCE, cache=True)
@@ -56,11 +59,6 @@ def force(t, q, v, index, params, f):
         for x in range(3):
             f[i, x] += params[3 + i] * params[x]
     return 0.0
-
-
-@njit(TANGENT, cache=True)
-def tangent(t, q, v, index, params, c_q, c_v, D):
-    """The weight does not depend on place or velocity."""
 
 
 @njit(ENERGY, cache=True)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numba import njit
@@ -21,19 +22,21 @@ class ViscousDamping:
 
     rate: float
 
+    linear: ClassVar[bool] = True
+
     def __post_init__(self):
         if not (math.isfinite(self.rate) and self.rate >= 0):
             raise ValueError(
                 f"Argument `rate` of ViscousDamping must be finite and not negative [1/s], but it is {self.rate}."
             )
 
-    def table(self, mass):
-        """Index and parameters for the kernels below; ``mass`` (n_free,) [kg] is that of the moving nodes."""
-        return np.empty(0, np.int64), self.rate * mass
+    def table(self, model):
+        """Index and parameters for the kernels below."""
+        return np.empty(0, np.int64), self.rate * model.mass[: model.n_free]
 
     def kernels(self):
-        """Compiled force, tangent and energy."""
-        return force, tangent, energy
+        """Compiled functions, by their slot in `signatures`."""
+        return {"force": force, "tangent": tangent, "energy": energy}
 
 
 @njit(FORCE, cache=True)
@@ -48,7 +51,7 @@ def force(t, q, v, index, params, f):
 
 
 @njit(TANGENT, cache=True)
-def tangent(t, q, v, index, params, c_q, c_v, D):
+def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     """df/dv = -rate m."""
     for i in range(len(params)):
         for x in range(3):

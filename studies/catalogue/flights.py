@@ -7,9 +7,13 @@ import numpy as np
 
 from anet_lumped import Cable, Fixed, Free, Scene, State, equilibrium
 from anet_lumped.effects import Gravity, ViscousDamping
+from anet_lumped.extrapolation import is_extrapolated
 from anet_lumped.model import build
 from anet_lumped.run import segment_tensions
-from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, SPIN, Case, Statement, strongest, weight
+from anet_lumped.simulate import DIFFRAX, SCIPY, simulate
+from integrators import schemes
+from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, SPIN, Case, Statement, end_of, strongest, weight
+from studies.catalogue.swings import ANGLE, middle, pendulum, released
 
 G, MU = 9.81, 0.1  # [m/s^2], [kg/m]
 EXACT_SPIN = ("edmc", "verlet", "symplectic_euler")
@@ -30,7 +34,7 @@ def kept(run, acceleration=(0.0, 0.0, 0.0)):
     M = model.mass[: model.n_free].sum()
     P, L = momenta(run)
     speed = np.abs(run.v).max()
-    adaptive = run.method in ("RK45", "DOP853", "Radau", "BDF", "LSODA")
+    adaptive = run.method in SCIPY + DIFFRAX
     off = np.abs(P - P[0] - M * (run.t - run.t[0])[:, None] * a).max() / (M * speed)
     # of Newton's tolerance, 1e-6 of the largest force on a node, some hundred steps leave this at most
     yield Statement(MOMENTUM, "drift of momentum over mass times largest speed", off, most=1e-3 if adaptive else 1e-5)
@@ -43,6 +47,17 @@ def kept(run, acceleration=(0.0, 0.0, 0.0)):
 def state(scene, q, v):
     model = build(scene)
     return State(model, 0.0, q, v, segment_tensions(model, q, v))
+
+
+def falls_as_a_stone(run, nodes, G):
+    """That the middle of mass of some nodes falls freely."""
+    m, t = run.model.mass[nodes, None], run.t[:, None]
+    middle = (m * run.q[:, nodes]).sum(axis=1) / m.sum()
+    v0 = (m * run.v[0, nodes]).sum(axis=0) / m.sum()
+    off = np.abs(middle - middle[0] - v0 * t - 0.5 * t**2 * (0, 0, -G)).max()
+    most = 0.5 * G * run.dt * run.t[-1] + 1e-6  # symplectic and backward Euler: g h t/2 by themselves
+    exact = run.method not in ("symplectic_euler", "backward_euler", "explicit_euler")
+    yield Statement(MOMENTUM, "middle of mass off a stone's fall", off, most=1e-5 if exact else most, unit="m")
 
 
 def loop():
@@ -78,7 +93,8 @@ def loop():
         yield Statement(ACCURACY, "mean tension at the end over that of the turning polygon", last.mean() / T, least=0.9)
 
     return Case("A ring of cables turns freely in no gravity: its hoop tension, momentum and spin are kept.", scene, 0.5, judge,
-                start=start, dt=2e-3)  # fmt: skip
+                start=start, dt=2e-3,
+                measure=lambda run: np.linalg.norm(run.q, axis=2).mean() / R, within=1e-3, unit="")  # fmt: skip
 
 
 def mesh(n):
@@ -115,7 +131,7 @@ def held_net():
         yield Statement(REST, "last pull on the corners over the weight of what moves", up / carried, 0.97, 1.03)
 
     return Case("A net of 10 by 10 meshes held at its corners comes to rest where statics puts it.", scene, 4.0, judge,
-                start="straight", dt=0.01)  # fmt: skip
+                start="straight", dt=0.01, measure=lambda run: run.q[-1], within=5e-3)  # fmt: skip
 
 
 def flying_net():
@@ -136,18 +152,10 @@ def flying_net():
 
     def judge(run):
         yield from kept(run, (0.0, 0.0, -G))
-        model = run.model
-        m = model.mass[: model.n_free, None]
-        middle = (m * run.q[:, : model.n_free]).sum(axis=1) / m.sum()
-        t = run.t[:, None]
-        v0 = (m * run.v[0, : model.n_free]).sum(axis=0) / m.sum()
-        off = np.abs(middle - middle[0] - v0 * t - 0.5 * t**2 * (0, 0, -G)).max()
-        most = 0.5 * G * run.dt * run.t[-1] + 1e-6  # symplectic and backward Euler: g h t/2 by themselves
-        exact = run.method not in ("symplectic_euler", "backward_euler", "explicit_euler")
-        yield Statement(MOMENTUM, "middle of mass off a stone's fall", off, most=1e-5 if exact else most, unit="m")
+        yield from falls_as_a_stone(run, slice(0, run.model.n_free), G)
 
     return Case("A net of 10 by 10 meshes thrown in a turn, held by nothing: its middle of mass falls as a stone.", scene, 0.3,
-                judge, start=start)  # fmt: skip
+                judge, start=start, measure=lambda run: middle(run)[-1], within=1e-3)  # fmt: skip
 
 
 def free_cable():
@@ -164,7 +172,7 @@ def free_cable():
         return state(scene, q, v)
 
     return Case("A slack cable that nothing holds tumbles in no gravity: momentum and spin are kept.", scene, 0.5, kept,
-                start=start)  # fmt: skip
+                start=start, measure=lambda run: middle(run)[-1], within=1e-5)  # fmt: skip
 
 
 def quadrotors(EA):
@@ -194,7 +202,8 @@ def quadrotors(EA):
 
     t_end = slack / 2.0 + 1.5 * half_period
     return Case(f"Two quadrotors of 1 kg fly apart, EA = {EA:.0e} N: the snap of two masses on a spring, and back.", scene, t_end,
-                judge, start=start, dt=half_period / 40)  # fmt: skip
+                judge, start=start, dt=half_period / 40,
+                measure=lambda run: run.velocity("a")[-1], within=0.03, unit="m/s")  # fmt: skip
 
 
 def lifted_by_masses():
@@ -220,7 +229,37 @@ def lifted_by_masses():
         yield Statement(LOAD, "largest tension at the end over the weight", _last(run) / weight(scene), most=0.1)
 
     return Case("Four free quadrotors of 1 kg with a net and its payload are dropped: all fall together.", scene, 0.4, judge,
-                start=start)  # fmt: skip
+                start=start, measure=end_of("p0"), within=0.02)  # fmt: skip
+
+
+def apart():
+    """A swing, and a cable joined to nothing that flies beside it: neither knows of the other."""
+    swing = pendulum()
+    other = Cable("c", "d", length=1.0, mass_per_length=MU, EA=1e4, zeta=0.05, segments=10)
+    scene = Scene([*swing.points, Free("c"), Free("d", mass=0.01)], [*swing.cables, other], [Gravity(G)])
+    alone = released(swing, ANGLE)
+
+    def start():
+        model = build(scene)
+        q, v = np.zeros((model.n, 3)), np.zeros((model.n, 3))
+        q[model.nodes("a-b")] = alone.shape("a-b")
+        q[model.nodes("c-d")] = np.linspace(0.0, 1.0, 11)[:, None] * (0.6, 0.0, 0.8) + (0.0, 2.0, 0.0)
+        v[model.nodes("c-d")] = (1.0, -2.0, 3.0)
+        return state(scene, q, v)
+
+    def judge(run):
+        nodes = run.model.nodes("c-d")
+        yield from falls_as_a_stone(run, nodes, G)
+        yield Statement(LOAD, "largest tension in what flies, over its weight", run.tension("c-d").max() / 1.1, most=1e-2)
+        of_itself = run.method in SCIPY + DIFFRAX or run.method in schemes.EMBEDDED
+        own = {} if of_itself else {"dt": run.dt, "extrapolate": is_extrapolated(run)}
+        by_itself = simulate(swing, run.t[-1], method=run.method, start=alone, **own)
+        off = np.abs(run.position("b")[-1] - by_itself.position("b")[-1]).max()
+        # Newton's tolerance, 1e-6 of the force on a node in every step, or that of the solver that chooses its steps
+        yield Statement(MOMENTUM, "place of the swing off that of the swing alone", off, most=1e-4 if of_itself else 1e-5, unit="m")
+
+    return Case("A swing, and a cable joined to nothing that flies beside it: each as if it were alone.", scene, 0.4, judge,
+                start=start, dt=5e-3, measure=end_of("b"), within=5e-3)  # fmt: skip
 
 
 def _last(run):
@@ -235,4 +274,5 @@ CASES = {
     "quadrotors apart, 1e3 N": lambda: quadrotors(1e3),
     "quadrotors apart, 1e6 N": lambda: quadrotors(1e6),
     "quadrotors drop a net": lifted_by_masses,
+    "swing and a cable apart": apart,
 }

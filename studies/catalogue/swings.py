@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from anet_lumped import Cable, Driven, Fixed, Free, Scene, State, equilibrium, paths
+from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, State, equilibrium, paths, simulate
 from anet_lumped.effects import Gravity
 from anet_lumped.model import build
 from anet_lumped.run import segment_tensions
-from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, Case, Statement, strongest
+from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, Case, Statement, at_time, end_of, strongest
 
 G, ANGLE = 9.81, math.radians(30.0)
 
@@ -62,19 +62,19 @@ def swing(hard, off=0.1, within=5e-3, **kwargs):
     )
 
 
-def loose_end(EA):
-    """No payload, released level without any damper: a whip.
+def loose_end(EA, zeta=0.0, dt=None):
+    """No payload, released level, without any damper or with a very stiff one: a whip.
 
     Nothing pulls a node faster than all the energy of the fall allows, nor tightens a segment by more.
     """
-    cable = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=EA, segments=20)
+    cable = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=EA, zeta=zeta, segments=20)
     scene = Scene([Fixed("a", (0, 0, 0)), Free("b", at=(1, 0, 0))], [cable], [Gravity(G)])
     model = build(scene)
     fall = 0.1 * G * 1.0  # at most, [J]: the whole cable a metre down, and what it stretches is lifted by
     bound = fall * (1.0 + math.sqrt(2.0 * fall / EA))
 
     def judge(run):
-        if math.isfinite(EA):
+        if math.isfinite(EA) and not zeta:  # a damper pulls as hard as it has to
             most = math.sqrt(2.0 * cable.stiffness * bound)
             yield Statement(LOAD, "largest tension", strongest(run), most=1.05 * most, unit="N")
         kinetic = run.energy[:, 0].max()
@@ -83,8 +83,9 @@ def loose_end(EA):
         yield Statement(LOAD, "depth", deepest, 0.9, 1.0 + 1e-7 + math.sqrt(2.0 * bound / EA), unit="m")
 
     return Case(
-        f"A whip without dampers at EA = {EA:.0e} N: no more tension, speed or depth than the fall pays for.", scene, 1.2, judge,
-        start="straight",
+        f"A whip with zeta = {zeta:g} at EA = {EA:.0e} N" + (f" and steps of {dt:g} s" if dt else "") + ": no more tension, speed "
+        "or depth than the fall pays for.", scene, 1.2, judge, start="straight", dt=dt, given=dt is not None,
+        measure=at_time(0.4, lambda run: run.position("b")), within=0.05 if dt else 0.01,
     )  # fmt: skip
 
 
@@ -132,6 +133,7 @@ def hour():
     return Case(
         "An hour of swing of 10 degrees without dampers: it neither dies nor grows, and keeps time.", scene, 3600.0, judge,
         start=lambda: released(scene, angle), saved=0.2,
+        measure=lambda run: run.energy[-1, :3].sum() / fall, within=0.1, unit="",
     )  # fmt: skip
 
 
@@ -150,7 +152,7 @@ def changed_payload(before, after):
     From rest under one load to another: the pull overshoots its new value by no more than the change (the sudden load's
     factor of two), and the end comes to hang where the new load puts it.
     """
-    old, scene = pendulum(payload=before, zeta=1.0), pendulum(payload=after, zeta=1.0)
+    scene = replace(pendulum(payload=before, zeta=1.0), events=(PayloadChange("b", 0.0, after),))
 
     def judge(run):
         low, high = (float(equilibrium(pendulum(payload=p, zeta=1.0)).tension("a-b").max()) for p in sorted((before, after)))
@@ -166,7 +168,80 @@ def changed_payload(before, after):
 
     return Case(
         f"A payload of {before:g} kg at rest becomes {after:g} kg: no more pull than a sudden load.", scene, 2.0, judge,
-        start=lambda: equilibrium(old),
+        measure=lambda run: run.position("b")[run.t > 1.0].mean(axis=0), within=0.02,
+    )  # fmt: skip
+
+
+def middle(run):
+    """Middle of mass of what moves (k, 3) [m]."""
+    free = slice(0, run.model.n_free)
+    return np.average(run.q[:, free], axis=1, weights=run.model.mass[free])
+
+
+def changed_midway(before, after):
+    """A payload let go, or picked up at the speed of the end, in the middle of a swing.
+
+    No more energy than at the change: neither its weight is lifted higher nor the end driven deeper than that pays for, and all
+    of it in one segment pulls with sqrt(2 k E).
+    """
+    scene = pendulum(payload=after, zeta=1.0)
+    first = pendulum(payload=before, zeta=1.0)
+    (cable,) = scene.cables
+    mass = after + cable.length * cable.mass_per_length
+
+    def start():
+        return simulate(first, 0.35, method="edmc", dt=1e-3, start=released(first, ANGLE)).final
+
+    def judge(run):
+        lowest = -(after + 0.5 * cable.mass_per_length * cable.length) * G * (1.0 + mass * G / cable.EA)
+        total = run.energy[0, :3].sum() - lowest
+        pull = math.sqrt(2.0 * cable.stiffness * total)
+        spring = cable.stiffness * (np.linalg.norm(np.diff(run.shape("a-b"), axis=1), axis=2) - cable.L0).max()
+        yield Statement(LOAD, "largest spring force over what all the energy in one segment gives", spring / pull, 0.0, 1.01)
+        yield Statement(LOAD, "largest kinetic energy over all of it", run.energy[:, 0].max() / total, 0.3, 1.01)
+        deepest = -run.q[:, :, 2].min()
+        most = 1.0 + math.sqrt(2.0 * total / cable.EA) + mass * G / cable.EA + 1e-6
+        yield Statement(LOAD, "depth", deepest, 0.9, most, unit="m")
+        if after:
+            top = run.position("b")[:, 2].max()
+            paid = run.position("b")[0, 2] + run.energy[0, 0] / (after * G)
+            yield Statement(LOAD, "greatest height of the payload over what its speed pays for", top - paid, most=2e-3, unit="m")
+        yield Statement(MOMENTUM, "way out of the plane", np.abs(run.q[:, :, 1]).max(), most=1e-9, unit="m")
+
+    return Case(
+        f"In mid-swing a payload of {before:g} kg becomes {after:g} kg: no more energy than there is.", scene, 1.0, judge,
+        start=start, within=0.01,
+        measure=at_time(0.5, lambda run: run.position("b")) if after else at_time(0.05, middle),  # the end recoils
+    )  # fmt: skip
+
+
+def changed_in_swing(before, after):
+    """A payload that another one joins, at rest, or is dropped in part, at the lowest place of a swing.
+
+    As a rod with a mass at its end, I the moment of inertia about the support: what is picked up leaves omega I/(I + m L^2), what
+    is dropped leaves omega. From there the rod swings up to 1 - cos(a) = I omega^2/(2 g (M + mu L/2) L).
+    """
+    scene = pendulum(payload=before)
+    (cable,) = scene.cables
+    L, m = cable.length, cable.length * cable.mass_per_length
+    quarter = 900.0 / rod_swings(scene, ANGLE)  # a quarter of a period [s]
+    square = 2.0 * G * (1.0 - math.cos(ANGLE)) * (before + m / 2) * L
+    inertia = [(payload + m / 3) * L**2 for payload in (before, after)]
+    square /= inertia[0]
+    if after > before:
+        square *= (inertia[0] / inertia[1]) ** 2
+    angle = math.acos(1.0 - inertia[1] * square / (2.0 * G * (after + m / 2) * L))
+    eventful = replace(scene, events=(PayloadChange("b", quarter, after),))
+
+    def judge(run):
+        x, _, z = run.position("b").T
+        reach = math.degrees(np.arctan2(-x, -z)[run.t > quarter].max())
+        # the joint body passes its momentum on to a cable of a tenth of its mass by a wave, of which some keeps running
+        yield Statement(ACCURACY, "reach of the swing after that over that of a rod", reach / math.degrees(angle), 0.99, 1.01)
+
+    return Case(
+        f"A payload of {before:g} kg becomes {after:g} kg in mid-swing: the swing goes on as the momentum says.", eventful,
+        3.0 * quarter, judge, start=lambda: released(scene, ANGLE), measure=end_of("b"), within=5e-3,
     )  # fmt: skip
 
 
@@ -188,13 +263,13 @@ def turned_round():
         rod = rod_tension(scene, ANGLE)
         yield Statement(LOAD, "largest tension over that of a swinging rod", strongest(run) / rod, 0.9, 1.1)
 
-    return Case("Gravity points up: the same swing upside down.", up, 0.8, judge, start=start)
+    return Case("Gravity points up: the same swing upside down.", up, 0.8, judge, start=start, measure=end_of("b"), within=5e-3)
 
 
 STIFFNESSES = (1e2, 1e4, 1e7, 1e9, math.inf)  # EA [N]
 ZETAS = (0.0, 1.0, 1e2, 1e4)
 SEGMENTS = (5, 100, 1000, 10_000)
-PAYLOADS = (1e-3, 1.0, 1e3, 1e6)  # times a node's mass, of 5 mg
+PAYLOADS = (1e-3, 1.0, 1e3, 1e6)  # times a node's mass, of 0.5 g
 NODE = 0.01 / 20  # [kg]
 
 
@@ -209,6 +284,8 @@ def _cases():
         cases[f"swing, zeta {zeta:g}"] = lambda zeta=zeta: swing(
             f"Dampers of zeta = {zeta:g} in every segment do not touch the swing.", zeta=zeta
         )  # fmt: skip
+    cases["whip, zeta 10000"] = lambda: loose_end(1e4, zeta=1e4)
+    cases["whip, steps of 0.1 s"] = lambda: loose_end(1e6, dt=0.1)
     for n in SEGMENTS:
         cases[f"swing, {n} segments"] = lambda n=n: swing(f"{n} segments: the pull of a swinging rod.", segments=n)
     for ratio in PAYLOADS:
@@ -224,6 +301,10 @@ def _cases():
     cases["hour of swing"] = hour
     cases["payload dropped"] = lambda: changed_payload(1.0, 0.0)
     cases["payload picked up"] = lambda: changed_payload(0.0, 1.0)
+    cases["payload halved in mid-swing"] = lambda: changed_in_swing(0.2, 0.1)
+    cases["payload doubled in mid-swing"] = lambda: changed_in_swing(0.1, 0.2)
+    cases["payload dropped in mid-swing"] = lambda: changed_midway(1.0, 0.0)
+    cases["payload picked up in mid-swing"] = lambda: changed_midway(0.0, 1.0)
     cases["gravity upwards"] = turned_round
     return cases
 

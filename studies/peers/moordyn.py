@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from anet_lumped.scene import Driven, Fixed
+from anet_lumped.moordyn_writer import moordyn_text
 from studies.peers.problem import beyond, demand, explicit_limit, problem, version_of
 
 NAME = "MoorDyn"
@@ -70,7 +70,7 @@ def run(scene, t_end, save_every, start=None, *, dt, scheme="rk4", coupling=COUP
     model, times = task.model, task.t
     with tempfile.TemporaryDirectory() as folder, silence():
         deck, state = Path(folder) / "scene.txt", Path(folder) / "state"
-        deck.write_text(_deck(task, dt, scheme))
+        deck.write_text(_deck(task, dt, scheme), encoding="utf-8")
         engine = moordyn.Create(str(deck))
         if engine is None:
             raise RuntimeError("MoorDyn could not read the scene that was written for it.")
@@ -78,7 +78,7 @@ def run(scene, t_end, save_every, start=None, *, dt, scheme="rk4", coupling=COUP
             moordyn.SetVerbosity(engine, 4)
             at = list(task.driven)
             moordyn.Init_NoIC(engine, task.q[at].ravel().tolist(), task.v[at].ravel().tolist())
-            state.write_bytes(_state(task))
+            state.write_bytes(state_file(task))
             moordyn.LoadState(engine, str(state))
             lines = [moordyn.GetLine(engine, i + 1) for i in range(len(scene.cables))]
             points = [moordyn.GetPoint(engine, i + 1) for i in range(len(scene.points))]
@@ -100,28 +100,14 @@ def run(scene, t_end, save_every, start=None, *, dt, scheme="rk4", coupling=COUP
 
 
 def _deck(task, dt, scheme):
-    """MoorDyn's input file."""
+    """MoorDyn's input file, its points where the march starts."""
     scene, model = task.model.scene, task.model
-    rows = ["--- LINE TYPES", *["TypeName Diam Mass/m EA BA EI Cd Ca CdAx CaAx"] * 2]
-    for i, cable in enumerate(scene.cables):
-        rows.append(f"type{i} 0.001 {cable.mass_per_length!r} {cable.EA!r} {cable.axial_viscosity!r} 0 0 0 0 0")
-    rows += ["--- POINTS", *["ID Type X Y Z M V CdA CA"] * 2]
-    for i, point in enumerate(scene.points):
-        kind = "Fixed" if isinstance(point, Fixed) else "Coupled" if isinstance(point, Driven) else "Free"
-        x, y, z = map(float, task.q[model.node(point.name)])
-        rows.append(f"{i + 1} {kind} {x!r} {y!r} {z!r} {getattr(point, 'mass', 0.0)!r} 0 0 0")
-    number = {point.name: i + 1 for i, point in enumerate(scene.points)}
-    rows += ["--- LINES", *["ID LineType AttachA AttachB UnstrLen NumSegs Outputs"] * 2]
-    for i, cable in enumerate(scene.cables):
-        rows.append(f"{i + 1} type{i} {number[cable.start]} {number[cable.end]} {cable.length!r} {cable.segments} -")
-    rows += [
-        "--- OPTIONS", "0 writeLog", "1 disableOutput", f"{scheme} tscheme", f"{float(dt)!r} dtM",
-        f"{-float(scene.gravity[2])!r} g", "0 rho", "1e4 WtrDpth", "0 kBot", "0 cBot", "--- OUTPUTS", "--- need this line", "",
-    ]  # fmt: skip
-    return "\n".join(["--- MoorDyn Input File", "scene", *rows])
+    places = {point.name: task.q[model.node(point.name)] for point in scene.points}
+    quiet = {"writeLog": 0, "disableOutput": 1}
+    return moordyn_text(scene, quiet | {"tScheme": scheme, "dtM": float(dt)}, places)
 
 
-def _state(task):
+def state_file(task):
     """Places and velocities of all nodes in the binary form that MoorDyn loads, as its exporter from MoorPy writes it."""
     scene, model = task.model.scene, task.model
     blocks = []

@@ -118,6 +118,8 @@ def beyond(scene, name, *, compression):
         if not isinstance(effect, Gravity):
             return f"{name} is given gravity alone, but the scene has {type(effect).__name__}."
     for cable in scene.cables:
+        if cable.EA_compression:
+            return f'{name} has no springs that push less than they pull, but cable "{cable.name}" has.'
         if cable.compression not in compression:
             known = " or ".join(f'"{law}"' for law in compression)
             return f'{name} does compression={known} only, but cable "{cable.name}" has "{cable.compression}".'

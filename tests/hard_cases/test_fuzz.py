@@ -105,7 +105,7 @@ def test_an_error_that_is_not_the_librarys_fails(monkeypatch):
 
 
 @pytest.mark.parametrize(("changes", "words"), [
-    ({"method": "verlet", "dt": 1.0}, "beyond the largest stable step"),
+    ({"method": "verlet", "dt": 1.0}, "its step is beyond the largest stable one"),
     ({"start": "nowhere"}, "must be"),
     ({"method": "Radau", "dt": None, "t_end": 100.0}, "force evaluations were not enough"),
 ])  # fmt: skip

@@ -1,0 +1,304 @@
+"""Derivatives in compiled code: dual numbers, a value and its slopes in three variables at once.
+
+Arithmetic on x + x_1 d_1 + x_2 d_2 + x_3 d_3 with d_i d_j = 0 carries the slopes of whatever is computed along with it, exact to
+rounding, through branches and loops alike; numbers whose parts are dual themselves carry second derivatives. Numba compiles a
+function for them as it stands: whatever of `math`, and of numpy under the same name, is in `RULES`.
+Source: Griewank & Walther, Evaluating Derivatives (2nd ed., 2008), ch. 3 (forward mode, vector version).
+"""
+
+import math
+import operator
+
+import numpy as np
+from numba import njit, types
+from numba.core import cgutils
+from numba.core.typeconv import Conversion
+from numba.extending import intrinsic, lower_cast, make_attribute_wrapper, models, overload, register_model
+
+from .lanes import select
+
+PARTS = ("value", "d1", "d2", "d3")
+ROOT_PI = math.sqrt(math.pi)
+
+
+class Dual(types.Type):
+    """Numba's type of a dual number whose parts are of type ``of``: float64, or dual again."""
+
+    def __init__(self, of):
+        self.of = of
+        super().__init__(f"Dual({of})")
+
+    def can_convert_from(self, typingctx, other):
+        """Numbers without slopes may stand where dual ones do."""
+        return Conversion.safe if isinstance(other, types.Integer | types.Float | types.Boolean) else None
+
+    def unify(self, typingctx, other):
+        """A variable that is a number here and dual there is dual."""
+        return self if isinstance(other, types.Integer | types.Float | types.Boolean) else None
+
+
+FIRST, SECOND = Dual(types.float64), Dual(Dual(types.float64))
+
+
+@register_model(Dual)
+class _Model(models.StructModel):
+    def __init__(self, dmm, fe_type):
+        super().__init__(dmm, fe_type, [(part, fe_type.of) for part in PARTS])
+
+
+for _part in PARTS:
+    make_attribute_wrapper(Dual, _part, _part)
+
+
+@lower_cast(types.Integer, Dual)
+@lower_cast(types.Float, Dual)
+@lower_cast(types.Boolean, Dual)
+def _constant(context, builder, fromty, toty, value):
+    number = cgutils.create_struct_proxy(toty)(context, builder)
+    number.value = context.cast(builder, value, fromty, toty.of)
+    for part in PARTS[1:]:
+        setattr(number, part, context.cast(builder, context.get_constant(types.float64, 0.0), types.float64, toty.of))
+    return number._getvalue()
+
+
+@intrinsic
+def dual(typingctx, value, d1, d2, d3):
+    """The dual number of four parts, whose type is that of ``value``."""
+    of = value if isinstance(value, Dual) else types.float64
+
+    def codegen(context, builder, signature, args):
+        number = cgutils.create_struct_proxy(signature.return_type)(context, builder)
+        for part, arg in zip(PARTS, args, strict=True):
+            setattr(number, part, arg)
+        return number._getvalue()
+
+    return Dual(of)(of, of, of, of), codegen
+
+
+def _is_number(kind):
+    return isinstance(kind, types.Integer | types.Float | types.Boolean)
+
+
+def value_of(x):
+    """The number itself, without any slope."""
+
+
+def slope(x, k):
+    """Slope number k of a number, 0.0 where it has none."""
+
+
+@overload(value_of)
+def _value_of(x):
+    if isinstance(x, Dual):
+        return lambda x: value_of(x.value)
+    return (lambda x: float(x)) if _is_number(x) else None
+
+
+@overload(slope)
+def _slope(x, k):
+    if isinstance(x, Dual):
+        return lambda x, k: x.d1 if k == 0 else (x.d2 if k == 1 else x.d3)
+    return (lambda x, k: 0.0) if _is_number(x) else None
+
+
+@njit(error_model="numpy")
+def seeded(x, y, z):
+    """Three variables with slopes in themselves."""
+    return dual(x, 1.0, 0.0, 0.0), dual(y, 0.0, 1.0, 0.0), dual(z, 0.0, 0.0, 1.0)
+
+
+@njit(error_model="numpy")
+def constant(x, y, z):
+    """Three numbers as dual ones without slopes."""
+    return dual(x, 0.0, 0.0, 0.0), dual(y, 0.0, 0.0, 0.0), dual(z, 0.0, 0.0, 0.0)
+
+
+def _of_each(function):
+    """A function compiled for either type by itself: that for `SECOND` uses the other, which Numba would take for recursion."""
+    return {kind: njit(error_model="numpy")(function) for kind in (FIRST, SECOND)}
+
+
+def _chained(x, f, of_x):
+    """f(x) by its value and its slope in x."""
+    return dual(f, of_x * x.d1, of_x * x.d2, of_x * x.d3)
+
+
+def _chained_two(x, y, f, of_x, of_y):
+    """f(x, y) by its value and its slopes in both."""
+    return dual(f, of_x * x.d1 + of_y * y.d1, of_x * x.d2 + of_y * y.d2, of_x * x.d3 + of_y * y.d3)
+
+
+CHAINED, CHAINED_TWO = _of_each(_chained), _of_each(_chained_two)
+
+
+RULES = {  # function: its slope, by x and by the function's value f
+    math.sqrt: lambda x, f: 0.5 / f,
+    math.exp: lambda x, f: f,
+    math.expm1: lambda x, f: f + 1.0,
+    math.log: lambda x, f: 1.0 / x,
+    math.log1p: lambda x, f: 1.0 / (1.0 + x),
+    math.log10: lambda x, f: 1.0 / (math.log(10.0) * x),
+    math.sin: lambda x, f: math.cos(x),
+    math.cos: lambda x, f: -math.sin(x),
+    math.tan: lambda x, f: 1.0 + f * f,
+    math.asin: lambda x, f: 1.0 / math.sqrt(1.0 - x * x),
+    math.acos: lambda x, f: -1.0 / math.sqrt(1.0 - x * x),
+    math.atan: lambda x, f: 1.0 / (1.0 + x * x),
+    math.sinh: lambda x, f: math.cosh(x),
+    math.cosh: lambda x, f: math.sinh(x),
+    math.tanh: lambda x, f: 1.0 - f * f,
+    math.asinh: lambda x, f: 1.0 / math.sqrt(x * x + 1.0),
+    math.erf: lambda x, f: 2.0 / ROOT_PI * math.exp(-x * x),
+    math.fabs: lambda x, f: math.copysign(1.0, value_of(x)),
+    abs: lambda x, f: math.copysign(1.0, value_of(x)),
+}
+OF_TWO = {  # the same of two arguments: both slopes
+    operator.add: lambda x, y, f: (1.0, 1.0),
+    operator.sub: lambda x, y, f: (1.0, -1.0),
+    operator.mul: lambda x, y, f: (y, x),
+    operator.truediv: lambda x, y, f: (1.0 / y, -f / y),
+    math.atan2: lambda x, y, f: (y / (x * x + y * y), -x / (x * x + y * y)),
+    math.hypot: lambda x, y, f: (x / f, y / f),
+}
+NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arcsinh", "atan2": "arctan2", "erf": "", "fabs": "fabs"}
+NAMES = sorted({function.__name__ for function in (*RULES, *OF_TWO) if function.__module__ == "math"} | {"min", "max"})
+
+
+def _under_both_names(function):
+    """A function of `math` and its like of numpy; an operator or a builtin alone."""
+    of_numpy = getattr(np, NUMPY.get(function.__name__, function.__name__), None) if function.__module__ == "math" else None
+    return [function] if of_numpy is None else [function, of_numpy]
+
+
+def _teach(function, rule):
+    rules = _of_each(rule)
+
+    def of_dual(x):
+        if not isinstance(x, Dual):
+            return None
+        rule, chained = rules[x], CHAINED[x]
+
+        def apply(x):
+            f = function(x.value)
+            return chained(x, f, rule(x.value, f))
+
+        return apply
+
+    for name in _under_both_names(function):
+        overload(name)(of_dual)
+
+
+def _teach_two(function, rule, *also):
+    rules = _of_each(rule)
+
+    def of_duals(x, y):
+        kind = x if isinstance(x, Dual) else y
+        if not isinstance(kind, Dual):
+            return None
+        rule, chained, chained_two = rules[kind], CHAINED[kind], CHAINED_TWO[kind]
+        if isinstance(x, Dual) and isinstance(y, Dual):
+
+            def apply(x, y):
+                f = function(x.value, y.value)
+                of_x, of_y = rule(x.value, y.value, f)
+                return chained_two(x, y, f, of_x, of_y)
+
+        elif isinstance(x, Dual) and _is_number(y):
+
+            def apply(x, y):
+                f = function(x.value, y)
+                return chained(x, f, rule(x.value, y, f)[0])
+
+        elif isinstance(y, Dual) and _is_number(x):
+
+            def apply(x, y):
+                f = function(x, y.value)
+                return chained(y, f, rule(x, y.value, f)[1])
+
+        else:
+            return None
+
+        return apply
+
+    for name in (*_under_both_names(function), *also):
+        overload(name)(of_duals)
+
+
+IN_PLACE = {getattr(operator, name): (getattr(operator, f"i{name}"),) for name in ("add", "sub", "mul", "truediv")}
+for _function, _rule in RULES.items():
+    _teach(_function, _rule)
+for _function, _rule in OF_TWO.items():
+    _teach_two(_function, _rule, *IN_PLACE.get(_function, ()))
+
+
+@overload(operator.neg)
+def _neg(x):
+    return (lambda x: dual(-x.value, -x.d1, -x.d2, -x.d3)) if isinstance(x, Dual) else None
+
+
+@overload(operator.pos)
+def _pos(x):
+    return (lambda x: x) if isinstance(x, Dual) else None
+
+
+@overload(operator.pow)
+@overload(operator.ipow)
+def _pow(x, y):
+    kind = x if isinstance(x, Dual) else y
+    if not isinstance(kind, Dual):
+        return None
+    chained, chained_two = CHAINED[kind], CHAINED_TWO[kind]
+    if isinstance(x, Dual) and _is_number(y):
+
+        def apply(x, y):
+            return chained(x, x.value**y, y * x.value ** (y - 1))
+
+    elif isinstance(x, Dual) and isinstance(y, Dual):
+
+        def apply(x, y):
+            f = x.value**y.value
+            return chained_two(x, y, f, y.value * x.value ** (y.value - 1.0), f * math.log(x.value))
+
+    elif _is_number(x) and isinstance(y, Dual):
+
+        def apply(x, y):
+            f = x**y.value
+            return chained(y, f, f * math.log(x))
+
+    else:
+        return None
+
+    return apply
+
+
+def _teach_comparison(compare):
+    @overload(compare)
+    def of_duals(x, y):
+        if isinstance(x, Dual) or isinstance(y, Dual):
+            return lambda x, y: compare(value_of(x), value_of(y))
+        return None
+
+
+for _compare in (operator.lt, operator.le, operator.gt, operator.ge, operator.eq, operator.ne):
+    _teach_comparison(_compare)
+
+
+@overload(select)
+def _select(condition, a, b):
+    if isinstance(a, Dual) or isinstance(b, Dual):
+        return lambda condition, a, b: a if condition else b
+    return None
+
+
+@overload(min)
+def _min(x, y):
+    if isinstance(x, Dual) or isinstance(y, Dual):
+        return lambda x, y: x if value_of(x) <= value_of(y) else y
+    return None
+
+
+@overload(max)
+def _max(x, y):
+    if isinstance(x, Dual) or isinstance(y, Dual):
+        return lambda x, y: x if value_of(x) >= value_of(y) else y
+    return None

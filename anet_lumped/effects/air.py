@@ -1,0 +1,165 @@
+"""Drag of the air on cables and on what points carry, with wind."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numba import njit
+
+from anet_lumped.checks import SceneError, check_number
+from anet_lumped.wind import Wind
+from anet_lumped.wind.base import check_winds
+from anet_lumped.wind.kernel import pack, wind_at
+
+from .drag import (
+    point_coefficient,
+    point_drag,
+    segment_coefficients,
+    segment_drag,
+    subtract_point_slopes,
+    subtract_segment_slopes,
+    tangent_of,
+)
+from .signatures import ENERGY, FORCE, TANGENT
+from .submergence import share, sphere, wetted
+
+HEADER, OF_SEGMENT, OF_POINT = 2, 4, 2  # numbers in front, of each segment and of each point
+NO_SURFACE = -1e300  # [m]
+
+
+@dataclass(frozen=True)
+class Air:
+    """Quadratic drag on every segment, across and along it, and on free points with a `CdA`; the law is that of `drag`.
+
+    Each cable needs a `diameter`. What the air takes out of the mechanical energy is negative where wind drives the cables. Above
+    water give its `surface`, or wind would blow on what is under it; waves do not move that surface.
+
+    Parameters
+    ----------
+    density : float [kg/m3]; 1.225 at 15 degC and sea level (ISO 2533)
+    wind : None for air at rest, a wind of `anet_lumped.wind`, or several that add up
+    surface : float [m] or None, z of the still water that air is above; the share of each cable that is in air is smooth there
+    """
+
+    density: float = 1.225
+    wind: Wind | tuple[Wind, ...] | None = None
+    surface: float | None = None
+
+    couples: ClassVar[int] = 1
+
+    def __post_init__(self):
+        object.__setattr__(self, "density", check_number("density", self.density, "kg/m3", "effect Air", sign="positive"))
+        object.__setattr__(self, "wind", check_winds("wind", self.wind, "effect Air"))
+        if self.surface is not None:
+            object.__setattr__(self, "surface", check_number("surface", self.surface, "m", "effect Air"))
+
+    def table(self, model):
+        """Index and parameters for the kernels below.
+
+        Returns
+        -------
+        index : int64
+            Number of segments; both nodes of each; nodes of the points with a CdA.
+        params : float64
+            Surface [m]; how many numbers the winds take, and those; unstretched length [m], diameter [m] and the coefficients
+            normal and along [kg/m] of each segment; diameter [m] and coefficient [kg/m] of each point.
+
+        Raises
+        ------
+        SceneError : a cable without a diameter
+        """
+        cables = model.scene.cables
+        for cable in cables:
+            if cable.diameter is None:
+                raise SceneError(f'The effect Air needs the `diameter` [m] of every cable, but cable "{cable.name}" has none.')
+        points = [point for point in model.scene.points if getattr(point, "CdA", 0.0) > 0.0]
+        of_cable = np.array([[cable.L0, cable.diameter, *segment_coefficients(self.density, cable)] for cable in cables])
+        winds = pack(self.wind)
+        nodes = [model.node(point.name) for point in points]
+        of_point = np.array([[sphere(point), point_coefficient(self.density, point)] for point in points])
+        header = [NO_SURFACE if self.surface is None else self.surface, len(winds)]
+        index = np.concatenate([[model.n_segments], model.ends.ravel(), nodes]).astype(np.int64)
+        return index, np.concatenate([header, winds, of_cable[model.cable_of].ravel(), of_point.ravel()])
+
+    def kernels(self):
+        """Compiled functions, by their slot in `signatures`."""
+        return {"force": force, "tangent": tangent, "energy": energy}
+
+
+@njit(FORCE, cache=True, error_model="numpy")
+def force(t, q, v, index, params, f):
+    """Add the drag on both nodes of every segment and on points; returns -sum f_i . v_i [W]. Source: see `drag`."""
+    segments, surface, at = index[0], params[0], HEADER + int(params[1])
+    winds, power = params[HEADER:at], 0.0
+    last, wind = -1, (0.0, 0.0, 0.0)
+    for s in range(segments):
+        i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
+        tx, ty, tz, _ = tangent_of(q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2], of[0])
+        _, w1, w2, _, _, _ = wetted(q[i, 2] - surface, q[j, 2] - surface, of[1])
+        for node, dry in ((i, 1.0 - 2.0 * w1), (j, 1.0 - 2.0 * w2)):
+            if node != last:  # the next segment of a cable begins where this one ends
+                wind, _ = wind_at(t, q[node, 0], q[node, 1], q[node, 2], winds)
+                last = node
+            x, y, z = v[node, 0], v[node, 1], v[node, 2]
+            fx, fy, fz = segment_drag(wind[0] - x, wind[1] - y, wind[2] - z, tx, ty, tz, dry * of[2], dry * of[3])
+            f[node, 0] += fx
+            f[node, 1] += fy
+            f[node, 2] += fz
+            power -= fx * x + fy * y + fz * z
+    at += OF_SEGMENT * segments
+    for p in range(index.shape[0] - 1 - 2 * segments):
+        node, of = index[1 + 2 * segments + p], params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
+        wind, _ = wind_at(t, q[node, 0], q[node, 1], q[node, 2], winds)
+        x, y, z = v[node, 0], v[node, 1], v[node, 2]
+        dry = 1.0 - share(q[node, 2] - surface, of[0])[0]
+        fx, fy, fz = point_drag(wind[0] - x, wind[1] - y, wind[2] - z, dry * of[1])
+        f[node, 0] += fx
+        f[node, 1] += fy
+        f[node, 2] += fz
+        power -= fx * x + fy * y + fz * z
+    return power
+
+
+@njit(TANGENT, cache=True, error_model="numpy")
+def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
+    """Subtract the slopes of the drag, those of the wind in place included; derivation in `drag`."""
+    segments, surface, at = index[0], params[0], HEADER + int(params[1])
+    winds = params[HEADER:at]
+    last, wind = -1, (0.0, 0.0, 0.0)
+    gradient = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    for s in range(segments):
+        i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
+        tx, ty, tz, per_l = tangent_of(q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2], of[0])
+        _, w1, w2, k11, k12, k22 = wetted(q[i, 2] - surface, q[j, 2] - surface, of[1])
+        for side in range(2):
+            node, dry, k = (i, 1.0 - 2.0 * w1, k11) if side == 0 else (j, 1.0 - 2.0 * w2, k22)
+            if node >= D.shape[0]:
+                continue
+            if node != last:
+                wind, gradient = wind_at(t, q[node, 0], q[node, 1], q[node, 2], winds)
+                last = node
+            u = (wind[0] - v[node, 0], wind[1] - v[node, 1], wind[2] - v[node, 2])
+            subtract_segment_slopes(
+                u, gradient, (tx, ty, tz), per_l, dry * of[2], dry * of[3], 2.0 * side - 1.0, c_q, c_v, D[node], near[s, side]
+            )
+            if k != 0.0 or k12 != 0.0:
+                whole = segment_drag(u[0], u[1], u[2], tx, ty, tz, of[2], of[3])
+                for x in range(3):
+                    D[node, x, 2] += c_q * 2.0 * k * whole[x]
+                    near[s, side, x, 2] += c_q * 2.0 * k12 * whole[x]
+    at += OF_SEGMENT * segments
+    for p in range(index.shape[0] - 1 - 2 * segments):
+        node, of = index[1 + 2 * segments + p], params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
+        wind, gradient = wind_at(t, q[node, 0], q[node, 1], q[node, 2], winds)
+        u = (wind[0] - v[node, 0], wind[1] - v[node, 1], wind[2] - v[node, 2])
+        wet, slope, _ = share(q[node, 2] - surface, of[0])
+        subtract_point_slopes(u, gradient, (1.0 - wet) * of[1], c_q, c_v, D[node])
+        whole = point_drag(u[0], u[1], u[2], of[1])
+        for x in range(3):
+            D[node, x, 2] += c_q * slope * whole[x]
+
+
+@njit(ENERGY, cache=True)
+def energy(t, q, index, params):
+    """Drag has no energy."""
+    return 0.0

@@ -1,0 +1,129 @@
+"""Damping of cables along themselves, proportional to mass: the part of Rayleigh's damping that their BA is not."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numba import njit
+
+from anet_lumped.checks import check_number
+
+from .drag import tangent_of
+from .signatures import ENERGY, FORCE, TANGENT, names_left
+
+
+@dataclass(frozen=True)
+class AxialDamping:
+    """A force -rate m (v . t) t on each half of a segment, with its mass m and unit tangent t; across a cable nothing acts.
+
+    With the viscosity BA of the cables it is Rayleigh's damping C = a M + b K of axial motion, a = rate and b = BA/EA: mode n of a
+    straight taut cable, of frequency omega_n, has the damping ratio
+
+        zeta_n = rate/(2 omega_n) + (BA/EA) omega_n/2 .
+
+    It acts on the velocity against the ground, like `ViscousDamping`: against the velocity of the ends, so that only stretching is
+    damped, a M would join every node of a cable to every other one, C = a (B M^-1 B^T)^-1 for the rates of its segments.
+
+    Parameters
+    ----------
+    rate : float or dict of str and float [1/s]
+        Decay rate a of all cables, or of those named.
+
+    Source
+    ------
+    Clough & Penzien, Dynamics of Structures (2003), 12-4, equation (12-41), for a diagonal M and motion along the cable.
+    """
+
+    rate: float | dict[str, float] | tuple[tuple[str, float], ...]
+
+    couples: ClassVar[int] = 1
+
+    def __post_init__(self):
+        if isinstance(self.rate, dict | tuple):
+            pairs, where = dict(self.rate).items(), 'effect AxialDamping of cable "{}"'
+            of = tuple((name, check_number("rate", rate, "1/s", where.format(name), sign="non-negative")) for name, rate in pairs)
+        else:
+            of = check_number("rate", self.rate, "1/s", "effect AxialDamping", sign="non-negative")
+        object.__setattr__(self, "rate", of)
+
+    def table(self, model):
+        """Index and parameters for the kernels below.
+
+        Returns
+        -------
+        index : int64, both nodes of each segment, and the segment
+        params : float64, unstretched length [m] and half of rate m [N s/m] of each
+
+        Raises
+        ------
+        SceneError : an unknown cable
+        """
+        cables = model.scene.cables
+        rates = np.zeros(len(cables))
+        if isinstance(self.rate, tuple):
+            for name, rate in self.rate:
+                rates[cables.index(model.scene.cable(name))] = rate
+        else:
+            rates[:] = self.rate
+        found = np.flatnonzero(rates[model.cable_of])
+        of = model.cable_of[found]
+        L0 = np.array([cable.L0 for cable in cables])[of]
+        half = 0.5 * rates[of] * np.array([cable.mass_per_length for cable in cables])[of] * L0
+        return np.column_stack([model.ends[found], found]).ravel(), np.column_stack([L0, half]).ravel()
+
+    def of_pieces(self, pieces, cables):
+        """The same damping where cables have broken, see `anet_lumped.remainder`."""
+        if not isinstance(self.rate, tuple):
+            return self
+        of = [(piece, rate) for name, rate in self.rate for piece in names_left(name, pieces)]
+        return AxialDamping(tuple(of)) if of else None
+
+    def kernels(self):
+        """Compiled functions, by their slot in `signatures`."""
+        return {"force": force, "tangent": tangent, "energy": energy}
+
+
+@njit(FORCE, cache=True, error_model="numpy")
+def force(t, q, v, index, params, f):
+    """f_i -= half (v_i . t) t of every segment that ends at node i; returns sum half (v_i . t)^2 [W]."""
+    power = 0.0
+    for s in range(len(params) // 2):
+        i, j, L0, half = index[3 * s], index[3 * s + 1], params[2 * s], params[2 * s + 1]
+        tx, ty, tz, _ = tangent_of(q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2], L0)
+        for node in (i, j):
+            along = v[node, 0] * tx + v[node, 1] * ty + v[node, 2] * tz
+            f[node, 0] -= half * along * tx
+            f[node, 1] -= half * along * ty
+            f[node, 2] -= half * along * tz
+            power += half * along * along
+    return power
+
+
+@njit(TANGENT, cache=True, error_model="numpy")
+def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
+    """Subtract the slopes df/dv = -half t t^T and, with d of length l from start to end and w = v - (v . t) t,
+
+    df/dd = -half ((v . t)(I - t t^T) + t w^T)/l.
+    """
+    for s in range(len(params) // 2):
+        i, j, segment, L0, half = index[3 * s], index[3 * s + 1], index[3 * s + 2], params[2 * s], params[2 * s + 1]
+        tx, ty, tz, per_l = tangent_of(q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2], L0)
+        n = (tx, ty, tz)
+        for side in range(2):
+            node = i if side == 0 else j
+            if node >= D.shape[0]:
+                continue
+            along = v[node, 0] * tx + v[node, 1] * ty + v[node, 2] * tz
+            turning = (2.0 * side - 1.0) * c_q * half * per_l
+            for x in range(3):
+                for y in range(3):
+                    across = (1.0 if x == y else 0.0) - n[x] * n[y]
+                    of_d = turning * (along * across + n[x] * (v[node, y] - along * n[y]))
+                    D[node, x, y] += of_d + c_v * half * n[x] * n[y]
+                    near[segment, side, x, y] -= of_d
+
+
+@njit(ENERGY, cache=True)
+def energy(t, q, index, params):
+    """Damping has no energy."""
+    return 0.0

@@ -1,0 +1,355 @@
+"""Bending stiffness of cables, and clamped ends: a discrete elastic rod without twist.
+
+Two neighbouring segments with unit tangents t1 and t2 store the energy B (1 - t1 . t2) = B/2 |t2 - t1|^2, B = EI/L0, that of the
+curvature |t2 - t1|/L0 over the length L0 that belongs to the node between them; a clamp of direction c and the first segment
+store 2 B (1 - c . t) over half of that length. With d the vector of a segment and l its length,
+
+    dE/dd1 = -(B/l1) (t2 - (t1 . t2) t1) ,      dE/dd2 = -(B/l2) (t1 - (t1 . t2) t2) .
+
+Over a whole step from a to b the product t1 . t2 changes by the mean of one times the change of the other, and a tangent by
+t_b - t_a = S (I - e e^T) (d_b - d_a) with S = (1/l_a + 1/l_b)/2 and e = (d_a + d_b)/(l_a + l_b), so that
+
+    g1 = -B S1 (I - e1 e1^T) (mean t2 + alpha k) ,   g2 = -B S2 (I - e2 e2^T) (mean t1 - alpha k) ,   k = change of t2 - t1 ,
+
+in place of the derivatives give the energy back exactly but for what the numerical damper alpha takes: 2 alpha times the energy
+of the change k. It is `ALPHA` s^2/(1 + s^2), s = h omega/2 with the highest frequency omega = 4 sqrt(EI/mu)/L0^2, and calms
+what a step does not resolve.
+Source: Bergou et al., ACM Trans. Graph. 27 (2008) 63, for the energy; Gonzalez, J. Nonlinear Sci. 6 (1996) 449, for the step.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numba import njit
+
+from anet_lumped.checks import SceneError, check_vector
+
+from .signatures import BETWEEN, ENERGY, FORCE, TANGENT
+
+ALPHA = 0.05
+SHORT = 1e-6  # of L0: a shorter segment has no direction to speak of
+
+
+@dataclass(frozen=True)
+class Bending:
+    """Bending of the cables that have an `EI`.
+
+    A cable that is stiff in bending pushes too: give it ``compression="linear"``. Where it may not, a bend that dominates crumples
+    slack segments to nothing.
+
+    Parameters
+    ----------
+    clamped : dict or pairs of str and (3,) array_like
+        Fixed or driven points, and the direction in which their cable leaves them whatever happens; any length but zero.
+    """
+
+    clamped: tuple[tuple[str, tuple[float, float, float]], ...] = ()
+
+    couples: ClassVar[int] = 2
+
+    def __post_init__(self):
+        pairs = self.clamped.items() if isinstance(self.clamped, dict) else self.clamped
+        checked = []
+        for name, direction in pairs:
+            direction = check_vector("clamped", direction, "", f'effect Bending at point "{name}"')
+            if not any(direction):
+                raise SceneError(f'A clamp needs a direction other than zero, but effect Bending at "{name}" has {direction}.')
+            checked.append((name, direction))
+        object.__setattr__(self, "clamped", tuple(checked))
+
+    def table(self, model):
+        """Index and parameters for the kernels below.
+
+        Returns
+        -------
+        index : int64
+            Number of pairs of segments; the three nodes and the first segment of each; point, next node and segment of each
+            clamp, and 1 where the segment runs towards the point.
+        params : float64
+            B [N m], L0 [m] and top frequency [rad/s] of each pair; the same and the direction of each clamp.
+
+        Raises
+        ------
+        SceneError : no cable has an EI; a clamp at a free point, or not at the end of one cable that has an EI
+        """
+        scene = model.scene
+        bent = [cable for cable in scene.cables if cable.EI > 0.0]
+        if not bent:
+            raise SceneError("The effect Bending needs cables with an `EI` [N m2], but no cable has any.")
+        pairs, index, numbers = 0, [], []
+        for c, cable in enumerate(scene.cables):
+            first, count = model.cable[c, :2]
+            for s in range(first, first + count - 1) if cable.EI > 0.0 else ():
+                index += [*model.ends[s], model.ends[s + 1, 1], s]
+                numbers += _stiffness(cable)
+                pairs += 1
+        for name, direction in self.clamped:
+            cable, node = self._clamped_cable(scene, name), model.node(name)
+            first, count = model.cable[scene.cables.index(cable), :2]
+            s = first if model.ends[first, 0] == node else first + count - 1
+            towards = int(model.ends[s, 1] == node)
+            index += [node, model.ends[s, 1 - towards], s, towards]
+            numbers += [*_stiffness(cable), *(np.array(direction) / np.linalg.norm(direction))]
+        return np.array([pairs, *index], np.int64), np.array(numbers)
+
+    def _clamped_cable(self, scene, name):
+        point = scene.point(name)
+        if hasattr(point, "mass"):
+            raise SceneError(f'A clamp must be at a fixed or driven point, but effect Bending clamps free point "{name}".')
+        there = [cable for cable in scene.cables if name in (cable.start, cable.end) and cable.EI > 0.0]
+        if len(there) != 1:
+            raise SceneError(f'A clamp must hold one cable that has an `EI`, but {len(there)} of them end at point "{name}".')
+        return there[0]
+
+    def of_pieces(self, pieces, cables):
+        """The same bending where cables have broken, see `anet_lumped.remainder`: without clamps that hold nothing any more."""
+        bent = {name for cable in cables if cable.EI > 0.0 for name in (cable.start, cable.end)}
+        return Bending(tuple((name, at) for name, at in self.clamped if name in bent)) if bent else None
+
+    def kernels(self):
+        """Compiled functions, by their slot in `signatures`."""
+        return {"force": force, "tangent": tangent, "energy": energy, "between": between}
+
+
+def _stiffness(cable):
+    return [cable.EI / cable.L0, cable.L0, 4.0 * math.sqrt(cable.EI / cable.mass_per_length) / cable.L0**2]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _combined(x, a, y, b):
+    """x a + y b."""
+    return x * a[0] + y * b[0], x * a[1] + y * b[1], x * a[2] + y * b[2]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _between_nodes(q, i, j):
+    return q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _tangent(d, L0):
+    """Unit tangent and length of a segment, at least `SHORT` of L0."""
+    l = max(math.sqrt(_dot(d, d)), SHORT * L0)
+    return (d[0] / l, d[1] / l, d[2] / l), l
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _slope(B, l, t, other):
+    """dE/dd = -(B/l) (other - (t . other) t)."""
+    return _combined(-B / l, other, B / l * _dot(t, other), t)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _add(f, i, a, sign):
+    f[i, 0] += sign * a[0]
+    f[i, 1] += sign * a[1]
+    f[i, 2] += sign * a[2]
+
+
+@njit(FORCE, cache=True, error_model="numpy")
+def force(t, q, v, index, params, f):
+    """f_i -= dE/dq_i; see the module."""
+    at, p = 1, 0
+    for _ in range(index[0]):
+        i, j, k = index[at], index[at + 1], index[at + 2]
+        B, L0 = params[p], params[p + 1]
+        t1, l1 = _tangent(_between_nodes(q, i, j), L0)
+        t2, l2 = _tangent(_between_nodes(q, j, k), L0)
+        g1, g2 = _slope(B, l1, t1, t2), _slope(B, l2, t2, t1)
+        _add(f, i, g1, 1.0)
+        _add(f, j, g1, -1.0)
+        _add(f, j, g2, 1.0)
+        _add(f, k, g2, -1.0)
+        at, p = at + 4, p + 3
+    while at < index.shape[0]:
+        i, j = index[at], index[at + 1]
+        t1, l1 = _tangent(_between_nodes(q, i, j), params[p + 1])
+        g = _slope(2.0 * params[p], l1, t1, (params[p + 3], params[p + 4], params[p + 5]))
+        _add(f, i, g, 1.0)
+        _add(f, j, g, -1.0)
+        at, p = at + 4, p + 6
+    return 0.0
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _own_block(H, B, l, t, other):
+    """d2E/dd2 = (B/l^2) (t p^T + p t^T + c (I - t t^T)), p = other - c t, c = t . other, for H."""
+    c, per = _dot(t, other), B / (l * l)
+    p = _combined(1.0, other, -c, t)
+    for x in range(3):
+        for y in range(3):
+            H[x, y] = per * (t[x] * p[y] + p[x] * t[y] - c * t[x] * t[y])
+        H[x, x] += per * c
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _cross_block(H, per, t1, t2):
+    """per (I - t1 t1^T)(I - t2 t2^T), for H."""
+    c = _dot(t1, t2)
+    for x in range(3):
+        for y in range(3):
+            H[x, y] = per * (c * t1[x] * t2[y] - t1[x] * t1[y] - t2[x] * t2[y])
+        H[x, x] += per
+
+
+@njit(cache=True, error_model="numpy")
+def _assemble(weight, i, j, k, s, H11, H12, H21, H22, D, near, far):
+    """Add weight times the blocks of the three nodes of a pair of segments; H are the derivatives of g1 and g2 in d1 and d2."""
+    free = D.shape[0]
+    for x in range(3):
+        for y in range(3):
+            a, b, c, d = weight * H11[x, y], weight * H12[x, y], weight * H21[x, y], weight * H22[x, y]
+            if i < free:
+                D[i, x, y] += a
+            if j < free:
+                D[j, x, y] += a - b - c + d
+            if k < free:
+                D[k, x, y] += d
+            near[s, 0, x, y] += b - a
+            near[s, 1, x, y] += c - a
+            near[s + 1, 0, x, y] += b - d
+            near[s + 1, 1, x, y] += c - d
+            far[s, 0, x, y] -= b
+            far[s, 1, x, y] -= c
+
+
+@njit(cache=True, error_model="numpy")
+def _assemble_clamp(weight, node, H, D):
+    """Add weight times the block of the node next to a clamp."""
+    if node < D.shape[0]:
+        for x in range(3):
+            for y in range(3):
+                D[node, x, y] += weight * H[x, y]
+
+
+@njit(TANGENT, cache=True, error_model="numpy")
+def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
+    """Exact second derivatives of the energy; see the module."""
+    H11, H12, H21, H22 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    at, p = 1, 0
+    for _ in range(index[0]):
+        i, j, k, s = index[at], index[at + 1], index[at + 2], index[at + 3]
+        B, L0 = params[p], params[p + 1]
+        t1, l1 = _tangent(_between_nodes(q, i, j), L0)
+        t2, l2 = _tangent(_between_nodes(q, j, k), L0)
+        _own_block(H11, B, l1, t1, t2)
+        _own_block(H22, B, l2, t2, t1)
+        _cross_block(H12, -B / (l1 * l2), t1, t2)
+        _cross_block(H21, -B / (l1 * l2), t2, t1)
+        _assemble(c_q, i, j, k, s, H11, H12, H21, H22, D, near, far)
+        at, p = at + 4, p + 3
+    while at < index.shape[0]:
+        t1, l1 = _tangent(_between_nodes(q, index[at], index[at + 1]), params[p + 1])
+        _own_block(H11, 2.0 * params[p], l1, t1, (params[p + 3], params[p + 4], params[p + 5]))
+        _assemble_clamp(c_q, index[at + 1], H11, D)
+        at, p = at + 4, p + 6
+
+
+@njit(ENERGY, cache=True, error_model="numpy")
+def energy(t, q, index, params):
+    """Sum of B/2 |t2 - t1|^2 and of B |c - t|^2 [J]."""
+    total, at, p = 0.0, 1, 0
+    for _ in range(index[0]):
+        t1, _ = _tangent(_between_nodes(q, index[at], index[at + 1]), params[p + 1])
+        t2, _ = _tangent(_between_nodes(q, index[at + 1], index[at + 2]), params[p + 1])
+        turn = _combined(1.0, t2, -1.0, t1)
+        total += 0.5 * params[p] * _dot(turn, turn)
+        at, p = at + 4, p + 3
+    while at < index.shape[0]:
+        t1, _ = _tangent(_between_nodes(q, index[at], index[at + 1]), params[p + 1])
+        turn = _combined(1.0, t1, -1.0, (params[p + 3], params[p + 4], params[p + 5]))
+        total += params[p] * _dot(turn, turn)
+        at, p = at + 4, p + 6
+    return total
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _step_of(base, q, i, j, L0):
+    """Of a segment in a step: tangents and lengths at both ends, S and e of the module, and the change of the tangent."""
+    a, b = _between_nodes(base, i, j), _between_nodes(q, i, j)
+    t_a, l_a = _tangent(a, L0)
+    t_b, l_b = _tangent(b, L0)
+    per = 1.0 / (l_a + l_b)
+    e = _combined(per, a, per, b)
+    return t_a, t_b, l_a, l_b, 0.5 * (1.0 / l_a + 1.0 / l_b), e, _combined(1.0, t_b, -1.0, t_a)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _turned(S, e, w):
+    """S (I - e e^T) w."""
+    return _combined(S, w, -S * _dot(e, w), e)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _own_step_block(H, B, S, e, t_b, l_a, l_b, w):
+    """Derivative in d_b of -B S (I - e e^T) w at constant w, for H."""
+    along, per = _dot(e, w), S / (l_a + l_b)
+    rest = _combined(1.0, w, -along, e)
+    for x in range(3):
+        for y in range(3):
+            H[x, y] = B * (0.5 / (l_b * l_b) * rest[x] * t_b[y] + per * (e[x] * w[y] - 2.0 * along * e[x] * t_b[y]))
+        H[x, x] += B * per * along
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _add_turn_block(H, weight, S, e, t_b, l_b):
+    """Add weight S (I - e e^T)(I - t_b t_b^T)/l_b to H."""
+    c, per = _dot(e, t_b), weight * S / l_b
+    for x in range(3):
+        for y in range(3):
+            H[x, y] += per * (c * e[x] * t_b[y] - e[x] * e[y] - t_b[x] * t_b[y])
+        H[x, x] += per
+
+
+@njit(BETWEEN, cache=True, error_model="numpy")
+def between(t, h, base, q, index, params, f, D, near, far):
+    """Forces over a whole step as discrete gradients of the energy, with the numerical damper; see the module."""
+    H11, H12, H21, H22 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    dissipated, at, p = 0.0, 1, 0
+    for _ in range(index[0]):
+        i, j, k, s = index[at], index[at + 1], index[at + 2], index[at + 3]
+        B, L0, square = params[p], params[p + 1], (0.5 * h * params[p + 2]) ** 2
+        alpha = ALPHA * square / (1.0 + square)
+        t1a, t1, l1a, l1, S1, e1, turn1 = _step_of(base, q, i, j, L0)
+        t2a, t2, l2a, l2, S2, e2, turn2 = _step_of(base, q, j, k, L0)
+        bend = _combined(1.0, turn2, -1.0, turn1)
+        w1 = _combined(1.0, _combined(0.5, t2a, 0.5, t2), alpha, bend)
+        w2 = _combined(1.0, _combined(0.5, t1a, 0.5, t1), -alpha, bend)
+        g1, g2 = _turned(-B * S1, e1, w1), _turned(-B * S2, e2, w2)
+        _add(f, i, g1, 1.0)
+        _add(f, j, g1, -1.0)
+        _add(f, j, g2, 1.0)
+        _add(f, k, g2, -1.0)
+        dissipated += alpha * B * _dot(bend, bend)
+        _own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
+        _add_turn_block(H11, alpha * B, S1, e1, t1, l1)
+        _own_step_block(H22, B, S2, e2, t2, l2a, l2, w2)
+        _add_turn_block(H22, alpha * B, S2, e2, t2, l2)
+        H12[:, :] = 0.0
+        H21[:, :] = 0.0
+        _add_turn_block(H12, -(0.5 + alpha) * B, S1, e1, t2, l2)
+        _add_turn_block(H21, -(0.5 + alpha) * B, S2, e2, t1, l1)
+        _assemble(1.0, i, j, k, s, H11, H12, H21, H22, D, near, far)
+        at, p = at + 4, p + 3
+    while at < index.shape[0]:
+        i, j = index[at], index[at + 1]
+        B, L0, square = 2.0 * params[p], params[p + 1], (0.5 * h * params[p + 2]) ** 2
+        alpha, c = ALPHA * square / (1.0 + square), (params[p + 3], params[p + 4], params[p + 5])
+        _, t1, l1a, l1, S1, e1, turn1 = _step_of(base, q, i, j, L0)
+        w1 = _combined(1.0, c, -alpha, turn1)
+        g1 = _turned(-B * S1, e1, w1)
+        _add(f, i, g1, 1.0)
+        _add(f, j, g1, -1.0)
+        dissipated += alpha * B * _dot(turn1, turn1)
+        _own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
+        _add_turn_block(H11, alpha * B, S1, e1, t1, l1)
+        _assemble_clamp(1.0, j, H11, D)
+        at, p = at + 4, p + 6
+    return dissipated

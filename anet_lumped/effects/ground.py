@@ -1,0 +1,227 @@
+"""A flat ground, or the bottom of a tank: a stiff, damped plane with Coulomb friction.
+
+A node that is a depth s below the plane is pressed back by
+
+    N = k s + c r(s) ds/dt >= 0 ,     k = `stiffness` A ,   c = `damping` A ,   A = sum of d L0/2 over its segments ,
+
+with r = min(s/depth, 1): the damper sets in over a `DEPTH` of the cable's diameter, so that N has no jump where a node touches
+down (Hunt & Crossley's reason), and the ground never pulls. Friction is -mu N v_t/sqrt(v_t^2 + u^2) for the velocity v_t along
+the plane: what sticks creeps, at less than the `slip_speed` u while the force along the plane is below 0.7 mu N.
+
+Over a whole step from a to b, N is the secant of the spring energy k s^2/2 of what is pressed and c/h (R_b - R_a), R the integral
+of r, and friction takes the mean velocity (q_b - q_a)/h along the plane: then no step can raise the energy.
+Source: Hall & Goupee, Ocean Eng. 104 (2015) 590, eq. 16, for the contact area; Hunt & Crossley, J. Appl. Mech. 42 (1975) 440, for
+a damper that grows with the depth; Armero & Petocz, Comput. Methods Appl. Mech. Engrg. 158 (1998) 269, for the step.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from anet_lumped.checks import SceneError, check_number, check_vector
+
+from .axial import secant_tension, stored
+from .signatures import BETWEEN, ENERGY, FORCE, TANGENT
+
+DEPTH = 1e-2  # of the diameter, over which the damper sets in
+HEADER = 6  # numbers in front of those of the nodes
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A plane that every moving node stays above, all but for what its weight presses it in; statics know no friction.
+
+    Parameters
+    ----------
+    height : float
+        Of the plane along its normal from the origin [m]: z for a level ground.
+    stiffness : float
+        Pressure per depth [Pa/m], times the area d L0 of a cable's share: MoorDyn's kBot.
+    damping : float
+        Pressure per speed of sinking in [Pa s/m]: MoorDyn's cBot.
+    friction : float
+        Coefficient mu; the same whether a node slides or sticks.
+    normal : tuple of 3 float
+        Away from the ground; any length but zero.
+    slip_speed : float
+        Speed at which friction reaches 71 % of mu N [m/s].
+    """
+
+    height: float = 0.0
+    stiffness: float = 3e6
+    damping: float = 3e5
+    friction: float = 0.0
+    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    slip_speed: float = 1e-3
+
+    def __post_init__(self):
+        owner = "effect Ground"
+        signs = {"height": ("m", ""), "stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative")}
+        signs |= {"friction": ("", "non-negative"), "slip_speed": ("m/s", "positive")}
+        for key, (unit, sign) in signs.items():
+            object.__setattr__(self, key, check_number(key, getattr(self, key), unit, owner, sign=sign))
+        normal = check_vector("normal", self.normal, "", owner)
+        if not any(normal):
+            raise SceneError(f"Argument `normal` must not be zero, but {owner} has normal={normal}.")
+        object.__setattr__(self, "normal", normal)
+
+    def table(self, model):
+        """Index and parameters for the kernels below.
+
+        Returns
+        -------
+        index : empty
+        params : float64
+            Unit normal, height [m], mu, slip speed [m/s]; k [N/m], c [N s/m] and depth [m] of each moving node.
+
+        Raises
+        ------
+        SceneError : a cable without a diameter
+        """
+        nodes = np.zeros((model.n, 3))
+        for c, cable in enumerate(model.scene.cables):
+            if cable.diameter is None:
+                raise SceneError(f'The effect Ground needs the `diameter` [m] of every cable, but cable "{cable.name}" has none.')
+            first, count = model.cable[c, :2]
+            half = 0.5 * cable.diameter * cable.L0
+            for ends in model.ends[first : first + count].T:
+                np.add.at(nodes, ends, (self.stiffness * half, self.damping * half, DEPTH * cable.diameter * half))
+        for point, cable in model.scene.stubs:
+            half = 0.5 * cable.diameter * cable.L0
+            nodes[model.node(point)] += self.stiffness * half, self.damping * half, DEPTH * cable.diameter * half
+        nodes = nodes[: model.n_free]
+        nodes[:, 2] *= self.stiffness / nodes[:, 0]  # the mean over the area
+        normal = np.array(self.normal) / np.linalg.norm(self.normal)
+        return np.empty(0, np.int64), np.array([*normal, self.height, self.friction, self.slip_speed, *nodes.ravel()])
+
+    def kernels(self):
+        """Compiled functions, by their slot in `signatures`."""
+        return {"force": force, "tangent": tangent, "energy": energy, "between": between}
+
+    def force_on(self, state):
+        """Force that each node exerts on the ground in a State, (n, 3) [N]."""
+        f = np.zeros_like(state.q)
+        force(state.t, state.q, state.v, *self.table(state.model), f)
+        return -f
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _below(q, i, params):
+    """Depth of a node below the plane [m]."""
+    return params[3] - (params[0] * q[i, 0] + params[1] * q[i, 1] + params[2] * q[i, 2])
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _pressed(s, rate, k, c, depth):
+    """N of the module's docstring, and its slopes in s and ds/dt."""
+    if s <= 0.0:
+        return 0.0, 0.0, 0.0
+    set_in = min(s / depth, 1.0)
+    N = k * s + c * set_in * rate
+    if N <= 0.0:
+        return 0.0, 0.0, 0.0
+    return N, k + (c / depth * rate if s < depth else 0.0), c * set_in
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _set_in(s, depth):
+    """R of the module's docstring [m], and its slope r."""
+    if s <= 0.0:
+        return 0.0, 0.0
+    if s < depth:
+        return 0.5 * s * s / depth, s / depth
+    return s - 0.5 * depth, 1.0
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _pressed_between(s_a, s_b, h, k, c, depth):
+    """N over a step, its slope in s_b, and the secant of the spring energy."""
+    secant, slope = secant_tension(s_a, s_b, k, 0.0)
+    before, _ = _set_in(s_a, depth)
+    after, r = _set_in(s_b, depth)
+    N = secant + c / h * (after - before)
+    if N <= 0.0:
+        return 0.0, 0.0, secant
+    return N, slope + c / h * r, secant
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _sliding(vx, vy, vz, params):
+    """Velocity along the plane over sqrt(v_t^2 + u^2), that root, and the speed of sinking in."""
+    along = params[0] * vx + params[1] * vy + params[2] * vz
+    vx, vy, vz = vx - along * params[0], vy - along * params[1], vz - along * params[2]
+    root = math.sqrt(vx * vx + vy * vy + vz * vz + params[5] * params[5])
+    return (vx / root, vy / root, vz / root), root, -along
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _add_force(f, i, N, slide, params):
+    for x in range(3):
+        f[i, x] += N * (params[x] - params[4] * slide[x])
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _add_tangent(D, i, slope, viscous, slide, params):
+    """Blocks of a node: ``slope`` is that of N in s, ``viscous`` mu N times the weight of the velocity over `_sliding`'s root."""
+    for x in range(3):
+        for y in range(3):
+            D[i, x, y] += slope * (params[x] - params[4] * slide[x]) * params[y]
+            D[i, x, y] -= viscous * (params[x] * params[y] + slide[x] * slide[y])
+        D[i, x, x] += viscous
+
+
+@njit(FORCE, cache=True, error_model="numpy")
+def force(t, q, v, index, params, f):
+    """f_i += N n - mu N v_t/sqrt(v_t^2 + u^2); see the module. Returns what damper and friction take [W]."""
+    power = 0.0
+    for i in range((params.shape[0] - HEADER) // 3):
+        k, c, depth = params[HEADER + 3 * i], params[HEADER + 3 * i + 1], params[HEADER + 3 * i + 2]
+        s = _below(q, i, params)
+        if s > 0.0:
+            slide, root, rate = _sliding(v[i, 0], v[i, 1], v[i, 2], params)
+            N, _, _ = _pressed(s, rate, k, c, depth)
+            _add_force(f, i, N, slide, params)
+            power += (N - k * s) * rate
+            power += params[4] * N * root * (slide[0] * slide[0] + slide[1] * slide[1] + slide[2] * slide[2])
+    return power
+
+
+@njit(TANGENT, cache=True, error_model="numpy")
+def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
+    """Exact derivatives of `force`."""
+    for i in range((params.shape[0] - HEADER) // 3):
+        s = _below(q, i, params)
+        if s > 0.0:
+            k, c, depth = params[HEADER + 3 * i], params[HEADER + 3 * i + 1], params[HEADER + 3 * i + 2]
+            slide, root, rate = _sliding(v[i, 0], v[i, 1], v[i, 2], params)
+            N, of_depth, of_rate = _pressed(s, rate, k, c, depth)
+            _add_tangent(D, i, c_q * of_depth + c_v * of_rate, c_v * params[4] * N / root, slide, params)
+
+
+@njit(ENERGY, cache=True, error_model="numpy")
+def energy(t, q, index, params):
+    """Sum of k s^2/2 of the nodes below the plane [J]."""
+    total = 0.0
+    for i in range((params.shape[0] - HEADER) // 3):
+        total += stored(_below(q, i, params), params[HEADER + 3 * i], 0.0)
+    return total
+
+
+@njit(BETWEEN, cache=True, error_model="numpy")
+def between(t, h, base, q, index, params, f, D, near, far):
+    """Force over a whole step, and its exact derivative; see the module."""
+    dissipated, per_h = 0.0, 1.0 / h
+    for i in range((params.shape[0] - HEADER) // 3):
+        s_a, s_b = _below(base, i, params), _below(q, i, params)
+        if s_a > 0.0 or s_b > 0.0:
+            k, c, depth = params[HEADER + 3 * i], params[HEADER + 3 * i + 1], params[HEADER + 3 * i + 2]
+            N, slope, secant = _pressed_between(s_a, s_b, h, k, c, depth)
+            vx, vy, vz = per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
+            slide, root, _ = _sliding(vx, vy, vz, params)
+            _add_force(f, i, N, slide, params)
+            _add_tangent(D, i, slope, per_h * params[4] * N / root, slide, params)
+            dissipated += (N - secant) * (s_b - s_a)
+            dissipated += h * params[4] * N * root * (slide[0] * slide[0] + slide[1] * slide[1] + slide[2] * slide[2])
+    return dissipated

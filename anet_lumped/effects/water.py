@@ -1,0 +1,395 @@
+"""Water with a free surface: buoyancy, drag, and the inertia of the water that cables and payloads push aside.
+
+A segment carries at each end, with w the share of its volume that is under water there (1/2 each for a segment under water; smooth
+through the surface, see `submergence`),
+
+    f = w (rho g V e_z + drag(u) + rho V ((1 + Can) a_n + (1 + Cat) a_t)) ,    A = w rho V (Can (I - t t^T) + Cat t t^T) ,
+
+with u the velocity of the water less that of the node, a the acceleration of the water, and A the added mass of the node (Morison,
+see `morison` and `drag`). What a point carries is a sphere of its volume. V is unstretched, and the tension is that of mooring
+codes, the effective one, to which the pressure on a cut through the cable is added.
+
+The water moves with the sum of a current, which is taken as steady in its acceleration, and of a wave, whose surface is the one
+that buoyancy sees. In still water that has an energy, -rho g V times the depth, and the work of its force over a whole step is the
+change of that: no step can raise the energy. In a wave the work of all of these forces counts as given by the water. There is no
+slamming force, no shelter behind other cables, and the current does not change the length of the wave.
+
+Source
+------
+DNV-RP-C205 (2010), 6.2; Hall & Goupee, Ocean Eng. 104 (2015) 590, 2; Faltinsen, Sea Loads on Ships and Offshore Structures (1990),
+ch. 8 (effective tension).
+"""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numba import njit
+
+from anet_lumped.checks import SceneError, check_number
+from anet_lumped.wave_kernel import AT_REST, wave_at
+from anet_lumped.waves import Airy
+from anet_lumped.wind import Wind
+from anet_lumped.wind.base import check_winds
+from anet_lumped.wind.kernel import pack, wind_at
+
+from .drag import point_coefficient, segment_coefficients, subtract_point_slopes, subtract_segment_slopes, tangent_of
+from .morison import add_mass, point_force, segment_force, subtract_inertia_slopes
+from .signatures import BETWEEN, ENERGY, FORCE, INERTIA, TANGENT
+from .submergence import share, share_between, sphere, wetted, wetted_between
+
+HEADER, OF_SEGMENT, OF_POINT = 3, 8, 5  # numbers in front, of each segment and of each point
+
+
+@dataclass(frozen=True)
+class Water:
+    """Hydrostatics and Morison's equation on every cable, each of which needs a `diameter`, and on free points with volume or CdA.
+
+    Statics take the water as it is at t = 0: a wave with a `ramp` is not there yet. The step of an explicit method must be short
+    against the time in which drag stops a thin cable, (mu + rho Can pi d^2/4)/(rho d Cdn |u|): 1.5 ms for 2 mm of twine at 2 m/s.
+
+    Parameters
+    ----------
+    density : float [kg/m3]; 1025: sea water
+    level : float [m], z of the still surface
+    current : None for none, a wind of `anet_lumped.wind`, or several that add up
+    wave : None for none, or a wave of `anet_lumped.waves`
+    g : float [m/s2], that buoyancy and wave are of; None: that of the scene's Gravity, which must then point along -z
+    """
+
+    density: float = 1025.0
+    level: float = 0.0
+    current: Wind | tuple[Wind, ...] | None = None
+    wave: Airy | None = None
+    g: float | None = None
+
+    couples: ClassVar[int] = 1
+    stiff: ClassVar[bool] = True
+
+    def __post_init__(self):
+        owner = "effect Water"
+        object.__setattr__(self, "density", check_number("density", self.density, "kg/m3", owner, sign="positive"))
+        object.__setattr__(self, "level", check_number("level", self.level, "m", owner))
+        object.__setattr__(self, "current", check_winds("current", self.current, owner))
+        if not (self.wave is None or isinstance(self.wave, Airy)):
+            raise SceneError(f"Argument `wave` must be a wave of anet_lumped.waves or None, but {owner} has wave={self.wave!r}.")
+        if self.g is not None:
+            object.__setattr__(self, "g", check_number("g", self.g, "m/s2", owner, sign="non-negative"))
+
+    @property
+    def time_scales(self):
+        """Times in which what it does changes [s]: 2/omega of the wave, as of a point that shakes."""
+        return () if self.wave is None else (2.0 / self.wave.frequency,)
+
+    def gravity(self, scene):
+        """Size of the acceleration that buoyancy is of [m/s2]."""
+        if self.g is not None:
+            return self.g
+        x, y, z = scene.gravity.tolist()
+        if x or y or z > 0.0:
+            raise SceneError(f"The effect Water needs Gravity along -z, or a `g` of its own, but gravity is {(x, y, z)} m/s2.")
+        return -z
+
+    def table(self, model):
+        """Index and parameters for the kernels below.
+
+        Returns
+        -------
+        index : int64
+            Number of segments; both nodes of each; nodes of the points with a volume or a CdA.
+        params : float64
+            Level [m]; how many numbers current and wave take, and those; of each segment L0 and d [m], the coefficients of drag
+            normal and along [kg/m], buoyancy under water [N], displaced mass [kg], Can, Cat; of each point the diameter of its
+            sphere [m], its coefficient of drag [kg/m], buoyancy [N], displaced mass [kg], Ca.
+
+        Raises
+        ------
+        SceneError : a cable without a diameter, gravity that is not along -z, a wave that there is not
+        """
+        scene = model.scene
+        for cable in scene.cables:
+            if cable.diameter is None:
+                raise SceneError(f'The effect Water needs the `diameter` [m] of every cable, but cable "{cable.name}" has none.')
+        g = self.gravity(scene)
+        current, wave = pack(self.current), np.zeros(0) if self.wave is None else self.wave.numbers(g, self.level)
+        points = [point for point in scene.points if getattr(point, "volume", 0.0) > 0.0 or getattr(point, "CdA", 0.0) > 0.0]
+        of_cable = np.array([self._of_cable(cable, g) for cable in scene.cables])
+        of_point = np.array([self._of_point(point, g) for point in points])
+        nodes = [model.node(point.name) for point in points]
+        header = [self.level, len(current), len(wave)]
+        return (
+            np.concatenate([[model.n_segments], model.ends.ravel(), nodes]).astype(np.int64),
+            np.concatenate([header, current, wave, of_cable[model.cable_of].ravel(), of_point.ravel()]),
+        )
+
+    def _of_cable(self, cable, g):
+        normal, along = segment_coefficients(self.density, cable)  # of half a segment
+        mass = self.density * 0.25 * math.pi * cable.diameter**2 * cable.L0
+        return cable.L0, cable.diameter, 2.0 * normal, 2.0 * along, g * mass, mass, cable.Can, cable.Cat
+
+    def _of_point(self, point, g):
+        mass = self.density * point.volume
+        return sphere(point), point_coefficient(self.density, point), g * mass, mass, point.Ca
+
+    def kernels(self):
+        """Compiled functions, by their slot in `signatures`."""
+        return {"force": force, "tangent": tangent, "energy": energy, "between": between, "inertia": inertia}
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _water(params):
+    """Level, current, wave, and where the numbers of the segments begin."""
+    at = HEADER + int(params[1])
+    return params[0], params[HEADER:at], params[at : at + int(params[2])], at + int(params[2])
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _flow(t, q, level, current, wave):
+    """Height of a place q above the surface, its slopes, and of the water there velocity, gradient, acceleration, gradient."""
+    velocity, gradient = wind_at(t, q[0], q[1], q[2], current)
+    if len(wave) == 0:
+        return q[2] - level, (0.0, 0.0, 1.0), velocity, gradient, AT_REST[1], AT_REST[2]
+    (eta, _, eta_x, eta_y), u, of_u, a, of_a = wave_at(t, q[0], q[1], q[2], wave)
+    velocity = (velocity[0] + u[0], velocity[1] + u[1], velocity[2] + u[2])
+    gradient = (
+        gradient[0] + of_u[0], gradient[1] + of_u[1], gradient[2] + of_u[2],
+        gradient[3] + of_u[3], gradient[4] + of_u[4], gradient[5] + of_u[5],
+        gradient[6] + of_u[6], gradient[7] + of_u[7], gradient[8] + of_u[8],
+    )  # fmt: skip
+    return q[2] - level - eta, (-eta_x, -eta_y, 1.0), velocity, gradient, a, of_a
+
+
+@njit(cache=True, forceinline=True)
+def _at(q, i):
+    return q[i, 0], q[i, 1], q[i, 2]
+
+
+@njit(cache=True, forceinline=True)
+def _less(a, b):
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@njit(cache=True, forceinline=True)
+def _add(f, i, w, force, lift):
+    """Add w times a force and a lift to those on a node."""
+    f[i, 0] += w * force[0]
+    f[i, 1] += w * force[1]
+    f[i, 2] += w * force[2] + lift
+
+
+@njit(cache=True, forceinline=True)
+def _subtract(block, force, lift, slope, up):
+    """Subtract (force + lift e_z) slope up^T, what a share that changes with the height makes of a force, from a block."""
+    for y in range(3):
+        block[0, y] -= slope * force[0] * up[y]
+        block[1, y] -= slope * force[1] * up[y]
+        block[2, y] -= slope * (force[2] + lift) * up[y]
+
+
+@njit(FORCE, cache=True, error_model="numpy")
+def force(t, q, v, index, params, f):
+    """Add the force on both nodes of every segment and on points, see the module; returns -f.v but for what has an energy [W]."""
+    level, current, wave, at = _water(params)
+    segments, still, power = index[0], 1.0 if len(wave) == 0 else 0.0, 0.0
+    last, here = -1, _flow(t, (0.0, 0.0, 0.0), level, current, wave)
+    there = here
+    for s in range(segments):
+        i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
+        here = there if i == last else _flow(t, _at(q, i), level, current, wave)
+        there, last = _flow(t, _at(q, j), level, current, wave), j
+        _, w1, w2, _, _, _ = wetted(here[0], there[0], of[1])
+        if w1 + w2 == 0.0:
+            continue
+        d = _less(_at(q, j), _at(q, i))
+        tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], of[0])
+        for side in range(2):
+            node, w, flow = (i, w1, here) if side == 0 else (j, w2, there)
+            V = _at(v, node)
+            F = segment_force(_less(flow[2], V), flow[4], (tx, ty, tz), of[2], of[3], of[5], of[6], of[7])
+            _add(f, node, w, F, w * of[4])
+            power -= w * (F[0] * V[0] + F[1] * V[1] + (F[2] + (1.0 - still) * of[4]) * V[2])
+    at += OF_SEGMENT * segments
+    for p in range(index.shape[0] - 1 - 2 * segments):
+        node, of = index[1 + 2 * segments + p], params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
+        flow, V = _flow(t, _at(q, node), level, current, wave), _at(v, node)
+        w, _, _ = share(flow[0], of[0])
+        F = point_force(_less(flow[2], V), flow[4], of[1], of[3], of[4])
+        _add(f, node, w, F, w * of[2])
+        power -= w * (F[0] * V[0] + F[1] * V[1] + (F[2] + (1.0 - still) * of[2]) * V[2])
+    return power
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _segment_slopes(s, i, j, here, there, v1, v2, t, per_l, wet, lift, of, waves, c_q, c_v, D, near):
+    """Subtract the slopes of the force on both nodes of a segment of which ``lift`` [N] is still to be shared by the weights."""
+    for side in range(2):
+        node, flow, V, w, k = (i, here, v1, wet[1], wet[3]) if side == 0 else (j, there, v2, wet[2], wet[5])
+        if node >= D.shape[0]:
+            continue
+        u, own, other = _less(flow[2], V), D[node], near[s, side]
+        turn = 2.0 * side - 1.0
+        subtract_segment_slopes(u, flow[3], t, per_l, w * of[2], w * of[3], turn, c_q, c_v, own, other)
+        if waves:
+            subtract_inertia_slopes(flow[4], flow[5], t, per_l, w * of[5], of[6], of[7], turn, c_q, own, other)
+        if k != 0.0 or wet[4] != 0.0:
+            F = segment_force(u, flow[4], t, of[2], of[3], of[5], of[6], of[7])
+            _subtract(own, F, lift, c_q * k, flow[1])
+            _subtract(other, F, lift, c_q * wet[4], there[1] if side == 0 else here[1])
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _point_slopes(node, flow, V, wet, lift, of, c_q, c_v, D):
+    """Subtract the slopes of the force on a point, likewise."""
+    w, slope, _ = wet
+    u = _less(flow[2], V)
+    F = point_force(u, flow[4], of[1], of[3], of[4])
+    subtract_point_slopes(u, flow[3], w * of[1], c_q, c_v, D[node])
+    m = c_q * w * of[3] * (1.0 + of[4])
+    for x in range(3):
+        for y in range(3):
+            D[node, x, y] -= m * flow[5][3 * x + y]
+    _subtract(D[node], F, lift, c_q * slope, flow[1])
+
+
+@njit(TANGENT, cache=True, error_model="numpy")
+def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
+    """Subtract the exact slopes of `force`, those of the water's motion in place included."""
+    level, current, wave, at = _water(params)
+    segments, waves, last = index[0], len(wave) > 0, -1
+    here = _flow(t, (0.0, 0.0, 0.0), level, current, wave)
+    there = here
+    for s in range(segments):
+        i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
+        here = there if i == last else _flow(t, _at(q, i), level, current, wave)
+        there, last = _flow(t, _at(q, j), level, current, wave), j
+        wet = wetted(here[0], there[0], of[1])
+        if wet[1] + wet[2] == 0.0:
+            continue
+        d = _less(_at(q, j), _at(q, i))
+        tx, ty, tz, per_l = tangent_of(d[0], d[1], d[2], of[0])
+        _segment_slopes(
+            s, i, j, here, there, _at(v, i), _at(v, j), (tx, ty, tz), per_l, wet, of[4], of, waves, c_q, c_v, D, near
+        )  # fmt: skip
+    at += OF_SEGMENT * segments
+    for p in range(index.shape[0] - 1 - 2 * segments):
+        node, of = index[1 + 2 * segments + p], params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
+        flow = _flow(t, _at(q, node), level, current, wave)
+        _point_slopes(node, flow, _at(v, node), share(flow[0], of[0]), of[2], of, c_q, c_v, D)
+
+
+@njit(ENERGY, cache=True, error_model="numpy")
+def energy(t, q, index, params):
+    """-sum rho g V e of the segments and -sum rho g V H of the points, see `submergence` [J]; none in a wave."""
+    level, _, wave, at = _water(params)
+    segments, total = index[0], 0.0
+    if len(wave) > 0:
+        return 0.0
+    for s in range(segments):
+        of = params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
+        total -= of[4] * wetted(q[index[1 + 2 * s], 2] - level, q[index[2 + 2 * s], 2] - level, of[1])[0]
+    at += OF_SEGMENT * segments
+    for p in range(index.shape[0] - 1 - 2 * segments):
+        of = params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
+        total -= of[2] * share(q[index[1 + 2 * segments + p], 2] - level, of[0])[2]
+    return total
+
+
+@njit(cache=True, forceinline=True)
+def _middle(base, q, i):
+    return 0.5 * (base[i, 0] + q[i, 0]), 0.5 * (base[i, 1] + q[i, 1]), 0.5 * (base[i, 2] + q[i, 2])
+
+
+@njit(cache=True, forceinline=True)
+def _mean(base, q, i, per_h):
+    return per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
+
+
+@njit(BETWEEN, cache=True, error_model="numpy")
+def between(t, h, base, q, index, params, f, D, near, far):
+    """Force over a whole step, and its exact derivative: that of `force` at the middle, but for the buoyancy of still water.
+
+    Its weights are those of `wetted_between`, so that its work is the change of its energy; what is dissipated is then the work
+    of the rest, in water at rest not negative.
+    """
+    level, current, wave, at = _water(params)
+    segments, waves, per_h, dissipated, last = index[0], len(wave) > 0, 1.0 / h, 0.0, -1
+    here = _flow(t, (0.0, 0.0, 0.0), level, current, wave)
+    there = here
+    for s in range(segments):
+        i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
+        q1, q2 = _middle(base, q, i), _middle(base, q, j)
+        here = there if i == last else _flow(t, q1, level, current, wave)
+        there, last = _flow(t, q2, level, current, wave), j
+        v1, v2, d, lift = _mean(base, q, i, per_h), _mean(base, q, j, per_h), _less(q2, q1), of[4]
+        wet = wetted(here[0], there[0], of[1])
+        if not waves:
+            g1, g2, s11, s12, s21, s22 = wetted_between(
+                base[i, 2] - level, base[j, 2] - level, q[i, 2] - level, q[j, 2] - level, of[1]
+            )  # fmt: skip
+            f[i, 2] += lift * g1
+            f[j, 2] += lift * g2
+            if i < D.shape[0]:
+                D[i, 2, 2] -= lift * s11
+                near[s, 0, 2, 2] -= lift * s12
+            if j < D.shape[0]:
+                D[j, 2, 2] -= lift * s22
+                near[s, 1, 2, 2] -= lift * s21
+            lift = 0.0
+        if wet[1] + wet[2] == 0.0:
+            continue
+        tx, ty, tz, per_l = tangent_of(d[0], d[1], d[2], of[0])
+        _segment_slopes(s, i, j, here, there, v1, v2, (tx, ty, tz), per_l, wet, lift, of, waves, 0.5, per_h, D, near)
+        for side in range(2):
+            node, flow, V, w = (i, here, v1, wet[1]) if side == 0 else (j, there, v2, wet[2])
+            F = segment_force(_less(flow[2], V), flow[4], (tx, ty, tz), of[2], of[3], of[5], of[6], of[7])
+            _add(f, node, w, F, w * lift)
+            dissipated -= h * w * (F[0] * V[0] + F[1] * V[1] + (F[2] + lift) * V[2])
+    at += OF_SEGMENT * segments
+    for p in range(index.shape[0] - 1 - 2 * segments):
+        node, of = index[1 + 2 * segments + p], params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
+        flow, V, lift = _flow(t, _middle(base, q, node), level, current, wave), _mean(base, q, node, per_h), of[2]
+        if not waves:
+            g, slope = share_between(base[node, 2] - level, q[node, 2] - level, of[0])
+            f[node, 2] += lift * g
+            D[node, 2, 2] -= lift * slope
+            lift = 0.0
+        wet = share(flow[0], of[0])
+        _point_slopes(node, flow, V, wet, lift, of, 0.5, per_h, D)
+        F = point_force(_less(flow[2], V), flow[4], of[1], of[3], of[4])
+        _add(f, node, wet[0], F, wet[0] * lift)
+        dissipated -= h * wet[0] * (F[0] * V[0] + F[1] * V[1] + (F[2] + lift) * V[2])
+    return dissipated
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _height(t, q, i, level, wave):
+    """Height of a node above the surface [m]."""
+    return q[i, 2] - level - (wave_at(t, q[i, 0], q[i, 1], q[i, 2], wave)[0][0] if len(wave) > 0 else 0.0)
+
+
+@njit(INERTIA, cache=True, error_model="numpy")
+def inertia(t, q, index, params, A):
+    """Add the added masses, see the module."""
+    level, _, wave, at = _water(params)
+    segments, last, z1, z2 = index[0], -1, 0.0, 0.0
+    for s in range(segments):
+        i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
+        z1 = z2 if i == last else _height(t, q, i, level, wave)
+        z2, last = _height(t, q, j, level, wave), j
+        _, w1, w2, _, _, _ = wetted(z1, z2, of[1])
+        if w1 + w2 == 0.0:
+            continue
+        d = _less(_at(q, j), _at(q, i))
+        tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], of[0])
+        if i < A.shape[0]:
+            add_mass(w1 * of[5], of[6], of[7], (tx, ty, tz), A[i])
+        if j < A.shape[0]:
+            add_mass(w2 * of[5], of[6], of[7], (tx, ty, tz), A[j])
+    at += OF_SEGMENT * segments
+    for p in range(index.shape[0] - 1 - 2 * segments):
+        node, of = index[1 + 2 * segments + p], params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
+        m = share(_height(t, q, node, level, wave), of[0])[0] * of[3] * of[4]
+        A[node, 0, 0] += m
+        A[node, 1, 1] += m
+        A[node, 2, 2] += m

@@ -1,0 +1,19 @@
+"""Winds and currents: how fast the air or the water moves, by time and place. Several of them add up."""
+
+from .base import Wind
+from .dryden import Dryden
+from .gust import Gust
+from .profiles import Logarithmic, PowerLaw, Sampled, Uniform
+from .recorded import Recorded
+
+KINDS = {
+    "uniform": Uniform,
+    "power_law": PowerLaw,
+    "logarithmic": Logarithmic,
+    "gust": Gust,
+    "dryden": Dryden,
+    "recorded": Recorded,
+    "sampled": Sampled,
+}
+
+__all__ = ["KINDS", "Dryden", "Gust", "Logarithmic", "PowerLaw", "Recorded", "Sampled", "Uniform", "Wind"]

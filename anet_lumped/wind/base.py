@@ -1,0 +1,41 @@
+"""What every wind is."""
+
+from abc import ABC, abstractmethod
+from typing import Any
+
+import numpy as np
+
+from anet_lumped.checks import SceneError, Vector, check_vector
+
+
+class Wind(ABC):
+    """A velocity of air or water by time and place, or a part of one; the parts that a scene has add up."""
+
+    @abstractmethod
+    def numbers(self) -> np.ndarray:
+        """What `kernel.wind_at` reads of it, (k,) float64."""
+
+
+def as_winds(value: Any) -> tuple[Wind, ...]:
+    """Return the winds that add up, of None, of one or of several."""
+    if value is None:
+        return ()
+    return tuple(value) if isinstance(value, tuple | list) else (value,)
+
+
+def check_winds(argument: str, value: Any, owner: str) -> Wind | tuple[Wind, ...] | None:
+    """Return None, one wind or a tuple of several."""
+    winds = as_winds(value)
+    if not all(isinstance(wind, Wind) for wind in winds):
+        raise SceneError(f"Argument `{argument}` must be winds of anet_lumped.wind or None, but {owner} has {argument}={value!r}.")
+    return winds[0] if len(winds) == 1 else winds or None
+
+
+def check_direction(value: Vector, owner: str) -> Vector:
+    """Return a direction as a vector of length 1."""
+    direction = np.array(check_vector("direction", value, "", owner))
+    size = float(np.linalg.norm(direction))
+    if size == 0.0:
+        raise SceneError(f"Argument `direction` must not be zero, but {owner} has direction={value}.")
+    x, y, z = (direction / size).tolist()
+    return x, y, z

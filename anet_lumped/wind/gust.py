@@ -1,0 +1,45 @@
+"""A single gust."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from anet_lumped.checks import SceneError, Vector, check_number, check_vector
+
+from .base import Wind
+
+
+@dataclass(frozen=True)
+class Gust(Wind):
+    """A "1 - cos" gust, the same everywhere: u(t) = amplitude/2 (1 - cos(pi (t - start)/rise)) from start to start + rise.
+
+    Then it falls as it rose, or stays.
+
+    Parameters
+    ----------
+    amplitude : (3,) array_like [m/s], velocity at the top
+    start : float [s]
+    rise : float [s], from nothing to the top
+    stays : bool; False: the symmetric gust of aircraft loads; True: it stays at the top, a coherent gust
+
+    Source
+    ------
+    EASA CS-25.341(a) (symmetric); MIL-F-8785C (1980), 3.7.2.3, and the extreme coherent gust of IEC 61400-1, 6.3 (stays).
+    """
+
+    amplitude: Vector
+    start: float
+    rise: float
+    stays: bool = False
+
+    def __post_init__(self):
+        owner = "wind Gust"
+        object.__setattr__(self, "amplitude", check_vector("amplitude", self.amplitude, "m/s", owner))
+        object.__setattr__(self, "start", check_number("start", self.start, "s", owner))
+        object.__setattr__(self, "rise", check_number("rise", self.rise, "s", owner, sign="positive"))
+        if not isinstance(self.stays, bool):
+            raise SceneError(f"Argument `stays` must be True or False, but {owner} has stays={self.stays!r}.")
+
+    def numbers(self):
+        """Amplitude [m/s], start and rise [s], 1 if it stays."""
+        return np.array([*self.amplitude, self.start, self.rise, float(self.stays)])

@@ -1,0 +1,137 @@
+"""Steady winds and currents: uniform, and profiles over the height; z points up."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from anet_lumped.checks import SceneError, Vector, check_number, check_vector
+
+from .base import Wind, check_direction
+
+
+@dataclass(frozen=True)
+class Uniform(Wind):
+    """The same velocity everywhere.
+
+    Parameters
+    ----------
+    velocity : (3,) array_like [m/s]
+    """
+
+    velocity: Vector
+
+    def __post_init__(self):
+        object.__setattr__(self, "velocity", check_vector("velocity", self.velocity, "m/s", "wind Uniform"))
+
+    def numbers(self):
+        """Velocity [m/s]."""
+        return np.array(self.velocity)
+
+
+@dataclass(frozen=True)
+class PowerLaw(Wind):
+    """U(z) = speed ((z - ground)/height)^exponent along `direction`; none at the ground and below.
+
+    Parameters
+    ----------
+    speed : float [m/s], at `height`
+    height : float [m], above the ground
+    exponent : float; 0.2 for normal winds, 0.11 for extreme ones, 0.14 for neutral air over open land
+    direction : (3,) array_like, where the wind goes; any length but zero
+    ground : float [m], z of the ground
+
+    Source
+    ------
+    IEC 61400-1, 6.3 (normal wind profile).
+    """
+
+    speed: float
+    height: float
+    exponent: float
+    direction: Vector = (1.0, 0.0, 0.0)
+    ground: float = 0.0
+
+    def __post_init__(self):
+        _check_profile(self, "wind PowerLaw")
+        exponent = check_number("exponent", self.exponent, "", "wind PowerLaw", sign="non-negative")
+        object.__setattr__(self, "exponent", exponent)
+
+    def numbers(self):
+        """Velocity at the height [m/s], ground and height [m], exponent."""
+        return np.array([*(self.speed * np.array(self.direction)), self.ground, self.height, self.exponent])
+
+
+@dataclass(frozen=True)
+class Logarithmic(Wind):
+    """U(z) = speed ln((z - ground)/roughness)/ln(height/roughness) along `direction`; none below the roughness length.
+
+    Parameters
+    ----------
+    speed : float [m/s], at `height`
+    height : float [m], above the ground
+    roughness : float [m], roughness length z0: 0.0002 open sea, 0.03 open land, 1 town
+    direction : (3,) array_like, where the wind goes; any length but zero
+    ground : float [m], z of the ground
+
+    Source
+    ------
+    EN 1991-1-4:2005, 4.3.2, eq. (4.3) and (4.4), with the friction velocity given by the speed at a height; neutral air.
+    """
+
+    speed: float
+    height: float
+    roughness: float
+    direction: Vector = (1.0, 0.0, 0.0)
+    ground: float = 0.0
+
+    def __post_init__(self):
+        owner = "wind Logarithmic"
+        _check_profile(self, owner)
+        object.__setattr__(self, "roughness", check_number("roughness", self.roughness, "m", owner, sign="positive"))
+        if self.roughness >= self.height:
+            raise SceneError(
+                f"Argument `roughness` must be smaller than `height` [m], but {owner} has roughness={self.roughness} and "
+                f"height={self.height}."
+            )
+
+    def numbers(self):
+        """Velocity a factor e above the roughness length [m/s], ground and roughness [m]."""
+        per_e = self.speed / math.log(self.height / self.roughness)
+        return np.array([*(per_e * np.array(self.direction)), self.ground, self.roughness])
+
+
+@dataclass(frozen=True)
+class Sampled(Wind):
+    """A level velocity sampled over the height, linear in between; held at the first sample below it and at the last above it.
+
+    Parameters
+    ----------
+    samples : rows (z, u, v) with z [m] increasing and velocities along x and y [m/s]
+    """
+
+    samples: tuple[Vector, ...]
+
+    def __post_init__(self):
+        samples = self.samples
+        if not isinstance(samples, Iterable) or isinstance(samples, str) or not (samples := tuple(samples)):
+            raise SceneError(f"Argument `samples` must be at least one row (z, u, v), but wind Sampled has {self.samples!r}.")
+        rows = tuple(check_vector(f"samples[{i}]", row, "m, m/s, m/s", "wind Sampled") for i, row in enumerate(samples))
+        for i, (below, above) in enumerate(pairwise(rows)):
+            if not below[0] < above[0]:
+                raise SceneError(
+                    f"Heights z of `samples` must increase [m], but wind Sampled has z={below[0]} in row {i} and then {above[0]}."
+                )
+        object.__setattr__(self, "samples", rows)
+
+    def numbers(self):
+        """Rows of height [m] and velocity [m/s]."""
+        return np.array(self.samples).ravel()
+
+
+def _check_profile(profile, owner):
+    for key, unit, sign in (("speed", "m/s", "non-negative"), ("height", "m", "positive"), ("ground", "m", "")):
+        object.__setattr__(profile, key, check_number(key, getattr(profile, key), unit, owner, sign=sign))
+    object.__setattr__(profile, "direction", check_direction(profile.direction, owner))
