@@ -199,7 +199,7 @@ def check_symbolic(model, free, links):
         updates = points.target[points.target_at[p] : points.target_at[p + 1]].tolist()
         assert updates == [place[i, j] for i in later for j in later]
     for c, (a, b) in enumerate(links):
-        start, end, bordered, start_end, end_start = model.cable[c, 3:]
+        start, end, bordered, start_end, end_start = model.cable[c, 3:8]
         assert bordered == (a in free and b in free)
         if bordered:
             s, e = start - model.n_interior, end - model.n_interior
