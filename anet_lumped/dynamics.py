@@ -7,7 +7,7 @@ from numba import float64, int64, njit, types, void
 from integrators.stage import BACKWARD, BETWEEN, STAGE, STATE
 from integrators.system import NEVER
 
-from . import chain, chain_wide, elimination
+from . import chain, elimination
 from .effects.axial import elastic_energy, energy_of_length, tension_parts
 from .effects.signatures import as_between, as_energy, as_force, as_inertia, as_tangent
 from .elimination import (
@@ -542,7 +542,7 @@ def direction(stage, place):
             kept[i, x] = right[i, x]
     length_direction, taut = GRADIENT if stage.law == BETWEEN else DIRECTION, False
     for solves in range(1, ROUNDS + 1):
-        smallest = chain.solve(place) if net.near.shape[0] == 0 else chain_wide.solve_wide(place)
+        smallest = chain.solve(place)
         taut = smallest > 0.0  # all are taut and stay so: a slack segment has no tension
         if taut or solves == ROUNDS:
             break

@@ -1,4 +1,8 @@
-"""The elimination of one node of a cable, on which `chain` is built: of one cable, or of four that are alike."""
+"""The elimination of one node of a cable, on which `chain` is built: of one cable, or of four that are alike.
+
+`eliminate` is that of a cable alone, `eliminate_near` that of one whose neighbours effects join by the blocks that its name says,
+and `eliminate_far` that of one whose next-but-one neighbours they join too. Matrices are tuples by rows.
+"""
 
 from numba import njit
 
@@ -47,21 +51,50 @@ def times(m, x, y, z):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def eliminate(state, D, r, row):
-    """Eliminate a node, with stiffness D and right-hand side r of its own, through the segment ahead of it; also of `LANES`.
+def times_transposed(m, x, y, z):
+    return (
+        m[0] * x + m[3] * y + m[6] * z,
+        m[1] * x + m[4] * y + m[7] * z,
+        m[2] * x + m[5] * y + m[8] * z,
+    )
 
-    Parameters
-    ----------
-    state : tuple of 12, what lies behind, as `_first` gives it
-    D, r, row : tuples of 9, 3 and 9
-        Stiffness by rows, right-hand side, and e, g, a, k, T_0 of the segment.
 
-    Returns
-    -------
-    ahead : tuple of 12, what the next node sees behind it
-    follows : tuple of 16, how the node follows the next one, a row of ``Net.factor``: d = H d_next + h, T = w . d_next + T
-    M, y, z, rho k : as in the docstring of the module, M the inverse
-    """
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _product(a, b):
+    first, second = times_transposed(b, a[0], a[1], a[2]), times_transposed(b, a[3], a[4], a[5])
+    return first + second + times_transposed(b, a[6], a[7], a[8])
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _outer(x, y):
+    return (
+        x[0] * y[0], x[0] * y[1], x[0] * y[2], x[1] * y[0], x[1] * y[1], x[1] * y[2], x[2] * y[0], x[2] * y[1], x[2] * y[2]
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _plus(a, b):
+    return (
+        a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5], a[6] + b[6], a[7] + b[7], a[8] + b[8]
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def minus(a, b):
+    return (
+        a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3], a[4] - b[4], a[5] - b[5], a[6] - b[6], a[7] - b[7], a[8] - b[8]
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def less(a, m):
+    """a I - m."""
+    return a - m[0], -m[1], -m[2], -m[3], a - m[4], -m[5], -m[6], -m[7], a - m[8]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _condense(state, D, r, row):
+    """M, y, z, u = M^-1 r, rho k and the constant part of T, as in the docstring of `chain`; M the inverse."""
     s00, m01, m02, m10, s11, m12, m20, m21, s22, r0, r1, r2 = state
     ex, ey, ez, gx, gy, gz, a, k, T_0 = row
     r0, r1, r2 = r0 + r[0], r1 + r[1], r2 + r[2]
@@ -87,12 +120,30 @@ def eliminate(state, D, r, row):
         -i1 * l10 + a12 * b20, i1 - a12 * l21, a12,
         i2 * b20, -i2 * l21, i2,
     )  # fmt: skip
-    yx, yy, yz = times(M, ex, ey, ez)
-    zx = M[0] * gx + M[3] * gy + M[6] * gz
-    zy = M[1] * gx + M[4] * gy + M[7] * gz
-    zz = M[2] * gx + M[5] * gy + M[8] * gz
-    ux, uy, uz = times(M, r0, r1, r2)
-    T, rho = rho * (T_0 - k * (zx * r0 + zy * r1 + zz * r2)), rho * k
+    z = times_transposed(M, gx, gy, gz)
+    T, rho = rho * (T_0 - k * (z[0] * r0 + z[1] * r1 + z[2] * r2)), rho * k
+    return M, times(M, ex, ey, ez), z, times(M, r0, r1, r2), rho, T
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def eliminate(state, D, r, row):
+    """Eliminate a node, with stiffness D and right-hand side r of its own, through the segment ahead of it; also of `LANES`.
+
+    Parameters
+    ----------
+    state : tuple of 12, what lies behind: a block and a right-hand side
+    D, r, row : tuples of 9, 3 and 9
+        Stiffness by rows, right-hand side, and e, g, a, k, T_0 of the segment.
+
+    Returns
+    -------
+    ahead : tuple of 12, what the next node sees behind it
+    follows : tuple of 16, how the node follows the next one, a row of ``Net.factor``: d = H d_next + h, T = w . d_next + T
+    M, y, z, rho k : as in the docstring of `chain`, M the inverse
+    """
+    ex, ey, ez, gx, gy, gz, a, k, T_0 = row
+    M, y, z, u, rho, T = _condense(state, D, r, row)
+    (yx, yy, yz), (zx, zy, zz), (ux, uy, uz) = y, z, u
     wx, wy, wz = rho * (gx - a * zx), rho * (gy - a * zy), rho * (gz - a * zz)
     H00, H01, H02 = a * M[0] + yx * wx, a * M[1] + yx * wy, a * M[2] + yx * wz
     H10, H11, H12 = a * M[3] + yy * wx, a * M[4] + yy * wy, a * M[5] + yy * wz
@@ -105,4 +156,47 @@ def eliminate(state, D, r, row):
         ez * wx - a * H20, ez * wy - a * H21, a - a * H22 + ez * wz,
         a * hx - ex * T, a * hy - ey * T, a * hz - ez * T,
     )  # fmt: skip
-    return ahead, (H00, H01, H02, H10, H11, H12, H20, H21, H22, hx, hy, hz, wx, wy, wz, T), M, (yx, yy, yz), (zx, zy, zz), rho
+    return ahead, (H00, H01, H02, H10, H11, H12, H20, H21, H22, hx, hy, hz, wx, wy, wz, T), M, y, z, rho
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def eliminate_near(state, D, r, row, near):
+    """The same where effects join the node and the next one: ``near`` (18,), the blocks of the one's row and of the other's.
+
+    With A = a I - near_0 and B = a I - near_1 in place of a I,
+
+        w = rho k (g - A^T z),   H = M^-1 A + y w^T,   S = a I - B H + e w^T .
+    """
+    e, g, a = row[:3], row[3:6], row[6]
+    A, B = less(a, near[:9]), less(a, near[9:])
+    M, y, z, u, rho, T = _condense(state, D, r, row)
+    turned = times_transposed(A, z[0], z[1], z[2])
+    w = rho * (g[0] - turned[0]), rho * (g[1] - turned[1]), rho * (g[2] - turned[2])
+    H = _plus(_product(M, A), _outer(y, w))
+    h = u[0] + y[0] * T, u[1] + y[1] * T, u[2] + y[2] * T
+    back = times(B, h[0], h[1], h[2])
+    S = _plus(less(a, _product(B, H)), _outer(e, w))
+    return S + (back[0] - e[0] * T, back[1] - e[1] * T, back[2] - e[2] * T), H + h + w + (T,), M, y, z, rho
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def eliminate_far(state, D, r, row, near, far):
+    """The same where effects join the node and the next but one too, by ``far`` (18,).
+
+    What lies behind now acts on the next two nodes: ``state`` (42,) is that on the next one (12,), the blocks between the two (18,),
+    and that on the second (12,). The node follows both, d = H d_1 + J d_2 + h, T = w . d_1 + o . d_2 + T: ``follows`` (28,) is that
+    of `eliminate`, J and o. With F = far_0 and G = far_1,
+
+        o = rho k F^T z,   J = y o^T - M^-1 F,   S_12 = e o^T - B J,   S_21 = G H,   S_22 = G J .
+    """
+    across, beyond = state[12:30], state[30:]
+    joined = _plus(near[:9], across[:9]) + _plus(near[9:], across[9:])
+    ahead, follows, M, y, z, rho = eliminate_near(state[:12], D, r, row, joined)
+    F, G, B = far[:9], far[9:], less(row[6], joined[9:])
+    turned = times_transposed(F, z[0], z[1], z[2])
+    o = rho * turned[0], rho * turned[1], rho * turned[2]
+    J = minus(_outer(y, o), _product(M, F))
+    back = times(G, follows[9], follows[10], follows[11])
+    S = _plus(ahead[:9], beyond[:9]) + (ahead[9] + beyond[9], ahead[10] + beyond[10], ahead[11] + beyond[11])
+    S_12, S_21, S_22 = minus(_outer(row[:3], o), _product(B, J)), _product(G, follows[:9]), _product(G, J)
+    return S + S_12 + S_21 + S_22 + (-back[0], -back[1], -back[2]), follows + J + o, M, y, z, rho

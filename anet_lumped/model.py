@@ -9,7 +9,7 @@ from . import rest_length
 from .effects.axial import SWITCHES
 from .effects.signatures import SLOTS, addresses
 from .lanes import WIDTH
-from .net import COLUMNS, HALF_BAND, Effects, Lengths, Net, Points
+from .net import Effects, Lengths, Net, Points
 from .paths import pack
 from .scene import Driven, Fixed, Free, Scene
 
@@ -132,7 +132,6 @@ class Model:
         """The arrays that compiled code works on, with fresh scratch space: one a run."""
         n, segments = self.n, self.n_segments
         couples = max((getattr(effect, "couples", 0) for effect in self.forces), default=0)
-        rows = 4 * self.n_interior + len(self.cable) if couples else 0
         heavier = any("inertia" in effect.kernels() for effect in self.forces)
         changing = len(self.lengths.cable) > 0  # then masses, laws and effects' numbers are the run's own
         effects = self.effects._replace(params=self.effects.params.copy()) if changing else self.effects
@@ -161,19 +160,18 @@ class Model:
             diagonal=np.zeros((self.n_free, 3, 3)),
             factor=np.zeros((segments, 16)),
             border=np.zeros((segments, 16)),
-            carried=np.zeros((8, 3, 4)),
+            further=np.zeros((segments if couples > 1 else 0, 12)),
+            carried=np.zeros((6, 4, 4)),
             step=np.zeros((n, 3)),
             middle_q=np.zeros((n, 3)),
             middle_v=np.zeros((n, 3)),
             near=np.zeros((segments if couples > 0 else 0, 2, 3, 3)),
             far=np.zeros((segments if couples > 1 else 0, 2, 3, 3)),
             added=np.zeros((self.n_free if heavier else 0, 3, 3)),
-            band=np.zeros((rows, 2 * HALF_BAND[couples] + 1)),
-            columns=np.zeros((rows, COLUMNS)),
-            ends=np.zeros((7, COLUMNS)),
             strength=self.strength,
             observed=np.zeros(len(self.strength)),
             remembered=np.zeros(16 * len(self.strength) + 5),
+            solver=_solver(couples) if couples else 0,
         ).placed()
         if changing:
             rest_length.set_lengths(net.place, 0.0, 0.0, 0.0)
@@ -249,6 +247,12 @@ def build(scene):
     )
     model = replace(model, effects=_effect_tables(model.forces, model))
     return replace(model, lengths=rest_length.table(scene, model, build.__wrapped__))
+
+
+def _solver(couples):
+    from .coupled import solver  # on demand: what it compiles is not asked for by most nets
+
+    return solver(couples)
 
 
 def _curves(cables, table):

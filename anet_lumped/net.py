@@ -19,10 +19,6 @@ _f1, _f2, _f3, _f4 = (types.Array(types.float64, d, "C") for d in (1, 2, 3, 4))
 _i1, _i2 = (types.Array(types.int64, d, "C") for d in (1, 2))
 
 
-HALF_BAND = (0, 6, 10)  # of the matrix of `chain_wide`, by how far an effect couples nodes
-COLUMNS = 8  # right-hand sides there
-
-
 class Effects(NamedTuple):
     """The effects of a scene other than axial ones. Effect k has the numbers ``index[index_at[k]:index_at[k+1]]`` and
     ``params[params_at[k]:params_at[k+1]]`` and the functions at ``address[k]``, in the order of `signatures.SLOTS`."""
@@ -113,19 +109,18 @@ class Net(NamedTuple):
     diagonal: np.ndarray  # (n_free, 3, 3)
     factor: np.ndarray  # (n_segments, 16) scratch of the elimination, see chain.py
     border: np.ndarray  # (n_segments, 16) the same for cables between two free points
-    carried: np.ndarray  # (8, 3, 4) scratch of a cable between two free points
+    further: np.ndarray  # (n_segments, 12) the same where an effect couples next-but-one neighbours, empty where none does
+    carried: np.ndarray  # (6, 4, 4) scratch of a cable between two free points
     step: np.ndarray  # (n, 3) the Newton step; zero on prescribed nodes
     middle_q: np.ndarray  # (n, 3) place and
     middle_v: np.ndarray  # (n, 3) velocity at which external forces are taken
     near: np.ndarray  # (n_segments, 2, 3, 3) blocks between neighbours, empty where no effect couples them
     far: np.ndarray  # (n_segments, 2, 3, 3) blocks between next-but-one neighbours, likewise
     added: np.ndarray  # (n_free, 3, 3) [kg] added mass, empty where no effect has any
-    band: np.ndarray  # scratch of `chain_wide`, empty where no effect couples nodes
-    columns: np.ndarray
-    ends: np.ndarray  # (7, COLUMNS)
     strength: np.ndarray  # (n_segments,) [N] tension at which each breaks, inf for never; empty where no cable does
     observed: np.ndarray  # (n_segments,) scratch, likewise
     remembered: np.ndarray  # scratch of `dynamics.remember`, likewise
+    solver: int = 0  # address of the linear algebra where effects join neighbours, see `coupled`; 0 for that of `chain`
     place: int = 0  # address of ``words``
     words: np.ndarray = np.empty(0, np.int64)  # this tuple as compiled code lays it out in memory, for `net_at`
 
@@ -144,11 +139,11 @@ LENGTHS = types.NamedTuple(
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
 NET = types.NamedTuple(
     (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _f2, _f2, TABLE, types.int64, EFFECTS, LENGTHS, POINTS)
-    + (_f2, _f1, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f3)
+    + (_f2, _f1, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f2, _f3)
     + (_f2,) * 3
-    + (_f4, _f4, _f3, _f2, _f2, _f2)
+    + (_f4, _f4, _f3)
     + (_f1,) * 3
-    + (types.int64, _i1),
+    + (types.int64, types.int64, _i1),
     Net,
 )
 

@@ -7,10 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from systems import mesh, nets, scatter
 
-from anet_lumped import Cable, Fixed, Free, Scene, chain, chain_wide, dynamics, elimination
+from anet_lumped import Cable, Fixed, Free, Scene, chain, dynamics, elimination
+from anet_lumped.coupled import solver
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model import build
-from anet_lumped.net import COLUMNS, HALF_BAND
 from integrators.stage import BACKWARD, BETWEEN, STATE, Stage
 
 EPS = np.finfo(float).eps
@@ -33,14 +33,14 @@ def random_system(model, rng, stiffness, slack=0.2, turn=0.4):
     return net
 
 
-def check(model, net, stiffness, solve=chain.solve):
+def check(model, net, stiffness):
     """Solve, and compare with the dense solution.
 
     An elimination that puts k into a block with the inertia W loses k/W of its digits, so the error may be eps times the
     condition number times 1 + k/W. Measured: at most half of that; four times is allowed.
     """
     right = net.right.copy()
-    smallest = solve(net.place)
+    smallest = chain.solve(net.place)
     d, T, condition = naive.dense(model, net, right)
     bound = 4 * EPS * condition * (1 + stiffness / INERTIA)
     np.testing.assert_allclose(net.step, d, rtol=0, atol=bound * np.abs(d).max())
@@ -51,10 +51,9 @@ def check(model, net, stiffness, solve=chain.solve):
 
 def coupled(model, net, rng, couples, size=3.0):
     """The same system with random blocks [N/m] between nodes that effects join, small against the inertia."""
-    S, rows = model.n_segments, 4 * model.n_interior + len(model.cable)
+    S = model.n_segments
     blocks = [size * rng.uniform(-1, 1, (S if couples > reach else 0, 2, 3, 3)) for reach in (0, 1)]
-    band = np.zeros((rows, 2 * HALF_BAND[couples] + 1))
-    return net._replace(near=blocks[0], far=blocks[1], band=band, columns=np.zeros((rows, COLUMNS))).placed()
+    return net._replace(near=blocks[0], far=blocks[1], further=np.zeros((len(blocks[1]), 12)), solver=solver(couples)).placed()
 
 
 @pytest.mark.parametrize("couples", [1, 2])
@@ -65,15 +64,15 @@ def test_solution_with_couplings(name, stiffness, couples):
     for seed in range(1 if name == "mesh" else 10):
         rng = np.random.default_rng(seed)
         net = coupled(model, random_system(model, rng, stiffness), rng, couples)
-        check(model, net, stiffness, chain_wide.solve_wide)
+        check(model, net, stiffness)
 
 
 @pytest.mark.parametrize("name", NETS)
-def test_both_eliminations_agree(name):
+def test_couplings_of_nothing_change_nothing(name):
     model, rng = build(NETS[name]), np.random.default_rng(0)
     net = random_system(model, rng, 1e4)
     wide = coupled(model, net._replace(right=net.right.copy(), step=net.step.copy(), tension=net.tension.copy()), rng, 2, 0.0)
-    assert chain.solve(net.place) == pytest.approx(chain_wide.solve_wide(wide.place), rel=1e-9, abs=1e-9)
+    assert chain.solve(net.place) == pytest.approx(chain.solve(wide.place), rel=1e-9, abs=1e-9)
     # both keep what is as large as inertia and tension: 1e-16 times their condition, some 1e3
     np.testing.assert_allclose(wide.step, net.step, atol=1e-11 * np.abs(net.step).max())
     np.testing.assert_allclose(wide.tension, net.tension, atol=1e-10 * np.abs(net.tension).max())

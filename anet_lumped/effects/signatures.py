@@ -66,16 +66,17 @@ def names_left(name, pieces):
 def addresses(effect):
     """Addresses of an effect's compiled functions in the order of `SLOTS`; 0 for those that it does not have."""
     kernels = effect.kernels()
-    return [_address(kernels[slot]) if slot in kernels else 0 for slot in SLOTS]
+    return [address(kernels[slot]) if slot in kernels else 0 for slot in SLOTS]
 
 
 @cache
-def _address(kernel):
+def address(kernel):
+    """Address of a compiled function with one signature."""
     (compiled,) = kernel.overloads.values()
     return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
 
 
-def _callable(signature):
+def callable_at(signature):
     """An intrinsic that turns an address into a first-class function of a signature."""
     function_type = types.FunctionType(signature)
 
@@ -93,5 +94,5 @@ def _callable(signature):
     return as_function
 
 
-as_force, as_tangent, as_energy = _callable(FORCE), _callable(TANGENT), _callable(ENERGY)
-as_between, as_inertia = _callable(BETWEEN), _callable(INERTIA)
+as_force, as_tangent, as_energy = callable_at(FORCE), callable_at(TANGENT), callable_at(ENERGY)
+as_between, as_inertia = callable_at(BETWEEN), callable_at(INERTIA)
