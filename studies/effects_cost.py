@@ -257,7 +257,7 @@ def answer(rows):
         + "; ".join(about(name) for name in table.index if name != "none") + ".",
         f"A weight written as a law of one's own takes {table.loc[OWN].newton_ns / table.loc['gravity'].newton_ns:.2f} times the "
         f"iteration of edmc that Gravity takes and {table.loc[OWN].verlet_ns / table.loc['gravity'].verlet_ns:.2f} times the step "
-        "of verlet. Effects that couple nodes pay for a wider matrix, which all of them share.",
+        "of verlet. Effects that couple nodes pay for an elimination with more blocks, which all of them share.",
         "Left out: compile time, which the library's effects pay once for a machine and those of one's own once a process; what an "
         "effect changes in the motion, and so in the number of Newton iterations.",
     ]

@@ -95,9 +95,11 @@ def force(t, q, v, index, params, f):
     for s in range(segments):
         i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
         tx, ty, tz, _ = tangent_of(q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2], of[0])
-        _, w1, w2, _, _, _ = wetted(q[i, 2] - surface, q[j, 2] - surface, of[1])
+        w1, w2 = 0.0, 0.0
+        if surface > NO_SURFACE:
+            _, w1, w2, _, _, _ = wetted(q[i, 2] - surface, q[j, 2] - surface, of[1])
         for node, dry in ((i, 1.0 - 2.0 * w1), (j, 1.0 - 2.0 * w2)):
-            if node != last:  # the next segment of a cable begins where this one ends
+            if node != last and len(winds) > 0:  # the next segment of a cable begins where this one ends
                 wind, _ = wind_at(t, q[node, 0], q[node, 1], q[node, 2], winds)
                 last = node
             x, y, z = v[node, 0], v[node, 1], v[node, 2]
@@ -130,12 +132,14 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     for s in range(segments):
         i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
         tx, ty, tz, per_l = tangent_of(q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2], of[0])
-        _, w1, w2, k11, k12, k22 = wetted(q[i, 2] - surface, q[j, 2] - surface, of[1])
+        w1, w2, k11, k12, k22 = 0.0, 0.0, 0.0, 0.0, 0.0
+        if surface > NO_SURFACE:
+            _, w1, w2, k11, k12, k22 = wetted(q[i, 2] - surface, q[j, 2] - surface, of[1])
         for side in range(2):
             node, dry, k = (i, 1.0 - 2.0 * w1, k11) if side == 0 else (j, 1.0 - 2.0 * w2, k22)
             if node >= D.shape[0]:
                 continue
-            if node != last:
+            if node != last and len(winds) > 0:
                 wind, gradient = wind_at(t, q[node, 0], q[node, 1], q[node, 2], winds)
                 last = node
             u = (wind[0] - v[node, 0], wind[1] - v[node, 1], wind[2] - v[node, 2])

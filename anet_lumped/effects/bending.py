@@ -37,7 +37,8 @@ class Bending:
     """Bending of the cables that have an `EI`.
 
     A cable that is stiff in bending pushes too: give it ``compression="linear"``. Where it may not, a bend that dominates crumples
-    slack segments to nothing.
+    slack segments to nothing; so do bends with EI beyond EA L0^2, which no section has, and runs from a crumple then may end as
+    unconverged.
 
     Parameters
     ----------
