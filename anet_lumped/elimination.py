@@ -141,7 +141,7 @@ def eliminate(state, D, r, row):
     follows : tuple of 16, how the node follows the next one, a row of ``Net.factor``: d = H d_next + h, T = w . d_next + T
     M, y, z, rho k : as in the docstring of `chain`, M the inverse
     """
-    ex, ey, ez, gx, gy, gz, a, k, T_0 = row
+    ex, ey, ez, gx, gy, gz, a = row[:7]
     M, y, z, u, rho, T = _condense(state, D, r, row)
     (yx, yy, yz), (zx, zy, zz), (ux, uy, uz) = y, z, u
     wx, wy, wz = rho * (gx - a * zx), rho * (gy - a * zy), rho * (gz - a * zz)
@@ -175,17 +175,17 @@ def eliminate_near(state, D, r, row, near):
     H = _plus(_product(M, A), _outer(y, w))
     h = u[0] + y[0] * T, u[1] + y[1] * T, u[2] + y[2] * T
     back = times(B, h[0], h[1], h[2])
-    S = _plus(less(a, _product(B, H)), _outer(e, w))
-    return S + (back[0] - e[0] * T, back[1] - e[1] * T, back[2] - e[2] * T), H + h + w + (T,), M, y, z, rho
+    S, s = _plus(less(a, _product(B, H)), _outer(e, w)), (back[0] - e[0] * T, back[1] - e[1] * T, back[2] - e[2] * T)
+    return S + s, (*H, *h, *w, T), M, y, z, rho
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
 def eliminate_far(state, D, r, row, near, far):
     """The same where effects join the node and the next but one too, by ``far`` (18,).
 
-    What lies behind now acts on the next two nodes: ``state`` (42,) is that on the next one (12,), the blocks between the two (18,),
-    and that on the second (12,). The node follows both, d = H d_1 + J d_2 + h, T = w . d_1 + o . d_2 + T: ``follows`` (28,) is that
-    of `eliminate`, J and o. With F = far_0 and G = far_1,
+    What lies behind now acts on the next two nodes: ``state`` (42,) is that on the next one (12,), the blocks between the two
+    (18,), and that on the second (12,). The node follows both, d = H d_1 + J d_2 + h, T = w . d_1 + o . d_2 + T: ``follows`` (28,)
+    is that of `eliminate`, J and o. With F = far_0 and G = far_1,
 
         o = rho k F^T z,   J = y o^T - M^-1 F,   S_12 = e o^T - B J,   S_21 = G H,   S_22 = G J .
     """
@@ -197,6 +197,7 @@ def eliminate_far(state, D, r, row, near, far):
     o = rho * turned[0], rho * turned[1], rho * turned[2]
     J = minus(_outer(y, o), _product(M, F))
     back = times(G, follows[9], follows[10], follows[11])
-    S = _plus(ahead[:9], beyond[:9]) + (ahead[9] + beyond[9], ahead[10] + beyond[10], ahead[11] + beyond[11])
+    S, s = _plus(ahead[:9], beyond[:9]), (ahead[9] + beyond[9], ahead[10] + beyond[10], ahead[11] + beyond[11])
     S_12, S_21, S_22 = minus(_outer(row[:3], o), _product(B, J)), _product(G, follows[:9]), _product(G, J)
-    return S + S_12 + S_21 + S_22 + (-back[0], -back[1], -back[2]), follows + J + o, M, y, z, rho
+    s_2 = (-back[0], -back[1], -back[2])
+    return S + s + S_12 + S_21 + S_22 + s_2, follows + J + o, M, y, z, rho
