@@ -36,9 +36,11 @@ def why_it_stopped(model, choice, status, t, node, tolerances, counts):
             f"{choice.method} with dt={choice.dt:.3g} s{limit}, diverged at t={t:.4g} s at {model.where(node)}; "
             "try a smaller step or method=\"edmc\"."
         )
+    pushes = any(cable.compression != "none" for cable in model.scene.cables)
+    other = ["a smaller step", *['method="edmc"'] * (choice.method != "edmc"), *['compression="none"'] * pushes]
     return (
         f"{choice.method} with dt={choice.dt:.3g} s did not converge at t={t:.4g} s even with the step cut to "
-        f"{choice.dt / 4096:.1e} s; try a smaller step, method=\"edmc\" or compression=\"none\"."
+        f"{choice.dt / 4096:.1e} s; try {' or '.join(other)}."
     )
 
 

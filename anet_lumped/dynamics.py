@@ -333,8 +333,8 @@ def _residual_of(stage, net, c, members, base, q, beginning, reach):
     L0, k, damper = of_table(net.law, c, LENGTH), of_table(net.law, c, SPRING), of_table(net.law, c, DAMPER)
     numerical, rigid, soft, taut, light, share = weights(stage, net, c)
     law = (
-        spring_of(net, c), of_table(net.law, c, FIRST_LENGTH), damper, two_damper, switch(net, c, RIGID), numerical, rigid, light,
-        beginning, net.linearised[LEAST],
+        spring_of(net, c), k, of_table(net.law, c, FIRST_LENGTH), damper, two_damper, switch(net, c, RIGID), numerical, rigid,
+        light, beginning, net.linearised[LEAST],
     )  # fmt: skip
     Q, A, R, segment = q.ravel(), base.ravel(), net.right.ravel(), net.segment.ravel()
     zero = 0.0 * L0

@@ -39,7 +39,8 @@ def relaxed(model, net, q, load):
     length = max(cable.length for cable in model.scene.cables)
     law = net.law.copy()
     law[:, 7], law[:, 8] = 0.0, law[:, 0]  # at rest, lengths that change in time are those of t = 0
-    mass = np.where(np.arange(model.n) < model.n_free, load / model.n_free, 0.0)
+    moving = max(model.n_free, 1)
+    mass = np.where(np.arange(model.n) < model.n_free, load / moving, 0.0)
     net = net._replace(mass=mass, law=law, lengths=net.lengths._replace(cable=np.empty(0, np.int64))).placed()
     first = tau = SHORT * math.sqrt(length)  # all nodes alike weigh the load at 1 m/s2
     best, growth = math.inf, GROWTH
@@ -53,7 +54,7 @@ def relaxed(model, net, q, load):
                 break
             continue
         moved = float(np.abs(q - before).max())
-        best = moved / (model.n_free * tau**2)  # what inertia still takes
+        best = moved / (moving * tau**2)  # what inertia still takes
         if best <= 1e-13 or (tau >= LONGEST * first and moved <= 1e-14 * length):
             break
         if tau < LONGEST * first:

@@ -157,8 +157,9 @@ def linearise(stage, q0, q1, a0, a1, law, guess, old):
     stage : Stage
     q0, q1, a0, a1 : tuples of 3 [m], its ends now and those of the base
     law : tuple
-        ``spring`` of `spring_of`, L0 at the start of the stage, damper; switches two_damper and inextensible; numerical, rigid and
-        light of `weights`; beginning, or 0 for a stage that begins no step; the least share of the numerical damper
+        ``spring`` of `spring_of`, the steepest slope, L0 at the start of the stage, damper; switches two_damper and inextensible;
+        numerical, rigid and light of `weights`; beginning, or 0 for a stage that begins no step; the least share of the numerical
+        damper
     guess : the tension that its geometric stiffness takes [N]
     old : tuple, columns BEFORE, STRETCH, LAST and NUMERICAL of ``Net.segment``
 
@@ -167,7 +168,7 @@ def linearise(stage, q0, q1, a0, a1, law, guess, old):
     T : the tension [N]
     row : tuple of 14, the columns of ``Net.segment``
     """
-    spring, L_a, damper, two_damper, inextensible, numerical, rigid, light, beginning, least = law
+    spring, steepest, L_a, damper, two_damper, inextensible, numerical, rigid, light, beginning, least = law
     L0, last = spring[2], old[2]
     dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
     ax, ay, az = a1[0] - a0[0], a1[1] - a0[1], a1[2] - a0[2]
@@ -188,6 +189,9 @@ def linearise(stage, q0, q1, a0, a1, law, guess, old):
                 if beginning == BEGINS:  # a slack segment may snap taut
                     share = select((before > 0.0) | (two_damper > 0.0), max(_unsteady(change, last), least), 1.0)
                     numerical = share * numerical
+                if spring[4] < spring[5]:  # where a curve is not as steep as anywhere, nor is its damper
+                    _, slope, _ = tension_slopes(before, 0.0, spring, 0.0, two_damper)
+                    numerical = numerical * max(slope, spring[0]) / steepest
                 last = change
             else:
                 numerical = old[3]

@@ -112,6 +112,13 @@ def period(v, m, L0=1.0):
     return math.pi / w1 + 2.0 * (math.asin(x1 * w1 / v) / w1 + (math.pi / 2 - math.atan2(y, v1 / w2)) / w2)
 
 
+def test_a_segment_that_nothing_moves():
+    """Between two fixed points the tension is the curve's at the strain that they give it."""
+    points = [Fixed("a", (0, 0, 0)), Fixed("b", (0.12, 0, 0))]
+    cable = Cable("a", "b", length=0.1, mass_per_length=1.0, segments=1, tension_strain=[(0.1, 10.0), (1.0, 11.0)])
+    assert equilibrium(Scene(points, [cable], [Gravity()])).tension("a-b") == pytest.approx([10.0 + 0.1 / 0.9], rel=1e-12)
+
+
 @pytest.mark.parametrize("method", [*STABLE, "Kvaerno5", "Radau"])
 def test_swings_between_two_pieces(method):
     """The period of a mass on a spring of two slopes, and its energy."""

@@ -10,9 +10,11 @@ see `morison` and `drag`). What a point carries is a sphere of its volume. V is 
 codes, the effective one, to which the pressure on a cut through the cable is added.
 
 The water moves with the sum of a current, which is taken as steady in its acceleration, and of a wave, whose surface is the one
-that buoyancy sees. In still water that has an energy, -rho g V times the depth, and the work of its force over a whole step is the
-change of that: no step can raise the energy. In a wave the work of all of these forces counts as given by the water. There is no
-slamming force, no shelter behind other cables, and the current does not change the length of the wave.
+that buoyancy sees. In still water buoyancy has an energy, -rho g V times the depth, and its work over a whole step is the change
+of that, so that it can not raise the energy. Added mass that turns with a cable or goes through the surface takes and gives
+energy, 1/2 v.(dA/dt) v, since Morison's equation has no force that belongs to dA/dq; that counts as dissipated, of either sign.
+In a wave the work of all of these forces counts as given by the water. There is no slamming force, no shelter behind other
+cables, and the current does not change the length of the wave.
 
 Source
 ------

@@ -12,6 +12,7 @@ ASKED = {
     "payloads from 1e-3 to 1e6 times a node's mass": ("swing, payload",),
     "quadrotor masses at the ends": ("quadrotors",),
     "every law of compression": ("swing, compression",),
+    "tension that follows a curve": ("climber's fall, stiffening", "climber's fall, yielding"),
     "taut, and near-taut by 1e-9": ("span,",),
     "hairpin, coincident supports": ("hairpin settles", "coincident supports", "settles as a catenary"),
     "slack turning taut": ("slack snaps at 10 m/s", "quadrotors apart", "climber's fall"),
