@@ -21,7 +21,7 @@ REFERENCE = 0.5e-3  # [s] step of generalised-alpha, another method, that places
 T_END = 4.0  # [s]
 REPEATS = 5
 EXPLICIT = ("symplectic_euler", "verlet")
-ITERATION, ACCOUNT = "edmc, a Newton iteration", "edmc, energy account of a step"
+ITERATION, ACCOUNT = "edmc, a Newton iteration", "edmc, energy account and calming of a step"
 
 
 def net(name, **changes):
@@ -40,10 +40,10 @@ def newton_iterations(stage, base, target, q, place, times):
 
 
 @njit(cache=True)
-def accounts(stage, base, q, place, energy, times):
-    """What the energy balance adds to a step of edmc."""
+def accounts(stage, base, q, v, place, energy, times):
+    """What the energy balance adds to a step of edmc, and what calms its velocities."""
     for _ in range(times):
-        dynamics.settle(stage, base, q, place, energy)
+        dynamics.settle(stage, base, q, v, place, energy)
 
 
 def seconds(function, *arguments, times):
@@ -65,7 +65,7 @@ def costs(segments, repeats):
     held = net("net_held", segments=segments)
     rest = equilibrium(held)
     start, nodes, h = equilibrium(net("net_carried", segments=segments)), rest.model.n, 0.01
-    arrays, q, energy = rest.model.net(), rest.q.copy(), np.zeros(2)
+    arrays, q, v, energy = rest.model.net(), rest.q.copy(), np.zeros_like(rest.q), np.zeros(2)
     arrays.tension[:] = rest.segment_tension
     stage = Stage(BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
     steps, iterations = max(10, int(2e6 / nodes)), max(5, int(1e6 / nodes))
@@ -74,7 +74,7 @@ def costs(segments, repeats):
         row = {f"{method}, a step": run_seconds(start, method, 2e-4 / segments, steps) for method in EXPLICIT}
         row["edmc, a step"] = run_seconds(start, "edmc", h, max(10, steps // 10))
         row[ITERATION] = seconds(newton_iterations, stage, rest.q, rest.q, q, arrays.place, times=iterations)
-        row[ACCOUNT] = seconds(accounts, stage, rest.q, q, arrays.place, energy, times=iterations)
+        row[ACCOUNT] = seconds(accounts, stage, rest.q, q, v, arrays.place, energy, times=iterations)
         began = time.perf_counter()
         equilibrium(held)
         found.append(row | {"equilibrium": time.perf_counter() - began})
@@ -153,7 +153,8 @@ def answer(rows):
         f"verlet and {between(ITERATION)} in a Newton iteration, over {costs_of.index[0]} to {costs_of.index[-1]} nodes; the "
         f"largest explicit ones at {costs_of['verlet, a step'].idxmax()} nodes. A whole step of edmc costs as much as "
         f"{(costs_of['edmc, a step'] / costs_of['verlet, a step']).median():.0f} steps of verlet.",
-        f"The energy balance takes {100 * (costs_of[ACCOUNT] / costs_of['edmc, a step']).max():.1f} % of a step of edmc at most; "
+        f"The energy balance and the calming of velocities take {100 * (costs_of[ACCOUNT] / costs_of['edmc, a step']).max():.1f} % "
+        "of a step of edmc at most; "
         "an explicit step has it from the force at two additions a segment.",
         f"The held net's equilibrium takes {held.total_ms:.2f} ms.",
         "Left out: compile time, which is paid once for a machine and kept; more than one core.",

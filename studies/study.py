@@ -29,7 +29,7 @@ STUDIES = {
     "What accuracy costs": ("work_precision", "effects_cost"),
 }
 """Names of the studies, by the part of the report that each belongs to, in its order."""
-LONG = ("hard_cases", "work_precision")  # minutes by themselves: the report takes a first look unless it is asked for all
+LONG = ("hard_cases", "work_precision", "effects_cost")  # minutes each: the report takes a first look unless it is asked for all
 UNFINISHED = "unfinished"  # rows of a study that is still running, or was killed
 HEAVY = 400_000  # bytes
 
