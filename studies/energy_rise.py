@@ -275,8 +275,8 @@ def answer(rows):
     return f"""
 Two schemes never gain energy, whatever the start, stiffness, damper and step: edmc, whose largest rise is
 {table.loc[safe[0], "worst_rise"]:.1g} of the energy in play, and backward Euler with {table.loc[safe[1], "worst_rise"]:.1g}.
-That is round-off. All other implicit schemes gain, from a share of the energy in play to many times all of it, although
-their linear theory promises stability at every step.
+That is round-off and Newton's tolerance. All other implicit schemes gain, from a share of the energy in play to many times all
+of it, although their linear theory promises stability at every step.
 
 Largest rise, at a damping ratio up to {ZETAS[1]:g} and with the damper of {ZETAS[2]:g} as well: {worst}. A rise is the
 largest one above the least energy before, over the weight times the length of the cable ({MASS * GRAVITY * LENGTH:.3g} J)
