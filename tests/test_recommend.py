@@ -41,12 +41,11 @@ def test_smaller_errors_cost_more(found):
     assert fine.time_error < 1e-4 and fine.checked_error < 2e-4
 
 
-@pytest.mark.parametrize(("EA", "offered"), [(5.0, True), (1e9, False)])
-def test_soft_cables_may_be_marched_explicitly(EA, offered):
-    """Where the stable step is as long as the motion asks for, verlet is among what is compared; in stiff cables it is not."""
-    search = _Search(loose_cable(EA, 0.0, compression="linear"), ("b",), 0.3, "straight")
+def test_soft_cables_may_be_marched_explicitly():
+    """Where the stable step is as long as the motion asks for, verlet is among what is compared."""
+    search = _Search(loose_cable(5.0, 0.0, compression="linear"), ("b",), 0.3, "straight")
     found = search.candidates(10, 1e-3)
-    assert ("verlet" in [one.method for one in found]) == offered
+    assert {"edmc", "verlet"} == {one.method for one in found}
     assert all(one.error <= 1e-3 for one in found) and found == sorted(found, key=lambda one: -one.times_real_time)
 
 
