@@ -240,9 +240,7 @@ def _eliminate_bordered(place, blocks, c):
         s += 1
         row, border, H, h = net.segment[s], net.border[s], net.factor[s, :9].reshape(3, 3), net.factor[s, 9:12]
         a = row[GEOMETRIC]
-        if len(blocks) == 0:
-            B = (a, 0.0, 0.0, 0.0, a, 0.0, 0.0, 0.0, a)
-        else:
+        if len(blocks) > 0:
             B = less(a, _pair(blocks[0], s)[9:])
             if len(blocks) > 1:
                 B = minus(B, state[21:30])
@@ -252,7 +250,10 @@ def _eliminate_bordered(place, blocks, c):
             b = times(M, C[0, u], C[1, u], C[2, u])
             bx, by, bz = b[0] - y[0] * of_T, b[1] - y[1] * of_T, b[2] - y[2] * of_T
             border[u], border[4 + u], border[8 + u], border[12 + u] = bx, by, bz, -of_T
-            ahead = times(B, bx, by, bz)
+            if len(blocks) == 0:
+                ahead = a * bx, a * by, a * bz
+            else:
+                ahead = times(B, bx, by, bz)
             for x in range(3):
                 C[x, u] = ahead[x] + row[x] * of_T + C_next[x, u]
             if len(blocks) > 1:

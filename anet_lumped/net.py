@@ -99,7 +99,7 @@ class Net(NamedTuple):
     effects: Effects
     lengths: Lengths
     points: Points
-    segment: np.ndarray  # (n_segments, 14) scratch: the linearised law of each segment, columns in chain.py
+    segment: np.ndarray  # (n_segments, 14) scratch: the linearised law of each segment, columns in elimination.py
     tension: np.ndarray  # (n_segments,) tension that the last Newton step predicted
     mean: np.ndarray  # (n_segments,) tension, averaged over the stages of a step
     linearised: np.ndarray  # (5,) of the stage that ``segment`` belongs to, columns in dynamics.py
@@ -107,7 +107,7 @@ class Net(NamedTuple):
     kept: np.ndarray  # (points, 3) scratch
     right: np.ndarray  # (n, 3) right-hand side, overwritten by the elimination
     diagonal: np.ndarray  # (n_free, 3, 3)
-    factor: np.ndarray  # (n_segments, 16) scratch of the elimination, see chain.py
+    factor: np.ndarray  # (n_segments, 16) scratch of the elimination, see elimination.py
     border: np.ndarray  # (n_segments, 16) the same for cables between two free points
     further: np.ndarray  # (n_segments, 12) the same where an effect couples next-but-one neighbours, empty where none does
     carried: np.ndarray  # (6, 4, 4) scratch of a cable between two free points

@@ -1,8 +1,11 @@
 """What several test files need."""
 
 import signal
+from functools import partialmethod
 
 import pytest
+
+from integrators import schemes
 
 
 @pytest.fixture
@@ -11,3 +14,14 @@ def ctrl_c():
     was = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, was)
+
+
+@pytest.fixture
+def solve_to(monkeypatch):
+    """Set Newton's tolerance, relative to the largest force on a node, so that a motion does not depend on when it stops."""
+    original = schemes.Scheme.options
+
+    def solve_to(tolerance):
+        monkeypatch.setattr(schemes.Scheme, "options", partialmethod(original, tolerance=tolerance))
+
+    return solve_to

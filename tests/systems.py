@@ -11,7 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from anet_lumped import Cable, Driven, Fixed, Free, Scene, State, paths
+from anet_lumped.bindings import system
 from anet_lumped.effects import Gravity, ViscousDamping
+from anet_lumped.jacobian import sparse_jacobian
 from anet_lumped.model import build
 
 MU = 0.1  # [kg/m]
@@ -252,3 +254,21 @@ MOTIONS = {
     "hanging chain": lambda amplitude: hanging_chain(amplitude=amplitude),
     "hanging chain with payload, in drag": lambda amplitude: hanging_chain(2.0, payload=0.05, amplitude=amplitude),
 }
+
+
+def order_of_the_jacobian(model, q, v):
+    """Order of what the Jacobian that stiff solvers of other packages get leaves of the accelerations, by Taylor: 2."""
+    compiled, net, rng = system(model), model.net(), np.random.default_rng(0)
+    moves = [np.zeros((model.n, 3)) for _ in range(2)]
+    for move in moves:
+        move[: model.n_free] = rng.normal(size=(model.n_free, 3))
+    slope = sparse_jacobian(model, net)(0.3, q, v) @ np.concatenate([move[: model.n_free].ravel() for move in moves])
+
+    def acceleration(h):
+        f = np.zeros((model.n, 3))
+        compiled.force(0.3, q + h * moves[0], v + h * moves[1], net.place, f, np.zeros(2))
+        return (f[: model.n_free] / model.mass[: model.n_free, None]).ravel()
+
+    steps = 2.0 ** -np.arange(12, 19)
+    left = [np.linalg.norm(acceleration(h) - acceleration(0.0) - h * slope[3 * model.n_free :]) for h in steps]
+    return np.polyfit(np.log(steps), np.log(left), 1)[0]

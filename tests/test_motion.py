@@ -8,7 +8,6 @@ import signal
 import threading
 import time
 import warnings
-from functools import partialmethod
 
 import naive
 import numpy as np
@@ -35,17 +34,6 @@ from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model import build
 from anet_lumped.simulate import METHODS, StabilityWarning
 from integrators import schemes
-
-
-@pytest.fixture
-def solve_to(monkeypatch):
-    """Set Newton's tolerance, so that a motion does not depend on when the iteration stops."""
-    original = schemes.Scheme.options
-
-    def solve_to(tolerance):
-        monkeypatch.setattr(schemes.Scheme, "options", partialmethod(original, tolerance=tolerance))
-
-    return solve_to
 
 
 def state(scene, q, v=None):

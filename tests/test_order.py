@@ -1,7 +1,6 @@
 """Every scheme on every motion with a closed form: the errors of places and of velocities fall at the scheme's order."""
 
 import warnings
-from functools import partialmethod
 
 import numpy as np
 import pytest
@@ -35,21 +34,9 @@ def errors(motion, name, rho_inf, steps):
     return np.abs(run.q[:, :n, 0] - x).max(), np.abs(run.v[:, :n, 0] - v).max()
 
 
-@pytest.fixture
-def solve_to(monkeypatch):
-    """Set Newton's tolerance, relative to the largest force on a node.
-
-    1e-9 leaves at most 1e-5 of the force of swings of 1e-4 m, whose forces are 1e-4 of the weight, and the errors measured
-    are above 1e-4 of the motion. The errors of order 1 are above 1e-3, and their many steps forbid less than 1e-7: rounding
-    of places of 1 m leaves m eps/h^2 in the force.
-    """
-    original = schemes.Scheme.options
-
-    def solve_to(tolerance):
-        monkeypatch.setattr(schemes.Scheme, "options", partialmethod(original, tolerance=tolerance))
-
-    return solve_to
-
+# `solve_to` 1e-9 leaves at most 1e-5 of the force of swings of 1e-4 m, whose forces are 1e-4 of the weight, and the errors measured
+# are above 1e-4 of the motion. The errors of order 1 are above 1e-3, and their many steps forbid less than 1e-7: rounding of places
+# of 1 m leaves m eps/h^2 in the force.
 
 SWINGS = [system for system, make in MOTIONS.items() if not make(1e-6).axial]
 

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from functools import partialmethod
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from systems import spring_mass
 from anet_lumped import Cable, Fixed, Free, Scene, State, simulate
 from anet_lumped.model import build
 from anet_lumped.run import segment_tensions
-from integrators import schemes
 from studies.catalogue.swings import ANGLE, pendulum, released, rod_tension
 
 OMEGA, M, R = 3.0, 1.0, 1.0  # [rad/s], [kg], [m]
@@ -70,17 +68,6 @@ def test_last_stage_of_sdirk2_is_off_by_a_factor():
         of_places = (segment_tensions(run.model, run.q, run.v)[:, 0] / T / speed**2)[run.t > 0.5]
         # but for the squares of a step's turn, at most 0.06, and of 1/(h omega), at most 0.006 in the stretching
         np.testing.assert_allclose(of_places, 1.5 * (2.0 + math.sqrt(2.0)), rtol=5e-3)
-
-
-@pytest.fixture
-def solve_to(monkeypatch):
-    """Set Newton's tolerance."""
-    original = schemes.Scheme.options
-
-    def solve_to(tolerance):
-        monkeypatch.setattr(schemes.Scheme, "options", partialmethod(original, tolerance=tolerance))
-
-    return solve_to
 
 
 @pytest.mark.parametrize("method", ["midpoint", "sdirk2"])

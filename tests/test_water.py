@@ -5,13 +5,11 @@ import math
 
 import numpy as np
 import pytest
-from systems import nets, scatter
+from systems import nets, order_of_the_jacobian, scatter
 
 from anet_lumped import Cable, Driven, Fixed, Free, Scene, SceneError, State, equilibrium, paths, simulate
-from anet_lumped.bindings import system
 from anet_lumped.effects import Gravity, Water
 from anet_lumped.effects.submergence import immersed, share, sphere
-from anet_lumped.jacobian import sparse_jacobian
 from anet_lumped.model import build
 from anet_lumped.scene_file import load_scene, save_scene, scene_from_dict, scene_to_dict
 from anet_lumped.wave_kernel import wave_at
@@ -182,20 +180,7 @@ def test_jacobian_by_taylor():
     scene = in_water("junction", water={"current": STREAM}, Can=0.7, Cat=0.7)
     model, _, _, _, _, q, v = numbers(scene, 2)
     q[:, 2] -= 20.0
-    compiled, net, rng = system(model), model.net(), np.random.default_rng(0)
-    moves = [np.zeros((model.n, 3)) for _ in range(2)]
-    for move in moves:
-        move[: model.n_free] = rng.normal(size=(model.n_free, 3))
-    slope = sparse_jacobian(model, net)(0.3, q, v) @ np.concatenate([move[: model.n_free].ravel() for move in moves])
-
-    def acceleration(h):
-        f = np.zeros((model.n, 3))
-        compiled.force(0.3, q + h * moves[0], v + h * moves[1], net.place, f, np.zeros(2))
-        return (f[: model.n_free] / model.mass[: model.n_free, None]).ravel()
-
-    steps = 2.0 ** -np.arange(12, 19)
-    left = [np.linalg.norm(acceleration(h) - acceleration(0.0) - h * slope[3 * model.n_free :]) for h in steps]
-    assert np.polyfit(np.log(steps), np.log(left), 1)[0] == pytest.approx(2.0, abs=0.1)
+    assert order_of_the_jacobian(model, q, v) == pytest.approx(2.0, abs=0.1)
 
 
 def hanging(*effects, top=-1.0, points=(), **kwargs):

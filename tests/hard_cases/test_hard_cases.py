@@ -17,23 +17,13 @@ from studies.catalogue.falls import _fall_time
 from studies.catalogue.outcome import DEFAULT, EXTRAPOLATED, FAILED, HELD, NODE_TRIES, REFUSED, WAYS, bounded, meet
 from studies.catalogue.swings import ANGLE, pendulum, released, rod_tension
 
-KNOWN = {
-}  # fmt: skip
-"""(case, method) that fail -> why: defects, each to be taken out of here once mended."""
-
 SURE = (DEFAULT, "symplectic_euler", "verlet", "rk4", "dop853", "edmc", EXTRAPOLATED, "backward_euler")
 PUMPS = ("midpoint", "sdirk2", "tr_bdf2", "generalised_alpha")  # linear theory is all that they promise
 DEAR = ("swing, 10000 segments", "hour of swing", "net 10 x 10, held")  # the default and edmc only
 
 
-def marked(case, way):
-    """The pair as a parameter, expected to fail where that is known."""
-    marks = [pytest.mark.xfail(strict=True, reason=KNOWN[case, way])] if (case, way) in KNOWN else []
-    return pytest.param(case, way, marks=marks, id=f"{case}: {way}")
-
-
 @pytest.mark.parametrize(
-    ("case", "way"), [marked(case, way) for case in CASES for way in SURE if case not in DEAR or way in (DEFAULT, "edmc")]
+    ("case", "way"), [(case, way) for case in CASES for way in SURE if case not in DEAR or way in (DEFAULT, "edmc")]
 )
 def test_statement_holds(case, way):
     """The default holds all; a method asked for by name holds, or refuses with a reason."""
