@@ -11,7 +11,7 @@ code DOP853 are those that scipy holds.
 import numpy as np
 from scipy.integrate import DOP853
 
-from . import pair
+from . import embedded_pair as pair
 
 ORDER = 8
 STAGES = DOP853.n_stages

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from .placed import value_at, words
+from .addresses import value_at, words
 from .stage import STAGE
 
 _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))

@@ -1,0 +1,1 @@
+"""The application: the command line, sweeps, studies and the report."""

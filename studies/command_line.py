@@ -3,6 +3,7 @@
 Exit status 0: done; 1: a run failed; 2: bad input; 130: stopped by Ctrl-C. What a command needs it imports itself, so
 that `--help` answers at once.
 """
+
 import sys
 import warnings
 from pathlib import Path
@@ -50,8 +51,8 @@ def _about():
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
 def equilibrium(scene: Scene, out: Out = None, as_json: Json = False):
     """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, place [m] of each free point."""
-    from anet_lumped.equilibrium import equilibrium
-    from studies.summary import of_rest, write_nodes
+    from anet_lumped.statics.equilibrium import equilibrium
+    from studies.shown.summary import of_rest, write_nodes
 
     state = equilibrium(_load(scene))
     _give(of_rest(state), as_json, out, "equilibrium")
@@ -79,8 +80,8 @@ def simulate(
     With --out the run is saved there (run.nc), with its account (run.json) and a picture (run.png). A run that does not reach
     its end, gains energy or fails its audit exits with 1, and says so in all of them.
     """
-    from anet_lumped.simulate import RunInterrupt, simulate
-    from studies.summary import of_run
+    from anet_lumped.motion.simulate import RunInterrupt, simulate
+    from studies.shown.summary import of_run
 
     try:
         run = simulate(
@@ -91,7 +92,7 @@ def simulate(
         run = stopped.run
     _give(of_run(run), as_json, out, "run")
     if out:
-        from studies.run_figure import plot
+        from studies.shown.run_figure import plot
 
         run.save(out / "run.nc")
         plot(run).savefig(out / "run.png", dpi=110)
@@ -110,8 +111,8 @@ def recommend(
     as_json: Json = False,
 ):
     """Find the cheapest segments, method and step that keep an error. Its parts, the runner-up, and the command to run."""
-    from anet_lumped.recommend import recommend
-    from studies.summary import of_recommendation
+    from anet_lumped.advice.recommend import recommend
+    from studies.shown.summary import of_recommendation
 
     found = recommend(_load(scene), _metres(error), at=at, t_end=t_end, start=start or "equilibrium", realtime=realtime)
     _give(of_recommendation(found, scene), as_json)
@@ -138,8 +139,8 @@ def effects(
 
     What the scene has is taken away, what it lacks but could have is put in, one at a time; with --out also as effects.csv.
     """
-    from anet_lumped.effect_audit import audit_effects
-    from studies.summary import of_effects, write_effects
+    from anet_lumped.advice.effect_audit import audit_effects
+    from studies.shown.summary import of_effects, write_effects
 
     limit = _newtons(error) if tension else _metres(error)
     start = start or "equilibrium"
@@ -157,7 +158,7 @@ def check(
     as_json: Json = False,
 ):
     """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
-    from studies.summary import before_run
+    from studies.shown.summary import before_run
 
     _give(before_run(_load(scene), dt), as_json)
 
@@ -173,9 +174,7 @@ def sweep(
             "over a:b:n (evenly), a:b:nlog (in the logarithm) or a,b,c. Again for a grid.",
         ),
     ],
-    measure: Annotated[
-        list[str], typer.Option(metavar="NAME", help="What is measured; `anet-lumped measures` lists all.")
-    ] = [],  # noqa: B006 (typer's way to say "any number")
+    measure: Annotated[list[str], typer.Option(metavar="NAME", help="What is measured; `anet-lumped measures` lists all.")] = [],  # noqa: B006 (typer's way to say "any number")
     t_end: Annotated[float | None, typer.Option(help="How long each variant runs [s]; without, it only rests.")] = None,
     method: Method = None,
     dt: Step = None,
@@ -186,8 +185,8 @@ def sweep(
     as_json: Json = False,
 ):
     """Measure a scene over a grid of inputs. Runs in parallel; rows are on disk as they finish."""
-    from studies.sweep import sweep
-    from studies.vary import parse_vary
+    from studies.sweeping.sweep import sweep
+    from studies.sweeping.vary import parse_vary
 
     out = out or Path("results") / f"sweep-{Path(scene).stem}"
     settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
@@ -207,7 +206,7 @@ def sweep(
 @app.command()
 def measures():
     """List what a sweep can measure."""
-    from studies.measures import MEASURES
+    from studies.sweeping.measures import MEASURES
 
     rows = [{"measure": name} | measure._asdict() for name, measure in MEASURES.items()]
     for row in rows:
@@ -241,7 +240,7 @@ def mismatch(
     as_json: Json = False,
 ):
     """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable."""
-    from studies.summary import against_catenary, against_markers
+    from studies.shown.summary import against_catenary, against_markers
 
     loaded = _load(scene)
     found = against_markers(loaded, markers) if markers else against_catenary(loaded)
@@ -255,7 +254,7 @@ def report(
     out: Annotated[Path, typer.Option(help="Folder for the page and its data.")] = REPORT,
 ):
     """Run the studies and write one page. What the thesis found, why, and what cures it."""
-    from studies.report import write_report
+    from studies.shown.report import write_report
 
     failed = write_report(out, quick=quick, tell=_tell, full=full)
     print(out / "report.html")
@@ -269,7 +268,7 @@ def ropes(
     as_json: Json = False,
 ):
     """List the ropes that a cable may be made of. Mass, stiffness, strength at one diameter, and where the numbers are from."""
-    from studies.summary import of_ropes
+    from studies.shown.summary import of_ropes
 
     _give(of_ropes(diameter), as_json)
 
@@ -280,7 +279,7 @@ def convert(
     out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write: .toml, or MoorDyn's .txt, .dat, .moordyn.")],
 ):
     """Write a scene in another form. TOML or a MoorDyn input file, by the ending of OUT."""
-    from anet_lumped.scene_file import MOORDYN, save_scene
+    from anet_lumped.files.scene_file import MOORDYN, save_scene
 
     if out.suffix.lower() not in (".toml", *MOORDYN):
         raise ValueError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}.")
@@ -291,7 +290,7 @@ def convert(
 def _load(text):
     """Scene of a file or, by its bare name, one that comes with the program."""
     from anet_lumped.checks import SceneError, nearest
-    from anet_lumped.scene_file import load_scene
+    from anet_lumped.files.scene_file import load_scene
 
     bundled = {file.stem: file for file in SCENES.glob("*.toml")}
     if text.endswith(".toml") or Path(text).is_file():
@@ -304,7 +303,7 @@ def _load(text):
 
 def _changed(scene, texts):
     """The scene with NAME=VALUE put in."""
-    from studies.vary import SETTINGS, VaryError, apply, parse_vary, read_values
+    from studies.sweeping.vary import SETTINGS, VaryError, apply, parse_vary, read_values
 
     values = read_values(scene, parse_vary(texts)) if texts else {}
     for name, given in values.items():
@@ -335,8 +334,8 @@ def _amount(text, units, like):
 
 
 def _give(result, as_json=False, out=None, stem=""):
-    from studies.show import as_json as to_json
-    from studies.show import show
+    from studies.shown.show import as_json as to_json
+    from studies.shown.show import show
 
     if out:
         out.mkdir(parents=True, exist_ok=True)

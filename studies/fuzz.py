@@ -13,12 +13,14 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, Scene, SceneError, State, paths
+from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, Scene, SceneError, State
 from anet_lumped.effects import Air, AxialDamping, Bending, Gravity, Ground, ViscousDamping, Water
-from anet_lumped.model import build
-from anet_lumped.run import segment_tensions
-from anet_lumped.simulate import SCIPY, StabilityWarning, simulate, straight
-from anet_lumped.stability import predict
+from anet_lumped.model.build import build
+from anet_lumped.model.tables import AXIAL_STIFFNESS
+from anet_lumped.motion.simulate import SCIPY, StabilityWarning, simulate, straight
+from anet_lumped.motion.stability import predict
+from anet_lumped.prescribed import paths
+from anet_lumped.results.run import segment_tensions
 from integrators import schemes
 from studies.catalogue.outcome import DEFAULT, METHODS, bounded
 
@@ -214,7 +216,7 @@ def _audit(trial, run):
     rows = run.energy
     m = model.mass[: model.n_free]
     weighty = m.sum() * (np.linalg.norm(scene.gravity) * np.abs(run.q).max() + (run.v**2).sum(axis=2).max())
-    rounding = 1e-9 * weighty + 1e-15 * float(model.law[:, 1].max()) * np.abs(run.q).max() ** 2
+    rounding = 1e-9 * weighty + 1e-15 * float(model.axial[:, AXIAL_STIFFNESS].max()) * np.abs(run.q).max() ** 2
     in_play = max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max(), rows[:, 4].max()) + rounding
     own = rows[:, :3].sum(axis=1) - rows[:, 3]
     rise = float((own - np.minimum.accumulate(own)).max() / in_play)

@@ -11,6 +11,7 @@ and whose name stands in STUDIES. `quick` is for tests and a first look: the sam
 tables and figures become file names and captions. Constants in capitals are the study's parameters (a SEED too) and go
 to `meta.json`.
 """
+
 import importlib
 import json
 import shutil
@@ -19,8 +20,8 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.provenance import provenance
-from studies.rows import save_table
+from studies.sweeping.provenance import provenance
+from studies.sweeping.rows import save_table
 
 STUDIES = {
     "What the thesis found": ("thesis_tables", "length_error", "model_mismatch"),
@@ -70,7 +71,7 @@ def run_study(name: str, out: str | Path, *, quick: bool = False, executor: Exec
     import matplotlib
 
     matplotlib.use("Agg")
-    module = importlib.import_module(f"studies.{name}")
+    module = importlib.import_module(f"studies.questions.{name}")
     out = Path(out)
     shutil.rmtree(out / UNFINISHED, ignore_errors=True)
     begin = time.perf_counter()

@@ -6,8 +6,8 @@ from fractions import Fraction
 import numpy as np
 
 from anet_lumped.effects import Gravity, ViscousDamping
-from anet_lumped.elimination import DIRECTION, GEOMETRIC, GRADIENT, STIFFNESS, TENSION
-from anet_lumped.scene import Free
+from anet_lumped.model.tables import SEGMENT_DIRECTION, SEGMENT_GEOMETRIC, SEGMENT_GRADIENT, SEGMENT_STIFFNESS, SEGMENT_TENSION
+from anet_lumped.scene.scene import Free
 from integrators.stage import BACKWARD, BETWEEN
 
 
@@ -141,13 +141,19 @@ def residual(model, stage, base, target, q):
 
 
 def segment_law(net, s):
-    """Of segment s in the system of `anet_lumped.chain`: e and g (3,), a, k [N/m] and T_0 [N]."""
+    """Of segment s in the system of `mechanics.linear.chain`: e and g (3,), a, k [N/m] and T_0 [N]."""
     row = net.segment[s]
-    return row[DIRECTION : DIRECTION + 3], row[GRADIENT : GRADIENT + 3], row[GEOMETRIC], row[STIFFNESS], row[TENSION]
+    return (
+        row[SEGMENT_DIRECTION : SEGMENT_DIRECTION + 3],
+        row[SEGMENT_GRADIENT : SEGMENT_GRADIENT + 3],
+        row[SEGMENT_GEOMETRIC],
+        row[SEGMENT_STIFFNESS],
+        row[SEGMENT_TENSION],
+    )
 
 
 def operator(model, net):
-    """(n_free, 3, n_free, 3) matrix of the displacements in the system of `anet_lumped.chain`, tensions eliminated [N/m]."""
+    """(n_free, 3, n_free, 3) matrix of the displacements in the system of `mechanics.linear.chain`, tensions eliminated [N/m]."""
     K = np.zeros((model.n, 3, model.n, 3))
     for i in range(model.n_free):
         K[i, :, i] += net.diagonal[i]
@@ -171,7 +177,7 @@ def couplings(model, net):
 
 
 def dense(model, net, right):
-    """Solution of the system of `anet_lumped.chain` with the tensions as unknowns: d (n, 3), T, and the condition number.
+    """Solution of the system of `mechanics.linear.chain` with the tensions as unknowns: d (n, 3), T, and the condition number.
 
     Rows are scaled to 1, and the solution is refined with residuals in extended precision.
     """
@@ -204,7 +210,7 @@ def dense(model, net, right):
 
 
 def out_of_balance(model, net):
-    """(n_free, 3) force that `dynamics.residual` left in the arrays of a net [N]."""
+    """(n_free, 3) force that `residual` left in the arrays of a net [N]."""
     r = net.right.copy()
     for s, (i, j) in enumerate(model.ends):
         e, _, _, _, T = segment_law(net, s)

@@ -10,11 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anet_lumped import Cable, Driven, Fixed, Free, Scene, State, paths
-from anet_lumped.bindings import system
+from anet_lumped import Cable, Driven, Fixed, Free, Scene, State
 from anet_lumped.effects import Gravity, ViscousDamping
-from anet_lumped.jacobian import sparse_jacobian
-from anet_lumped.model import build
+from anet_lumped.mechanics.bindings import system
+from anet_lumped.mechanics.fresh_net import fresh_net
+from anet_lumped.mechanics.jacobian import sparse_jacobian
+from anet_lumped.model.build import build
+from anet_lumped.prescribed import paths
 
 MU = 0.1  # [kg/m]
 
@@ -38,9 +40,7 @@ def four_cables(EA=1e4, zeta=0.05, segments=20, carried=False, **kwargs):
 
 def _net(fixed, free, links, effects=None, **kwargs):
     made = dict(length=1.0, mass_per_length=MU, EA=1e3, zeta=0.1) | kwargs
-    cables = [
-        Cable(a, b, segments=n, name=f"{a}-{b}-{i}", **made) for i, (a, b, n) in enumerate(links)
-    ]
+    cables = [Cable(a, b, segments=n, name=f"{a}-{b}-{i}", **made) for i, (a, b, n) in enumerate(links)]
     return Scene([*(Fixed(x, (0, 0, 0)) for x in fixed), *(Free(x, 0.01) for x in free)], cables, effects or [Gravity()])
 
 
@@ -258,7 +258,7 @@ MOTIONS = {
 
 def order_of_the_jacobian(model, q, v):
     """Order of what the Jacobian that stiff solvers of other packages get leaves of the accelerations, by Taylor: 2."""
-    compiled, net, rng = system(model), model.net(), np.random.default_rng(0)
+    compiled, net, rng = system(model), fresh_net(model), np.random.default_rng(0)
     moves = [np.zeros((model.n, 3)) for _ in range(2)]
     for move in moves:
         move[: model.n_free] = rng.normal(size=(model.n_free, 3))

@@ -77,7 +77,7 @@ def test_no_effect_knows_another():
     [
         "import anet_lumped",
         "from anet_lumped import *",
-        "import anet_lumped.effects, anet_lumped.paths, anet_lumped.simulate, anet_lumped.stability",
+        "import anet_lumped.effects, anet_lumped.prescribed.paths, anet_lumped.motion.simulate, anet_lumped.motion.stability",
     ],
 )
 def test_what_an_import_loads(statement):

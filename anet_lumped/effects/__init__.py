@@ -1,7 +1,8 @@
 """The physical effects a scene may ask for, besides the axial elasticity that every cable has.
 
 Each lives in a file of its own, which is imported when the effect is asked for: as ``anet_lumped.effects.Gravity`` or by its
-name in a scene file, ``REGISTRY["gravity"]``. Those of one's own are made of a law in plain Python (`anet_lumped.own_effects`).
+name in a scene file, ``REGISTRY["gravity"]``. A user's own effects
+are made of a law in plain Python (`anet_lumped.effects.own.decorators`).
 """
 
 from collections.abc import Iterator, MutableMapping
@@ -66,7 +67,7 @@ __all__ = ["REGISTRY", *OWN, *(kind for kind in REGISTRY.classes.values())]
 
 def __getattr__(attribute: str) -> Any:
     if attribute in OWN:
-        return getattr(import_module("anet_lumped.own_effects"), attribute)
+        return getattr(import_module("anet_lumped.effects.own.decorators"), attribute)
     for name, kind in REGISTRY.classes.items():
         if kind == attribute:
             return REGISTRY[name]

@@ -7,11 +7,10 @@ import numpy as np
 from numba import njit
 
 from anet_lumped.checks import SceneError, check_number
-from anet_lumped.wind import Wind
-from anet_lumped.wind.base import check_winds
-from anet_lumped.wind.kernel import pack, wind_at
-
-from .drag import (
+from anet_lumped.effects.flow.wind import Wind
+from anet_lumped.effects.flow.wind.base import check_winds
+from anet_lumped.effects.flow.wind.kernel import pack, wind_at
+from anet_lumped.effects.laws.drag import (
     point_coefficient,
     point_drag,
     segment_coefficients,
@@ -20,8 +19,9 @@ from .drag import (
     subtract_segment_slopes,
     tangent_of,
 )
+from anet_lumped.effects.laws.submergence import share, sphere, wetted
+
 from .signatures import ENERGY, FORCE, TANGENT
-from .submergence import share, sphere, wetted
 
 HEADER, OF_SEGMENT, OF_POINT = 2, 4, 2  # numbers in front, of each segment and of each point
 NO_SURFACE = -1e300  # [m]

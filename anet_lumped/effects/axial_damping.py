@@ -7,8 +7,8 @@ import numpy as np
 from numba import njit
 
 from anet_lumped.checks import check_number
+from anet_lumped.effects.laws.drag import tangent_of
 
-from .drag import tangent_of
 from .signatures import ENERGY, FORCE, TANGENT, names_left
 
 
@@ -72,7 +72,7 @@ class AxialDamping:
         return np.column_stack([model.ends[found], found]).ravel(), np.column_stack([L0, half]).ravel()
 
     def of_pieces(self, pieces, cables):
-        """The same damping where cables have broken, see `anet_lumped.remainder`."""
+        """The same damping where cables have broken, see `anet_lumped.model.remainder`."""
         if not isinstance(self.rate, tuple):
             return self
         of = [(piece, rate) for name, rate in self.rate for piece in names_left(name, pieces)]

@@ -81,14 +81,14 @@ class Bending:
             raise SceneError("The effect Bending needs cables with an `EI` [N m2], but no cable has any.")
         pairs, index, numbers = 0, [], []
         for c, cable in enumerate(scene.cables):
-            first, count = model.cable[c, :2]
+            first, count = model.segment_run(c)
             for s in range(first, first + count - 1) if cable.EI > 0.0 else ():
                 index += [*model.ends[s], model.ends[s + 1, 1], s]
                 numbers += _stiffness(cable)
                 pairs += 1
         for name, direction in self.clamped:
             cable, node = self._clamped_cable(scene, name), model.node(name)
-            first, count = model.cable[scene.cables.index(cable), :2]
+            first, count = model.segment_run(scene.cables.index(cable))
             s = first if model.ends[first, 0] == node else first + count - 1
             towards = int(model.ends[s, 1] == node)
             index += [node, model.ends[s, 1 - towards], s, towards]
@@ -105,7 +105,7 @@ class Bending:
         return there[0]
 
     def of_pieces(self, pieces, cables):
-        """The same bending where cables have broken, see `anet_lumped.remainder`: without clamps that hold nothing any more."""
+        """The same bending where cables have broken, without clamps that hold nothing any more."""
         bent = {name for cable in cables if cable.EI > 0.0 for name in (cable.start, cable.end)}
         return Bending(tuple((name, at) for name, at in self.clamped if name in bent)) if bent else None
 

@@ -21,8 +21,8 @@ import numpy as np
 from numba import njit
 
 from anet_lumped.checks import SceneError, check_number, check_vector
+from anet_lumped.effects.laws.axial import secant_tension, stored
 
-from .axial import secant_tension, stored
 from .signatures import BETWEEN, ENERGY, FORCE, TANGENT
 
 DEPTH = 1e-2  # of the diameter, over which the damper sets in
@@ -84,7 +84,7 @@ class Ground:
         for c, cable in enumerate(model.scene.cables):
             if cable.diameter is None:
                 raise SceneError(f'The effect Ground needs the `diameter` [m] of every cable, but cable "{cable.name}" has none.')
-            first, count = model.cable[c, :2]
+            first, count = model.segment_run(c)
             half = 0.5 * cable.diameter * cable.L0
             for ends in model.ends[first : first + count].T:
                 np.add.at(nodes, ends, (self.stiffness * half, self.damping * half, DEPTH * cable.diameter * half))

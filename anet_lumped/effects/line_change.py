@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from anet_lumped.checks import SceneError
-from anet_lumped.signals import Signal
+from anet_lumped.prescribed.signals import Signal
 
 from .signatures import PAID_OUT
 

@@ -63,7 +63,7 @@ class Load:
         return {"force": force, "tangent": tangent, "energy": energy}
 
     def of_pieces(self, pieces, cables):
-        """The same load where cables have broken, see `anet_lumped.remainder`."""
+        """The same load where cables have broken, see `anet_lumped.model.remainder`."""
         if self.cables is None:
             return self
         names = [piece for name in self.cables for piece in names_left(name, pieces)]

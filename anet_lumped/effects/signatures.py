@@ -39,11 +39,9 @@ effects it has, as plain integers and 0 for none, so that its type is the same w
 an address callable in compiled code.
 """
 
-from functools import cache
-
 from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
+
+from anet_lumped.compiled.addresses import address, callable_at
 
 _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
 _i1 = types.Array(types.int64, 1, "C")
@@ -67,31 +65,6 @@ def addresses(effect):
     """Addresses of an effect's compiled functions in the order of `SLOTS`; 0 for those that it does not have."""
     kernels = effect.kernels()
     return [address(kernels[slot]) if slot in kernels else 0 for slot in SLOTS]
-
-
-@cache
-def address(kernel):
-    """Address of a compiled function with one signature."""
-    (compiled,) = kernel.overloads.values()
-    return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
-
-
-def callable_at(signature):
-    """An intrinsic that turns an address into a first-class function of a signature."""
-    function_type = types.FunctionType(signature)
-
-    @intrinsic
-    def as_function(typing_context, address):
-        def codegen(context, builder, signature, args):
-            function = cgutils.create_struct_proxy(function_type)(context, builder)
-            null = cgutils.voidptr_t(None)
-            function.c_addr = builder.inttoptr(args[0], cgutils.voidptr_t)
-            function.py_addr, function.jit_addr = null, null
-            return function._getvalue()
-
-        return function_type(types.int64), codegen
-
-    return as_function
 
 
 as_force, as_tangent, as_energy = callable_at(FORCE), callable_at(TANGENT), callable_at(ENERGY)

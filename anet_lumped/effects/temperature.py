@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from anet_lumped.checks import SceneError, check_number
-from anet_lumped.signals import Signal
+from anet_lumped.prescribed.signals import Signal
 
 from .signatures import STRAIN, names_left
 
@@ -48,7 +48,7 @@ class Temperature:
         return (self.change,) if isinstance(self.change, Signal) else ()
 
     def of_pieces(self, pieces, cables):
-        """The same change of temperature where cables have broken, see `anet_lumped.remainder`."""
+        """The same change of temperature where cables have broken, see `anet_lumped.model.remainder`."""
         if not isinstance(self.expansion, tuple):
             return self
         of = [(piece, alpha) for name, alpha in self.expansion for piece in names_left(name, pieces)]

@@ -26,9 +26,7 @@ class ViscousDamping:
 
     def __post_init__(self):
         if not (math.isfinite(self.rate) and self.rate >= 0):
-            raise ValueError(
-                f"Argument `rate` of ViscousDamping must be finite and not negative [1/s], but it is {self.rate}."
-            )
+            raise ValueError(f"Argument `rate` of ViscousDamping must be finite and not negative [1/s], but it is {self.rate}.")
 
     def table(self, model):
         """Index and parameters for the kernels below."""

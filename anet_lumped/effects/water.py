@@ -30,16 +30,22 @@ import numpy as np
 from numba import njit
 
 from anet_lumped.checks import SceneError, check_number
-from anet_lumped.wave_kernel import AT_REST, wave_at
-from anet_lumped.waves import Airy
-from anet_lumped.wind import Wind
-from anet_lumped.wind.base import check_winds
-from anet_lumped.wind.kernel import pack, wind_at
+from anet_lumped.effects.flow.wave_kernel import AT_REST, wave_at
+from anet_lumped.effects.flow.waves import Airy
+from anet_lumped.effects.flow.wind import Wind
+from anet_lumped.effects.flow.wind.base import check_winds
+from anet_lumped.effects.flow.wind.kernel import pack, wind_at
+from anet_lumped.effects.laws.drag import (
+    point_coefficient,
+    segment_coefficients,
+    subtract_point_slopes,
+    subtract_segment_slopes,
+    tangent_of,
+)
+from anet_lumped.effects.laws.morison import add_mass, point_force, segment_force, subtract_inertia_slopes
+from anet_lumped.effects.laws.submergence import share, share_between, sphere, wetted, wetted_between
 
-from .drag import point_coefficient, segment_coefficients, subtract_point_slopes, subtract_segment_slopes, tangent_of
-from .morison import add_mass, point_force, segment_force, subtract_inertia_slopes
 from .signatures import BETWEEN, ENERGY, FORCE, INERTIA, TANGENT
-from .submergence import share, share_between, sphere, wetted, wetted_between
 
 HEADER, OF_SEGMENT, OF_POINT = 3, 8, 5  # numbers in front, of each segment and of each point
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anet_lumped.extrapolation import is_extrapolated
-from anet_lumped.run import Run, State
-from anet_lumped.scene import Driven, Scene
+from anet_lumped.motion.extrapolation import is_extrapolated
+from anet_lumped.results.run import Run, State
+from anet_lumped.scene.scene import Driven, Scene
 
 ENERGY, LOAD, MOMENTUM, SPIN, REST, ACCURACY = "energy", "load", "momentum", "spin", "rest", "accuracy"
 NEVER_RISES = ("edmc", "backward_euler")  # energy, at any step

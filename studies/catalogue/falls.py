@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 from anet_lumped import Cable, Fixed, Free, Scene, equilibrium
 from anet_lumped.effects import Gravity, ViscousDamping
-from anet_lumped.model import build
+from anet_lumped.model.build import build
 from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, Case, Statement, at_time, strongest
 from studies.catalogue.supports import at_places
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from anet_lumped import Cable, Fixed, Free, Scene, State, equilibrium
 from anet_lumped.effects import Gravity, ViscousDamping
-from anet_lumped.extrapolation import is_extrapolated
-from anet_lumped.model import build
-from anet_lumped.run import segment_tensions
-from anet_lumped.simulate import DIFFRAX, SCIPY, simulate
+from anet_lumped.model.build import build
+from anet_lumped.motion.extrapolation import is_extrapolated
+from anet_lumped.motion.simulate import DIFFRAX, SCIPY, simulate
+from anet_lumped.results.run import segment_tensions
 from integrators import schemes
 from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, SPIN, Case, Statement, end_of, strongest, weight
 from studies.catalogue.swings import ANGLE, middle, pendulum, released

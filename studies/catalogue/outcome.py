@@ -8,12 +8,12 @@ from importlib import import_module
 
 import numpy as np
 
-from anet_lumped.caveats import caveats
-from anet_lumped.choice import choose
-from anet_lumped.equilibrium import EquilibriumError
-from anet_lumped.model import build
-from anet_lumped.scene import SceneError
-from anet_lumped.simulate import DIFFRAX, SCIPY, StabilityWarning, simulate
+from anet_lumped.model.build import build
+from anet_lumped.motion.caveats import caveats
+from anet_lumped.motion.choice import choose
+from anet_lumped.motion.simulate import DIFFRAX, SCIPY, StabilityWarning, simulate
+from anet_lumped.scene.scene import SceneError
+from anet_lumped.statics.equilibrium import EquilibriumError
 from integrators import schemes, scipy_adapter
 from studies.catalogue.case import ACCURACY, LOAD, REST, SPIN, Case, Statement, account_statement, energy_statement
 
@@ -30,7 +30,7 @@ NODE_EVALUATIONS = {"RK45": 4e5, "DOP853": 4e5, "Radau": 4e4, "BDF": 4e4, "LSODA
 NODE_TRIES = {"dop853": 2e7, "Tsit5": 1e6, "Kvaerno3": 5e5, "Kvaerno5": 2e5}
 """Nodes times steps tried of a run that chooses its steps; beyond, it gives up."""
 FEWEST = 200  # evaluations, or steps, that are worth a try
-NOT_ASKED = {  # what a scheme's own note in `anet_lumped.stability` denies
+NOT_ASKED = {  # what a scheme's own note in `anet_lumped.motion.stability` denies
     "backward_euler": (ACCURACY, SPIN),  # damps the motion itself strongly
     "sdirk2": (SPIN,),  # nor do these promise angular momentum
     "tr_bdf2": (SPIN,),

@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from anet_lumped import Cable, Driven, Fixed, Free, Scene, State, equilibrium, paths
+from anet_lumped import Cable, Driven, Fixed, Free, Scene, State, equilibrium
 from anet_lumped.effects import Gravity, ViscousDamping
-from anet_lumped.model import build
-from anet_lumped.run import segment_tensions
+from anet_lumped.model.build import build
+from anet_lumped.prescribed import paths
+from anet_lumped.results.run import segment_tensions
 from studies.catalogue.case import (
     ACCURACY,
     ALMOST_NEVER,
@@ -77,7 +78,7 @@ def taut(excess):
 
 def settle(hard, width, start):
     """Comes to rest in drag: at the sag and the tension of the catenary that its supports ask for."""
-    from anet_lumped.catenary import catenary
+    from anet_lumped.statics.catenary import catenary
 
     scene = span(width, EA=1e4, rate=3.0, zeta=1.0)
     if width:

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from anet_lumped import Cable, Driven, Fixed, Free, Scene, equilibrium, paths, signals
+from anet_lumped import Cable, Driven, Fixed, Free, Scene, equilibrium
 from anet_lumped.effects import Air, Bending, Gravity, Ground, LineChange, Load, Water
-from anet_lumped.wind import Gust
+from anet_lumped.effects.flow.wind import Gust
+from anet_lumped.prescribed import paths, signals
 from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, Case, Statement, at_time, strongest
 from studies.catalogue.supports import at_places
 

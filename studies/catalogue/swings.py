@@ -10,10 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, State, equilibrium, paths, simulate
+from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, State, equilibrium, simulate
 from anet_lumped.effects import Gravity
-from anet_lumped.model import build
-from anet_lumped.run import segment_tensions
+from anet_lumped.model.build import build
+from anet_lumped.prescribed import paths
+from anet_lumped.results.run import segment_tensions
 from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, Case, Statement, at_time, end_of, strongest
 
 G, ANGLE = 9.81, math.radians(30.0)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from anet_lumped.scene import Driven, Fixed
+from anet_lumped.scene.scene import Driven, Fixed
 from studies.peers.problem import beyond, demand, problem, version_of
 
 NAME = "CableDyn"

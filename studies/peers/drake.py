@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from anet_lumped.scene import Fixed, Free
+from anet_lumped.scene.scene import Fixed, Free
 from studies.peers.problem import beyond, demand, problem, version_of
 
 NAME = "Drake"

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from anet_lumped.scene import Driven
+from anet_lumped.scene.scene import Driven
 from studies.peers.problem import beyond, demand, explicit_limit, problem, version_of
 
 NAME = "EXUDYN"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from anet_lumped.moordyn_writer import moordyn_text
+from anet_lumped.files.moordyn_writer import moordyn_text
 from studies.peers.problem import beyond, demand, explicit_limit, problem, version_of
 
 NAME = "MoorDyn"

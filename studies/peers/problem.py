@@ -7,10 +7,11 @@ from importlib.metadata import PackageNotFoundError, version
 import numpy as np
 
 from anet_lumped.effects import Gravity
-from anet_lumped.model import Model, build
-from anet_lumped.scene import Driven
-from anet_lumped.simulate import straight
-from anet_lumped.times import save_times
+from anet_lumped.model.build import build
+from anet_lumped.model.model import Model
+from anet_lumped.motion.simulate import straight
+from anet_lumped.motion.times import save_times
+from anet_lumped.scene.scene import Driven
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +62,7 @@ class Problem:
     def segments(self):
         """Segments as rows (node, node, L0 [m], k [N/m], c [N·s/m])."""
         model = self.model
-        law = model.law[model.cable_of, :3]
+        law = model.axial[model.cable_of, :3]
         return [(int(a), int(b), *map(float, row)) for (a, b), row in zip(model.ends, law, strict=True)]
 
     def prescribed(self, t):

@@ -1,0 +1,284 @@
+"""What there is to audit of each effect: when a scene has it, the scenes with and without it, its dimensionless numbers."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from anet_lumped.effects import REGISTRY
+from anet_lumped.motion.stability import top_modes
+from anet_lumped.scene.scene import Free, SceneError
+
+from . import dimensionless
+
+WATER = 1025.0  # [kg/m3], sea water, where an effect of water has no density of its own
+
+
+class Scales(NamedTuple):
+    """Sizes of a motion, of cables by name.
+
+    Parameters
+    ----------
+    tension : of each cable, mean over the run [N]
+    along, chord, inclination : tension along its chord [N], chord [m] and its inclination [rad] at the start
+    speed, air_speed : largest of a node [m/s], and against the wind
+    g : gravity [m/s2]
+    swing : time of a swing [s]
+    """
+
+    tension: dict[str, float]
+    along: dict[str, float]
+    chord: dict[str, float]
+    inclination: dict[str, float]
+    speed: float
+    air_speed: float
+    g: float
+    swing: float
+
+
+class Audited(NamedTuple):
+    """How one effect is audited.
+
+    ``present(scene)`` tells whether a scene has it; ``without(scene)`` gives one that has not, ``with_it(scene, water_level)`` one
+    that has, or raises a SceneError that says which data it lacks. ``numbers(scene, scales)`` are the dimensionless ones of a scene
+    that has it, ``frequency(scene)`` is the highest that it brings [rad/s].
+    """
+
+    present: Callable
+    without: Callable
+    with_it: Callable
+    numbers: Callable
+    frequency: Callable = lambda scene: 0.0
+
+
+def scales(run, swing):
+    """Scales of a run, given the time of a swing [s]."""
+    scene, tension, along, chord, inclination = run.scene, {}, {}, {}, {}
+    for cable in scene.cables:
+        shape, name = run.shape(cable.name)[0], cable.name
+        ends, segments = shape[-1] - shape[0], np.diff(shape, axis=0)
+        chord[name] = float(np.linalg.norm(ends))
+        inclination[name] = math.atan2(abs(ends[2]), math.hypot(ends[0], ends[1]))
+        directions = segments / np.maximum(np.linalg.norm(segments, axis=1), 1e-12 * cable.L0)[:, None]
+        along[name] = float(np.mean(run.tension(name)[0] * (directions @ ends))) / max(chord[name], 1e-12 * cable.length)
+        tension[name] = float(run.tension(name).mean())
+    speed = float(np.linalg.norm(run.v, axis=2).max())
+    air_speed = max(speed, _against_wind(run))
+    return Scales(tension, along, chord, inclination, speed, air_speed, float(np.linalg.norm(scene.gravity)), swing)
+
+
+def _against_wind(run):
+    """Largest speed of a node against the wind, if the scene has one [m/s]."""
+    air = _effect(run.scene, "air")
+    if air is None or air.wind is None:
+        return 0.0
+    from anet_lumped.effects.flow.wind.kernel import pack, wind_at
+
+    winds = pack(air.wind if isinstance(air.wind, tuple) else (air.wind,))
+    flows = np.array([[wind_at(t, *x, winds)[0] for x in q] for t, q in zip(run.t, run.q, strict=True)])
+    return float(np.linalg.norm(flows - run.v, axis=2).max())
+
+
+def _effect(scene, name):
+    """The effect of a scene that has a name, or None."""
+    return next((effect for effect in scene.effects if REGISTRY.name_of(effect) == name), None)
+
+
+def _changed_cables(scene, **changes):
+    return replace(scene, cables=tuple(replace(cable, **changes) for cable in scene.cables))
+
+
+def _without(scene, name):
+    return replace(scene, effects=tuple(effect for effect in scene.effects if REGISTRY.name_of(effect) != name))
+
+
+def _with(scene, effect):
+    return replace(scene, effects=(*scene.effects, effect))
+
+
+def _largest(scene, number, wanted=lambda cable: True):
+    """The largest of a number over the cables that it is wanted of, NaN where it is of none."""
+    return max((number(cable) for cable in scene.cables if wanted(cable)), default=math.nan)
+
+
+def _elastic_numbers(scene, scales):
+    numbers = {"strain": _largest(scene, lambda c: c.strain(scales.tension[c.name]))}
+    sagging = {c.name for c in scene.cables if scales.along[c.name] > 0.0 and scales.chord[c.name] > 0.0 and not c.inextensible}
+    if scales.g > 0.0 and sagging:
+        numbers["Irvine's lambda²"] = min(
+            dimensionless.irvine(
+                c.mass_per_length * scales.g, scales.chord[c.name], scales.inclination[c.name], scales.along[c.name], c.EA
+            )
+            for c in scene.cables
+            if c.name in sagging
+        )
+    return numbers
+
+
+def _slowest_damping(scene, scales):
+    """Of the first axial mode."""
+    return {
+        "damping ratio, first axial mode": _largest(
+            scene,
+            lambda c: dimensionless.axial_damping_ratio(c.axial_viscosity, c.EA, c.mass_per_length, c.length),
+            lambda c: not c.inextensible,
+        )
+    }
+
+
+def _drag_number(scene, scales, density, speed):
+    return _largest(
+        scene,
+        lambda c: dimensionless.drag_over_weight(density, speed, c.diameter, c.Cdn, c.mass_per_length * scales.g),
+        lambda c: c.diameter is not None and scales.g > 0.0,
+    )
+
+
+def _air_numbers(scene, scales):
+    return {"drag/weight": _drag_number(scene, scales, _effect(scene, "air").density, scales.air_speed)}
+
+
+def _water_numbers(scene, scales):
+    water = _effect(scene, "water")
+    density, wave = getattr(water, "density", WATER), getattr(water, "wave", None)
+    thickest = max(cable.diameter for cable in scene.cables)
+    return {
+        "drag/weight": _drag_number(scene, scales, density, scales.speed),
+        "buoyancy/weight": _largest(scene, lambda c: dimensionless.buoyancy_over_weight(density, c.diameter, c.mass_per_length)),
+        "Froude": dimensionless.froude(scales.speed, _largest(scene, lambda c: c.length), scales.g) if scales.g else math.nan,
+        "Keulegan-Carpenter": dimensionless.keulegan_carpenter(scales.speed, wave.period if wave else scales.swing, thickest),
+    }
+
+
+def _bending_numbers(scene, scales):
+    def number(cable):
+        tension = scales.tension[cable.name]
+        return dimensionless.bending_over_segment(cable.EI, tension, cable.L0) if tension > 0.0 else math.inf
+
+    return {"√(EI/T)/L0": _largest(scene, number, lambda c: c.EI > 0.0)}
+
+
+def _damping_numbers(scene, scales):
+    rate = _effect(scene, "viscous_damping").rate
+    return {"damping ratio of a swing": dimensionless.damping_ratio(rate, 2.0 * math.pi / scales.swing)}
+
+
+def _gravity_numbers(scene, scales):
+    longest = _largest(scene, lambda c: c.length)
+    return {"Froude": dimensionless.froude(scales.speed, longest, scales.g) if scales.g > 0.0 else math.inf}
+
+
+def _payload_numbers(scene, scales):
+    cables = sum(cable.mass_per_length * cable.length for cable in scene.cables)
+    return {"payload/cables": dimensionless.payload_over_cables(sum(_masses(scene)), cables)}
+
+
+def _ground_numbers(scene, scales):
+    ground = _effect(scene, "ground")
+    return {
+        "depth/diameter": _largest(
+            scene,
+            lambda c: dimensionless.penetration(c.mass_per_length * scales.g, ground.stiffness, c.diameter),
+            lambda c: c.diameter is not None,
+        )
+    }
+
+
+def _masses(scene):
+    return [point.mass for point in scene.points if isinstance(point, Free)]
+
+
+def _unloaded(scene):
+    points = tuple(replace(point, mass=0.0) if isinstance(point, Free) else point for point in scene.points)
+    return replace(scene, points=points)
+
+
+def _lacking(sentence):
+    """What raises the sentence: the data that an effect would need."""
+
+    def refuse(scene, level):
+        raise SceneError(sentence)
+
+    return refuse
+
+
+def _in_air(scene, level):
+    return _if_thick("air", scene, lambda: REGISTRY["air"]())
+
+
+def _in_water(scene, level):
+    if level is None:
+        raise SceneError("It needs the level of the water [m], as in water_level=0.0.")
+    if "water" not in REGISTRY:
+        raise SceneError("There is no effect of water.")
+    return _if_thick("water", scene, lambda: REGISTRY["water"](level=level))
+
+
+def _if_thick(name, scene, make):
+    thin = [cable.name for cable in scene.cables if cable.diameter is None]
+    if thin:
+        raise SceneError(f'It needs the `diameter` [m] of every cable, but "{thin[0]}" has none.')
+    return _with(scene, make())
+
+
+def _bent(scene, level):
+    if not any(cable.EI > 0.0 for cable in scene.cables):
+        raise SceneError("It needs cables with an `EI` [N·m²], but none has any.")
+    return _with(scene, REGISTRY["bending"]())
+
+
+def _axial_frequency(scene):
+    return max(mode.omega for mode in top_modes(scene).values())
+
+
+def _bending_frequency(scene):
+    """Of a free chain with a bending spring at each node, 4 sqrt(EI/mu)/L0^2 (`effects.bending`)."""
+    return _largest(scene, lambda c: 4.0 * math.sqrt(c.EI / c.mass_per_length) / c.L0**2)
+
+
+def _ground_frequency(scene):
+    """Of a segment's mass on the springs under it, sqrt(k d/mu)."""
+    ground = _effect(scene, "ground")
+    return _largest(scene, lambda c: math.sqrt(ground.stiffness * c.diameter / c.mass_per_length))
+
+
+def _in_scene(name):
+    return lambda scene: _effect(scene, name) is not None
+
+
+def _registered(name, with_it, numbers, frequency=lambda scene: 0.0):
+    return Audited(_in_scene(name), lambda scene: _without(scene, name), with_it, numbers, frequency)
+
+
+AUDITED: dict[str, Audited] = {
+    "elasticity": Audited(
+        lambda scene: not all(cable.inextensible for cable in scene.cables),
+        lambda scene: _changed_cables(scene, EA=math.inf, tension_strain=None),
+        _lacking("It needs the `EA` [N] of the cables."),
+        _elastic_numbers,
+        _axial_frequency,
+    ),
+    "axial damping": Audited(
+        lambda scene: any(cable.axial_viscosity > 0.0 for cable in scene.cables),
+        lambda scene: _changed_cables(scene, zeta=0.0, BA=None),
+        _lacking("It needs the `zeta` or `BA` of cables that stretch."),
+        _slowest_damping,
+    ),
+    "payload": Audited(
+        lambda scene: any(_masses(scene)), _unloaded, _lacking("It needs the `mass` [kg] of a free point."), _payload_numbers
+    ),
+    "gravity": _registered("gravity", lambda scene, level: _with(scene, REGISTRY["gravity"]()), _gravity_numbers),
+    "air": _registered("air", _in_air, _air_numbers),
+    "water": _registered("water", _in_water, _water_numbers),
+    "bending": _registered("bending", _bent, _bending_numbers, _bending_frequency),
+    "ground": _registered("ground", _lacking("It needs the `height` [m] of the ground."), _ground_numbers, _ground_frequency),
+    "viscous_damping": _registered("viscous_damping", _lacking("It needs a `rate` [1/s]."), _damping_numbers),
+}
+
+
+def audited_in(scene):
+    """How each effect is audited, by name: those above, and whatever else the scene has."""
+    others = [name for effect in scene.effects if (name := REGISTRY.name_of(effect)) not in AUDITED]
+    return AUDITED | {name: _registered(name, _lacking(""), lambda scene, scales: {}) for name in others}

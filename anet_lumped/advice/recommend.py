@@ -1,0 +1,277 @@
+"""The cheapest segments, method and step that keep an error, by short pilots and a check by a finer run.
+
+Both errors are of second order, of segments and of an implicit step, so that two pilots tell what is left of either:
+q_N - q_2N = 3/4 of the error of q_N. Cost grows as segments over step, which is least where both take half of the error.
+"""
+
+import math
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from anet_lumped.model.build import build
+from anet_lumped.motion import extrapolation
+from anet_lumped.motion.choice import EXPLICIT_COST, OF_LIMIT, OF_TIME_SCALE, time_scale
+from anet_lumped.motion.simulate import simulate
+from anet_lumped.motion.stability import predict
+from anet_lumped.motion.times import stops
+from anet_lumped.scene.scene import Free, SceneError
+
+SAVES = 40  # times at which places are compared
+MOST_SEGMENTS = 3000  # of the longest cable
+PATIENCE = 20.0  # times as long as the implicit step may an explicit method take before it is left out
+ATTEMPTS = 5  # at meeting a share of the error, and at passing the check
+REPEATS = 3  # of a timing
+DOUBLED = 1.0 - 2.0**-2  # of the error is the difference to twice the segments or half the step
+
+
+class RecommendError(RuntimeError):
+    """An error that no segments, method and step within reach keep."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A method with its step [s] or tolerance, its error in time [m] and how many times faster than real time it runs."""
+
+    method: str
+    dt: float | None
+    rtol: float | None
+    error: float
+    times_real_time: float
+    extrapolate: bool = False
+
+    @property
+    def stepping(self):
+        """Arguments of `simulate`."""
+        found = {"method": self.method} | ({"dt": self.dt} if self.rtol is None else {"rtol": self.rtol})
+        return found | ({"extrapolate": True} if self.extrapolate else {})
+
+
+@dataclass(frozen=True)
+class Recommendation:
+    """What `recommend` found.
+
+    Parameters
+    ----------
+    scene : Scene, with the segments recommended
+    best, runner_up : Candidate, Candidate or None
+    points : tuple of str, whose places the error is of
+    t_end, start : float [s] and str, motion looked at
+    error : float [m], asked for
+    segments_error, time_error : float [m], parts of the error, estimated
+    checked_error : float [m], against a run with twice the segments and half the step
+    elasticity : float [m], how far the same net that does not stretch is from it
+    fast_enough : bool, whether it reaches the pace asked for
+    """
+
+    scene: object
+    best: Candidate
+    runner_up: Candidate | None
+    points: tuple[str, ...]
+    t_end: float
+    start: str
+    error: float
+    segments_error: float
+    time_error: float
+    checked_error: float
+    elasticity: float
+    fast_enough: bool
+
+    @property
+    def segments(self):
+        """Segments of each cable by name."""
+        return {cable.name: cable.segments for cable in self.scene.cables}
+
+
+def recommend(scene, error, *, at=None, t_end=None, start="equilibrium", realtime=None):
+    """Find the cheapest segments, method and step for which places are within an error.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of its segments only the proportion between the cables counts.
+    error : float [m]
+        Largest distance of a free point from where the continuous cables of the scene would have it, at any time.
+    at : str or None
+        The free point that counts; None takes all, or the middles of the cables where there is none.
+    t_end : float or None [s]
+        Motion looked at; None takes two swings after the last corner of a driven path.
+    start : "equilibrium" or "straight"
+    realtime : float or None
+        How many times faster than real time it must run.
+
+    Returns
+    -------
+    Recommendation
+
+    Raises
+    ------
+    RecommendError : the error is out of reach
+    SceneError : no free point of that name
+    ValueError : an argument out of its range
+    """
+    for name, value in (("error", error), ("t_end", t_end), ("realtime", realtime)):
+        if value is not None and not (math.isfinite(value) and value > 0):
+            raise ValueError(f"Argument `{name}` must be positive and finite, but it is {value!r}.")
+    free = [point.name for point in scene.points if isinstance(point, Free)]
+    if at is not None and not isinstance(scene.point(at), Free):
+        raise SceneError(f'The error can be asked of a free point, but "{at}" is held; free are {", ".join(free) or "none"}.')
+    search = _Search(scene, tuple(free) if at is None else (at,), t_end or _default_end(scene), start)
+    share = 0.5 * error
+    for _ in range(ATTEMPTS):
+        count, segments_error = search.segments(share)
+        candidates = search.candidates(count, share)
+        checked = search.check(count, candidates[0])
+        if checked <= error:
+            break
+        share *= 0.7 * error / checked
+    else:
+        raise RecommendError(f"An error of {error:g} m was not reached: a finer run is still {checked:.3g} m away.")
+    best, runner_up = candidates[0], candidates[1] if len(candidates) > 1 else None
+    return Recommendation(
+        scene=search.divided(count),
+        best=best,
+        runner_up=runner_up,
+        points=search.points,
+        t_end=search.t_end,
+        start=start,
+        error=error,
+        segments_error=segments_error,
+        time_error=best.error,
+        checked_error=checked,
+        elasticity=search.elasticity(count, best),
+        fast_enough=realtime is None or best.times_real_time >= realtime,
+    )
+
+
+def _default_end(scene):
+    swing = 2.0 * math.pi * time_scale(scene)
+    return float(max(stops(scene).max(initial=0.0), 0.0) + 2.0 * swing)
+
+
+class _Search:
+    """Pilots of one scene, each run once."""
+
+    def __init__(self, scene, points, t_end, start):
+        self.scene, self.points, self.t_end, self.start = scene, points, t_end, start
+        most = max(cable.segments for cable in scene.cables)
+        self.shares = [cable.segments / most for cable in scene.cables]
+        self.first_step = OF_TIME_SCALE * time_scale(scene)
+        self.runs = {}
+
+    def divided(self, count):
+        """The scene with that many segments in its finest cable."""
+        cables = [replace(c, segments=max(1, round(count * s))) for c, s in zip(self.scene.cables, self.shares, strict=True)]
+        return replace(self.scene, cables=tuple(cables))
+
+    def doubled(self, scene):
+        """The scene with twice the segments in every cable."""
+        return replace(scene, cables=tuple(replace(cable, segments=2 * cable.segments) for cable in scene.cables))
+
+    def step(self, dt):
+        """The largest step up to dt that ends on what is saved."""
+        save = self.t_end / SAVES
+        return save / math.ceil(save / dt - 1e-9)
+
+    def places(self, scene, **stepping):
+        """(SAVES + 1, points, 3) places of the points that count."""
+        key = scene, tuple(stepping.items())
+        if key not in self.runs:
+            run = simulate(scene, self.t_end, start=self.start, save_every=self.t_end / SAVES, check=True, **stepping)
+            if self.points:
+                places = [run.position(point) for point in self.points]
+            else:  # halfway along: a node, or between the two nodes beside it
+                shapes = [run.shape(cable.name) for cable in scene.cables]
+                places = [0.5 * (q[:, (q.shape[1] - 1) // 2] + q[:, q.shape[1] // 2]) for q in shapes]
+            self.runs[key] = np.stack(places, axis=1)
+        return self.runs[key]
+
+    def apart(self, one, other):
+        """Largest distance between the places of two runs [m]."""
+        apart = self.places(one[0], **one[1]) - self.places(other[0], **other[1])
+        return float(np.linalg.norm(apart, axis=2).max())
+
+    def segments(self, share):
+        """Number of segments whose error is within a share, and that error [m]."""
+        count, stepping = 8, {"method": "edmc", "dt": self.step(0.5 * self.first_step)}
+        for _ in range(ATTEMPTS):
+            scene = self.divided(count)
+            error = self.apart((scene, stepping), (self.doubled(scene), stepping)) / DOUBLED
+            enough = max(2, math.ceil(1.05 * count * math.sqrt(error / share)))
+            if error <= share and enough > 0.8 * count:
+                return count, error
+            if enough > MOST_SEGMENTS:
+                raise RecommendError(
+                    f"{share:.3g} m of error would take {enough} segments in the finest cable, of which {MOST_SEGMENTS} are the "
+                    "most that are tried; ask for a larger error or a shorter time."
+                )
+            count = enough
+        raise RecommendError(f"The error does not fall as the square of the segments: {error:.3g} m at {count} of them.")
+
+    def candidates(self, count, share):
+        """Methods that keep a share of the error, the cheapest first."""
+        scene = self.divided(count)
+        found = [self.fixed(scene, share), self.adaptive(scene, share)]
+        if all(cable.breaking_tension is None for cable in scene.cables):
+            found.append(self.fixed(scene, share, extrapolate=True))
+        if not any(cable.inextensible for cable in scene.cables):
+            limit = predict(scene, schemes=("verlet",)).limits["verlet"].step
+            dt, implicit = self.step(OF_LIMIT * limit), self.t_end / found[0].times_real_time
+            if EXPLICIT_COST * build(scene).n * self.t_end / dt < PATIENCE * implicit:
+                found.append(self.candidate(scene, "verlet", self.halves(scene, "verlet", dt), dt=dt))
+        return sorted((c for c in found if c and c.error <= share), key=lambda c: -c.times_real_time)
+
+    def halves(self, scene, method, dt, order=2, **options):
+        """Error of a step of a method [m]."""
+        coarse, fine = ({"method": method, "dt": step} | options for step in (dt, 0.5 * dt))
+        return self.apart((scene, coarse), (scene, fine)) / (1.0 - 2.0**-order)
+
+    def fixed(self, scene, share, extrapolate=False):
+        """The largest step of edmc whose error is within a share; None if extrapolation does not get there."""
+        dt, order = self.step(self.first_step), extrapolation.ORDER if extrapolate else 2
+        options = {"extrapolate": True} if extrapolate else {}
+        for _ in range(2 * ATTEMPTS):
+            error = self.halves(scene, "edmc", dt, order, **options)
+            enough = self.step(min(0.95 * dt * (share / error) ** (1.0 / order) if error > 0 else np.inf, self.t_end / SAVES))
+            if error <= share and enough < 1.2 * dt:
+                return self.candidate(scene, "edmc", error, dt=dt, **options)
+            dt = enough if enough < dt or error <= share else 0.8 * dt
+        if extrapolate:
+            return None
+        raise RecommendError(f"The error does not fall as the square of the step: {error:.3g} m at {dt:.3g} s.")
+
+    def adaptive(self, scene, share):
+        """The largest tolerance of adaptive edmc whose error is within a share, or None."""
+        rtol = 1e-4
+        for _ in range(ATTEMPTS):
+            error = self.apart((scene, {"method": "edmc", "rtol": rtol}), (scene, {"method": "edmc", "rtol": 0.1 * rtol}))
+            if error <= share:
+                return self.candidate(scene, "edmc", error, rtol=rtol)
+            rtol *= 0.8 * (share / error) ** 1.5  # an error in a step of h^3 makes a whole error of rtol^(2/3)
+        return None
+
+    def candidate(self, scene, method, error, dt=None, rtol=None, extrapolate=False):
+        """A method with its pace."""
+        one = Candidate(method, dt, rtol, error, np.inf, extrapolate)
+        took = []
+        for _ in range(REPEATS):
+            began = time.perf_counter()
+            simulate(scene, self.t_end, start=self.start, save_every=self.t_end / SAVES, **one.stepping)
+            took.append(time.perf_counter() - began)
+        return replace(one, times_real_time=self.t_end / min(took))  # what else the machine does only adds
+
+    def check(self, count, best):
+        """Distance of the recommended run from one with twice the segments and half the step, over what that leaves [m]."""
+        scene = self.divided(count)
+        finer = best.stepping | ({"dt": 0.5 * best.dt} if best.rtol is None else {"rtol": 0.1 * best.rtol})
+        if best.method == "verlet":
+            finer["dt"] *= 0.5  # twice the segments halve its limit
+        return self.apart((scene, best.stepping), (self.doubled(scene), finer)) / DOUBLED
+
+    def elasticity(self, count, best):
+        """What stretching changes [m]: the same net with EA = inf."""
+        scene = self.divided(count)
+        rigid = replace(scene, cables=tuple(replace(cable, EA=math.inf, tension_strain=None) for cable in scene.cables))
+        stepping = {"method": "edmc", "dt": best.dt if best.method == "edmc" and best.dt else self.step(0.5 * self.first_step)}
+        return self.apart((scene, stepping), (rigid, stepping))

@@ -1,0 +1,32 @@
+"""Compiled functions by their address, so that what calls them is compiled once whatever they are."""
+
+from functools import cache
+
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+
+@cache
+def address(kernel):
+    """Address of a compiled function with one signature."""
+    (compiled,) = kernel.overloads.values()
+    return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
+
+
+def callable_at(signature):
+    """An intrinsic that turns an address into a first-class function of a signature."""
+    function_type = types.FunctionType(signature)
+
+    @intrinsic
+    def as_function(typing_context, address):
+        def codegen(context, builder, signature, args):
+            function = cgutils.create_struct_proxy(function_type)(context, builder)
+            null = cgutils.voidptr_t(None)
+            function.c_addr = builder.inttoptr(args[0], cgutils.voidptr_t)
+            function.py_addr, function.jit_addr = null, null
+            return function._getvalue()
+
+        return function_type(types.int64), codegen
+
+    return as_function

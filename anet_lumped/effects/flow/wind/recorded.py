@@ -1,0 +1,83 @@
+"""A wind as it was measured."""
+
+import pathlib
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from anet_lumped.checks import SceneError
+
+from .base import Wind
+
+INTERPOLATION = ("linear", "cubic")
+
+
+@dataclass(frozen=True)
+class Recorded(Wind):
+    """Velocity sampled in time, the same everywhere; held at the first sample before it and at the last after it.
+
+    Parameters
+    ----------
+    file : str, path of a CSV file with the columns t [s], u, v, w [m/s] under a line with these names; a relative one starts
+        where the program does
+    interpolation : "linear", or "cubic": the spline of De Boor's not-a-knot ends, twice continuously differentiable
+
+    Source
+    ------
+    De Boor, A Practical Guide to Splines (1978), ch. IV (not-a-knot).
+    """
+
+    file: str
+    interpolation: str = "linear"
+    t: np.ndarray = field(init=False, repr=False, compare=False)
+    velocity: np.ndarray = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self):
+        if not isinstance(self.file, str):
+            raise SceneError(f"Argument `file` must be the path of a file, a string, but wind Recorded has file={self.file!r}.")
+        if self.interpolation not in INTERPOLATION:
+            raise SceneError(f'Argument `interpolation` must be "linear" or "cubic", but wind Recorded has {self.interpolation!r}.')
+        t, velocity = _read(pathlib.Path(self.file))
+        object.__setattr__(self, "t", t)
+        object.__setattr__(self, "velocity", velocity)
+
+    def numbers(self):
+        """Number of samples k, times (k,) [s], and the polynomials of the pieces that begin at them, (k, 4, 3) [m/s^(i+1)]."""
+        t, velocity = self.t, self.velocity
+        pieces = np.zeros((len(t), 4, 3))
+        pieces[:, 0] = velocity
+        if self.interpolation == "cubic":
+            from scipy.interpolate import CubicSpline
+
+            pieces[:-1] = np.moveaxis(CubicSpline(t, velocity).c[::-1], 0, 1)
+        else:
+            pieces[:-1, 1] = np.diff(velocity, axis=0) / np.diff(t)[:, None]
+        return np.concatenate([[len(t)], t, pieces.ravel()])
+
+
+def _read(file):
+    """Times (k,) and velocities (k, 3) of a file."""
+    try:
+        with file.open(encoding="utf-8") as lines:
+            names = [name.strip() for name in lines.readline().split(",")]
+            if names != ["t", "u", "v", "w"]:
+                raise SceneError(f'A recorded wind must begin with the line "t,u,v,w", but {file} begins with {",".join(names)!r}.')
+            table = np.array([[float(entry) for entry in line.split(",")] for line in lines if line.strip()])
+    except OSError as error:
+        raise SceneError(f"A recorded wind must be readable, but {file}: {error.strerror}.") from None
+    except SceneError:
+        raise
+    except ValueError as error:
+        raise SceneError(f"A recorded wind must hold four numbers (t, u, v, w) a line, but {file}: {error}.") from None
+    if table.ndim != 2 or table.shape[1] != 4 or len(table) < 2 or not np.isfinite(table).all():
+        raise SceneError(
+            f"A recorded wind must hold at least two lines of four finite numbers (t, u, v, w), but {file} has shape {table.shape}"
+            + ("." if np.isfinite(table).all() else " with entries that are not finite.")
+        )
+    steps = np.diff(table[:, 0])
+    if not (steps > 0.0).all():
+        row = int(np.argmin(steps > 0.0))
+        raise SceneError(
+            f"The times of a recorded wind must increase, but in {file} t={table[row, 0]} is followed by t={table[row + 1, 0]}."
+        )
+    return table[:, 0].copy(), table[:, 1:].copy()

@@ -1,0 +1,209 @@
+"""The compiled functions of an effect from its law for one element, with their derivatives by dual numbers (`dual`).
+
+Each of these takes ``law``, compiled; ``numbers(params, at)``, which returns the law's further arguments, those of the element
+from ``params[at]`` on; where the first element's are; and how many each has. It returns functions by their slot in `signatures`.
+``index`` holds the node of each node's law; of each segment's law both nodes, the segment, and which of ``near[segment]`` has the
+row of the first and the column of the second of them.
+"""
+
+from numba import njit
+
+from anet_lumped.compiled.dual import constant, dual, seeded, slope
+from anet_lumped.effects.signatures import ENERGY, FORCE, TANGENT
+
+
+@njit(error_model="numpy")
+def _at(q, i):
+    return q[i, 0], q[i, 1], q[i, 2]
+
+
+@njit(error_model="numpy")
+def _add(f, i, fx, fy, fz):
+    f[i, 0] += fx
+    f[i, 1] += fy
+    f[i, 2] += fz
+
+
+@njit(error_model="numpy")
+def _subtract_row(block, x, c, f):
+    block[x, 0] -= c * slope(f, 0)
+    block[x, 1] -= c * slope(f, 1)
+    block[x, 2] -= c * slope(f, 2)
+
+
+@njit(error_model="numpy")
+def _subtract(block, c, f):
+    """Subtract c times the slopes of a force from a block."""
+    fx, fy, fz = f
+    _subtract_row(block, 0, c, fx)
+    _subtract_row(block, 1, c, fy)
+    _subtract_row(block, 2, c, fz)
+
+
+@njit(error_model="numpy")
+def _add_second(block, c, E):
+    """Add c times the second derivatives of an energy to a block, rows by its outer and columns by its inner slopes."""
+    for x in range(3):
+        for y in range(3):
+            block[x, y] += c * slope(slope(E, x), y)
+
+
+@njit(error_model="numpy")
+def _add_second_transposed(block, c, E):
+    """The same with rows and columns exchanged."""
+    for x in range(3):
+        for y in range(3):
+            block[y, x] += c * slope(slope(E, x), y)
+
+
+@njit(error_model="numpy")
+def _seeded(q):
+    """Places with slopes in themselves."""
+    x, y, z = q
+    return seeded(x, y, z)
+
+
+@njit(error_model="numpy")
+def _constant(q):
+    """The same without slopes: a law that is given either is compiled once."""
+    x, y, z = q
+    return constant(x, y, z)
+
+
+@njit(ENERGY, cache=True)
+def no_energy(t, q, index, params):
+    """What a force law has."""
+    return 0.0
+
+
+def of_node_force(law, numbers, first, each):
+    """Of law(t, q, v, ...) -> force on a node [N]."""
+
+    @njit(FORCE, error_model="numpy")
+    def force(t, q, v, index, params, f):
+        power = 0.0
+        for n in range(index.shape[0]):
+            i = index[n]
+            fx, fy, fz = law(t, _at(q, i), _at(v, i), *numbers(params, first + each * n))
+            _add(f, i, fx, fy, fz)
+            power -= fx * v[i, 0] + fy * v[i, 1] + fz * v[i, 2]
+        return power
+
+    @njit(TANGENT, error_model="numpy")
+    def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
+        for n in range(index.shape[0]):
+            i, of = index[n], numbers(params, first + each * n)
+            _subtract(D[i], c_q, law(t, _seeded(_at(q, i)), _constant(_at(v, i)), *of))
+            _subtract(D[i], c_v, law(t, _constant(_at(q, i)), _seeded(_at(v, i)), *of))
+
+    return {"force": force, "tangent": tangent, "energy": no_energy}
+
+
+def of_node_energy(law, numbers, first, each):
+    """Of law(t, q, ...) -> energy of a node [J]; its change with the time alone is put in or taken out from outside."""
+
+    @njit(FORCE, error_model="numpy")
+    def force(t, q, v, index, params, f):
+        power = 0.0
+        for n in range(index.shape[0]):
+            i, of = index[n], numbers(params, first + each * n)
+            E = law(t, _seeded(_at(q, i)), *of)
+            _add(f, i, -slope(E, 0), -slope(E, 1), -slope(E, 2))
+            power -= slope(law(dual(t, 1.0, 0.0, 0.0), _at(q, i), *of), 0)
+        return power
+
+    @njit(TANGENT, error_model="numpy")
+    def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
+        for n in range(index.shape[0]):
+            i = index[n]
+            _add_second(D[i], c_q, law(t, _seeded(_seeded(_at(q, i))), *numbers(params, first + each * n)))
+
+    @njit(ENERGY, error_model="numpy")
+    def energy(t, q, index, params):
+        total = 0.0
+        for n in range(index.shape[0]):
+            total += law(t, _at(q, index[n]), *numbers(params, first + each * n))
+        return total
+
+    return {"force": force, "tangent": tangent, "energy": energy}
+
+
+def of_segment_force(law, numbers, first, each):
+    """Of law(t, q0, q1, v0, v1, ...) -> forces on both nodes of a segment [N]."""
+
+    @njit(FORCE, error_model="numpy")
+    def force(t, q, v, index, params, f):
+        power = 0.0
+        for n in range(index.shape[0] // 4):
+            i, j = index[4 * n], index[4 * n + 1]
+            on_i, on_j = law(t, _at(q, i), _at(q, j), _at(v, i), _at(v, j), *numbers(params, first + each * n))
+            fx, fy, fz = on_i
+            _add(f, i, fx, fy, fz)
+            power -= fx * v[i, 0] + fy * v[i, 1] + fz * v[i, 2]
+            fx, fy, fz = on_j
+            _add(f, j, fx, fy, fz)
+            power -= fx * v[j, 0] + fy * v[j, 1] + fz * v[j, 2]
+        return power
+
+    @njit(TANGENT, error_model="numpy")
+    def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
+        for n in range(index.shape[0] // 4):
+            i, j, s, side = index[4 * n], index[4 * n + 1], index[4 * n + 2], index[4 * n + 3]
+            of, qi, qj, vi, vj = numbers(params, first + each * n), _at(q, i), _at(q, j), _at(v, i), _at(v, j)
+            near_ij, near_ji = near[s, side], near[s, 1 - side]
+            if i < D.shape[0]:
+                on_i, on_j = law(t, _seeded(qi), _constant(qj), _constant(vi), _constant(vj), *of)
+                _subtract(D[i], c_q, on_i)
+                _subtract(near_ji, c_q, on_j)
+                on_i, on_j = law(t, _constant(qi), _constant(qj), _seeded(vi), _constant(vj), *of)
+                _subtract(D[i], c_v, on_i)
+                _subtract(near_ji, c_v, on_j)
+            if j < D.shape[0]:
+                on_i, on_j = law(t, _constant(qi), _seeded(qj), _constant(vi), _constant(vj), *of)
+                _subtract(D[j], c_q, on_j)
+                _subtract(near_ij, c_q, on_i)
+                on_i, on_j = law(t, _constant(qi), _constant(qj), _constant(vi), _seeded(vj), *of)
+                _subtract(D[j], c_v, on_j)
+                _subtract(near_ij, c_v, on_i)
+
+    return {"force": force, "tangent": tangent, "energy": no_energy}
+
+
+def of_segment_energy(law, numbers, first, each):
+    """Of law(t, q0, q1, ...) -> energy of a segment [J]; its change with the time alone is put in or taken out from outside."""
+
+    @njit(FORCE, error_model="numpy")
+    def force(t, q, v, index, params, f):
+        power = 0.0
+        for n in range(index.shape[0] // 4):
+            i, j, of = index[4 * n], index[4 * n + 1], numbers(params, first + each * n)
+            qi, qj = _at(q, i), _at(q, j)
+            E = law(t, _seeded(qi), _constant(qj), *of)
+            _add(f, i, -slope(E, 0), -slope(E, 1), -slope(E, 2))
+            E = law(t, _constant(qi), _seeded(qj), *of)
+            _add(f, j, -slope(E, 0), -slope(E, 1), -slope(E, 2))
+            power -= slope(law(dual(t, 1.0, 0.0, 0.0), qi, qj, *of), 0)
+        return power
+
+    @njit(TANGENT, error_model="numpy")
+    def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
+        for n in range(index.shape[0] // 4):
+            i, j, s, side = index[4 * n], index[4 * n + 1], index[4 * n + 2], index[4 * n + 3]
+            of, qi, qj = numbers(params, first + each * n), _at(q, i), _at(q, j)
+            if i < D.shape[0]:
+                _add_second(D[i], c_q, law(t, _seeded(_seeded(qi)), _constant(_constant(qj)), *of))
+            if j < D.shape[0]:
+                _add_second(D[j], c_q, law(t, _constant(_constant(qi)), _seeded(_seeded(qj)), *of))
+            if i < D.shape[0] and j < D.shape[0]:
+                E = law(t, _seeded(_constant(qi)), _constant(_seeded(qj)), *of)
+                _add_second(near[s, side], c_q, E)
+                _add_second_transposed(near[s, 1 - side], c_q, E)
+
+    @njit(ENERGY, error_model="numpy")
+    def energy(t, q, index, params):
+        total = 0.0
+        for n in range(index.shape[0] // 4):
+            total += law(t, _at(q, index[4 * n]), _at(q, index[4 * n + 1]), *numbers(params, first + each * n))
+        return total
+
+    return {"force": force, "tangent": tangent, "energy": energy}

@@ -1,0 +1,154 @@
+"""The law of an effect of one's own: what it must look like, and how it is compiled (`own_effects`)."""
+
+import inspect
+from collections.abc import Callable
+from functools import cache
+from typing import NamedTuple
+
+from numba import float64, njit, types
+from numba.core.errors import NumbaError
+
+from anet_lumped.checks import SceneError
+from anet_lumped.compiled.dual import NAMES
+
+_vector = types.UniTuple(float64, 3)
+
+
+class Kind(NamedTuple):
+    """A kind of law: its first arguments, those that are filled in, what it returns in words, and its kernels' maker."""
+
+    first: tuple[str, ...]
+    filled: tuple[str, ...]
+    returns: str
+    is_right: Callable  # of Numba's type of what a law returns
+    make: Callable
+
+
+class Law(NamedTuple):
+    """A function in plain Python that is a law of a kind, and the names of its further arguments."""
+
+    function: Callable
+    kind: Kind
+    further: tuple[str, ...]
+
+    @property
+    def parameters(self):
+        """Names of the arguments that the effect has for its own."""
+        return tuple(name for name in self.further if name not in self.kind.filled)
+
+    @property
+    def fills(self):
+        """Names of the arguments that are filled in for each element."""
+        return tuple(name for name in self.further if name in self.kind.filled)
+
+
+def is_number(kind):
+    """Whether Numba's type is one number."""
+    return isinstance(kind, types.Integer | types.Float)
+
+
+def is_vector(kind):
+    """Whether Numba's type is a tuple of three numbers."""
+    return isinstance(kind, types.BaseTuple) and len(kind) == 3 and all(map(is_number, kind))
+
+
+def is_pair(kind):
+    """Whether Numba's type is a tuple of two tuples of three numbers."""
+    return isinstance(kind, types.BaseTuple) and len(kind) == 2 and all(map(is_vector, kind))
+
+
+def read_law(function, kind, taken):
+    """Return a Law and the arguments of its function.
+
+    Parameters
+    ----------
+    function : in plain Python or compiled by Numba
+    kind : Kind
+    taken : str, a name that none of its arguments may have
+
+    Raises
+    ------
+    SceneError : no function, or one that has other arguments
+    """
+    function = getattr(function, "py_func", function)
+    if not inspect.isfunction(function):
+        raise SceneError(f"The law of an effect must be a function, but it is {function!r}.")
+    name, arguments = function.__name__, inspect.signature(function, eval_str=True).parameters
+    plain = all(argument.kind == argument.POSITIONAL_OR_KEYWORD for argument in arguments.values())
+    if tuple(arguments)[: len(kind.first)] != kind.first or not plain:
+        raise SceneError(
+            f"The law of such an effect must have the arguments ({', '.join(kind.first)}, ...), each by a name of its own, but "
+            f"`{name}` has ({', '.join(map(str, arguments.values()))})."
+        )
+    law = Law(function, kind, tuple(arguments)[len(kind.first) :])
+    if taken in law.further:
+        raise SceneError(f"`{taken}` says what an effect acts on and may be no argument of its law, but `{name}` has it.")
+    return law, arguments
+
+
+@cache
+def compiled(law, shapes):
+    """The law, compiled for numbers.
+
+    Parameters
+    ----------
+    law : Law
+    shapes : tuple of int, how many numbers each parameter is, 0 for one that is no tuple
+
+    Raises
+    ------
+    SceneError : Numba does not compile it; it returns something else than a law of its kind does
+    """
+    name, function, given = law.function.__name__, njit(error_model="numpy")(law.function), iter(shapes)
+    kinds = [float64 if key == "t" else _vector for key in law.kind.first]
+    for key in law.further:
+        n = 0 if key in law.kind.filled else next(given)
+        kinds.append(types.UniTuple(float64, n) if n else float64)
+    try:
+        function.compile(tuple(kinds))
+    except NumbaError as error:
+        raise SceneError(f"The law of an effect must compile with Numba, but `{name}` does not: {_why(error, law)}") from error
+    found = function.nopython_signatures[0].return_type
+    if not law.kind.is_right(found):
+        raise SceneError(f"The law of such an effect must return {law.kind.returns}, but `{name}` returns {found}.")
+    return function
+
+
+@cache
+def kernels(law, shapes):
+    """The compiled functions of an effect, by their slot in `effects.signatures`; parameters as in `compiled`.
+
+    Raises
+    ------
+    SceneError : as `compiled`; a function in it whose derivative is not known
+    """
+    function, at, own, texts, given = compiled(law, shapes), 0, 0, [], iter(shapes)
+    for key in law.further:
+        if key in law.kind.filled:
+            texts.append(f"params[at + {own}]")
+            own += 1
+        else:
+            n = next(given)
+            texts.append(f"({''.join(f'params[{at + i}], ' for i in range(n))})" if n else f"params[{at}]")
+            at += n or 1
+    numbers = njit(eval(f"lambda params, at: ({''.join(f'{text}, ' for text in texts)})"))
+    try:
+        return law.kind.make(function, numbers, at, own)
+    except NumbaError as error:
+        raise SceneError(
+            f"The law of an effect must be made of arithmetic and of {', '.join(NAMES)}, whose derivatives are known, but "
+            f"`{law.function.__name__}` is not: {_why(error, law)}"
+        ) from error
+
+
+def _why(error, law):
+    """What Numba says first, and the line of the law that it is about."""
+    lines = [line.strip() for line in str(error).splitlines()]
+    said = next((line for line in lines if line and not line.startswith(("Failed in nopython", "During"))), type(error).__name__)
+    if said.startswith("No implementation of function"):
+        call = next((line.removeprefix(">>> ") for line in lines if line.startswith(">>> ")), "")
+        said = f"there is no {call}"
+    file = law.function.__code__.co_filename.replace("\\", "/").split("/")[-1]
+    at = next((line for line in lines if line.startswith("File ") and file in line), "")
+    where = at.rstrip(":").rpartition("line ")[2]
+    return said.rstrip(".:") + (f", in line {where}." if where.isdigit() else ".")

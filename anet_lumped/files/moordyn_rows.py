@@ -1,0 +1,125 @@
+"""The rows of a MoorDyn input file, by section, each with the line it stands on.
+
+A section begins with a heading, a line that holds `---` and the section's name, and ends with the next; what stands before
+the first is free text. A section holds a table, below two lines of column names and units, or options, one to a line. `!`,
+`#` and `%` begin a remark. So MoorDyn reads its files (its documentation, "The V2 Input File", and source/MoorDyn2.cpp:
+ReadInFile, findStartOfSection).
+
+Its points and lines have numbers; here they have names. The remark `! name: "..."` (a JSON string) gives a row one.
+"""
+
+import json
+import math
+import re
+from typing import NamedTuple
+
+from anet_lumped.checks import SceneError
+
+HEADINGS = {  # section -> what its heading holds, by MoorDyn versions; the first section that fits counts
+    "rod types": ("ROD DICTIONARY", "ROD TYPES"),
+    "line types": ("LINE DICTIONARY", "LINE TYPES"),
+    "rods": ("RODS", "ROD LIST", "ROD PROPERTIES"),
+    "bodies": ("BODIES", "BODY LIST", "BODY PROPERTIES"),
+    "points": ("POINTS", "POINT LIST", "POINT PROPERTIES", "CONNECTION", "NODE PROPERTIES"),
+    "lines": ("LINES", "LINE LIST", "LINE PROPERTIES"),
+    "failure": ("FAILURE",),
+    "control": ("CONTROL",),
+    "external loads": ("EXTERNAL LOADS",),
+    "options": ("OPTIONS",),
+    "outputs": ("OUTPUT",),
+}
+WITHOUT_COLUMN_NAMES = ("options", "outputs")
+NAME = re.compile(r'!\s*name:\s*("(?:[^"\\]|\\.)*")\s*$')
+
+
+class Row(NamedTuple):
+    """A line of a section.
+
+    Parameters
+    ----------
+    where : file and line, for messages
+    text : the line without its remark
+    words : its columns
+    columns : names of the columns in lower case, as the file gives them
+    name : what the row is called in a remark, or None
+    """
+
+    where: str
+    text: str
+    words: tuple
+    columns: tuple
+    name: str | None
+
+    def error(self, why):
+        """SceneError that says where the row stands, what it says and why that does not do."""
+        return SceneError(f'{self.where}, "{self.text}": {why}')
+
+    def number(self, column, what):
+        """Number in a column; `what` it is, for messages."""
+        word = self.words[column]
+        try:
+            value = float(word)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise self.error(f"{what} must be a finite number, but is {word}.")
+        return value
+
+    def count(self, column, what):
+        """Integer of at least 1 in a column."""
+        word = self.words[column]
+        if not word.isdecimal() or int(word) < 1:
+            raise self.error(f"{what} must be an integer of at least 1, but is {word}.")
+        return int(word)
+
+
+def rows_by_section(text, source):
+    """Split the text of an input file.
+
+    Parameters
+    ----------
+    text : str
+    source : str, where it comes from, for messages
+
+    Returns
+    -------
+    dict of section to list of Row, in the order of the file
+
+    Raises
+    ------
+    SceneError : a section that MoorDyn does not have, or that is there twice
+    """
+    found, section, columns, above = {}, None, (), 0
+    for number, line in enumerate(text.splitlines(), start=1):
+        where = f"{source}, line {number}"
+        if "---" in line:
+            heading = line.strip(" -\t")
+            fits = [name for name, words in HEADINGS.items() if any(word in heading.upper() for word in words)]
+            section = fits[0] if fits else (heading if found else None)
+            if fits and section in found:
+                raise SceneError(f'{where}: a section must come once, but "{heading}" comes again.')
+            if fits:
+                found[section] = []
+            columns, above = (), 2 if fits and section not in WITHOUT_COLUMN_NAMES else 0
+            continue
+        if section is None:
+            continue
+        if above:
+            columns = tuple(line.lower().split()) if above == 2 else columns
+            above -= 1
+            continue
+        name = NAME.search(line)
+        content = re.split("[!#%]", line, maxsplit=1)[0].strip()
+        if not content:
+            continue
+        row = Row(where, content, tuple(content.split()), columns, json.loads(name[1]) if name else None)
+        if section not in HEADINGS:
+            raise row.error(f'a section must be one of MoorDyn\'s, but its heading is "{section}".')
+        found[section].append(row)
+    return found
+
+
+def named(name):
+    """Remark that gives a row its name."""
+    quoted = json.dumps(name, ensure_ascii=not name.isprintable())
+    return "  ! name: " + (quoted.replace("-", "\\u002d") if "---" in name else quoted)

@@ -1,0 +1,186 @@
+"""Scene → MoorDyn's input file.
+
+Written so that MoorDyn v2 runs it and that `moordyn_file` reads it back as an equal scene; names travel as remarks. What a deck
+cannot hold is refused: two-way springs, cables that do not stretch or may break, events, damping by the environment. What it has
+no place for is lost: the path of a driven point, which MoorDyn moves from outside, the EI of a scene without bending, and that a
+cable has no diameter or a free point no place.
+"""
+
+import math
+import pathlib
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+from anet_lumped.checks import SceneError
+from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene
+
+from .moordyn_rows import named
+
+NO_DIAMETER = 1e-3  # [m], of a cable without one: MoorDyn divides by the section, and in air nothing else asks for it
+NO_BOTTOM = 1e4  # [m], depth of water without a bottom
+
+
+def save_moordyn(scene: Scene, path: str | pathlib.Path, options: Mapping[str, Any] | None = None) -> None:
+    """Write a scene as a MoorDyn v2 input file.
+
+    Parameters
+    ----------
+    scene : Scene
+    path : str or pathlib.Path
+    options : dict of option to value
+        What the file shall say besides, such as {"dtM": 1e-3}: MoorDyn's own step, scheme and output.
+
+    Raises
+    ------
+    SceneError : a scene with something that MoorDyn does not have; names it
+    """
+    for cable in scene.cables:
+        if cable.compression == "none" and cable.axial_viscosity:
+            warnings.warn(
+                'MoorDyn\'s dampers act on slack segments too: its law is compression="damped", but cable '
+                f'"{cable.name}" has "none".',
+                stacklevel=2,
+            )
+            break
+    path = pathlib.Path(path)
+    path.write_text(moordyn_text(scene, options, stem=path.stem), encoding="utf-8")
+    for curve, name in _curves(scene, path.stem).items():
+        rows = ("strain tension", "(-) (N)", "0 0", *(f"{strain!r} {tension!r}" for strain, tension in curve))
+        path.with_name(name).write_text("\n".join(rows), encoding="utf-8")  # MoorDyn takes no empty last line
+
+
+def _curves(scene: Scene, stem: str) -> dict[Any, str]:
+    """Name of the file of each tension-strain curve."""
+    curves = dict.fromkeys(cable.tension_strain for cable in scene.cables if cable.tension_strain is not None)
+    return {curve: f"{stem}_curve{number}.txt" for number, curve in enumerate(curves, start=1)}
+
+
+def moordyn_text(
+    scene: Scene, options: Mapping[str, Any] | None = None, places: Mapping[str, Any] | None = None, stem: str = "deck"
+) -> str:
+    """Return the text of a MoorDyn v2 input file; as `save_moordyn`.
+
+    Parameters
+    ----------
+    places : dict of point name to (3,) array_like [m]
+        Where points start, in place of `at` or of the start of a path.
+    stem : str
+        Tension-strain curves are taken to be in the files "stem_curve1.txt" and so on.
+    """
+    if scene.events:
+        raise SceneError(f"A scene must have no events to be written for MoorDyn, but it has {scene.events[0]!r}.")
+    places = _places(scene, places or {})
+    environment = _environment(scene, max(abs(float(at[2])) for at in places.values()))
+    bends = "bending" in {_name(effect) for effect in scene.effects}
+    curves = _curves(scene, stem)
+    rows = [_type(cable, bends, curves) for cable in scene.cables]
+    types = {row: f"type{number}" for number, row in enumerate(dict.fromkeys(rows), start=1)}
+    number = {point.name: i for i, point in enumerate(scene.points, start=1)}
+    lines = [
+        "--------------------- MoorDyn Input File ---------------------",
+        "written by anet-lumped",
+        "--------------------- LINE TYPES ---------------------",
+        "TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx",
+        "(name) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)",
+        *(f"{name} {row}" for row, name in types.items()),
+        "--------------------- POINTS ---------------------",
+        "ID Type X Y Z Mass Volume CdA Ca",
+        "(#) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)",
+        *(f"{number[point.name]} {_point(point, places[point.name])}" for point in scene.points),
+        "--------------------- LINES ---------------------",
+        "ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs",
+        "(#) (name) (#) (#) (m) (-) (-)",
+        *(
+            f"{i} {types[row]} {number[cable.start]} {number[cable.end]} {cable.length!r} {cable.segments} -{named(cable.name)}"
+            for i, (cable, row) in enumerate(zip(scene.cables, rows, strict=True), start=1)
+        ),
+        "--------------------- OPTIONS ---------------------",
+        *(f"{value} {name}" for name, value in (options or {}).items()),
+        *(f"{value!r} {name}" for name, value in environment.items()),
+        "--------------------- OUTPUTS ---------------------",
+        "--------------------- need this line ---------------------",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _type(cable: Cable, bends: bool, curves: dict[Any, str]) -> str:
+    """Columns of a line type, but for its name."""
+    if cable.compression == "linear" or cable.EA_compression:
+        raise SceneError(
+            'A cable must have compression="damped" or "none" to be written for MoorDyn, whose springs do not push, but cable '
+            f'"{cable.name}" has "{cable.compression}" and EA_compression={cable.EA_compression}.'
+        )
+    if cable.inextensible:
+        raise SceneError(f'A cable must have a finite `EA` to be written for MoorDyn, but cable "{cable.name}" has EA=inf.')
+    if cable.breaking_tension is not None:
+        raise SceneError(
+            f'A cable must have no `breaking_tension` to be written for MoorDyn, but cable "{cable.name}" has '
+            f"breaking_tension={cable.breaking_tension}."
+        )
+    diameter = NO_DIAMETER if cable.diameter is None else cable.diameter
+    damping = -cable.zeta if cable.BA is None else cable.BA
+    EA = repr(cable.EA) if cable.tension_strain is None else curves[cable.tension_strain]
+    numbers = (damping or 0.0, cable.EI if bends else 0.0, cable.Cdn, cable.Can, cable.Cdt, cable.Cat)
+    return " ".join((repr(diameter), repr(cable.mass_per_length), EA, *map(repr, numbers)))
+
+
+def _point(point: Point, at: Any) -> str:
+    """Columns of a point, but for its number."""
+    x, y, z = map(float, at)
+    if isinstance(point, Fixed | Driven):
+        return f"{'Fixed' if isinstance(point, Fixed) else 'Coupled'} {x!r} {y!r} {z!r} 0 0 0 0{named(point.name)}"
+    load = f"{point.mass!r} {point.volume!r} {point.CdA!r} {point.Ca!r}"
+    return f"Free {x!r} {y!r} {z!r} {load}{named(point.name)}"
+
+
+def _places(scene: Scene, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Where each point starts: as given, else on its path or at its place, else where it rests."""
+    places: dict[str, Any] = {}
+    for point in scene.points:
+        places[point.name] = given.get(point.name, point.path.at(0.0)[0] if isinstance(point, Driven) else point.at)
+    without = [name for name, at in places.items() if at is None]
+    if without:
+        from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
+
+        try:
+            rest = equilibrium(scene)
+        except EquilibriumError as error:
+            raise SceneError(
+                f'A free point must have a place to be written for MoorDyn, but "{without[0]}" has no `at`, and no rest: {error}'
+            ) from None
+        places |= {name: rest.position(name) for name in without}
+    return places
+
+
+def _name(effect: Any) -> str | None:
+    from anet_lumped.effects import REGISTRY
+
+    return REGISTRY.name_of(effect)
+
+
+def _environment(scene: Scene, far: float) -> dict[str, float]:
+    """Options that stand for the effects of a scene, whose points start no farther from z=0 than ``far`` [m]."""
+    given = {_name(effect): effect for effect in scene.effects}
+    for name, effect in given.items():
+        if name not in ("gravity", "water", "ground", "bending"):
+            raise SceneError(f"A scene must have no {type(effect).__name__} to be written for MoorDyn, which has no such effect.")
+    x, y, z = scene.gravity.tolist()
+    if x or y or z > 0.0:
+        raise SceneError(f"Gravity must point along -z to be written for MoorDyn, but the scene's acceleration is {(x, y, z)}.")
+    water, ground = given.get("water"), given.get("ground")
+    if water is not None:
+        for name, still in (("level", 0.0), ("current", None), ("wave", None)):
+            if (value := getattr(water, name)) != still:
+                raise SceneError(f"Water must be still, with level=0, to be written for MoorDyn, but it has {name}={value}.")
+        if water.g not in (None, -z):
+            raise SceneError(f"Water must have the g of Gravity, {-z:g} m/s2, to be written for MoorDyn, but it has g={water.g}.")
+    options = {"g": -z + 0.0, "rho": 0.0 if water is None else water.density}
+    if ground is None:
+        reach = far + math.fsum(cable.length for cable in scene.cables)
+        return options | {"WtrDpth": max(NO_BOTTOM, 2.0 * reach), "kBot": 0.0, "cBot": 0.0}
+    if ground.height > 0.0:
+        raise SceneError(f"The ground must lie at or below z=0 to be written for MoorDyn, but it has height={ground.height}.")
+    return options | {
+        "WtrDpth": -ground.height + 0.0, "kBot": ground.stiffness, "cBot": ground.damping, "FrictionCoefficient": ground.friction,
+    }  # fmt: skip

@@ -1,0 +1,99 @@
+"""TOML ⇄ Scene.
+
+A scene file holds the arguments of the Python classes under the same names::
+
+    [effects.gravity]
+    g = 9.81                                 # m/s²
+
+    [effects.air]
+    wind = {kind = "power_law", speed = 8.0, height = 10.0, exponent = 0.14}   # or a list of winds, which add up
+
+    [effects.water]
+    current = {kind = "sampled", samples = [[-50.0, 0.1, 0.0], [0.0, 0.8, 0.0]]}   # (z, u, v): m, m/s
+    wave = {kind = "airy", height = 2.0, period = 8.0}
+
+    [effects.line_change.paid_out]           # by cable; a length [m] as a function of time
+    s0-s1 = {kind = "line", start = 0.0, rate = 0.1, ramp = 1.0}
+
+    [[points]]
+    name = "s0"
+    kind = "fixed"                           # or "free", "driven"
+    at = [0.0, 0.0, 0.0]                     # m
+
+    [[points]]
+    name = "s1"
+    kind = "driven"
+    path = {kind = "line", start = [1, 0, 0], velocity = [0.2, 0, 0], ramp = 1.0}
+
+    [cable_defaults]                         # what all cables share, if anything
+    EA = 1e4                                 # N
+
+    [[cables]]
+    start = "s0"
+    end = "s1"
+    length = 1.5                             # m
+    mass_per_length = 0.1                    # kg/m
+    segments = 20
+    breaking_tension = 900.0                 # N, if it may break
+
+    [[events]]                               # if anything happens
+    kind = "payload_change"
+    point = "p0"
+    t = 1.5                                  # s
+    mass = 0.0                               # kg
+
+A cable, or cable_defaults, may have `rope = "nylon"` and the nominal `diameter` [m] of that rope (module `ropes`) in place of
+`mass_per_length` and `EA`; what is given besides overrules what the rope says.
+
+`anet_lumped.scene.as_dict` checks and makes what such a file holds. A file that ends in .txt, .dat or .moordyn is MoorDyn's
+(`moordyn_file`).
+"""
+
+import pathlib
+import re
+import tomllib
+
+from anet_lumped.checks import SceneError
+from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
+from anet_lumped.scene.scene import Scene
+
+MOORDYN = (".txt", ".dat", ".moordyn")
+
+
+def load_scene(path: str | pathlib.Path) -> Scene:
+    """Read a scene from a TOML file, or from a MoorDyn input file by its ending.
+
+    Raises
+    ------
+    SceneError : no such file, no valid TOML, or a scene that `scene_from_dict` refuses; names the file and the place
+    """
+    path = pathlib.Path(path)
+    if path.suffix.lower() in MOORDYN:
+        from .moordyn_file import read_moordyn
+
+        return read_moordyn(path).scene
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise SceneError(f"A scene file must be readable, but {path}: {error.strerror}.") from None
+    except UnicodeDecodeError as error:
+        raise SceneError(f"A scene file must be UTF-8 text, but {path}: {error}.") from None
+    try:
+        entries = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(f"A scene file must be valid TOML, but {path}: {error}.") from None
+    return scene_from_dict(entries, source=path.name)
+
+
+def save_scene(scene: Scene, path: str | pathlib.Path) -> None:
+    """Write a scene as a TOML file that `load_scene` reads back as an equal scene, or as a MoorDyn input file by its ending."""
+    if pathlib.Path(path).suffix.lower() in MOORDYN:
+        from .moordyn_writer import save_moordyn
+
+        return save_moordyn(scene, path)
+    import tomli_w
+
+    text = tomli_w.dumps(scene_to_dict(scene))
+    # tomli_w gives each number of a vector a line of its own; strings hold no bare line ends, so only vectors match.
+    text = re.sub(r"\[\n((?: +[-+.\de]+,\n)+) *\]", lambda found: f"[{' '.join(found[1].split())[:-1]}]", text)
+    pathlib.Path(path).write_text(text, encoding="utf-8")

@@ -1,0 +1,203 @@
+"""The sparse analytic Jacobian of the motion at first order: y = (q, v) of the moving nodes, M dv/dt = f(t, q, v)."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit, types, void
+from scipy.sparse import csc_array
+
+from anet_lumped.effects.laws.axial import tension_slopes
+from anet_lumped.effects.signatures import as_tangent
+from anet_lumped.mechanics.effect_forces import add_masses, clear
+from anet_lumped.model.net import net_at
+from anet_lumped.model.tables import (
+    AXIAL_DAMPER,
+    AXIAL_L0,
+    AXIAL_TWO_WAY_DAMPER,
+    CABLE_END,
+    CABLE_FIRST_NODE,
+    CABLE_FIRST_SEGMENT,
+    CABLE_SEGMENTS,
+    CABLE_START,
+    SLOT_TANGENT,
+)
+
+from .linear import node_elimination as elimination
+from .segment_law import spring_of
+
+_f2, _f3 = (types.Array(types.float64, d, "C") for d in (2, 3))
+_i1, _i2 = (types.Array(types.int64, d, "C") for d in (1, 2))
+
+
+class Pattern(NamedTuple):
+    """Where the numbers of the Jacobian go; the same for every state of a model.
+
+    The 3x3 blocks are numbered: first those of every moving node with itself, then both directions of every pair of
+    moving nodes that a segment joins, or where an effect joins them two segments of a cable. Entry e
+    of the matrix in compressed columns is ``scale[e]`` times entry
+    ``source[e]`` of all blocks of df/dq, all blocks of df/dv and a last 1.
+    """
+
+    slot: np.ndarray  # (n_segments, 2) int64: blocks (first node, second node) and back; -1 if one is prescribed
+    far_slot: np.ndarray  # (n_segments, 2) int64: blocks (first node, second node of the next segment) and back, likewise
+    row: np.ndarray  # (blocks,) int64: node whose force a block is of
+    blocks: int
+    indices: np.ndarray
+    indptr: np.ndarray
+    source: np.ndarray
+    scale: np.ndarray  # 1 or 1/m
+
+
+def pattern(model):
+    """`Pattern` of a model."""
+    n = model.n_free
+    number = {(i, i): i for i in range(n)}
+    slot = np.full((model.n_segments, 2), -1, np.int64)
+    for s, (a, b) in enumerate(model.ends.tolist()):
+        if a < n and b < n:
+            slot[s] = [number.setdefault(pair, len(number)) for pair in ((a, b), (b, a))]
+    far_slot = np.full((model.n_segments, 2), -1, np.int64)
+    if any(getattr(effect, "couples", 0) > 1 for effect in model.scene.effects):
+        for s in range(model.n_segments - 1):
+            a, b = int(model.ends[s, 0]), int(model.ends[s + 1, 1])
+            if model.cable_of[s] == model.cable_of[s + 1] and a < n and b < n:
+                far_slot[s] = [number.setdefault(pair, len(number)) for pair in ((a, b), (b, a))]
+    i, j = np.array(list(number), np.int64).reshape(-1, 2).T
+    x, y = np.divmod(np.arange(9), 3)
+    row, column = (3 * i[:, None] + x).ravel(), (3 * j[:, None] + y).ravel()
+    rows = np.concatenate([3 * n + row, 3 * n + row, np.arange(3 * n)])
+    columns = np.concatenate([column, 3 * n + column, 3 * n + np.arange(3 * n)])
+    source = np.minimum(np.arange(len(rows)), 2 * len(row))
+    scale = np.concatenate([np.tile(1.0 / model.mass[row // 3], 2), np.ones(3 * n)])
+    order = np.lexsort((rows, columns))
+    indptr = np.searchsorted(columns[order], np.arange(6 * n + 1))
+    return Pattern(
+        slot, far_slot, np.ascontiguousarray(i), len(number),
+        rows[order].astype(np.int32), indptr.astype(np.int32), source[order], scale[order],
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def _add_couplings(net, slot, far_slot, of):
+    """Add what effects left in ``net.near`` and ``net.far`` to the blocks of the pairs of moving nodes."""
+    for s in range(net.near.shape[0]):
+        for way in range(2):
+            if slot[s, way] >= 0:
+                of[slot[s, way]] += net.near[s, way]
+            if net.far.shape[0] > 0 and far_slot[s, way] >= 0:
+                of[far_slot[s, way]] += net.far[s, way]
+    clear(net.near)
+    clear(net.far)
+
+
+@njit(cache=True, error_model="numpy")
+def _with_fluid(net, row, of):
+    """Multiply blocks of a force by m (m I + A)^-1, what added masses A of its node leave to the node's own."""
+    for b in range(of.shape[0]):
+        m, A = net.mass[row[b]], net.added[row[b]]
+        inverse = elimination.inverse((m + A[0, 0], A[0, 1], A[0, 2], A[1, 0], m + A[1, 1], A[1, 2], A[2, 0], A[2, 1], m + A[2, 2]))
+        for y in range(3):
+            of[b, 0, y], of[b, 1, y], of[b, 2, y] = elimination.times(inverse, m * of[b, 0, y], m * of[b, 1, y], m * of[b, 2, y])
+
+
+@njit(void(types.float64, _f2, _f2, types.int64, _i2, _i2, _i1, _f3, _f3), cache=True, error_model="numpy")
+def blocks(t, q, v, place, slot, far_slot, row, of_q, of_v):
+    """Blocks of df/dq and df/dv.
+
+    A segment from node a to node b, d = q_b - q_a of length l and n = d/l, u = v_b - v_a, pulls a with T n, where
+
+        d(T n)/dd = n (T_l n + T_r (u - r n)/l)^T + (T/l)(I - n n^T),    d(T n)/du = T_r n n^T,    r = n . u ,
+
+    with the slopes T_l, T_r of the axial law in length and rate; effects add their own. With added masses A the blocks of a node's
+    force are multiplied by m (m I + A)^-1, of which the derivative is left out.
+
+    Parameters
+    ----------
+    t : float [s]
+    q, v : (n, 3) float64 [m], [m/s]; prescribed rows hold the prescribed motion
+    place : int, address of the net
+    slot, far_slot, row : see `Pattern`
+    of_q, of_v : (blocks, 3, 3) float64 [N/m], [N s/m], overwritten
+    """
+    net = net_at(place)
+    n_free, effects = net.n_free, net.effects
+    of_q[:] = 0.0
+    of_v[:] = 0.0
+    for e in range(effects.address.shape[0]):
+        if effects.address[e, SLOT_TANGENT] == 0:
+            continue
+        i, j = effects.index_at[e], effects.index_at[e + 1]
+        a, b = effects.params_at[e], effects.params_at[e + 1]
+        index, params, tangent = effects.index[i:j], effects.params[a:b], as_tangent(effects.address[e, SLOT_TANGENT])
+        tangent(t, q, v, index, params, -1.0, 0.0, of_q[:n_free], net.near, net.far)
+        _add_couplings(net, slot, far_slot, of_q)
+        tangent(t, q, v, index, params, 0.0, -1.0, of_v[:n_free], net.near, net.far)
+        _add_couplings(net, slot, far_slot, of_v)
+    for c in range(net.cable.shape[0]):
+        first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
+        spring, L0, damper, two_damper = (
+            spring_of(net, c),
+            net.axial[c, AXIAL_L0],
+            net.axial[c, AXIAL_DAMPER],
+            net.axial[c, AXIAL_TWO_WAY_DAMPER],
+        )
+        a = net.cable[c, CABLE_START]
+        for j in range(count):
+            b = node + j if j < count - 1 else net.cable[c, CABLE_END]
+            dx, dy, dz = q[b, 0] - q[a, 0], q[b, 1] - q[a, 1], q[b, 2] - q[a, 2]
+            ux, uy, uz = v[b, 0] - v[a, 0], v[b, 1] - v[a, 1], v[b, 2] - v[a, 2]
+            l = (dx * dx + dy * dy + dz * dz) ** 0.5
+            per_l = 1.0 / max(l, 1e-12 * L0)
+            n = (dx * per_l, dy * per_l, dz * per_l)
+            rate = n[0] * ux + n[1] * uy + n[2] * uz
+            T, of_length, of_rate = tension_slopes(l - L0, rate, spring, damper, two_damper)
+            across, turn = T * per_l, of_rate * per_l
+            along = of_length - turn * rate - across
+            g = (along * n[0] + turn * ux, along * n[1] + turn * uy, along * n[2] + turn * uz)
+            ab, ba = slot[first + j, 0], slot[first + j, 1]
+            for x in range(3):
+                for y in range(3):
+                    K, C = n[x] * g[y], of_rate * n[x] * n[y]
+                    if x == y:
+                        K += across
+                    if a < n_free:
+                        of_q[a, x, y] -= K
+                        of_v[a, x, y] -= C
+                    if b < n_free:
+                        of_q[b, x, y] -= K
+                        of_v[b, x, y] -= C
+                    if ab >= 0:
+                        of_q[ab, x, y] += K
+                        of_v[ab, x, y] += C
+                        of_q[ba, x, y] += K
+                        of_v[ba, x, y] += C
+            a = b
+    if net.added.shape[0] > 0:
+        add_masses(net, t, q)
+        _with_fluid(net, row, of_q)
+        _with_fluid(net, row, of_v)
+
+
+def sparse_jacobian(model, net):
+    """Jacobian of dy/dt = (v, f/m) for y = (q, v) of the moving nodes.
+
+    Parameters
+    ----------
+    model : Model
+    net : Net
+        The model's own, with its scratch arrays.
+
+    Returns
+    -------
+    jacobian : callable (t, q, v) -> csc_array (6 n_free, 6 n_free)
+        t [s], q and v (n, 3) [m], [m/s] with the prescribed rows filled in. The pattern is fixed; zeros in it are kept.
+    """
+    p, size = pattern(model), 6 * model.n_free
+    values = np.ones(18 * p.blocks + 1)
+    of_q, of_v = values[:-1].reshape(2, p.blocks, 3, 3)
+
+    def jacobian(t, q, v):
+        blocks(t, q, v, net.place, p.slot, p.far_slot, p.row, of_q, of_v)
+        return csc_array((values[p.source] * p.scale, p.indices, p.indptr), shape=(size, size))
+
+    return jacobian

@@ -1,0 +1,459 @@
+"""Linear algebra of a net: each cable's interior is eliminated in O(n), then the free points.
+
+One Newton step solves, for the displacements d of all moving nodes and the tensions T of all segments,
+
+    D_i d_i + sum over segments at i of -+ [ a (d_j - d_i) + e T ] = r_i ,      T = T_0 + k g . (d_j - d_i) ,
+
+where D_i holds inertia and external stiffness, a the geometric stiffness of the segment, e the direction in which its
+tension acts, and k = dT/dl, 0 for a slack segment. Keeping the tension as an unknown until its node is eliminated makes every
+number that occurs as large as inertia and tension, not as large as the stiffness: with M = D + a I,
+
+    y = M^-1 e,   z = M^-T g,   rho = 1/(1 + k g . y),   T = rho [T_0 + k (g - a z) . d_next - k z . r_i]
+    S = a I - a^2 M^-1 + rho k (e - a y)(g - a z)^T        is what the part behind looks like to the next node,
+
+which is (G^-1 + D^-1)^-1 for the segment stiffness G = a I + k e g^T, after Sherman and Morrison. Effects that join neighbours
+along a cable, or next-but-one neighbours, add their blocks ``net.near`` and ``net.far``; `elimination` has the formulas.
+"""
+
+import numpy as np
+from numba import njit, types
+
+from anet_lumped.compiled.addresses import callable_at
+from anet_lumped.compiled.lanes import WIDTH, at, four, index, lane, largest, members_of, of_table, put, put_four
+from anet_lumped.mechanics.linear.node_elimination import eliminate, eliminate_far, eliminate_near, less, minus, times
+from anet_lumped.model.net import net_at
+from anet_lumped.model.tables import (
+    CABLE_BLOCK_END_START,
+    CABLE_BLOCK_START_END,
+    CABLE_END,
+    CABLE_FIRST_NODE,
+    CABLE_FIRST_SEGMENT,
+    CABLE_JOINS_FREE_POINTS,
+    CABLE_SEGMENTS,
+    CABLE_START,
+    SEGMENT_COLUMNS,
+    SEGMENT_DIRECTION,
+    SEGMENT_GEOMETRIC,
+    SEGMENT_GRADIENT,
+    SEGMENT_STIFFNESS,
+    SEGMENT_TENSION,
+)
+
+SOLVE = types.float64(types.int64)  # signature of `solve`, and of what takes its place for some nets
+as_solver = callable_at(SOLVE)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _add(block, m, sign):
+    for x in range(3):
+        for y in range(3):
+            block[x, y] += sign * m[3 * x + y]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _stiffness(row):
+    """Stiffness a I + k e g^T of a segment, by rows."""
+    a, k = row[SEGMENT_GEOMETRIC], row[SEGMENT_STIFFNESS]
+    ex, ey, ez = k * row[0], k * row[1], k * row[2]
+    gx, gy, gz = row[3], row[4], row[5]
+    return (
+        a + ex * gx, ex * gy, ex * gz, ey * gx, a + ey * gy, ey * gz, ez * gx, ez * gy, a + ez * gz,
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _linearised(segment, first, j):
+    """e, g, a, k, T_0 of a segment, as `eliminate` takes them."""
+    ex, ey, ez, gx = four(segment, index(first, j, SEGMENT_COLUMNS, SEGMENT_DIRECTION))
+    gy, gz, a, k = four(segment, index(first, j, SEGMENT_COLUMNS, SEGMENT_GRADIENT + 1))
+    return ex, ey, ez, gx, gy, gz, a, k, at(segment, index(first, j, SEGMENT_COLUMNS, SEGMENT_TENSION))
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _pair(flat, s):
+    """The two blocks of a segment, by rows, 18 numbers."""
+    row = index(s, 0, 18, 0)
+    first, second = four(flat, row) + four(flat, index(row, 0, 1, 4)), four(flat, index(row, 0, 1, 8))
+    return first + second + four(flat, index(row, 0, 1, 12)) + (at(flat, index(row, 0, 1, 16)), at(flat, index(row, 0, 1, 17)))
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _pass(state, flat, blocks, node, first, j):
+    """`eliminate` interior node j, through segment j + 1; writes ``net.factor``, and returns what is not written there."""
+    diagonal, right, segment, factor, further = flat
+    at_D, at_r, at_f = index(node, j, 9, 0), index(node, j, 3, 0), index(first, j + 1, 16, 0)
+    D = (*four(diagonal, at_D), *four(diagonal, index(at_D, 0, 1, 4)), at(diagonal, index(at_D, 0, 1, 8)))
+    r = (at(right, at_r), at(right, index(at_r, 0, 1, 1)), at(right, index(at_r, 0, 1, 2)))
+    row, s = _linearised(segment, first, j + 1), index(first, j, 1, 1)
+    if len(blocks) == 0:
+        ahead, follows, M, y, z, rho = eliminate(state, D, r, row)
+    elif len(blocks) == 1:
+        ahead, follows, M, y, z, rho = eliminate_near(state, D, r, row, _pair(blocks[0], s))
+    else:
+        ahead, follows, M, y, z, rho = eliminate_far(state, D, r, row, _pair(blocks[0], s), _pair(blocks[1], s))
+        at_more = index(s, 0, 12, 0)
+        put_four(further, at_more, follows[16:20])
+        put_four(further, index(at_more, 0, 1, 4), follows[20:24])
+        put_four(further, index(at_more, 0, 1, 8), follows[24:])
+    put_four(factor, at_f, follows[:4])
+    put_four(factor, index(at_f, 0, 1, 4), follows[4:8])
+    put_four(factor, index(at_f, 0, 1, 8), follows[8:12])
+    put_four(factor, index(at_f, 0, 1, 12), follows[12:16])
+    return ahead, M, y, z, rho
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _flat(net):
+    return net.diagonal.ravel(), net.right.ravel(), net.segment.ravel(), net.factor.ravel(), net.further.ravel()
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _eliminate(net, blocks, c, members):
+    """Eliminate the interior of a cable, or of the cables of a group of which ``members`` count, that hangs on a fixed start."""
+    first, node = of_table(net.cable, c, CABLE_FIRST_SEGMENT), of_table(net.cable, c, CABLE_FIRST_NODE)
+    ex, ey, ez, gx, gy, gz, a, k, T = _linearised(net.segment.ravel(), first, 0)
+    kx, ky, kz = k * ex, k * ey, k * ez
+    state = (
+        a + kx * gx, kx * gy, kx * gz, ky * gx, a + ky * gy, ky * gz, kz * gx, kz * gy, a + kz * gz, -ex * T, -ey * T, -ez * T
+    )  # fmt: skip
+    if len(blocks) < 2:
+        beyond = state
+    else:
+        o = 0.0 * a  # nothing behind acts beyond the first node
+        six = (o, o, o, o, o, o)
+        beyond = state + six + six + six + six + six
+    flat = _flat(net)
+    for j in range(lane(of_table(net.cable, c, CABLE_SEGMENTS), 0) - 1):
+        beyond = _pass(beyond, flat, blocks, node, first, j)[0]
+    _finish(net, c, members, beyond)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _finish(net, c, members, state):
+    """Hand what a cable looks like from its end to its end point, if that is free."""
+    ends = of_table(net.cable, c, CABLE_END)
+    for k in range(members):
+        end = lane(ends, k)
+        if end < net.n_free:
+            S, b = net.points.block[end - net.n_interior].ravel(), net.right[end]
+            S[0], S[1], S[2] = S[0] + lane(state[0], k), S[1] + lane(state[1], k), S[2] + lane(state[2], k)
+            S[3], S[4], S[5] = S[3] + lane(state[3], k), S[4] + lane(state[4], k), S[5] + lane(state[5], k)
+            S[6], S[7], S[8] = S[6] + lane(state[6], k), S[7] + lane(state[7], k), S[8] + lane(state[8], k)
+            b[0], b[1], b[2] = b[0] + lane(state[9], k), b[1] + lane(state[10], k), b[2] + lane(state[11], k)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def eliminate_cables(place, blocks):
+    """Eliminate the interior of every cable; adds what each looks like to ``net.points.block`` and ``net.right``.
+
+    ``blocks`` are those of `Net.near` and `Net.far` that there are, flat, a tuple whose length the compiler knows.
+
+    Reads ``net.segment``, ``net.diagonal`` and ``net.right``; writes ``net.factor``, ``net.further`` and ``net.border``. A node
+    waits for the one before it and little else does, so four cables of one length are eliminated side by side.
+    """
+    net = net_at(place)
+    diagonal, block = net.diagonal, net.points.block
+    P = net.n_free - net.n_interior
+    block[P:] = 0.0
+    for p in range(P):
+        for x in range(3):
+            for y in range(3):
+                block[p, x, y] = diagonal[net.n_interior + p, x, y]
+    for g in range(net.group.shape[0]):
+        _eliminate(net, blocks, members_of(net.group, g), net.group[g, WIDTH])
+    for c in net.alone:
+        if net.cable[c, CABLE_SEGMENTS] == 1:
+            _single(place, c)
+        elif net.cable[c, CABLE_JOINS_FREE_POINTS] == 1:
+            _eliminate_bordered(place, blocks, c)
+        else:
+            _eliminate(net, blocks, c, 1)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _single(place, c):
+    """A cable of one segment has no interior: its stiffness goes straight to its end points."""
+    net = net_at(place)
+    start, end, block, e = (
+        net.cable[c, CABLE_START],
+        net.cable[c, CABLE_END],
+        net.points.block,
+        net.segment[net.cable[c, CABLE_FIRST_SEGMENT]],
+    )
+    G, T = _stiffness(e), e[SEGMENT_TENSION]
+    if start < net.n_free:
+        _add(block[start - net.n_interior], G, 1.0)
+        for x in range(3):
+            net.right[start, x] += e[x] * T
+    if end < net.n_free:
+        _add(block[end - net.n_interior], G, 1.0)
+        for x in range(3):
+            net.right[end, x] -= e[x] * T
+    if net.cable[c, CABLE_JOINS_FREE_POINTS] == 1:
+        _add(block[net.cable[c, CABLE_BLOCK_START_END]], G, -1.0)
+        _add(block[net.cable[c, CABLE_BLOCK_END_START]], G, -1.0)
+        if net.near.shape[0] > 0:
+            near = net.near[net.cable[c, CABLE_FIRST_SEGMENT]]
+            _add(block[net.cable[c, CABLE_BLOCK_START_END]], near[0].ravel(), 1.0)
+            _add(block[net.cable[c, CABLE_BLOCK_END_START]], near[1].ravel(), 1.0)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _take(table, m):
+    for x in range(3):
+        for y in range(3):
+            table[x, y] -= m[x, y]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _eliminate_bordered(place, blocks, c):
+    """Eliminate a cable whose start is a free point too.
+
+    The displacement of the start and the tension T of the first segment are carried along as four unknowns u = (d_start, T):
+    the first node sees A_0 d_start - a_0 d - e_0 T behind it, so that no stiffness enters before T itself is eliminated at the
+    end. C (3, 4) is what u adds to the right-hand side of the node eliminated now, and C_next to that of the next one. What the
+    start and T see of the interior, (B_0 d_first - F_0 d_second, g_0 . d_first), is Y d + Y_next d_next + p + P u in terms of the
+    two nodes whose turn comes.
+    """
+    net = net_at(place)
+    start, end, s = net.cable[c, CABLE_START], net.cable[c, CABLE_END], net.cable[c, CABLE_FIRST_SEGMENT]
+    block, first = net.points.block, net.segment[s]
+    a0, k0, e0, g0 = first[SEGMENT_GEOMETRIC], first[SEGMENT_STIFFNESS], first[:3], first[3:6]
+    net.carried[:] = 0.0
+    C, C_next, Y, Y_next, P = net.carried[0], net.carried[1], net.carried[2], net.carried[3], net.carried[4]
+    p = net.carried[5, 0]
+    for x in range(3):
+        C[x, x], C[x, 3], Y[x, x], Y[3, x] = a0, -e0[x], a0, g0[x]
+    if len(blocks) > 0:
+        _take(C, net.near[s, 1])
+        _take(Y, net.near[s, 0])
+    behind = (a0, 0.0, 0.0, 0.0, a0, 0.0, 0.0, 0.0, a0, 0.0, 0.0, 0.0)
+    if len(blocks) < 2:
+        state = behind
+    else:
+        six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        state = behind + six + six + six + six + six
+        _take(C_next, net.far[s, 1])
+        _take(Y_next, net.far[s, 0])
+    flat = _flat(net)
+    for j in range(net.cable[c, CABLE_SEGMENTS] - 1):
+        s += 1
+        row, border, H, h = net.segment[s], net.border[s], net.factor[s, :9].reshape(3, 3), net.factor[s, 9:12]
+        a = row[SEGMENT_GEOMETRIC]
+        if len(blocks) > 0:
+            B = less(a, _pair(blocks[0], s)[9:])
+            if len(blocks) > 1:
+                B = minus(B, state[21:30])
+        state, M, y, z, rho = _pass(state, flat, blocks, net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_FIRST_SEGMENT], j)
+        for u in range(4):
+            of_T = rho * (z[0] * C[0, u] + z[1] * C[1, u] + z[2] * C[2, u])
+            b = times(M, C[0, u], C[1, u], C[2, u])
+            bx, by, bz = b[0] - y[0] * of_T, b[1] - y[1] * of_T, b[2] - y[2] * of_T
+            border[u], border[4 + u], border[8 + u], border[12 + u] = bx, by, bz, -of_T
+            if len(blocks) == 0:
+                ahead = a * bx, a * by, a * bz
+            else:
+                ahead = times(B, bx, by, bz)
+            for x in range(3):
+                C[x, u] = ahead[x] + row[x] * of_T + C_next[x, u]
+            if len(blocks) > 1:
+                for x in range(3):
+                    C_next[x, u] = -(net.far[s, 1, x, 0] * bx + net.far[s, 1, x, 1] * by + net.far[s, 1, x, 2] * bz)
+        for x in range(4):
+            Yx, Yy, Yz = Y[x, 0], Y[x, 1], Y[x, 2]
+            p[x] += Yx * h[0] + Yy * h[1] + Yz * h[2]
+            for u in range(4):
+                P[x, u] += Yx * border[u] + Yy * border[4 + u] + Yz * border[8 + u]
+            for i in range(3):
+                Y[x, i] = Yx * H[0, i] + Yy * H[1, i] + Yz * H[2, i] + Y_next[x, i]
+            if len(blocks) > 1:
+                J = net.further[s, :9]
+                for i in range(3):
+                    Y_next[x, i] = Yx * J[i] + Yy * J[3 + i] + Yz * J[6 + i]
+    # T = T_0 + k_0 g_0 . (d_first - d_start), solved for T: = tie . (d_end, d_start) + constant
+    tie = net.factor[net.cable[c, CABLE_FIRST_SEGMENT]]
+    rho = 1.0 / (1.0 - k0 * P[3, 3])
+    for i in range(3):
+        tie[i] = rho * k0 * Y[3, i]
+        tie[3 + i] = rho * k0 * (P[3, i] - g0[i])
+    tie[6] = rho * (first[SEGMENT_TENSION] + k0 * p[3])
+    _finish(net, c, 1, state)
+    of_start, of_end, right = block[start - net.n_interior], block[end - net.n_interior], net.right
+    to_end, to_start = block[net.cable[c, CABLE_BLOCK_START_END]], block[net.cable[c, CABLE_BLOCK_END_START]]
+    for x in range(3):
+        # force on the start: what it sees of the interior, less a_0 d_start, and e_0 T; on the end: what `_finish` gave it, and C u
+        of_T = P[x, 3] + e0[x]
+        right[start, x] += p[x] + of_T * tie[6]
+        right[end, x] += C[x, 3] * tie[6]
+        of_start[x, x] += a0
+        for i in range(3):
+            of_start[x, i] -= P[x, i] + of_T * tie[3 + i]
+            to_end[x, i] -= Y[x, i] + of_T * tie[i]
+            to_start[x, i] -= C[x, i] + C[x, 3] * tie[3 + i]
+            of_end[x, i] -= C[x, 3] * tie[i]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _factor(M):
+    """LU of a 3x3 block in place, unit lower, the inverse of the diagonal kept."""
+    M[0, 0] = 1.0 / M[0, 0]
+    M[1, 0] *= M[0, 0]
+    M[2, 0] *= M[0, 0]
+    M[1, 1] = 1.0 / (M[1, 1] - M[1, 0] * M[0, 1])
+    M[1, 2] -= M[1, 0] * M[0, 2]
+    M[2, 1] = (M[2, 1] - M[2, 0] * M[0, 1]) * M[1, 1]
+    M[2, 2] = 1.0 / (M[2, 2] - M[2, 0] * M[0, 2] - M[2, 1] * M[1, 2])
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _solved(M, x, y, z):
+    """M^-1 (x, y, z) for a factored block."""
+    y -= M[1, 0] * x
+    z -= M[2, 0] * x + M[2, 1] * y
+    z *= M[2, 2]
+    y = (y - M[1, 2] * z) * M[1, 1]
+    return (x - M[0, 1] * y - M[0, 2] * z) * M[0, 0], y, z
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def solve_points(place):
+    """Block LU of the free points in their elimination order; their displacements go to ``net.step``.
+
+    By solves with factored blocks, never by their inverses: two points tied by a stiff cable share a block whose condition is
+    that of the stiffness over the inertia, and an inverse would lose it three times over.
+    """
+    net = net_at(place)
+    points, right, step, base = net.points, net.right, net.step, net.n_interior
+    block, P = points.block, net.n_free - net.n_interior
+    for p in range(P):
+        M, rp = block[p], right[base + p]
+        _factor(M)
+        rp[0], rp[1], rp[2] = _solved(M, rp[0], rp[1], rp[2])
+        first, last, at = points.later_at[p], points.later_at[p + 1], points.target_at[p]
+        for j in range(first, last):
+            U = block[points.upper[j]]
+            for i in range(3):
+                U[0, i], U[1, i], U[2, i] = _solved(M, U[0, i], U[1, i], U[2, i])
+        for i in range(first, last):
+            L, rq = block[points.lower[i]], right[base + points.later[i]]
+            for x in range(3):
+                rq[x] -= L[x, 0] * rp[0] + L[x, 1] * rp[1] + L[x, 2] * rp[2]
+            for j in range(first, last):
+                S, U = block[points.target[at]], block[points.upper[j]]
+                for x in range(3):
+                    for y in range(3):
+                        S[x, y] -= L[x, 0] * U[0, y] + L[x, 1] * U[1, y] + L[x, 2] * U[2, y]
+                at += 1
+    for p in range(P - 1, -1, -1):
+        d = step[base + p]
+        d[0], d[1], d[2] = right[base + p, 0], right[base + p, 1], right[base + p, 2]
+        for j in range(points.later_at[p], points.later_at[p + 1]):
+            U, after = block[points.upper[j]], step[base + points.later[j]]
+            for x in range(3):
+                d[x] -= U[x, 0] * after[0] + U[x, 1] * after[1] + U[x, 2] * after[2]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _follow(factor, more, s, x, y, z, before):
+    """Displacement of the node before segment s, and the tension of that, from the displacement of the one behind it.
+
+    ``more`` is (`Net.further`,) where that depends on the one ``before`` that, too, and else ().
+    """
+    row = index(s, 0, 16, 0)
+    h00, h01, h02, h10 = four(factor, row)
+    h11, h12, h20, h21 = four(factor, index(row, 0, 1, 4))
+    h22, hx, hy, hz = four(factor, index(row, 0, 1, 8))
+    wx, wy, wz, T = four(factor, index(row, 0, 1, 12))
+    if len(more) == 1:
+        u, v, w = before
+        row = index(s, 0, 12, 0)
+        j00, j01, j02, j10 = four(more[0], row)
+        j11, j12, j20, j21 = four(more[0], index(row, 0, 1, 4))
+        j22, ox, oy, oz = four(more[0], index(row, 0, 1, 8))
+        hx = hx + j00 * u + j01 * v + j02 * w
+        hy = hy + j10 * u + j11 * v + j12 * w
+        hz = hz + j20 * u + j21 * v + j22 * w
+        T = T + ox * u + oy * v + oz * w
+    return (
+        hx + h00 * x + h01 * y + h02 * z, hy + h10 * x + h11 * y + h12 * z, hz + h20 * x + h21 * y + h22 * z,
+        T + wx * x + wy * y + wz * z,
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _substitute(net, more, c):
+    """`substitute_cables` of a cable, or of a group, that hangs on a fixed start or has no interior."""
+    first, node, end = (
+        of_table(net.cable, c, CABLE_FIRST_SEGMENT),
+        of_table(net.cable, c, CABLE_FIRST_NODE),
+        of_table(net.cable, c, CABLE_END),
+    )
+    step, factor, segment = net.step.ravel(), net.factor.ravel(), net.segment.ravel()
+    at_end, at_start = index(end, 0, 3, 0), index(of_table(net.cable, c, CABLE_START), 0, 3, 0)
+    x, y, z = at(step, at_end), at(step, index(at_end, 0, 1, 1)), at(step, index(at_end, 0, 1, 2))
+    most, before = -np.inf + 0.0 * x, (0.0 * x, 0.0 * x, 0.0 * x)
+    for j in range(lane(of_table(net.cable, c, CABLE_SEGMENTS), 0) - 1, 0, -1):
+        s = index(first, j, 1, 0)
+        (x, y, z, T), before = _follow(factor, more, s, x, y, z, before), (x, y, z)
+        put(net.tension, s, T)
+        i = index(node, j - 1, 3, 0)
+        put(step, i, x)
+        put(step, index(i, 0, 1, 1), y)
+        put(step, index(i, 0, 1, 2), z)
+        most = max(most, -T)
+    _, _, _, gx, gy, gz, _, k, T = _linearised(segment, first, 0)
+    x, y, z = x - at(step, at_start), y - at(step, index(at_start, 0, 1, 1)), z - at(step, index(at_start, 0, 1, 2))
+    T = T + k * (gx * x + gy * y + gz * z)
+    put(net.tension, first, T)
+    return -largest(max(most, -T))
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _substitute_bordered(net, more, c):
+    """`substitute_cables` of a cable whose start is a free point too."""
+    first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
+    step, factor, tension, start, end = net.step, net.factor, net.tension, net.cable[c, CABLE_START], net.cable[c, CABLE_END]
+    x, y, z = step[end, 0], step[end, 1], step[end, 2]
+    sx, sy, sz = step[start, 0], step[start, 1], step[start, 2]
+    tie = factor[first]
+    T0 = tie[6] + tie[0] * x + tie[1] * y + tie[2] * z + tie[3] * sx + tie[4] * sy + tie[5] * sz
+    tension[first], smallest, before = T0, T0, (0.0, 0.0, 0.0)
+    for j in range(count - 1, 0, -1):
+        b, i = net.border[first + j], node + j - 1
+        (x, y, z, T), before = _follow(factor.ravel(), more, first + j, x, y, z, before), (x, y, z)
+        x += b[0] * sx + b[1] * sy + b[2] * sz + b[3] * T0
+        y += b[4] * sx + b[5] * sy + b[6] * sz + b[7] * T0
+        z += b[8] * sx + b[9] * sy + b[10] * sz + b[11] * T0
+        T += b[12] * sx + b[13] * sy + b[14] * sz + b[15] * T0
+        tension[first + j], smallest = T, min(smallest, T)
+        step[i, 0], step[i, 1], step[i, 2] = x, y, z
+    return smallest
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def substitute_cables(place, more):
+    """From the free points back along each cable: displacements to ``net.step``, tensions to ``net.tension``.
+
+    Returns the smallest tension [N].
+    """
+    net, smallest = net_at(place), np.inf
+    for g in range(net.group.shape[0]):
+        smallest = min(smallest, _substitute(net, more, members_of(net.group, g)))
+    for c in net.alone:
+        bordered = net.cable[c, CABLE_JOINS_FREE_POINTS] == 1 and net.cable[c, CABLE_SEGMENTS] > 1
+        smallest = min(smallest, _substitute_bordered(net, more, c) if bordered else _substitute(net, more, c))
+    return smallest
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def solve(place):
+    """Solve the linear system of the module's docstring for ``net.step`` and ``net.tension``; overwrites ``net.right``.
+
+    Returns the smallest tension [N].
+    """
+    solver = net_at(place).solver
+    if solver != 0:  # effects join neighbours
+        return as_solver(solver)(place)
+    eliminate_cables(place, ())
+    solve_points(place)
+    return substitute_cables(place, ())

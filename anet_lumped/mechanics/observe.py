@@ -1,0 +1,125 @@
+"""What is saved of a state: tensions, energies, and how near a cable is to its breaking."""
+
+import math
+
+from numba import float64, int64, njit, void
+
+from anet_lumped.effects.laws.axial import elastic_energy, tension_parts
+from anet_lumped.effects.signatures import as_energy
+from anet_lumped.mechanics.segment_law import (
+    spring_of,
+)
+from anet_lumped.mechanics.set_lengths import set_lengths
+from anet_lumped.model.net import net_at
+from anet_lumped.model.tables import (
+    AXIAL_DAMPER,
+    AXIAL_INEXTENSIBLE,
+    AXIAL_L0,
+    AXIAL_L0_RATE,
+    AXIAL_OMEGA_SQUARED,
+    AXIAL_STIFFNESS,
+    AXIAL_TWO_WAY_DAMPER,
+    CABLE_END,
+    CABLE_FIRST_NODE,
+    CABLE_FIRST_SEGMENT,
+    CABLE_SEGMENTS,
+    CABLE_START,
+    LINEARISED_LAW,
+    LINEARISED_MEAN_STEP,
+    LINEARISED_TAU,
+    SEGMENT_STRETCH,
+    SEGMENT_STRETCH_BEFORE,
+    SEGMENT_TENSION,
+    SLOT_ENERGY,
+)
+from integrators.stage import BACKWARD, BETWEEN, STATE
+from integrators.system import NEVER
+
+_f1, _f2 = float64[::1], float64[:, ::1]
+
+
+@njit(void(_f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})
+def observe(q, v, place, tension):
+    """Tension of every segment in a state (n_segments,) [N], overwritten.
+
+    By the law at one time; after a step of law ``BETWEEN`` by the tension that acted over it and what the law says of the
+    difference between the end and the mean of the step, in which an error of the places is not multiplied by the stiffness.
+    Nor is one of the rates by the damper: where the step does not resolve the stretching, or how it is damped, the rate is
+    that of the step. After the stages of a Runge-Kutta step whose mean was taken, by the law where the step resolves the
+    stretching, and by that mean where it does not.
+    """
+    net = net_at(place)
+    for c in range(net.cable.shape[0]):
+        first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
+        L0, k, damper, two_damper, spring = (
+            net.axial[c, AXIAL_L0],
+            net.axial[c, AXIAL_STIFFNESS],
+            net.axial[c, AXIAL_DAMPER],
+            net.axial[c, AXIAL_TWO_WAY_DAMPER],
+            spring_of(net, c),
+        )
+        before = net.cable[c, CABLE_START]
+        for j in range(count):
+            i, s = node + j if j < count - 1 else net.cable[c, CABLE_END], first + j
+            acting = net.tension[s] if two_damper > 0.0 else max(net.tension[s], 0.0)
+            if net.linearised[LINEARISED_LAW] == BACKWARD or net.axial[c, AXIAL_INEXTENSIBLE] > 0.0:
+                tension[s] = acting
+            else:
+                dx, dy, dz = q[i, 0] - q[before, 0], q[i, 1] - q[before, 1], q[i, 2] - q[before, 2]
+                l = math.sqrt(dx * dx + dy * dy + dz * dz)
+                rate = dx * (v[i, 0] - v[before, 0]) + dy * (v[i, 1] - v[before, 1]) + dz * (v[i, 2] - v[before, 2])
+                rate = rate / max(l, 1e-12 * L0) - net.axial[c, AXIAL_L0_RATE]
+                T, elastic = tension_parts(l - L0, rate, spring, damper, two_damper)
+                if net.linearised[LINEARISED_LAW] == BETWEEN and (elastic != 0.0 or two_damper > 0.0):
+                    h, row = net.linearised[LINEARISED_TAU], net.segment[s]
+                    mean = row[SEGMENT_STRETCH] - row[SEGMENT_STRETCH_BEFORE]
+                    if two_damper == 0.0:
+                        mean = max(row[SEGMENT_STRETCH], 0.0) - max(row[SEGMENT_STRETCH_BEFORE], 0.0)
+                    mean /= h
+                    resolved = 1.0 / (1.0 + (0.25 * h + 0.5 * damper / k) * h * net.axial[c, AXIAL_OMEGA_SQUARED])
+                    T = acting + (elastic - row[SEGMENT_TENSION] + damper * mean) + damper * resolved * (rate - mean)
+                    T = T if two_damper > 0.0 else max(T, 0.0)
+                elif net.linearised[LINEARISED_LAW] == STATE and net.linearised[LINEARISED_MEAN_STEP] > 0.0:
+                    h = net.linearised[LINEARISED_MEAN_STEP]
+                    stiff = (0.25 * h + 0.5 * damper / k) * h * net.axial[c, AXIAL_OMEGA_SQUARED]
+                    T = net.mean[s] + (T - net.mean[s]) / (1.0 + stiff * stiff)
+                tension[s] = T
+            before = i
+
+
+@njit(void(float64, _f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})
+def energies(t, q, v, place, energy):
+    """Kinetic energy of the moving nodes, spring energy, and potential energy of the effects: (3,) [J], overwritten."""
+    net = net_at(place)
+    if net.lengths.cable.shape[0] > 0:
+        set_lengths(place, t, t, t)
+    kinetic, elastic, potential = 0.0, 0.0, 0.0
+    for i in range(net.n_free):
+        kinetic += 0.5 * net.mass[i] * (v[i, 0] * v[i, 0] + v[i, 1] * v[i, 1] + v[i, 2] * v[i, 2])
+    for c in range(net.cable.shape[0]):
+        count, node = net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
+        L0, spring = net.axial[c, AXIAL_L0], spring_of(net, c)
+        before = net.cable[c, CABLE_START]
+        for j in range(count):
+            i = node + j if j < count - 1 else net.cable[c, CABLE_END]
+            dx, dy, dz = q[i, 0] - q[before, 0], q[i, 1] - q[before, 1], q[i, 2] - q[before, 2]
+            elastic += elastic_energy(math.sqrt(dx * dx + dy * dy + dz * dz) - L0, spring)
+            before = i
+    effects = net.effects
+    for e in range(effects.address.shape[0]):
+        i, j = effects.index_at[e], effects.index_at[e + 1]
+        a, b = effects.params_at[e], effects.params_at[e + 1]
+        potential += as_energy(effects.address[e, SLOT_ENERGY])(t, q, effects.index[i:j], effects.params[a:b])
+    energy[0], energy[1], energy[2] = kinetic, elastic, potential
+
+
+@njit(float64(_f2, _f2, int64), cache=True, error_model="numpy", fastmath={"contract"})
+def margin(q, v, place):
+    """Largest of T/T_max - 1 over the segments of cables that may break, T as in `observe`; `NEVER` if there are none."""
+    net = net_at(place)
+    largest = NEVER
+    if net.strength.shape[0] > 0:
+        observe(q, v, place, net.observed)
+        for s in range(net.strength.shape[0]):
+            largest = max(largest, net.observed[s] / net.strength[s] - 1.0)
+    return largest

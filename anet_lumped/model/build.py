@@ -1,0 +1,144 @@
+"""Scene → Model: nodes, segments and the elimination order."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from anet_lumped.compiled.lanes import WIDTH
+from anet_lumped.effects.laws.axial import SWITCHES
+from anet_lumped.effects.signatures import SLOTS, addresses
+from anet_lumped.model import rest_lengths
+from anet_lumped.model.elimination_order import minimum_degree, symbolic_elimination
+from anet_lumped.model.model import Model
+from anet_lumped.model.net import Effects
+from anet_lumped.model.tables import (
+    AXIAL_COLUMNS,
+    AXIAL_INEXTENSIBLE,
+    AXIAL_L0_BEFORE,
+    AXIAL_OMEGA_SQUARED,
+    AXIAL_PUSH_SHARE,
+    AXIAL_STIFFNESS,
+    AXIAL_TWO_WAY_DAMPER,
+    CABLE_BLOCK_END_START,
+    CABLE_BLOCK_START_END,
+    CABLE_COLUMNS,
+    CABLE_CURVE,
+    CABLE_CURVE_END,
+    CABLE_END,
+    CABLE_JOINS_FREE_POINTS,
+    CABLE_SEGMENTS,
+)
+from anet_lumped.scene.scene import Driven, Fixed, Free
+
+
+@lru_cache(maxsize=8)
+def build(scene):
+    """Cut a scene into nodes and segments and choose the elimination order.
+
+    Returns
+    -------
+    Model
+    """
+    n_interior = sum(cable.segments - 1 for cable in scene.cables)
+    free = [point.name for point in scene.points if isinstance(point, Free)]
+    links = [(cable.start, cable.end) for cable in scene.cables]
+    order, later = minimum_degree(free, links)
+    fixed = [point.name for point in scene.points if isinstance(point, Fixed)]
+    driven = [point.name for point in scene.points if isinstance(point, Driven)]
+    node_of = {name: n_interior + i for i, name in enumerate([*order, *fixed, *driven])}
+    rank = {name: i for i, name in enumerate(order)}
+
+    n, n_free = n_interior + len(scene.points), n_interior + len(order)
+    mass = np.zeros(n)
+    for name in order:
+        mass[node_of[name]] = scene.point(name).mass
+    symbolic, block_of = symbolic_elimination(order, later)
+    cable = np.full((len(scene.cables), CABLE_COLUMNS), -1, np.int64)
+    axial = np.zeros((len(scene.cables), AXIAL_COLUMNS))
+    flipped = np.zeros(len(scene.cables), bool)
+    segment = node = 0
+    for c, one in enumerate(scene.cables):
+        flipped[c] = one.start in rank and one.end not in rank
+        start, end = (one.end, one.start) if flipped[c] else (one.start, one.end)
+        bordered = start in rank and end in rank
+        cable[c, : CABLE_JOINS_FREE_POINTS + 1] = segment, one.segments, node, node_of[start], node_of[end], bordered
+        if bordered:
+            cable[c, CABLE_BLOCK_START_END : CABLE_BLOCK_END_START + 1] = (
+                block_of[rank[start], rank[end]],
+                block_of[rank[end], rank[start]],
+            )
+        spring = (0.0, 0.0) if one.inextensible else (one.stiffness, one.dashpot)
+        axial[c, :AXIAL_OMEGA_SQUARED] = one.L0, *spring, *SWITCHES[one.compression]
+        axial[c, AXIAL_PUSH_SHARE] = max(axial[c, AXIAL_PUSH_SHARE], one.EA_compression / one.EA_first)
+        axial[c, AXIAL_INEXTENSIBLE] = one.inextensible
+        axial[c, AXIAL_L0_BEFORE] = one.L0
+        half = 0.5 * one.mass_per_length * one.L0
+        mass[node : node + one.segments - 1] = 2.0 * half
+        mass[[node_of[start], node_of[end]]] += half
+        segment += one.segments
+        node += one.segments - 1
+    mobility = np.append(1.0 / mass[:n_free], np.zeros(n - n_free))
+    for c, (_, count, node, start, end) in enumerate(cable[:, : CABLE_END + 1]):
+        of = mobility[np.r_[start, node : node + count - 1, end]]
+        axial[c, AXIAL_OMEGA_SQUARED] = axial[c, AXIAL_STIFFNESS] * (of[1:] + of[:-1]).max()
+    springs = _curves(scene.cables, cable)
+    group, alone = _groups(cable, axial)
+    model = Model(
+        scene=scene,
+        n=n,
+        n_free=n_free,
+        n_interior=n_interior,
+        n_driven=n - len(driven),
+        mass=mass,
+        cable=cable,
+        axial=axial,
+        springs=springs,
+        group=group,
+        alone=alone,
+        flipped=flipped,
+        node_of=node_of,
+        symbolic=symbolic,
+        effects=None,
+        lengths=None,
+    )
+    model = replace(model, effects=_effect_tables(model.forces, model))
+    return replace(model, lengths=rest_lengths.table(scene, model, build.__wrapped__))
+
+
+def _curves(cables, table):
+    """Rows of ``springs`` of all tension-strain curves, each one once; writes where those of a cable are into the table."""
+    first, rows = {(): (0, 0)}, []
+    for row, one in zip(table, cables, strict=True):
+        if one.springs not in first:
+            first[one.springs] = len(rows), len(rows) + len(one.springs)
+            rows.extend(one.springs)
+        row[CABLE_CURVE:] = first[one.springs]
+    return np.array(rows, float).reshape(-1, 2)
+
+
+def _groups(cable, axial):
+    """Cables that hang on a prescribed point and are alike but for their numbers, by fours; the tables of `Net`."""
+    alike = {}
+    for c, (row, of) in enumerate(zip(cable, axial, strict=True)):
+        same = row[CABLE_SEGMENTS], row[CABLE_CURVE_END], of[AXIAL_PUSH_SHARE], of[AXIAL_TWO_WAY_DAMPER], of[AXIAL_INEXTENSIBLE]
+        alone = row[CABLE_SEGMENTS] == 1 or row[CABLE_JOINS_FREE_POINTS] == 1
+        alike.setdefault(c if alone else same, []).append(c)
+    fours = [cables[i : i + WIDTH] for cables in alike.values() for i in range(0, len(cables), WIDTH)]
+    groups = [[*four, *[four[-1]] * (WIDTH - len(four)), len(four)] for four in fours if len(four) > 1]
+    alone = sorted(four[0] for four in fours if len(four) == 1)
+    return np.array(groups, np.int64).reshape(-1, WIDTH + 1), np.array(alone, np.int64)
+
+
+def _effect_tables(effects, model):
+    """Tables and addresses of the compiled functions of the effects present; ``model`` is complete but for them."""
+    tables = [effect.table(model) for effect in effects]
+    index, params = [np.asarray(i, np.int64) for i, _ in tables], [np.asarray(p, float) for _, p in tables]
+    return Effects(
+        address=np.array([addresses(effect) for effect in effects], np.int64).reshape(-1, len(SLOTS)),
+        index=np.concatenate([*index, np.empty(0, np.int64)]),
+        index_at=np.cumsum([0, *map(len, index)]).astype(np.int64),
+        params=np.concatenate([*params, np.empty(0)]),
+        params_at=np.cumsum([0, *map(len, params)]).astype(np.int64),
+        linear=int(all(getattr(effect, "linear", False) for effect in effects)),
+    )

@@ -1,0 +1,52 @@
+"""The order in which free points are eliminated, and the pattern of blocks that this fills."""
+
+import numpy as np
+
+from anet_lumped.model.net import Points
+
+
+def minimum_degree(names, links):
+    """Elimination order of the free points by least fill, and each one's later neighbours (fill included)."""
+    neighbours = {name: set() for name in names}
+    for a, b in links:
+        if a in neighbours and b in neighbours:
+            neighbours[a].add(b)
+            neighbours[b].add(a)
+    order, later = [], {}
+    while neighbours:
+        name = min(neighbours, key=lambda p: len(neighbours[p]))
+        later[name] = neighbours.pop(name)
+        for p in later[name]:
+            neighbours[p] |= later[name]
+            neighbours[p] -= {p, name}
+        order.append(name)
+    return order, later
+
+
+def symbolic_elimination(order, later):
+    """Symbolic block LU: arrays of `Points`, and the position of each block."""
+    rank = {name: i for i, name in enumerate(order)}
+    block_of = {(p, p): p for p in range(len(order))}
+    ahead = [sorted(rank[other] for other in later[name]) for name in order]
+    for p, others in enumerate(ahead):
+        for q in others:
+            block_of[p, q] = len(block_of)
+            block_of[q, p] = len(block_of)
+    target = [[block_of[i, j] for i in others for j in others] for others in ahead]
+
+    def flat(rows):
+        return np.array([x for row in rows for x in row], np.int64)
+
+    def starts(rows):
+        return np.cumsum([0, *map(len, rows)]).astype(np.int64)
+
+    points = Points(
+        later_at=starts(ahead),
+        later=flat(ahead),
+        upper=flat([[block_of[p, q] for q in others] for p, others in enumerate(ahead)]),
+        lower=flat([[block_of[q, p] for q in others] for p, others in enumerate(ahead)]),
+        target_at=starts(target),
+        target=flat(target),
+        block=np.zeros((len(block_of), 3, 3)),
+    )
+    return points, block_of

@@ -1,0 +1,137 @@
+"""Scene → Model: nodes, segments and the elimination order, as the flat arrays that compiled code works on."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from anet_lumped.model.tables import (
+    AXIAL_L0,
+    AXIAL_PUSH_SHARE,
+    AXIAL_STIFFNESS,
+    CABLE_END,
+    CABLE_FIRST_SEGMENT,
+    CABLE_SEGMENTS,
+)
+from anet_lumped.scene.scene import Scene
+
+from .net import Effects, Lengths, Points
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A scene cut into nodes and segments.
+
+    Nodes are numbered: interior nodes cable by cable, free points, fixed points, driven points; segments cable by cable,
+    from the end that is eliminated first. ``cable``, ``axial``, ``springs``, ``group`` and ``alone`` are the tables of `Net`.
+
+    Parameters
+    ----------
+    scene : Scene
+    n, n_free, n_interior, n_driven : int
+        Nodes, nodes that move, interior nodes, and the number of the first driven node.
+    mass : (n,) float64 [kg]
+        Half of the segments on either side, and the point's own.
+    cable : (n_cables, 10) int64
+    axial : (n_cables, 9) float64
+    springs : (rows, 2) float64
+    flipped : (n_cables,) bool
+        The cable is eliminated from its end to its start.
+    node_of : dict
+        Point name to node.
+    """
+
+    scene: Scene
+    n: int
+    n_free: int
+    n_interior: int
+    n_driven: int
+    mass: np.ndarray
+    cable: np.ndarray
+    axial: np.ndarray
+    springs: np.ndarray
+    group: np.ndarray
+    alone: np.ndarray
+    flipped: np.ndarray
+    node_of: dict
+    symbolic: Points
+    effects: Effects
+    lengths: Lengths
+
+    @property
+    def forces(self):
+        """Effects that exert forces, in the order of ``effects``."""
+        return tuple(effect for effect in self.scene.effects if not hasattr(effect, "lengths"))
+
+    @property
+    def n_segments(self):
+        """Number of segments of all cables."""
+        return int(self.cable[:, CABLE_SEGMENTS].sum())
+
+    def _number(self, cable):
+        return self.scene.cables.index(self.scene.cable(cable))
+
+    @cached_property
+    def cable_of(self):
+        """(n_segments,) int64: number of each segment's cable."""
+        return np.repeat(np.arange(len(self.cable)), self.cable[:, CABLE_SEGMENTS])
+
+    @cached_property
+    def strength(self):
+        """(n_segments,) float64: tension at which each segment breaks [N], inf for never; empty if no cable breaks."""
+        limits = [np.inf if cable.breaking_tension is None else cable.breaking_tension for cable in self.scene.cables]
+        return np.array(limits)[self.cable_of] if np.isfinite(limits).any() else np.empty(0)
+
+    @cached_property
+    def springs_of_cables(self):
+        """What the law of each cable takes as its spring, see `effects.axial`, as arrays (n_cables,), filled up with empty rows."""
+        springs = [cable.springs for cable in self.scene.cables]
+        rows = np.zeros((max([len(own) for own in springs] + [1]) - 1, 2, len(springs)))
+        for c, own in enumerate(springs):
+            rows[: len(own) - 1, :, c] = np.reshape(own[1:], (-1, 2))
+        share = np.array([own[0][1] if own else 1.0 for own in springs])
+        return share * self.axial[:, AXIAL_STIFFNESS], self.axial[:, AXIAL_PUSH_SHARE], self.axial[:, AXIAL_L0], rows, 0, len(rows)
+
+    @cached_property
+    def ends(self):
+        """(n_segments, 2) int64: nodes at both ends of each segment."""
+        rows = []
+        for _, count, node, start, end in self.cable[:, : CABLE_END + 1]:
+            nodes = np.r_[start, node : node + count - 1, end]
+            rows.append(np.column_stack([nodes[:-1], nodes[1:]]))
+        return np.concatenate([*rows, np.empty((0, 2), np.int64)])
+
+    def node(self, point):
+        """Number of a point's node."""
+        self.scene.point(point)
+        return self.node_of[point]
+
+    def where(self, node):
+        """Name of a node: its point, or its place along its cable."""
+        for name, number in self.node_of.items():
+            if number == node:
+                return f'point "{name}"'
+        for cable in self.scene.cables:
+            place = np.flatnonzero(self.nodes(cable.name) == node)
+            if len(place):
+                return f'node {place[0]} of {cable.segments} of cable "{cable.name}"'
+        return f"node {node}"
+
+    def nodes(self, cable):
+        """(segments + 1,) int64: nodes of a cable from its start to its end."""
+        c = self._number(cable)
+        _, count, first, start, end = self.cable[c, : CABLE_END + 1]
+        nodes = np.r_[start, first : first + count - 1, end]
+        return nodes[::-1] if self.flipped[c] else nodes
+
+    def segment_run(self, c):
+        """First segment of the c-th cable, and how many it has, in the order of elimination."""
+        return self.cable[c, CABLE_FIRST_SEGMENT], self.cable[c, CABLE_SEGMENTS]
+
+    def segments(self, cable):
+        """Segments of a cable from its start to its end, as a slice."""
+        c = self._number(cable)
+        first, count = self.segment_run(c)
+        if not self.flipped[c]:
+            return slice(first, first + count)
+        return slice(first + count - 1, first - 1 if first else None, -1)

@@ -1,0 +1,131 @@
+"""What is left of a scene when payloads have changed and segments have broken: a scene of its own, on the same nodes.
+
+A cable without one of its segments is two cables, whose ends there are free points. The segment has no force any more; either half
+of it stays with its node as a stub without length, with its mass, volume, drag across and contact. All that a scene can have, its
+remainder can, so that no compiled code has to know of events.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from anet_lumped.model.build import build
+from anet_lumped.model.model import Model
+from anet_lumped.scene.scene import Cable, Free, Scene
+
+SCATTER = 1e-3
+"""By how much more of its breaking tension what is left of a cable takes, each time that it breaks: among equals one fails,
+while the others are still under the same tension, which waves of unloading take some time to leave."""
+
+
+@dataclass(frozen=True)
+class Pieces(Scene):
+    """A scene in which a free point may have lost its last cable.
+
+    Parameters
+    ----------
+    stubs : pairs of a point's name and the Cable of which half a segment stays there
+    """
+
+    stubs: tuple[tuple[str, Cable], ...] = ()
+
+    whole: ClassVar[bool] = False
+
+
+@dataclass(frozen=True, eq=False)
+class Remainder:
+    """What is left of a scene.
+
+    Parameters
+    ----------
+    model : Model
+    node : (n,) int64, of the whole scene's model, that each of its nodes is
+    segment : (n_segments,) int64, likewise
+    """
+
+    model: Model
+    node: np.ndarray
+    segment: np.ndarray
+
+
+def remainder(whole, masses, broken):
+    """What is left of a scene.
+
+    Parameters
+    ----------
+    whole : Model of the scene
+    masses : dict of point name to float [kg], payloads that are not the scene's any more
+    broken : dict of cable name to increasing tuple of int, its segments that have failed, from its start
+
+    Returns
+    -------
+    Remainder
+    """
+    scene, stubs, loose, cables, pieces, nodes, segments = whole.scene, [], {}, [], {}, {}, {}
+    for cable in scene.cables:
+        own = np.arange(whole.n_segments)[whole.segments(cable.name)]
+        failed = broken.get(cable.name, ())
+        if not failed:
+            cables.append(cable)
+            nodes[cable.name], segments[cable.name] = whole.nodes(cable.name), own
+            continue
+        names = [cable.start, *(f"{cable.name}[{k}]" for k in range(1, cable.segments)), cable.end]
+        for k in (end for s in failed for end in (s, s + 1)):
+            stubs.append((names[k], cable))
+            if 0 < k < cable.segments:
+                loose[names[k]] = whole.nodes(cable.name)[k]
+        pieces[cable.name] = []
+        for first, last in zip((0, *(s + 1 for s in failed)), (*failed, cable.segments), strict=True):
+            if first < last:
+                piece = replace(
+                    cable, name=f"{cable.name}[{first}:{last}]", start=names[first], end=names[last],
+                    length=cable.L0 * (last - first), segments=last - first,
+                    breaking_tension=cable.breaking_tension and cable.breaking_tension * (1.0 + SCATTER * len(failed)),
+                )  # fmt: skip
+                pieces[cable.name].append(piece)
+                nodes[piece.name], segments[piece.name] = whole.nodes(cable.name)[first : last + 1], own[first:last]
+        cables += pieces[cable.name]
+    points = [replace(p, mass=masses.get(p.name, p.mass)) if isinstance(p, Free) else p for p in scene.points]
+    points = [_with_stubs(point, stubs) for point in (*points, *map(Free, loose))]
+    effects = [e.of_pieces(pieces, cables) if pieces and hasattr(e, "of_pieces") else e for e in scene.effects]
+    parts = points, cables, [effect for effect in effects if effect is not None]
+    model = build(Pieces(*parts, stubs=tuple(stubs)) if pieces else Scene(*parts))
+    node, segment = np.empty(model.n, np.int64), np.empty(model.n_segments, np.int64)
+    for name, number in model.node_of.items():
+        node[number] = loose[name] if name in loose else whole.node_of[name]
+    for cable in cables:
+        node[model.nodes(cable.name)] = nodes[cable.name]
+        segment[model.segments(cable.name)] = segments[cable.name]
+    return Remainder(model, node, segment)
+
+
+def _with_stubs(point, stubs):
+    """A free point with the halves of segments that stay with it."""
+    own = [cable for name, cable in stubs if name == point.name]
+    if not own or not isinstance(point, Free):
+        return point
+    halves = [0.5 * cable.L0 for cable in own]
+    widths = [cable.diameter or 0.0 for cable in own]
+    volumes = [0.25 * math.pi * d * d * half for d, half in zip(widths, halves, strict=True)]
+    volume = point.volume + sum(volumes)
+    moved = point.Ca * point.volume + sum(cable.Can * v for cable, v in zip(own, volumes, strict=True))
+    return replace(
+        point,
+        mass=point.mass + sum(cable.mass_per_length * half for cable, half in zip(own, halves, strict=True)),
+        CdA=point.CdA + sum(cable.Cdn * d * half for cable, d, half in zip(own, widths, halves, strict=True)),
+        volume=volume,
+        Ca=moved / volume if volume else point.Ca,
+    )
+
+
+def lightest(scene):
+    """The scene with the least payload that each point ever carries: no frequency of what is left of it is above its own."""
+    if not scene.events:
+        return scene
+    points = []
+    for point in scene.points:
+        ever = [event.mass for event in scene.events if event.point == point.name]
+        points.append(replace(point, mass=min(point.mass, *ever)) if ever else point)
+    return replace(scene, points=points, events=())

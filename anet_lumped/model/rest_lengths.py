@@ -1,0 +1,156 @@
+"""Rest lengths that change in time: which cables, by which functions of time, and how masses and effects follow."""
+
+import dataclasses
+
+import numpy as np
+
+from anet_lumped.checks import SceneError
+from anet_lumped.effects.signatures import PAID_OUT
+from anet_lumped.model.net import Lengths
+from anet_lumped.prescribed.paths import Harmonic, Path, pack
+from anet_lumped.prescribed.signals import Signal
+
+SHORTEST = 1e-3  # of a cable's length, what may be left of it
+
+
+LOOKS = 2000  # at the lengths over a run
+
+
+def changes(scene):
+    """What the effects of a scene change of rest lengths.
+
+    Returns
+    -------
+    dict of str and ([(factor, function), ...], [(factor, function), ...])
+        For each cable that changes, what adds up to p and what adds up to e.
+    """
+    found = {}
+    for effect in scene.effects:
+        for name, quantity, factor, function in effect.lengths(scene) if hasattr(effect, "lengths") else ():
+            found.setdefault(name, ([], []))[quantity].append((factor, function))
+    return found
+
+
+def _path(terms):
+    """The sum of at most one function of time times its factor, as a Path in x."""
+    if not terms:
+        return Path("sum", (), np.zeros(1), np.zeros((1, 7, 3)), np.zeros(0))
+    ((factor, function),) = terms
+    if not isinstance(function, Signal):
+        constant = np.zeros((1, 7, 3))
+        constant[0, 0, 0] = factor * function
+        return Path("sum", (), np.zeros(1), constant, np.zeros(0))
+    path, sine = function.path, function.path.sine
+    if sine is not None:
+        sine = Harmonic(tuple(factor * a for a in sine.amplitude), *sine[1:])
+    return dataclasses.replace(path, coefficients=factor * path.coefficients, sine=sine)
+
+
+def table(scene, model, cut):
+    """`Lengths` of a model, which is complete but for them.
+
+    Parameters
+    ----------
+    scene : Scene
+    model : Model
+    cut : callable Scene -> Model
+
+    Raises
+    ------
+    SceneError : an effect whose numbers are not linear in a length that is paid out, or no length left to begin with
+    """
+    at_shortest(scene, 0.0, 0.0)
+    found = changes(scene)
+    forces = [effect for effect in scene.effects if not hasattr(effect, "lengths")]
+    names, material, nodes, masses, places, slopes = list(found), [], [], [], [], []
+    for name in names:
+        cable = scene.cable(name)
+        spring = 0.0 if cable.inextensible else cable.EA
+        material.append([cable.length, spring, cable.dashpot, float(cable.BA is not None)])
+        if not found[name][PAID_OUT]:
+            of_mass, of_params = np.zeros(model.n), np.zeros(len(model.effects.params))
+        else:
+            of_mass, of_params = _slopes(scene, model, cable, forces, cut)
+        nodes.append(np.flatnonzero(of_mass))
+        masses.append(of_mass[nodes[-1]])
+        places.append(np.flatnonzero(of_params))
+        slopes.append(of_params[places[-1]])
+    rows = len(names)
+    return Lengths(
+        cable=np.array([[cable.name for cable in scene.cables].index(name) for name in names], np.int64),
+        material=np.array(material, float).reshape(-1, 4),
+        paths=pack([_path(terms) for name in names for terms in found[name]]),
+        mass=model.mass if rows else np.zeros(0),
+        mass_at=_starts(nodes),
+        mass_node=_flat(nodes, np.int64),
+        mass_slope=_flat(masses, float),
+        params=model.effects.params if rows else np.zeros(0),
+        param_at=_starts(places),
+        param=_flat(places, np.int64),
+        param_slope=_flat(slopes, float),
+        at=np.full(3, np.nan),
+        paid=np.zeros((4, rows)),
+        trial=np.zeros((2, rows)),
+        place=np.zeros((3, 2 * rows, 3)),
+    )
+
+
+def _slopes(scene, model, cable, forces, cut):
+    """How masses [kg/m] and the effects' numbers change with the length of a cable."""
+
+    def longer(by):
+        cables = [dataclasses.replace(c, length=c.length + by) if c.name == cable.name else c for c in scene.cables]
+        other = cut(dataclasses.replace(scene, cables=cables, effects=forces))
+        return other.mass, other.effects.params
+
+    by = cable.length
+    (mass, params), (_, twice) = longer(by), longer(2.0 * by)
+    base = model.effects.params
+    bent = np.abs(twice - 2.0 * params + base) > 1e-9 * (np.abs(twice) + np.abs(base))
+    if bent.any():
+        e = int(np.searchsorted(model.effects.params_at, np.flatnonzero(bent)[0], side="right")) - 1
+        raise SceneError(
+            f"Effects beside LineChange must depend on lengths linearly, but {type(forces[e]).__name__} does not, of cable "
+            f'"{cable.name}".'
+        )
+    return (mass - model.mass) / by, np.where(np.abs(params - base) > 1e-12 * np.abs(base), params - base, 0.0) / by
+
+
+def _starts(rows):
+    return np.cumsum([0, *map(len, rows)]).astype(np.int64)
+
+
+def _flat(rows, kind):
+    return np.concatenate([*rows, np.empty(0)]).astype(kind)
+
+
+def of_a_run(lengths):
+    """`Lengths` with scratch space of their own."""
+    fresh = {name: np.array(getattr(lengths, name)) for name in ("at", "paid", "trial", "place")}
+    return lengths._replace(**fresh)
+
+
+def at_shortest(scene, t0, t_end):
+    """The scene with every cable as short as it will be in a run, which is what bounds its steps.
+
+    Raises
+    ------
+    SceneError : a cable that would be reeled in to less than `SHORTEST` of its length
+    """
+    found, shortest = changes(scene), {}
+    for name, (paid, strain) in found.items():
+        length = scene.cable(name).length
+        terms = _path(paid), _path(strain)
+        inside = [path.breaks[(path.breaks > t0) & (path.breaks < t_end)] for path in terms]
+        times = np.unique(np.concatenate([np.linspace(t0, t_end, LOOKS if t_end > t0 else 1), *inside]))
+        left = np.array([(length + terms[0].at(t)[0][0]) * (1.0 + terms[1].at(t)[0][0]) for t in times])
+        if not left.min() > SHORTEST * length:
+            raise SceneError(
+                f'A cable must keep at least {SHORTEST:g} of its length, but of cable "{name}" with length={length:g} m '
+                f"{left.min():.3g} m are left at t={times[left.argmin()]:.4g} s."
+            )
+        shortest[name] = min(length, float(left.min()))
+    if not shortest:
+        return scene
+    cables = [dataclasses.replace(c, length=shortest.get(c.name, c.length)) for c in scene.cables]
+    return dataclasses.replace(scene, cables=cables)

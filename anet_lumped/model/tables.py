@@ -1,0 +1,40 @@
+"""Columns of every table that compiled code works on, each named once; `net` has the tables."""
+
+# `Net.cable`, one row a cable: its first segment, number of segments and first interior node; the nodes of its start and its end;
+# 1 if both are free points; the blocks (start, end) and (end, start) among those of the free points, -1 where there are none; the
+# first row of its tension-strain curve in `Net.springs` and the one after the last, the same where it has no curve.
+CABLE_FIRST_SEGMENT, CABLE_SEGMENTS, CABLE_FIRST_NODE, CABLE_START, CABLE_END = 0, 1, 2, 3, 4
+CABLE_JOINS_FREE_POINTS, CABLE_BLOCK_START_END, CABLE_BLOCK_END_START, CABLE_CURVE, CABLE_CURVE_END = 5, 6, 7, 8, 9
+CABLE_COLUMNS = 10
+
+# `Net.axial`, one row a cable, the law of its segments: L0 [m], k [N/m], c [N s/m], the share of k that pushes, 1 for a damper that
+# acts on slack segments too, the square of the highest frequency of a segment between the masses at its ends,
+# k (1/m_a + 1/m_b) [1/s2]; 1 where the cable does not stretch (k and c are then 0); dL0/dt [m/s]; L0 at the start of a stage [m].
+AXIAL_L0, AXIAL_STIFFNESS, AXIAL_DAMPER, AXIAL_PUSH_SHARE, AXIAL_TWO_WAY_DAMPER = 0, 1, 2, 3, 4
+AXIAL_OMEGA_SQUARED, AXIAL_INEXTENSIBLE, AXIAL_L0_RATE, AXIAL_L0_BEFORE = 5, 6, 7, 8
+AXIAL_COLUMNS = 9
+
+# `Net.springs`, one row a piece of a tension-strain curve: the strain that it acts from, and its share of k.
+CURVE_STRAIN, CURVE_SHARE = 0, 1
+
+# `Net.segment`, one row a segment, its linearised law T = T_0 + k g . (d_j - d_i) along e: e and g (three columns each), the
+# geometric stiffness a, k and T_0; and for the law the stretch before (of the old segment, or of its component along the new one),
+# the stretch now, the conservative part of the tension, the change of length in the last step, and the numerical damper.
+SEGMENT_DIRECTION, SEGMENT_GRADIENT, SEGMENT_GEOMETRIC, SEGMENT_STIFFNESS, SEGMENT_TENSION = 0, 3, 6, 7, 8
+SEGMENT_STRETCH_BEFORE, SEGMENT_STRETCH, SEGMENT_CONSERVATIVE, SEGMENT_LAST_CHANGE, SEGMENT_NUMERICAL_DAMPER = 9, 10, 11, 12, 13
+SEGMENT_COLUMNS = 14
+
+# `Net.linearised`, of the stage that was linearised last: its law (-1 for none) and its tau [s]; how the next one begins, see
+# `segment_law`; the least share of the numerical damper in that step; the step of `Net.mean_tension` [s], 0 if there is none.
+LINEARISED_LAW, LINEARISED_TAU, LINEARISED_BEGINNING, LINEARISED_LEAST_DAMPER, LINEARISED_MEAN_STEP = range(5)
+
+# `Effects.address`, one row an effect: the addresses of its compiled functions, 0 for one that it does not have.
+SLOT_FORCE, SLOT_TANGENT, SLOT_ENERGY, SLOT_WHOLE_STEP, SLOT_INERTIA = range(5)
+
+# `Lengths.material`, one row a cable whose rest length changes: its length [m], its EA [N] (0 if it does not stretch), the damper
+# of a segment [N s/m], and 1 if that follows from BA, and so changes with the length.
+MATERIAL_LENGTH, MATERIAL_EA, MATERIAL_DAMPER, MATERIAL_BA_GIVEN = range(4)
+
+# Rows of `Lengths.paid`, one column a cable: the length paid out before, in the middle and at the end of a stage [m]; its rate
+# [m/s].
+PAID_BEFORE, PAID_MIDDLE, PAID_NOW, PAID_RATE = range(4)

@@ -1,0 +1,195 @@
+"""A run from event to event: each leg marches what is left of the scene, and all of them come back as one Run.
+
+Rows saved at the time of an event show the state before it. The account of energy runs on: what was lost in it is dissipated (what
+a fluid was given included), the kinetic energy that a payload brings or takes with it is work. Potential energy is counted from
+where a payload was when it changed, so that nothing depends on where heights are counted from.
+"""
+
+from dataclasses import astuple, replace
+
+import numpy as np
+
+from anet_lumped.mechanics.fresh_net import fresh_net
+from anet_lumped.model.build import build
+from anet_lumped.model.remainder import remainder
+from anet_lumped.model.tables import CABLE_SEGMENTS
+from anet_lumped.results.events import BREAK, PAYLOAD, Event, broken
+from anet_lumped.results.run import STATUS, RunInterrupt, Work
+from integrators.march import SAME
+from integrators.system import BALANCE, DONE, EVENT
+
+from .times import Leg
+
+POTENTIAL, WORK, DISSIPATED = 2, 3, 4  # of the energies
+
+
+def in_legs(march, scene, choice, start, t_end, save_every, stepped, settings):
+    """March a scene from a State to t_end, through its events and the breaks of its cables.
+
+    Parameters
+    ----------
+    march : callable(model, choice, leg, q, v, tension, *settings) -> Run
+        Its last row is the state that it reached; its status is that of `EVENT` if a segment is to break there.
+    scene : Scene
+    choice : Choice
+    start : State of the scene
+    t_end : float [s]
+    save_every : float or None [s]
+    stepped : bool
+        Whether steps are those of the choice, and not the method's own.
+    settings : what else the march takes
+
+    Returns
+    -------
+    Run
+    """
+    made = _Legs(scene, start, Leg(start.t, t_end, start.t, t_end, save_every), choice.dt if stepped else None)
+    due = sorted({event.t for event in scene.events if start.t <= event.t < t_end})
+    overloaded = made.overloaded()
+    if overloaded or due[:1] == [start.t]:
+        made.add_row()
+        made.break_segments(overloaded)
+    while True:
+        if due and due[0] == made.t:
+            made.change_payloads(due.pop(0))
+        end, own = due[0] if due else t_end, made.left
+        leg = made.leg._replace(begin=made.t, end=end)
+        try:
+            run = march(own.model, choice, leg, made.q[own.node], made.v[own.node], made.tension[own.segment], *settings)
+        except RunInterrupt as stopped:
+            made.add(stopped.run)
+            raise RunInterrupt(made.joined()) from None
+        made.add(run)
+        if run.status == STATUS[EVENT]:
+            made.break_segments(made.overloaded(at_least=1))
+        elif not run.ok:
+            return made.joined()
+        if made.t >= t_end:
+            return made.joined()
+
+
+class _Legs:
+    """A run in the making: the state that it has come to, what is left of the scene, and the rows so far."""
+
+    def __init__(self, scene, start, leg, dt):
+        self.scene, self.model, self.leg, self.dt = scene, build(scene), leg, dt
+        self.t, self.q, self.v, self.tension = start.t, start.q.copy(), start.v.copy(), start.segment_tension.copy()
+        self.events, self.broken = list(start.events), broken(start.events)
+        earlier = sorted((event for event in scene.events if event.t < start.t), key=lambda event: event.t)
+        self.masses = {event.point: event.mass for event in earlier}
+        self.runs, self.rows, self.carried = [], [], np.zeros(5)
+        self._reduce()
+
+    def _reduce(self):
+        self.left = remainder(self.model, self.masses, self.broken)
+
+    def add(self, run):
+        """Take over what a leg has saved and where it ended."""
+        own, first, count, energy = self.left, 1 if self.rows else 0, len(run.t), run.energy + self.carried
+        again = self.dt is not None and count > 1 and run.t[-1] - run.t[-2] <= SAME * self.dt
+        if run.status in (STATUS[DONE], STATUS[EVENT]) and (again or not self.leg.saves(float(run.t[-1]), self.dt)):
+            count -= 1
+        kept = slice(first, count)
+        self.rows.append((own, run.t[kept], run.q[kept], run.v[kept], energy[kept], run.segment_tension[kept]))
+        self.t = float(run.t[-1])
+        self.q[own.node], self.v[own.node], self.tension[own.segment] = run.q[-1], run.v[-1], run.segment_tension[-1]
+        self.carried[WORK:] = energy[-1, WORK:]
+        self.runs.append(run)
+
+    def add_row(self):
+        """Save the state as it is."""
+        own = self.left
+        row = np.array([self.t]), self.q[own.node], self.v[own.node], self.energies(), self.tension[own.segment]
+        self.rows.append((own, row[0], *(part[None] for part in row[1:])))
+
+    def energies(self):
+        """Kinetic, elastic and potential energy now, work and dissipated energy so far, (5,) [J]."""
+        from anet_lumped.mechanics.bindings import system  # compiled on first use
+
+        own, net, energy = self.left, fresh_net(self.left.model), np.zeros(BALANCE)
+        system(own.model).energy(self.t, self.q[own.node], self.v[own.node], net.place, energy)
+        return energy[:5] + self.carried
+
+    def change_payloads(self, t):
+        """Change the payloads that are to at t."""
+        for change in (event for event in self.scene.events if event.t == t):
+            node, potential = self.model.node_of[change.point], self.energies()[POTENTIAL]
+            more = change.mass - self.masses.get(change.point, self.scene.point(change.point).mass)
+            V, body, lost = self.v[node].copy(), np.array(change.velocity), 0.0
+            if more > 0.0:
+                M, carried = self._inertia(node)
+                joint = np.linalg.solve((M + more) * np.eye(3) + carried, (M * np.eye(3) + carried) @ V + more * body)
+                lost = 0.5 * float(M * (V @ V) + more * (body @ body) - (M + more) * (joint @ joint))
+                self.v[node] = joint
+            self.masses[change.point] = change.mass
+            self._reduce()
+            brought = body if more > 0.0 else V
+            self.carried[POTENTIAL] += potential - self.energies()[POTENTIAL]
+            self.carried[WORK] += 0.5 * more * float(brought @ brought)
+            self.carried[DISSIPATED] += lost
+            self.events.append(Event(self.t, PAYLOAD, change.point, lost, mass=change.mass))
+
+    def _inertia(self, node):
+        """Mass of a moving node of the whole scene's model [kg], and what it carries along of a fluid, (3, 3) [kg]."""
+        model, own = self.left.model, self.left.node
+        added = np.zeros((model.n_free, 3, 3))
+        for effect in model.scene.effects:
+            if "inertia" in effect.kernels():
+                index, params = (np.asarray(x, kind) for x, kind in zip(effect.table(model), (np.int64, float), strict=True))
+                effect.kernels()["inertia"](self.t, self.q[own], index, params, added)
+        at = int(np.flatnonzero(own == node)[0])
+        return float(model.mass[at]), added[at]
+
+    def overloaded(self, at_least=0):
+        """Of each cable left the segment that is farthest beyond its strength, and the farthest ones of all in any case.
+
+        Returns
+        -------
+        segments : list of int, of the whole scene's model
+        """
+        model, strength = self.left.model, self.left.model.strength
+        if len(strength) == 0:
+            return []
+        over = self.tension[self.left.segment] / strength - 1.0
+        worst = [first + int(np.argmax(over[first : first + count])) for first, count in model.cable[:, : CABLE_SEGMENTS + 1]]
+        worst.sort(key=lambda s: -over[s])
+        return [int(self.left.segment[s]) for k, s in enumerate(worst) if over[s] > 0.0 or k < at_least]
+
+    def break_segments(self, segments):
+        """Let segments fail: their masses stay with their nodes, the energy that they hold is lost."""
+        for segment in segments:
+            cable = self.scene.cables[self.model.cable_of[segment]]
+            place = int(np.flatnonzero(np.arange(self.model.n_segments)[self.model.segments(cable.name)] == segment)[0])
+            before = self.energies()
+            self.broken[cable.name] = tuple(sorted((*self.broken.get(cable.name, ()), place)))
+            self._reduce()
+            lost = float(np.sum((before - self.energies())[: POTENTIAL + 1]))
+            self.carried[DISSIPATED] += lost
+            tension = float(self.tension[segment])
+            self.tension[segment] = 0.0
+            self.events.append(Event(self.t, BREAK, cable.name, lost, segment=place, tension=tension))
+
+    def joined(self):
+        """All legs as one Run."""
+        last, errors = self.runs[-1], [run.error_estimate for run in self.runs]
+        if len(self.rows) == 1 and not self.events and last.model is self.model:
+            return last
+        counts = [len(row[1]) for row in self.rows]
+        q, v = np.empty((2, sum(counts), self.model.n, 3))
+        tension, at = np.zeros((sum(counts), self.model.n_segments)), 0
+        for (own, _, of_q, of_v, _, of_tension), count in zip(self.rows, counts, strict=True):
+            rows = slice(at, at + count)
+            q[rows, own.node], v[rows, own.node], tension[rows, own.segment] = of_q, of_v, of_tension
+            at += count
+        return replace(
+            last,
+            model=self.model, q=q, v=v, segment_tension=tension,
+            t=np.concatenate([row[1] for row in self.rows]),
+            energy=np.concatenate([row[4] for row in self.rows]),
+            status=STATUS[DONE] if last.status == STATUS[EVENT] else last.status,
+            work=Work(*np.sum([astuple(run.work) for run in self.runs], axis=0).tolist()),
+            error_estimate=None if None in errors else sum(errors),
+            wall_time=sum(run.wall_time for run in self.runs),
+            warnings=tuple(dict.fromkeys(text for run in self.runs for text in run.warnings)),
+            events=tuple(self.events),
+        )  # fmt: skip

@@ -1,0 +1,242 @@
+"""Prescribed motions of driven points: exact position, velocity and acceleration at any time.
+
+A path is a piecewise polynomial in time plus, for `harmonic`, one sine with a smooth start. `Path.at` evaluates one
+path in plain Python; `pack` lays several out as the flat arrays that `path_kernel.evaluate` reads in compiled code.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from anet_lumped.checks import SceneError, Vector, check_number, check_vector
+
+DEGREE = 6  # the integral of the quintic smoothstep; a spline needs 3
+SHORTEST_RAMP = 1e-6  # [s]; far below, the coefficients velocity/ramp⁵ overflow
+
+
+class Harmonic(NamedTuple):
+    """One sine, S(t/ramp)·amplitude·sin(omega·t + phase), S the quintic smoothstep (S = 1 for ramp = 0)."""
+
+    amplitude: Vector
+    omega: float
+    phase: float
+    ramp: float
+
+
+@dataclass(frozen=True, repr=False)
+class Path:
+    """A prescribed motion; make one with `line`, `samples` or `harmonic`.
+
+    From breaks[k] to breaks[k + 1] (the last one without end) the position is Σ coefficients[k, i]·(t − breaks[k])^i,
+    plus the harmonic if there is one. Before breaks[0] the polynomial part is held.
+
+    Parameters
+    ----------
+    kind : "line", "samples" or "harmonic"
+    parameters : pairs (name, value) of that function's arguments; they alone decide equality
+    breaks : (k,) float64 [s]
+    coefficients : (k, 7, 3) float64 [m/s^i]
+    corners : (c,) float64 [s], times where the path is less smooth than C2, for integrators to land on
+    sine : the harmonic or None
+    """
+
+    kind: str
+    parameters: tuple[tuple[str, Any], ...]
+    breaks: np.ndarray = field(compare=False)
+    coefficients: np.ndarray = field(compare=False)
+    corners: np.ndarray = field(compare=False)
+    sine: Harmonic | None = field(default=None, compare=False)
+
+    def __repr__(self) -> str:
+        return f"{self.kind}({', '.join(f'{name}={value!r}' for name, value in self.parameters)})"
+
+    def at(self, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return position [m], velocity [m/s] and acceleration [m/s²] at time `t` [s], each (3,).
+
+        At a corner they are the limits from the right.
+        """
+        piece = max(int(np.searchsorted(self.breaks, t, side="right")) - 1, 0)
+        tau = t - self.breaks[piece]
+        c = self.coefficients[piece]
+        if tau < 0.0:
+            q, v, a = c[0].copy(), np.zeros(3), np.zeros(3)
+        else:
+            i = np.arange(DEGREE + 1)
+            q = tau**i @ c
+            v = (i[1:] * tau ** i[:-1]) @ c[1:]
+            a = (i[2:] * i[1:-1] * tau ** i[:-2]) @ c[2:]
+        if self.sine is not None:
+            amplitude, omega, phase, ramp = self.sine
+            e, de, dde = _smoothstep(t, ramp)
+            s, c = math.sin(omega * t + phase), math.cos(omega * t + phase)
+            amplitude = np.array(amplitude)
+            q += amplitude * (e * s)
+            v += amplitude * (de * s + e * omega * c)
+            a += amplitude * (dde * s + 2.0 * de * omega * c - e * omega**2 * s)
+        return q, v, a
+
+
+def line(start: Vector, velocity: Vector, ramp: float) -> Path:
+    """Return a motion along a straight line, from rest at `start` to a constant velocity.
+
+    v(t) = velocity·S(t/ramp), S(s) = 6s⁵ − 15s⁴ + 10s³; at rest before t = 0.
+
+    Parameters
+    ----------
+    start : (3,) array_like [m], place up to t = 0
+    velocity : (3,) array_like [m/s]
+    ramp : float [s], time to reach the velocity; 0 for at once, a corner at t = 0
+
+    Raises
+    ------
+    SceneError : a vector that is not three finite numbers, a negative ramp or one below a microsecond
+    """
+    start = check_vector("start", start, "m", "line")
+    velocity = check_vector("velocity", velocity, "m/s", "line")
+    ramp = _check_ramp(ramp, "line")
+    parameters = (("start", start), ("velocity", velocity), ("ramp", ramp))
+    q, v = np.array(start), np.array(velocity)
+    steady = np.zeros((DEGREE + 1, 3))
+    steady[0], steady[1] = q + 0.5 * ramp * v, v  # S has mean 1/2
+    if ramp == 0.0:
+        return Path("line", parameters, np.zeros(1), steady[None], np.zeros(1))
+    rising = np.zeros((DEGREE + 1, 3))
+    rising[0] = q
+    for power, factor in ((4, 2.5), (5, -3.0), (6, 1.0)):
+        rising[power] = factor * v / ramp ** (power - 1)
+    return Path("line", parameters, np.array([0.0, ramp]), np.stack([rising, steady]), np.zeros(0))
+
+
+def samples(t: Sequence[float], xyz: Sequence[Vector]) -> Path:
+    """Return a smooth motion through sampled positions, from rest at the first to rest at the last.
+
+    The cubic spline through the samples, clamped to zero velocity at both ends; held at the first sample before
+    t[0] and at the last after t[-1]. Held means at rest, and of all cubic splines only the clamped one meets rest
+    without a jump of velocity, a blow to the cable; its acceleration jumps, so both ends are corners. A recording that
+    begins or ends in flight is therefore brought up to speed within its first interval and to rest within its last,
+    and the disturbance shrinks by 0.27 from sample to sample: record from rest to rest or add samples that lead in
+    and out. The spline passes through every sample, noise included: smooth noisy positions first.
+
+    Parameters
+    ----------
+    t : (k,) array_like [s], increasing, k ≥ 2
+    xyz : (k, 3) array_like [m]
+
+    Raises
+    ------
+    SceneError : fewer than two samples, times that do not increase, shapes that do not fit, values not finite
+    """
+    try:
+        times, places = np.asarray(t, dtype=float), np.asarray(xyz, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise SceneError(f"Arguments `t` and `xyz` of samples must be arrays of numbers, but {error}.") from None
+    if times.ndim != 1 or len(times) < 2 or places.shape != (len(times), 3):
+        raise SceneError(
+            "Arguments `t` [s] and `xyz` [m] of samples must have shapes (k,) and (k, 3) with k at least 2, "
+            f"but have {times.shape} and {places.shape}."
+        )
+    if not (np.isfinite(times).all() and np.isfinite(places).all()):
+        row = int(np.argmin(np.isfinite(times) & np.isfinite(places).all(axis=1)))
+        raise SceneError(
+            "Arguments `t` [s] and `xyz` [m] of samples must be finite, "
+            f"but sample {row} has t={times[row]}, xyz={tuple(places[row].tolist())}."
+        )
+    if not (np.diff(times) > 0.0).all():
+        row = int(np.argmin(np.diff(times) > 0.0))
+        raise SceneError(
+            f"Argument `t` [s] of samples must increase, but t[{row}]={times[row]} is followed by t[{row + 1}]={times[row + 1]}."
+        )
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(times, places, bc_type="clamped")
+    coefficients = np.zeros((len(times), DEGREE + 1, 3))
+    coefficients[:-1, :4] = np.moveaxis(spline.c[::-1], 0, 1)
+    coefficients[-1, 0] = places[-1]
+    parameters = (("t", tuple(times.tolist())), ("xyz", tuple(map(tuple, places.tolist()))))
+    return Path("samples", parameters, times.copy(), coefficients, times[[0, -1]])
+
+
+def harmonic(center: Vector, amplitude: Vector, frequency: float, phase: float = 0.0, ramp: float = 0.0) -> Path:
+    """Return a harmonic motion, q(t) = center + S(t/ramp)·amplitude·sin(2π·frequency·t + phase).
+
+    S(s) = 6s⁵ − 15s⁴ + 10s³ between 0 and 1: at rest in the centre before t = 0, full swing from t = ramp on. With
+    ramp = 0 the full swing lasts for ever, before t = 0 as well.
+
+    Parameters
+    ----------
+    center : (3,) array_like [m]
+    amplitude : (3,) array_like [m]
+    frequency : float [Hz]
+    phase : float [rad]
+    ramp : float [s]
+
+    Raises
+    ------
+    SceneError : a vector that is not three finite numbers, a negative frequency, a negative ramp or one below a
+        microsecond
+    """
+    center = check_vector("center", center, "m", "harmonic")
+    amplitude = check_vector("amplitude", amplitude, "m", "harmonic")
+    frequency = check_number("frequency", frequency, "Hz", "harmonic", sign="non-negative")
+    phase = check_number("phase", phase, "rad", "harmonic")
+    ramp = _check_ramp(ramp, "harmonic")
+    parameters = (
+        ("center", center), ("amplitude", amplitude), ("frequency", frequency), ("phase", phase), ("ramp", ramp)
+    )  # fmt: skip
+    coefficients = np.zeros((1, DEGREE + 1, 3))
+    coefficients[0, 0] = center
+    sine = Harmonic(amplitude, 2.0 * math.pi * frequency, phase, ramp)
+    return Path("harmonic", parameters, np.zeros(1), coefficients, np.zeros(0), sine)
+
+
+KINDS = {"line": line, "samples": samples, "harmonic": harmonic}
+
+
+class PathTable(NamedTuple):
+    """Several paths as flat arrays, of the same types whatever the paths; the pieces of path p are first[p] to
+    first[p + 1] − 1, harmonic h belongs to path harmonic_path[h]."""
+
+    first: np.ndarray  # (n_paths + 1,) int64
+    breaks: np.ndarray  # (n_pieces,) float64 [s]
+    coefficients: np.ndarray  # (n_pieces, 7, 3) float64 [m/s^i]
+    harmonic_path: np.ndarray  # (n_harmonics,) int64
+    amplitude: np.ndarray  # (n_harmonics, 3) float64 [m]
+    wave: np.ndarray  # (n_harmonics, 3) float64: omega [rad/s], phase [rad], ramp [s]
+
+
+def pack(paths: Sequence[Path]) -> PathTable:
+    """Return the paths as the flat arrays that `path_kernel.evaluate` reads; none is fine."""
+    counts = [len(path.breaks) for path in paths]
+    waving = [(p, path.sine) for p, path in enumerate(paths) if path.sine is not None]
+    return PathTable(
+        first=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+        breaks=np.concatenate([np.zeros(0), *(path.breaks for path in paths)]),
+        coefficients=np.concatenate([np.zeros((0, DEGREE + 1, 3)), *(path.coefficients for path in paths)]),
+        harmonic_path=np.array([p for p, _ in waving], dtype=np.int64),
+        amplitude=np.array([sine.amplitude for _, sine in waving], dtype=float).reshape(-1, 3),
+        wave=np.array([sine[1:] for _, sine in waving], dtype=float).reshape(-1, 3),
+    )
+
+
+def _smoothstep(t: float, ramp: float) -> tuple[float, float, float]:
+    """Return S(t/ramp) and its first two derivatives in time [1, 1/s, 1/s²]."""
+    if ramp == 0.0 or t >= ramp:
+        return 1.0, 0.0, 0.0
+    if t <= 0.0:
+        return 0.0, 0.0, 0.0
+    s = t / ramp
+    return (
+        s**3 * (10.0 + s * (6.0 * s - 15.0)),
+        30.0 * (s * (1.0 - s)) ** 2 / ramp,
+        (60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / ramp**2),
+    )
+
+
+def _check_ramp(ramp: Any, owner: str) -> float:
+    ramp = check_number("ramp", ramp, "s", owner, sign="non-negative")
+    if 0.0 < ramp < SHORTEST_RAMP:
+        raise SceneError(f"Argument `ramp` must be zero or at least {SHORTEST_RAMP} s, but {owner} has ramp={ramp}.")
+    return ramp

@@ -1,0 +1,43 @@
+"""What happens at once in a run: payloads that change at given times, which a user writes, and all that did happen."""
+
+from dataclasses import dataclass
+
+PAYLOAD, BREAK = "payload changed", "broke"
+
+
+@dataclass(frozen=True)
+class Event:
+    """What happened in a run at a time.
+
+    Parameters
+    ----------
+    t : float [s]
+    kind : "payload changed" or "broke"
+    where : name of the point, or of the cable
+    lost : float [J], energy that it dissipated
+    mass : float or None [kg], of the payload from then on
+    segment : int or None, that broke, counted from the cable's start as in ``Run.tension``
+    tension : float or None [N], of that segment
+    """
+
+    t: float
+    kind: str
+    where: str
+    lost: float
+    mass: float | None = None
+    segment: int | None = None
+    tension: float | None = None
+
+    def __str__(self):
+        if self.kind == BREAK:
+            return f't={self.t:.6g} s: segment {self.segment} of cable "{self.where}" broke at {self.tension:.4g} N'
+        return f't={self.t:.6g} s: the payload at point "{self.where}" became {self.mass:.4g} kg'
+
+
+def broken(events):
+    """Segments that events broke: a dict of each cable's name to a tuple of them, increasing."""
+    found = {}
+    for event in events:
+        if event.kind == BREAK:
+            found[event.where] = tuple(sorted((*found.get(event.where, ()), event.segment)))
+    return found

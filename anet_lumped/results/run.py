@@ -1,0 +1,286 @@
+"""What comes back from a computation: a State at one time, a Run over many."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from anet_lumped.effects.laws.axial import tension_parts, with_select
+from anet_lumped.model.build import build
+from anet_lumped.model.model import Model
+from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_TWO_WAY_DAMPER
+from anet_lumped.scene.scene import Scene
+from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
+
+from . import run_file
+from .audit import Audit
+from .events import BREAK, Event, broken
+
+STATUS = {
+    DONE: "done",
+    UNCONVERGED: "unconverged",
+    DIVERGED: "diverged",
+    INTERRUPTED: "interrupted",
+    OUT_OF_STEPS: "out of steps",
+    EVENT: "event",  # of a leg that a break ended, never of a run
+}
+
+
+class RunInterrupt(KeyboardInterrupt):
+    """Ctrl-C during a run; ``run`` holds what it had done."""
+
+    def __init__(self, run):
+        super().__init__(run.message)
+        self.run = run
+
+
+def segment_tensions(model, q, v):
+    """Tension of every segment by its law.
+
+    Parameters
+    ----------
+    model : Model
+    q, v : (..., n, 3) float64 [m], [m/s]
+
+    Returns
+    -------
+    T : (..., n_segments) float64 [N]
+    """
+    a, b = model.ends.T
+    c, two_damper = model.axial[model.cable_of, AXIAL_DAMPER], model.axial[model.cable_of, AXIAL_TWO_WAY_DAMPER]
+    k, pushes, L0, rows, *ends = (x if np.ndim(x) == 0 else x[..., model.cable_of] for x in model.springs_of_cables)
+    d = q[..., b, :] - q[..., a, :]
+    l = np.linalg.norm(d, axis=-1)
+    rate = np.sum(d * (v[..., b, :] - v[..., a, :]), axis=-1) / np.maximum(l, 1e-300)
+    law = with_select(tension_parts, np.where)
+    return law(l - L0, rate, (k, pushes, L0, rows, *ends), c, two_damper)[0]
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Places and velocities of all nodes at one time, with the tension of every segment.
+
+    Parameters
+    ----------
+    model : Model
+    t : float [s]
+    q, v : (n, 3) float64 [m], [m/s]
+    segment_tension : (n_segments,) float64 [N]
+    residual : float or None
+        Largest out-of-balance force over the weight carried, of an equilibrium.
+    events : tuple of Event, what has happened up to then
+    """
+
+    model: Model
+    t: float
+    q: np.ndarray
+    v: np.ndarray
+    segment_tension: np.ndarray
+    residual: float | None = None
+    events: tuple[Event, ...] = ()
+
+    @property
+    def scene(self):
+        """The scene it is a state of."""
+        return self.model.scene
+
+    def position(self, point):
+        """(3,) place of a point [m]."""
+        return self.q[self.model.node(point)]
+
+    def velocity(self, point):
+        """(3,) velocity of a point [m/s]."""
+        return self.v[self.model.node(point)]
+
+    def shape(self, cable):
+        """(segments + 1, 3) places of a cable's nodes from its start to its end [m]."""
+        return self.q[self.model.nodes(cable)]
+
+    def tension(self, cable):
+        """(segments,) tension of a cable's segments from its start to its end [N]."""
+        return self.segment_tension[self.model.segments(cable)]
+
+    def length(self, cable):
+        """Stretched length of a cable [m], without segments that broke."""
+        lengths = np.linalg.norm(np.diff(self.shape(cable), axis=0), axis=1)
+        return float(np.delete(lengths, broken(self.events).get(cable, ())).sum())
+
+
+@dataclass
+class Work:
+    """What a run did: steps taken and rejected, steps halved because Newton failed, force evaluations, Newton iterations,
+    factorisations."""
+
+    steps: int = 0
+    rejected: int = 0
+    halvings: int = 0
+    force_evaluations: int = 0
+    newton_iterations: int = 0
+    factorisations: int = 0
+
+
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Changes of energy over a run [J]: kinetic + elastic + gravitational = work - dissipated, but for the scheme's own.
+
+    ``work`` is done by driven points on the net, and what payloads bring or take with them (see `legs`); ``dissipated`` by dampers
+    and effects (by `edmc` in its numerical damper too), by pick-ups and breaks. ``imbalance`` is what does not add up, relative to
+    the largest energy that was in play: moved between its forms, put in or dissipated.
+    """
+
+    kinetic: float
+    elastic: float
+    gravitational: float
+    work: float
+    dissipated: float
+    imbalance: float
+
+    @staticmethod
+    def of(rows):
+        """Balance of saved rows (k, 5): kinetic, elastic, potential energy, work, dissipated [J]."""
+        kinetic, elastic, potential, work, dissipated = rows[-1] - rows[0]
+        swing = np.ptp(rows[:, 2]) if len(rows) else 0.0
+        in_play = max(rows[:, 0].max(), rows[:, 1].max(), swing, abs(work), abs(dissipated))
+        off = abs(kinetic + elastic + potential - work + dissipated)
+        return EnergyBalance(*map(float, (kinetic, elastic, potential, work, dissipated)), float(off / in_play) if in_play else 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A motion: saved states, how it ended, and what it cost.
+
+    Parameters
+    ----------
+    model : Model
+    t : (k,) float64 [s]
+    q, v : (k, n, 3) float64 [m], [m/s]
+    energy : (k, 5) float64 [J]
+        Kinetic, elastic, potential energy; work done by driven points and energy dissipated since the start.
+    method : str
+    dt : float [s], the fixed or the first step
+    reason : str, why this method and step
+    status : "done", "diverged", "unconverged", "interrupted", "out of steps", "energy gained" or "audit failed"
+        The last two are of runs that reached their end: see `gain` and `audit`.
+    message : str, one sentence that says when, where, why and what to try, if it is not done
+    work : Work
+    error_estimate : float or None [m], sum of the estimated errors of the steps, where the scheme has one
+    wall_time : float [s], of the march alone
+    warnings : tuple of str, before the run (see `choice`) and of what it has to say against itself (see `caveats`)
+    segment_tension : (k, n_segments) float64 [N]; None takes the law at every saved time
+    audit : Audit or None, what an audit found, if one was asked for
+    events : tuple of Event
+        What happened, in order: payloads that changed, segments that broke; with what its start had behind it. Rows saved at the
+        very time show the state before it.
+    """
+
+    model: Model
+    t: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    energy: np.ndarray
+    method: str
+    dt: float
+    reason: str = ""
+    status: str = "done"
+    message: str = ""
+    work: Work = field(default_factory=Work)
+    error_estimate: float | None = None
+    wall_time: float = 0.0
+    warnings: tuple[str, ...] = ()
+    segment_tension: np.ndarray | None = None
+    audit: Audit | None = None
+    events: tuple[Event, ...] = ()
+
+    @property
+    def scene(self):
+        """The scene that moved."""
+        return self.model.scene
+
+    @property
+    def ok(self):
+        """Whether the run reached its end, and nothing was found against it."""
+        return self.status == "done"
+
+    @property
+    def reached_end(self):
+        """Whether the run reached its end, whatever was found against it."""
+        return self.status not in (STATUS[k] for k in (UNCONVERGED, DIVERGED, INTERRUPTED, OUT_OF_STEPS))
+
+    @cached_property
+    def energy_balance(self):
+        """Changes of energy over the run and what does not add up, an `EnergyBalance`."""
+        return EnergyBalance.of(self.energy)
+
+    @property
+    def final(self):
+        """State at the last saved time."""
+        return self.state(-1)
+
+    def __post_init__(self):
+        if self.segment_tension is None:
+            with np.errstate(over="ignore", invalid="ignore"):  # the last state of a run that diverged
+                object.__setattr__(self, "segment_tension", segment_tensions(self.model, self.q, self.v))
+
+    def state(self, k):
+        """State at the k-th saved time."""
+        t = float(self.t[k])
+        events = tuple(event for event in self.events if event.t < t or (event.t == t and event.kind == BREAK))
+        return State(self.model, t, self.q[k], self.v[k], self.segment_tension[k], events=events)
+
+    def position(self, point):
+        """(k, 3) places of a point [m]."""
+        return self.q[:, self.model.node(point)]
+
+    def velocity(self, point):
+        """(k, 3) velocities of a point [m/s]."""
+        return self.v[:, self.model.node(point)]
+
+    def shape(self, cable):
+        """(k, segments + 1, 3) places of a cable's nodes from its start to its end [m]."""
+        return self.q[:, self.model.nodes(cable)]
+
+    def tension(self, cable):
+        """(k, segments) tension of a cable's segments from its start to its end [N]."""
+        return self.segment_tension[:, self.model.segments(cable)]
+
+    def length(self, cable):
+        """(k,) stretched length of a cable [m], without segments that broke."""
+        return (np.linalg.norm(np.diff(self.shape(cable), axis=1), axis=2) * self.holds(cable)).sum(axis=1)
+
+    def pieces(self, cable, k):
+        """(m, 3) places of a cable's nodes at the k-th saved time [m], with a row of NaN where a segment has broken."""
+        return np.insert(self.shape(cable)[k], 1 + np.flatnonzero(~self.holds(cable)[k]), np.nan, axis=0)
+
+    def holds(self, cable):
+        """(k, segments) bool: whether each segment of a cable, from its start to its end, has not broken."""
+        whole = np.ones((len(self.t), self.scene.cable(cable).segments), bool)
+        for event in self.events:
+            if event.kind == BREAK and event.where == cable:
+                whole[self.t > event.t, event.segment] = False
+        return whole
+
+    def save(self, path):
+        """Write the run, its scene and its account to one netCDF file."""
+        run_file.write(self, path)
+
+
+def load_run(path):
+    """Read what `Run.save` wrote.
+
+    Returns
+    -------
+    Run
+    """
+    fields = run_file.read(path)
+    return Run(
+        **fields
+        | {
+            "model": build(fields["model"]),
+            "work": Work(**fields["work"]),
+            "audit": Audit(**fields["audit"]) if fields["audit"] else None,
+            "events": tuple(Event(**event) for event in fields["events"]),
+        }
+    )
+
+
+__all__ = ["Audit", "EnergyBalance", "Run", "Scene", "State", "Work", "load_run"]

@@ -1,0 +1,70 @@
+"""A run in one netCDF file: its arrays, and its scene and account as attributes."""
+
+import json
+from dataclasses import asdict
+
+import numpy as np
+
+from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
+
+ENERGIES = ("kinetic", "elastic", "potential", "work", "dissipated")
+
+
+def write(run, path):
+    """Write a run, its scene and its account."""
+    import xarray as xr
+
+    account = {
+        "scene": json.dumps(scene_to_dict(run.scene)),
+        "work": json.dumps(asdict(run.work)),
+        "warnings": json.dumps(run.warnings),
+        "method": run.method,
+        "dt": run.dt,
+        "reason": run.reason,
+        "status": run.status,
+        "message": run.message,
+        "error_estimate": np.nan if run.error_estimate is None else run.error_estimate,
+        "wall_time": run.wall_time,
+        "audit": json.dumps(asdict(run.audit) if run.audit else None),
+        "events": json.dumps([asdict(event) for event in run.events]),
+    }
+    xr.Dataset(
+        {
+            "q": (("t", "node", "axis"), run.q, {"units": "m", "long_name": "place"}),
+            "v": (("t", "node", "axis"), run.v, {"units": "m/s", "long_name": "velocity"}),
+            "tension": (("t", "segment"), run.segment_tension, {"units": "N"}),
+            "energy": (("t", "energy_of"), run.energy, {"units": "J"}),
+        },
+        coords={"t": ("t", run.t, {"units": "s"}), "axis": list("xyz"), "energy_of": list(ENERGIES)},
+        attrs=account,
+    ).to_netcdf(path, engine="scipy")
+
+
+def read(path):
+    """Read what `write` wrote.
+
+    Returns
+    -------
+    dict
+        The fields of a run; of its model the scene, and its work, audit and events as plain dicts.
+    """
+    import xarray as xr
+
+    with xr.open_dataset(path, engine="scipy") as data:
+        account = data.attrs
+        error = float(account["error_estimate"])
+        return {
+            "model": scene_from_dict(json.loads(account["scene"])),
+            "t": data["t"].values.copy(),
+            "q": data["q"].values.copy(),
+            "v": data["v"].values.copy(),
+            "energy": data["energy"].values.copy(),
+            "segment_tension": data["tension"].values.copy(),
+            **{name: str(account[name]) for name in ("method", "reason", "status", "message")},
+            **{name: float(account[name]) for name in ("dt", "wall_time")},
+            "error_estimate": None if np.isnan(error) else error,
+            "work": json.loads(account["work"]),
+            "warnings": tuple(json.loads(account["warnings"])),
+            "audit": json.loads(account["audit"]),
+            "events": json.loads(account["events"]),
+        }

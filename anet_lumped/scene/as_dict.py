@@ -1,0 +1,233 @@
+"""Scene ⇄ plain dicts, lists, strings and numbers, laid out as a scene file.
+
+Structure and types are checked by pydantic against the signatures of the classes, so no field is listed twice; values are checked
+by the classes themselves.
+"""
+
+import dataclasses
+import inspect
+from collections.abc import Callable
+from functools import cache
+from typing import Any, get_args
+
+from anet_lumped.checks import SceneError, nearest
+from anet_lumped.effects.flow import waves, wind
+from anet_lumped.effects.flow.waves import Airy
+from anet_lumped.effects.flow.wind import Wind
+from anet_lumped.prescribed import paths, signals
+from anet_lumped.prescribed.paths import Path
+from anet_lumped.prescribed.signals import Signal
+from anet_lumped.scene.payload_change import KINDS as EVENTS
+from anet_lumped.scene.payload_change import PayloadChange
+from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, Scene
+
+POINTS = {"fixed": Fixed, "driven": Driven, "free": Free}
+
+
+# What is written as a table with a `kind` inside another.
+PARTS = {
+    Path: ("path", paths.KINDS), Signal: ("signal", signals.KINDS), Wind: ("wind", wind.KINDS), Airy: ("wave", waves.KINDS)
+}  # fmt: skip
+
+
+SECTIONS = ("points", "cables", "cable_defaults", "effects", "events")
+
+
+def scene_to_dict(scene: Scene) -> dict[str, Any]:
+    """Return the scene as plain dicts, lists, strings and numbers, laid out as a scene file."""
+    from anet_lumped.effects import REGISTRY
+
+    kinds, kind_of = ({kind: name for name, kind in known.items()} for known in (POINTS, EVENTS))
+    cables = [_plain(cable) for cable in scene.cables]
+    for cable in cables:
+        if cable["name"] == f"{cable['start']}-{cable['end']}":
+            del cable["name"]
+        if "tension_strain" in cable:
+            del cable["EA"]  # its steepest slope
+    return {
+        "effects": {REGISTRY.name_of(effect): _plain(effect) for effect in scene.effects},
+        "points": [{"name": point.name, "kind": kinds[type(point)]} | _plain(point) for point in scene.points],
+        "cables": cables,
+    } | ({"events": [{"kind": kind_of[type(event)]} | _plain(event) for event in scene.events]} if scene.events else {})
+
+
+def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
+    """Return the scene that `entries`, laid out as a scene file, describe.
+
+    Parameters
+    ----------
+    entries : what `scene_to_dict` returns or a scene file holds
+    source : where it comes from, for messages
+
+    Raises
+    ------
+    SceneError : an unknown or missing key, a value of the wrong type or one that Scene refuses; names the place
+    """
+    from anet_lumped.effects import REGISTRY
+
+    _check_keys(entries, SECTIONS, source)
+    shared = _table(entries.get("cable_defaults", {}), f"{source}, cable_defaults")
+    _check_keys(
+        shared, ["rope", *(key for key in inspect.signature(Cable).parameters if key not in ("start", "end", "name"))],
+        f"{source}, cable_defaults",
+    )  # fmt: skip
+    points = [_point(entry, place) for entry, place in _tables(entries, "points", source)]
+    cables = [_make(Cable, _of_rope(shared | entry, place), place) for entry, place in _tables(entries, "cables", source)]
+    effects = []
+    for name, entry in _table(entries.get("effects", {}), f"{source}, effects").items():
+        place = f"{source}, effects.{name}"
+        effects.append(_make(_choose(name, REGISTRY, "effect", place), _table(entry, place), place))
+    events = [_event(entry, place) for entry, place in _tables(entries, "events", source)] if "events" in entries else ()
+    try:
+        return Scene(points, cables, effects, events)
+    except ValueError as error:
+        raise SceneError(f"{source}: {error}") from None
+
+
+def _point(entry: dict[str, Any], place: str) -> Fixed | Driven | Free:
+    kind, entry = _take_kind(entry, POINTS, "point", place)
+    return _make(kind, entry, place)
+
+
+def _event(entry: dict[str, Any], place: str) -> PayloadChange:
+    kind, entry = _take_kind(entry, EVENTS, "event", place)
+    return _make(kind, entry, place)
+
+
+def _of_rope(entry: dict[str, Any], place: str) -> dict[str, Any]:
+    """Return the entries of a cable with its rope, if it has one, replaced by what that says."""
+    if "rope" not in entry:
+        return entry
+    from anet_lumped.scene.ropes import rope
+
+    if "diameter" not in entry:
+        raise SceneError(f"{place}: key `diameter` is missing; a rope needs its nominal diameter [m].")
+    try:
+        said = rope(entry["rope"], entry["diameter"])
+    except ValueError as error:
+        raise SceneError(f"{place}: {error}") from None
+    return said | {key: value for key, value in entry.items() if key not in ("rope", "diameter")}
+
+
+def _parts(maker: Callable, key: str, value: Any, place: str) -> Any:
+    """Return the value of an argument of `maker`, with what it holds as tables, itself or within, made of those."""
+    annotation = _arguments(maker)[key].annotation
+    for part, (what, kinds) in PARTS.items():
+        if _mentions(annotation, part):
+            return _made(what, kinds, value, f"{place}.{key}", may_be_number=_mentions(annotation, float))
+    return value
+
+
+def _mentions(annotation: Any, part: type) -> bool:
+    """Whether a type holds another, at any depth."""
+    return part is annotation or any(_mentions(inner, part) for inner in get_args(annotation))
+
+
+def _made(what: str, kinds: dict[str, Callable], value: Any, place: str, may_be_number: bool = False) -> Any:
+    if isinstance(value, list):
+        return [_made(what, kinds, entry, f"{place}[{i}]", isinstance(entry, str)) for i, entry in enumerate(value)]
+    if isinstance(value, dict) and value and all(isinstance(entry, dict) for entry in value.values()):
+        return {name: _part(what, kinds, entry, f"{place}.{name}") for name, entry in value.items()}
+    return value if may_be_number and not isinstance(value, dict) else _part(what, kinds, value, place)
+
+
+def _part(what: str, kinds: dict[str, Callable], value: Any, place: str) -> Any:
+    maker, arguments = _take_kind(_table(value, place), kinds, what, place)
+    return _make(maker, arguments, place)
+
+
+def _make(maker: Callable, entry: dict[str, Any], place: str) -> Any:
+    """Call `maker` with the entries of a table, once pydantic has found them to fit its signature."""
+    from pydantic import ValidationError
+
+    _check_keys(entry, _arguments(maker), place)
+    entry = {key: _tuples(_parts(maker, key, value, place)) for key, value in entry.items()}
+    try:
+        _schema(maker).model_validate(entry)
+        return maker(**entry)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = str(first["loc"][0]) + "".join(f"[{index}]" for index in first["loc"][1:])
+        if first["type"] == "missing":
+            raise SceneError(f"{place}: key `{key}` is missing.") from None
+        raise SceneError(f"{place}: key `{key}` has the wrong type: {first['msg']}, but it is {first['input']!r}.") from None
+    except ValueError as error:
+        raise SceneError(f"{place}: {error}") from None
+
+
+@cache
+def _arguments(maker: Callable) -> Any:
+    return inspect.signature(maker, eval_str=True).parameters
+
+
+@cache
+def _schema(maker: Callable) -> Any:
+    """Return the pydantic model of the keyword arguments of `maker`."""
+    from pydantic import ConfigDict, create_model
+
+    fields: dict[str, Any] = {
+        argument.name: (argument.annotation, ... if argument.default is argument.empty else argument.default)
+        for argument in _arguments(maker).values()
+    }
+    return create_model(maker.__name__, __config__=ConfigDict(strict=True, extra="forbid", arbitrary_types_allowed=True), **fields)
+
+
+def _take_kind(entry: dict[str, Any], kinds: dict[str, Callable], what: str, place: str) -> tuple[Callable, dict]:
+    if "kind" not in entry:
+        raise SceneError(f"{place}: key `kind` is missing; a {what} is one of {_list(kinds)}.")
+    kind = _choose(entry["kind"], kinds, what, place)
+    return kind, {key: value for key, value in entry.items() if key != "kind"}
+
+
+def _choose(name: Any, known: dict[str, Callable], what: str, place: str) -> Callable:
+    if not isinstance(name, str) or name not in known:
+        hint = nearest(str(name), known) or f"; known: {_list(known)}."
+        raise SceneError(f"{place}: unknown {what} {name!r}{hint}")
+    return known[name]
+
+
+def _check_keys(entry: dict[str, Any], known: Any, place: str) -> None:
+    for key in entry:
+        if key not in known:
+            hint = nearest(key, known, quote="`") or f"; known: {', '.join(f'`{name}`' for name in known)}."
+            raise SceneError(f"{place}: unknown key `{key}`{hint}")
+
+
+def _table(value: Any, place: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise SceneError(f"{place}: must be a table of keys and values, but is {value!r}.")
+    return value
+
+
+def _tables(entries: dict[str, Any], section: str, source: str) -> list[tuple[dict[str, Any], str]]:
+    """Return each table of an array of tables, with its place for messages."""
+    found = entries.get(section)
+    if not isinstance(found, list) or not found:
+        given = "is missing" if found is None else f"is {found!r}"
+        raise SceneError(f"{source}: `{section}` must be an array of at least one table, [[{section}]], but {given}.")
+    places = [f"{source}, {section}[{i}]" for i in range(len(found))]
+    return [(_table(entry, place), place) for entry, place in zip(found, places, strict=True)]
+
+
+def _plain(thing: Any) -> dict[str, Any]:
+    """Return the arguments of a point, cable, effect, wind or wave that are not None, as lists, strings and numbers."""
+    fields = {field.name: getattr(thing, field.name) for field in dataclasses.fields(thing) if field.init}
+    return _lists({name: value for name, value in fields.items() if value is not None})
+
+
+def _lists(value: Any) -> Any:
+    if isinstance(value, Path | Signal):
+        return {"kind": value.kind} | _lists(dict(value.parameters))
+    if isinstance(value, Wind | Airy):
+        return {"kind": {kind: name for name, kind in (wind.KINDS | waves.KINDS).items()}[type(value)]} | _plain(value)
+    if isinstance(value, dict):
+        return {key: _lists(entry) for key, entry in value.items()}
+    return [_lists(entry) for entry in value] if isinstance(value, tuple) else value
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(_tuples(entry) for entry in value) if isinstance(value, list) else value
+
+
+def _list(names: Any) -> str:
+    return ", ".join(f'"{name}"' for name in names)

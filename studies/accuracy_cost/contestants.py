@@ -1,0 +1,138 @@
+"""Who is timed: every method of this package and every engine installed beside it, behind one face."""
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from anet_lumped import simulate
+from anet_lumped.motion.simulate import METHODS, StabilityWarning
+from anet_lumped.motion.stability import predict
+from integrators.schemes import EMBEDDED, EXPLICIT, IMPLICIT
+from studies.accuracy_cost.cases import fitting
+from studies.peers import installed
+
+OURS = "anet-lumped"
+OWN_CHOICE = "own choice"  # method and step that the library picks
+ADAPTIVE, EXTRAPOLATED = "edmc, adaptive", "edmc, extrapolated"
+SHARES = (0.9, 0.3)  # of an explicit method's predicted limit
+GROWING, GROWING_SHARES = "explicit_euler", (0.1, 0.02)  # never stable, so of verlet's limit, and still it grows
+EDMC_RTOL = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+EMBEDDED_RTOL = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
+RTOL = (1e-3, 1e-5, 1e-7)  # of solvers that choose their steps
+ALSO = {"MuJoCo": ({"dt": 0.04 / 3, "integrator": "discrete"},)}  # coarser than its own settings, and it holds
+ELASTIC = "Of nets it takes elastic ones only."
+LAWS = {"both": "linear", "pull": "damped"}  # of compression, by what EXUDYN calls it
+LIKE = {"Drake": "linear"}  # rigid links push as they pull; other engines' springs only pull and their dampers always act
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """What came of one run: places (k, 3) [m] of the judged point, time of the march and of what came before [s]."""
+
+    place: np.ndarray
+    wall: float
+    setup: float
+    status: str
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Contestant:
+    """A method of an engine, with its settings from coarse to fine.
+
+    ``run(t_end, setting)`` gives an `Attempt`; ``law`` says by which law of compression a setting moves cables.
+    """
+
+    engine: str
+    method: str
+    settings: tuple[dict, ...]
+    run: Callable
+    law: str
+
+
+def from_elsewhere(method):
+    """Whether a method is a solver of another package, which pays for each step what a compiled march does not."""
+    return method not in (*EXPLICIT, *IMPLICIT, ADAPTIVE, EXTRAPOLATED, OWN_CHOICE)
+
+
+def ours(case, only=None):
+    """Contestants of this package; ``only`` some methods."""
+    found = [_own(case, method, _settings(case, method)) for method in METHODS]
+    found += [_own(case, ADAPTIVE, [{"rtol": rtol} for rtol in EDMC_RTOL]), _own(case, OWN_CHOICE, [{}])]
+    found += [_own(case, EXTRAPOLATED, [{"dt": dt, "extrapolate": True} for dt in case.steps])]
+    return [one for one in found if only is None or one.method in only]
+
+
+def peers(case):
+    """Contestants of the engines that are installed and take the scene, one for each scheme of an engine."""
+    found = []
+    refused = refusals(case)
+    for module in installed():
+        if module.NAME in refused:
+            continue
+        schemes = {}
+        for setting in (*ALSO.get(module.NAME, ()), *module.settings(case.scene)):
+            schemes.setdefault(_scheme(setting), []).append(setting)
+        for (scheme, law), settings in schemes.items():
+            run = partial(_run_peer, module, case)
+            found.append(Contestant(module.NAME, scheme, tuple(settings), run, law or LIKE.get(module.NAME, "damped")))
+    return found
+
+
+def refusals(case):
+    """Reasons of the engines that are installed and do not take the scene, by name."""
+    said = {module.NAME: ELASTIC if np.isinf(case.EA) else module.refuses(case.scene) for module in installed()}
+    return {name: reason for name, reason in said.items() if reason}
+
+
+def words(setting):
+    """A setting in words, such as "10 ms" or "rtol 1e-05"."""
+    if "dt" in setting:
+        return f"{1e3 * setting['dt']:.4g} ms"
+    return ", ".join(f"{name} {value:g}" for name, value in setting.items() if isinstance(value, float)) or "auto"
+
+
+def _own(case, method, settings):
+    return Contestant(OURS, method, tuple(settings), partial(_run_own, case, method), case.law)
+
+
+def _settings(case, method):
+    if from_elsewhere(method):
+        return [{"rtol": rtol} for rtol in RTOL]
+    if method in EMBEDDED and np.isfinite(case.EA):
+        return [{"rtol": rtol} for rtol in EMBEDDED_RTOL]
+    if method in IMPLICIT or np.isinf(case.EA):
+        return [{"dt": dt} for dt in case.steps]
+    of, shares = ("verlet", GROWING_SHARES) if method == GROWING else (method, SHARES)
+    limit = predict(case.scene, schemes=(of,)).limits[of].step
+    return [{"dt": fitting(share * limit, case.save_every)} for share in shares]
+
+
+def _run_own(case, method, t_end, setting):
+    method = {ADAPTIVE: "edmc", EXTRAPOLATED: "edmc", OWN_CHOICE: None}.get(method, method)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", StabilityWarning)
+        try:
+            run = simulate(case.scene, t_end, method=method, start=case.start, save_every=case.save_every, **setting)
+        except (ValueError, ImportError) as error:  # a scene that the method does not take, a package that is not there
+            return Attempt(np.zeros((0, 3)), np.nan, np.nan, "refused", str(error))
+    reason = run.message or (f"{run.method} at {1e3 * run.dt:.4g} ms" if method is None else "")
+    return Attempt(run.position(case.point), run.wall_time, 0.0, run.status, reason)
+
+
+def _scheme(setting):
+    """Scheme of a peer's setting, and the law of compression that it names, if any."""
+    scheme = next((value for name, value in setting.items() if name in ("solver", "integrator", "scheme")), "")
+    return scheme, LAWS.get(setting.get("law"))
+
+
+def _run_peer(module, case, t_end, setting):
+    start = None if case.start == "straight" else case.start
+    try:
+        outcome = module.run(case.scene, t_end, case.save_every, start, **setting)
+    except Exception as error:  # whatever an engine raises is its row's reason
+        return Attempt(np.zeros((0, 3)), np.nan, np.nan, "failed", f"{type(error).__name__}: {error}".splitlines()[0][:300])
+    return Attempt(outcome.position[case.point], outcome.wall_time, outcome.setup_time, outcome.status, outcome.message)

@@ -1,0 +1,150 @@
+"""Figures of the study `work_precision`: error against wall time, the parts of the error, the front, the growth."""
+
+import numpy as np
+
+from studies.accuracy_cost.contestants import ADAPTIVE, EXTRAPOLATED, OURS, OWN_CHOICE
+
+STYLES = {  # of our methods: colour, marker
+    "edmc": ("C0", "o"), ADAPTIVE: ("C0", "*"), EXTRAPOLATED: ("C0", "4"),
+    "verlet": ("k", "v"), "symplectic_euler": ("0.5", "<"), "rk4": ("C7", "^"),
+    "dop853": ("k", "^"),
+    "explicit_euler": ("0.75", ">"), "backward_euler": ("C2", "s"), "midpoint": ("C3", "D"), "sdirk2": ("C1", "p"),
+    "tr_bdf2": ("C4", "P"), "generalised_alpha": ("C5", "X"), "RK45": ("C6", "1"), "DOP853": ("C8", "2"), "Radau": ("C9", "3"),
+    "BDF": ("tan", "4"),
+    "LSODA": ("olive", "+"), "Tsit5": ("navy", "x"), "Kvaerno3": ("darkgoldenrod", "d"), "Kvaerno5": ("firebrick", "h"),
+    OWN_CHOICE: ("r", "$A$"),
+}  # fmt: skip
+OTHER = ("0.6", "x")
+PEER_COLOURS = ("deeppink", "darkviolet", "limegreen", "saddlebrown", "teal")
+SEEN = 1e-7  # [mm] that smaller errors are drawn at
+LOST = 1e3  # [mm] as far as the axes go: whoever is a metre off is lost
+MARKS = "osv^D"
+COLUMNS = 4
+FILLS = ("none", "left", "full")  # of marks, by stiffness
+
+
+def plot(rows):
+    """Figures of the study, {name: matplotlib Figure}."""
+    return {
+        "work_against_precision": _races(rows["runs"]),
+        "parts_of_the_error": _parts(rows["total_error"]),
+        "front_of_total_error": _front(rows["total_error"]),
+        "cost_of_refinement": _growth(rows["growth"]),
+    }
+
+
+def _figure(width, height):
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def stiffness(EA):
+    """A stiffness in words."""
+    return "EA = ∞" if np.isinf(EA) else f"EA = 1e{np.log10(EA):.0f} N"
+
+
+def _races(runs):
+    from matplotlib.ticker import NullFormatter
+
+    motions = list(runs.groupby(["motion", "EA_N", "segments"], sort=False))
+    columns = min(COLUMNS, len(motions))
+    lines = -(-len(motions) // columns)
+    figure = _figure(3.4 * columns + 0.6, 3.1 * lines + 1.4)
+    panels = figure.subplots(lines, columns, squeeze=False).ravel()
+    engines = [engine for engine in runs["engine"].unique() if engine != OURS]
+    handles = {}
+    for panel, ((motion, EA, segments), part) in zip(panels, motions, strict=False):
+        done = part.dropna(subset=["error_mm"])
+        done = done[done["error_mm"] < LOST]
+        floor = part["reference_mm"].iloc[0]
+        for (engine, method), line in done.groupby(["engine", "method"], sort=False):
+            if engine == OURS:
+                colour, mark = STYLES.get(method, OTHER)
+                look = {"color": colour, "marker": mark, "lw": 1.8 if method == "edmc" else 0.9, "ms": 5}
+                label = method
+            else:
+                mark = MARKS[list(done[done["engine"] == engine]["method"].unique()).index(method)]
+                look = {"color": PEER_COLOURS[engines.index(engine)], "marker": mark, "ls": "--", "lw": 1.2, "ms": 4, "mfc": "none"}
+                label = f"{engine} {method}".strip()
+            handles.setdefault(label, panel.loglog(line["wall_s"], line["error_mm"].clip(lower=SEEN), **look)[0])
+        panel.set_ylim(max(done["error_mm"].min(), SEEN) / 2, LOST)
+        panel.set_xlim(10 ** np.floor(np.log10(done["wall_s"].min())), 10 ** np.ceil(np.log10(done["wall_s"].max())))
+        panel.axhspan(1e-12, floor, color="0.9", lw=0)
+        panel.set_title(f"{motion}, {stiffness(EA)}, {segments} segments", fontsize=8)
+        panel.grid(color="0.9", lw=0.5)
+        panel.tick_params(labelsize=8)
+        panel.xaxis.set_minor_formatter(NullFormatter())
+    for panel in panels[max(0, len(motions) - columns) : len(motions)]:
+        panel.set_xlabel("wall time [s]", fontsize=9)
+    for panel in panels[len(motions) :]:
+        panel.axis("off")
+    figure.supylabel(f"largest error of p0 or the tip [mm], {SEEN:g} for less", fontsize=10)
+    handles["both references differ by this"] = panels[0].fill_between([], [], color="0.9")
+    order = sorted(handles, key=lambda name: (name not in STYLES, name.startswith("both")))
+    figure.legend([handles[name] for name in order], order, loc="outside lower center", ncols=6, frameon=False, fontsize=8)
+    return figure
+
+
+def _parts(table):
+    stiffnesses = table["EA_N"].unique()
+    figure = _figure(2.5 * len(stiffnesses) + 0.4, 3.9)
+    panels = figure.subplots(1, len(stiffnesses), sharey=True, squeeze=False)[0]
+    for panel, EA in zip(panels, stiffnesses, strict=True):
+        part = table[(table["EA_N"] == EA) & (table["method"] == "edmc")]
+        one = part.groupby("segments").first()
+        panel.loglog(one.index, one["discretisation_mm"], "k-o", ms=4, label="discretisation: segments instead of a continuum")
+        model = one["model_mm"].where(one["model_mm"] > 0)
+        panel.loglog(one.index, model, "C2-", lw=1.5, label="model: stretches instead of being inextensible")
+        for i, (step, line) in enumerate(part.groupby("step_ms", sort=False)):
+            shade = dict(color=f"C{(0, 1, 3, 4, 5)[i]}")
+            panel.loglog(line["segments"], line["time_mm"], ls=":", lw=1.2, label=f"time: edmc at {step:g} ms", **shade)
+            panel.loglog(line["segments"], line["total_mm"], ls="none", marker="x", ms=5, label=f"total at {step:g} ms", **shade)
+        panel.set(title=stiffness(EA), xlabel="segments of a cable")
+        panel.set_xticks(one.index, [str(n) for n in one.index])
+        panel.minorticks_off()
+        panel.grid(color="0.9", lw=0.5)
+    panels[0].set_ylabel("largest error of p0 [mm]")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=8)
+    return figure
+
+
+def _front(table):
+    from matplotlib.lines import Line2D
+
+    raced = table[table["EA_N"].isin(table.loc[table["on_front"], "EA_N"].unique()) & table["total_mm"].lt(LOST)]
+    figure = _figure(8.6, 4.8)
+    axes = figure.subplots()
+    segments, stiffnesses = list(raced["segments"].unique()), list(raced["EA_N"].unique())
+    for (method, N, EA), part in raced.groupby(["method", "segments", "EA_N"], sort=False):
+        colour = f"C{segments.index(N)}"
+        fill = FILLS[stiffnesses.index(EA)]
+        mark = STYLES.get(method, OTHER)[1]
+        axes.loglog(part["wall_s"], part["total_mm"], ls="none", marker=mark, color=colour, fillstyle=fill, ms=5, alpha=0.8)
+    front = table[table["on_front"]].sort_values("wall_s")
+    axes.loglog(front["wall_s"], front["total_mm"], "k-", lw=1.2, drawstyle="steps-post", zorder=0)
+    axes.set(xlabel="wall time of 4 s of motion [s]", ylabel="total error of p0 against\nthe continuous inextensible cable [mm]")
+    axes.grid(color="0.9", lw=0.5)
+    methods = list(raced["method"].unique())
+    keys = [Line2D([], [], color=f"C{i}", marker="o", ls="none", label=f"{N} segments") for i, N in enumerate(segments)]
+    keys += [Line2D([], [], color="0.3", marker=STYLES.get(name, OTHER)[1], ls="none", label=name) for name in methods]
+    keys += [
+        Line2D([], [], color="0.3", marker="o", ls="none", fillstyle=fill, label=stiffness(EA))
+        for fill, EA in zip(FILLS, stiffnesses, strict=False)
+    ]
+    keys.append(Line2D([], [], color="k", label="front: nothing is faster and closer"))
+    figure.legend(handles=keys, loc="outside right upper", frameon=False, fontsize=8)
+    return figure
+
+
+def _growth(table):
+    figure = _figure(6.0, 3.9)
+    axes = figure.subplots()
+    axes.loglog(table["nodes"], table["wall_s"], "C0-o", label="edmc at 10 ms")
+    axes.loglog(table["nodes"], table["verlet_predicted_s"], "k--v", label="verlet at its limit, by the pace of a few steps")
+    axes.loglog(table["nodes"], table["wall_s"].iloc[0] * table["nodes"] / table["nodes"].iloc[0], color="0.6", lw=0.8, ls=":",
+                label="in proportion to the nodes")  # fmt: skip
+    axes.set(xlabel="nodes of the carried net", ylabel="wall time of 1 s of motion [s]")
+    axes.grid(color="0.9", lw=0.5)
+    axes.legend(frameon=False, fontsize=8)
+    return figure

@@ -1,0 +1,93 @@
+"""A run as a picture: the net at some times, its energy over time, and above them what became of it.
+
+Whatever is drawn of a run that is not "done", be it that its audit failed, says so in the figure itself: `mark` is for any figure.
+"""
+
+import textwrap
+
+import numpy as np
+
+SHOWN = 5  # times at which the net is drawn
+WIDE = 150  # characters of a line above the figure
+BAD = "#c1121f"
+OF_ENERGY = ("kinetic", "elastic", "gravitational", "work put in", "dissipated")
+
+
+def verdict(run) -> str:
+    """What became of a run, in words: its estimated error and its energy if an audit passed, its message if it is not "done"."""
+    ran = f"{run.method}, t = {run.t[0]:.4g} to {run.t[-1]:.4g} s"
+    if not run.ok:
+        return f"{run.status.upper()} ({ran}): {run.message.removeprefix('The audit failed: ')}"
+    if run.audit is None:
+        return f"done, not audited ({ran})"
+    audit = run.audit
+    return (
+        f"audit passed ({ran}): places to {as_length(audit.error)} (estimate, at {audit.where}, t={audit.t:.3g} s; "
+        f"{as_length(audit.allowed)} allowed), energy accounted for to {audit.imbalance:.1g}"
+    )
+
+
+def as_length(metres: float) -> str:
+    """A length with the unit that suits it: "0.21 mm"."""
+    unit, size = next(((u, s) for u, s in (("m", 1.0), ("mm", 1e-3), ("µm", 1e-6), ("nm", 1e-9)) if metres >= s), ("nm", 1e-9))
+    return f"{metres / size:.3g} {unit}"
+
+
+def mark(figure, *runs) -> None:
+    """Write what is wrong with the runs that a figure shows in red above it, and frame it; nothing if all are "done"."""
+    wrong = dict.fromkeys(verdict(run) for run in runs if not run.ok)
+    if wrong:
+        _above(figure, " ".join(wrong), BAD)
+        figure.patch.set(edgecolor=BAD, linewidth=6)
+
+
+def plot(run):
+    """Figure of a run: its shapes in the upright plane in which they reach furthest, and its energies.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10, 4.2), layout="constrained")
+    side, energy = figure.subplots(1, 2, width_ratios=(1.3, 1))
+    _shapes(side, run)
+    _energies(energy, run)
+    for panel in (side, energy):
+        panel.spines[["top", "right"]].set_visible(False)
+    if run.ok:
+        _above(figure, verdict(run), "0.25")
+    mark(figure, run)
+    return figure
+
+
+def _above(figure, words, color):
+    figure.suptitle(textwrap.fill(words, WIDE), color=color, fontsize=9, ha="left", x=0.01)
+
+
+def _shapes(axes, run):
+    finite = np.isfinite(run.q).all(axis=(1, 2))
+    across = int(np.ptp(run.q[finite][:, :, 1]) > np.ptp(run.q[finite][:, :, 0]))
+    last = np.flatnonzero(finite)[-1]
+    for k in np.unique(np.linspace(0, last, SHOWN).round().astype(int)):
+        color = f"{0.85 - 0.85 * k / max(last, 1):.2f}"
+        for i, cable in enumerate(run.scene.cables):
+            shape = run.pieces(cable.name, k)
+            axes.plot(shape[:, across], shape[:, 2], ".-", color=color, ms=2, lw=1, label="" if i else f"t = {run.t[k]:.3g} s")
+    axes.set(xlabel=f"{'xy'[across]} [m]", ylabel="z [m]")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.legend(frameon=False, fontsize=8, ncols=SHOWN, loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
+
+
+def _energies(axes, run):
+    for i, name in enumerate(OF_ENERGY):
+        rows = run.energy[:, i] - (run.energy[0, i] if name == "gravitational" else 0.0)
+        if np.any(rows):
+            axes.plot(run.t, rows, lw=1.2, label=name, color=f"C{i}")
+    for event in run.events:
+        axes.axvline(event.t, color="0.8", lw=1, zorder=0)
+    total = run.energy[:, :3].sum(axis=1) - run.energy[:, 3] + run.energy[:, 4]
+    axes.plot(run.t, total - total[0], "k--", lw=1, label="not accounted for")
+    axes.set(xlabel="t [s]", ylabel="energy [J]")
+    axes.legend(frameon=False, fontsize=8, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))

@@ -1,0 +1,109 @@
+"""A result as a person reads it (tables) or as a program does (JSON): a dict of values and of lists of dicts."""
+
+import json
+import math
+import sys
+from numbers import Integral, Real
+
+UNITS = {
+    "m": "x y z sag length rmse gap largest covered",
+    "N": "tension force EA",
+    "s": "dt step time reached",
+    "rad/s": "frequency",
+    "J": "energy kinetic elastic gravitational work dissipated",
+    "-": "stretch imbalance residual",
+    "": "evaluations",
+}
+UNIT = {word: unit for unit, words in UNITS.items() for word in words.split()}  # by the last such word of a name
+SUFFIXES = "m mm um cm kg g s ms us ns N J Hz percent degrees".split()  # that are the unit of a name that ends so
+WIDE = 10  # columns; a wider table of few rows is shown on its side
+
+
+def as_json(result: dict) -> str:
+    """The result as one JSON object; NaN and infinity, which JSON has not, are null."""
+    return json.dumps(_strict(result), indent=1)
+
+
+def show(result: dict) -> None:
+    """Print a result on stdout: lists of dicts as tables, other values as lines."""
+    from rich.console import Console
+
+    # A file or pipe has no width of its own; 80 columns would break every table.
+    console = Console(width=None if sys.stdout.isatty() else 160, highlight=False, markup=False)
+    for title, value in result.items():
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            console.print(_table(title, value))
+        elif isinstance(value, list):
+            for line in value:
+                print(f"{_words(title)}: {line}")
+        else:
+            print(f"{_head(title)}: {as_text(value)}")
+
+
+def column_head(name) -> str:
+    """Words of a column's name, its unit in brackets: "sag error [mm]" for sag_error_mm."""
+    name = str(name)
+    if name.endswith("_N_per_m"):
+        return f"{_words(name.removesuffix('_N_per_m'))} [N/m]"
+    *words, last = name.split("_")
+    return f"{' '.join(words)} [{last.replace('percent', '%')}]" if words and last in SUFFIXES else _words(name)
+
+
+def as_text(value) -> str:
+    """Text of a value: a number with four digits, and with a power of ten where they would be lost among zeros."""
+    if isinstance(value, list | tuple):
+        return " ".join(map(as_text, value))
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return "" if value is None else str(value)
+    if isinstance(value, Integral) or value == 0:
+        return f"{value:.0f}"
+    if not math.isfinite(value):
+        return "–" if math.isnan(value) else f"{value}".replace("inf", "∞")
+    if not 1e-3 <= abs(value) < 1e6:
+        digits, power = f"{value:.3e}".split("e")
+        return f"{digits.rstrip('0').rstrip('.')}e{int(power)}"
+    text = f"{value:.{max(0, 3 - math.floor(math.log10(abs(value))))}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def _table(title, rows):
+    from rich import box
+    from rich.table import Table
+
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    table = Table(title=_words(title), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    lines = [[as_text(row.get(name)) for name in names] for row in rows]
+    heads = [_head(name) for name in names]
+    on_its_side = len(names) > WIDE > len(rows)
+    if on_its_side:
+        heads, *lines = zip(heads, *lines, strict=True)
+    numbers = [all(isinstance(row.get(name), Real | None) for row in rows) for name in names]
+    for i, head in enumerate(heads):
+        right = i > 0 if on_its_side else numbers[i]
+        table.add_column(head, justify="right" if right else "left", overflow="fold")
+    for line in lines:
+        table.add_row(*line)
+    return table
+
+
+def _words(name):
+    return str(name).replace("_", " ")
+
+
+def _head(name):
+    if name.split("_")[-1] in SUFFIXES and "_" in name:
+        return column_head(name)
+    unit = next((UNIT[word] for word in reversed(name.split("_")) if word in UNIT), "")
+    return f"{_words(name)} [{unit}]" if unit else column_head(name)
+
+
+def _strict(value):
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, dict):
+        return {str(key): _strict(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_strict(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,278 @@
+"""What is worth reading of a state at rest, a run, a scene before any run, and a comparison: plain dicts, SI units."""
+
+import csv
+from dataclasses import asdict
+
+import numpy as np
+
+from anet_lumped.scene.scene import Free
+from studies.shown.show import as_text
+from studies.sweeping.measures import sag
+
+SOFT = 0.01  # static stretch worth a warning: cords under their working load stay below it
+
+
+def of_rest(state) -> dict:
+    """Cables and free points of a state at rest, and how well its forces balance."""
+    return {
+        "cables": [{"cable": cable.name} | _at_rest(state, cable) for cable in state.scene.cables],
+        "points": _points(state),
+        "residual": state.residual,
+    }
+
+
+def of_run(run) -> dict:
+    """Status, method and why, work, energy, and where the run ended."""
+    result = {
+        "status": run.status,
+        "message": run.message,
+        "method": run.method,
+        "dt": run.dt,
+        "reason": run.reason,
+        "reached": run.t[-1],
+        "wall_time": run.wall_time,
+        "error_estimate": run.error_estimate,
+    }
+    return {name: value for name, value in result.items() if value is not None and value != ""} | {
+        "work": [asdict(run.work)],
+        "energy": [asdict(run.energy_balance)],
+        **({"audit": [_audit(run.audit)]} if run.audit else {}),
+        **({"events": [_event(event) for event in run.events]} if run.events else {}),
+        **({"warning": list(run.warnings)} if run.warnings else {}),
+        "cables": [
+            {
+                "cable": cable.name,
+                "end_stretch": run.length(cable.name)[-1] / cable.length - 1,
+                "peak_stretch": run.length(cable.name).max() / cable.length - 1,
+                "peak_tension": run.tension(cable.name).max(),
+            }
+            for cable in run.scene.cables
+        ],
+        "points_at_the_end": _points(run.final),
+    }
+
+
+def _event(event) -> dict:
+    return {
+        "t_s": event.t, "event": event.kind, "where": event.where, "segment": event.segment, "tension": event.tension,
+        "mass_kg": event.mass, "lost_J": event.lost,
+    }  # fmt: skip
+
+
+def _audit(audit) -> dict:
+    return {
+        "error_m": audit.error, "where": audit.where, "t_s": audit.t, "allowed_m": audit.allowed, "imbalance": audit.imbalance,
+        "wall_time": audit.wall_time, "passed": audit.passed,
+    }  # fmt: skip
+
+
+def of_recommendation(found, scene) -> dict:
+    """What is recommended for a scene (its name or file), what it costs, the parts of its error, and the command to run it."""
+    cables = found.scene.cables
+    alike = len({cable.segments for cable in cables}) == 1
+    changes = {"segments": cables[0].segments} if alike else {f"{name}.segments": n for name, n in found.segments.items()}
+    best = found.best
+    stepping = f"--dt {best.dt:.6g}" if best.rtol is None else f"--rtol {best.rtol:.2g}"
+    stepping += " --extrapolate" if best.extrapolate else ""
+    sets = " ".join(f"--set {name}={value}" for name, value in changes.items())
+    rows = [one for one in (best, found.runner_up) if one]
+    return {
+        "recommended": [
+            {
+                "": "best" if one is best else "runner-up",
+                "method": one.method + (", extrapolated" if one.extrapolate else ""),
+                "step_ms": None if one.dt is None else 1e3 * one.dt,
+                "rtol": one.rtol,
+                "time_error_mm": 1e3 * one.error,
+                "times_faster": one.times_real_time,
+            }
+            for one in rows
+        ],
+        "segments": [{"cable": name, "segments": n} for name, n in found.segments.items()],
+        "error": [
+            {
+                "of": ", ".join(found.points) or "middles",
+                "asked_mm": 1e3 * found.error,
+                "segments_mm": 1e3 * found.segments_error,
+                "time_mm": 1e3 * found.time_error,
+                "checked_mm": 1e3 * found.checked_error,
+                "elasticity_mm": 1e3 * found.elasticity,
+            }
+        ],
+        "motion_looked_at": found.t_end,
+        "command": f"anet-lumped simulate {scene} --t-end {found.t_end:.4g} --method {best.method} {stepping} "
+        f"{'' if found.start == 'equilibrium' else f'--start {found.start} '}{sets}",
+    }
+
+
+def of_effects(found) -> dict:
+    """Each effect of an audit: its numbers, what it changes, its cost, a verdict; and what the table does not say."""
+    from anet_lumped.advice.effect_audit import NEEDED, NEGLIGIBLE
+
+    return {
+        "effects": _effects(found),
+        "asked_for": f"{found.of} within {found.error:g} {found.unit}",
+        "motion_known_to": f"{found.known_to:.3g} {found.unit}",
+        "looked_at": f"{found.t_end:.4g} s of motion by edmc at dt={found.dt:.3g} s",
+        "notes": [f"{one.effect}: {one.reason}" for one in found.verdicts if one.verdict not in (NEEDED, NEGLIGIBLE)],
+    }
+
+
+def _effects(found):
+    changes, size = ("changes_mm", 1e3) if found.unit == "m" else ("changes_N", 1.0)
+    return [
+        {
+            "effect": one.effect.replace("_", " "),
+            "in_the_scene": "yes" if one.present else "no",
+            "dimensionless": ", ".join(f"{name} {as_text(value)}" for name, value in one.numbers.items()),
+            changes: size * one.change,
+            "cost_percent": 100.0 * one.cost,
+            "explicit_steps": one.stiffness or None,
+            "verdict": one.verdict,
+        }
+        for one in found.verdicts
+    ]
+
+
+def before_run(scene, dt: float | None = None) -> dict:
+    """What is known of a scene before any run: static stretch, top modes, the steps that each method takes, warnings.
+
+    With a step dt [s] also the stretch floor of the explicit methods: the smallest static stretch that it permits.
+    """
+    from anet_lumped.motion.stability import EXPLICIT, predict
+    from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
+
+    prediction = predict(scene)
+    modes = prediction.modes.values()
+    cables = [{"cable": mode.cable, "top_frequency": mode.omega, "damping_ratio": mode.zeta} for mode in modes]
+    strains, warnings = {}, []
+    try:
+        rest = equilibrium(scene)
+    except EquilibriumError as error:
+        warnings.append(f"No static stretch, and so no stretch floor, is known: {error}")
+    else:
+        for row, cable in zip(cables, scene.cables, strict=True):
+            row |= _at_rest(rest, cable)
+            strains[cable.name] = cable.strain(rest.tension(cable.name).mean())
+            warnings += _about_rest(row, cable)
+    methods = []
+    for name, limit in prediction.limits.items():
+        row = {"method": name, "largest_step": limit.step, "set_by": limit.cable}
+        if dt is not None:
+            row["stable"] = "yes" if dt <= limit.step else "no"
+            if strains and name in EXPLICIT:
+                floors = [float(prediction.stretch_floor(name, dt, cable, strain)) for cable, strain in strains.items()]
+                row["stretch_floor"] = max(floors)
+            if dt > limit.step:
+                warnings.append(prediction.warning(name, dt))
+        methods.append(row | {"note": limit.note})
+    return {"cables": cables, "methods": methods, "warning": warnings}
+
+
+def against_catenary(scene) -> dict:
+    """The scene at rest against the elastic catenary net between the same supports."""
+    from anet_lumped.advice.compare import compare
+    from anet_lumped.statics.equilibrium import equilibrium
+
+    found = compare(equilibrium(scene))
+    return {
+        "cables": [asdict(cable) for cable in found.cables],
+        "error_of_points": [{"point": name} | _xyz(error) for name, error in found.points.items()],
+    }
+
+
+def against_markers(scene, file) -> dict:
+    """The scene at rest against measured markers, before and after its cables' lengths are fitted to them."""
+    from anet_lumped.advice.markers import fit_markers, read_markers
+
+    markers = read_markers(file, scene)
+    fit = fit_markers(markers.xyz, scene)
+    return {
+        "markers": len(markers.xyz),
+        "unit": markers.unit,
+        "rows_without_a_place": markers.empty_rows,
+        "outliers": fit.outliers,
+        "offset": [_xyz(fit.offset)],
+        "cables": [asdict(cable) for cable in fit.cables],
+    }
+
+
+def of_ropes(diameter: float) -> dict:
+    """What each rope of the catalogue is, at a nominal diameter [m]."""
+    from anet_lumped.scene.ropes import ROPES
+
+    rows = []
+    for name, rope in ROPES.items():
+        low, high = rope.diameters or (np.nan, np.nan)
+        rows.append({
+            "rope": name,
+            "what": rope.about,
+            "mass_per_metre_kg": rope.m2 * diameter**2,
+            "EA": rope.static_EA(diameter),
+            "breaking_load_N": rope.breaking_load(diameter),
+            "outer_diameter_mm": 1e3 * rope.dv * diameter,
+            "compared_from_mm": 1e3 * low,
+            "to_mm": 1e3 * high,
+            "source": rope.source,
+        })  # fmt: skip
+    return {"nominal_diameter_mm": 1e3 * diameter, "ropes": rows}
+
+
+def write_effects(found, file) -> None:
+    """Write what an audit found of each effect as CSV, a row each, with its reason."""
+    with file.open("w", newline="", encoding="utf-8") as text:
+        rows = _effects(found)
+        table = csv.DictWriter(text, [*rows[0], "reason"])
+        table.writeheader()
+        table.writerows(row | {"reason": one.reason} for row, one in zip(rows, found.verdicts, strict=True))
+
+
+def write_nodes(state, file) -> None:
+    """Write the place [m] of every node, cable by cable, as CSV."""
+    with file.open("w", newline="", encoding="utf-8") as text:
+        rows = csv.writer(text)
+        rows.writerow(["cable", "node", "x", "y", "z"])
+        for cable in state.scene.cables:
+            rows.writerows([cable.name, i, *node] for i, node in enumerate(state.shape(cable.name).tolist()))
+
+
+def _at_rest(state, cable):
+    tension = state.tension(cable.name)
+    slack = np.flatnonzero(tension <= 0.0)
+    return {
+        "stretch": state.length(cable.name) / cable.length - 1,
+        "sag": sag(state, cable.name),
+        "start_tension": tension[0],
+        "end_tension": tension[-1],
+        "largest_tension": tension.max(),
+        "slack_segments": _ranges(slack),
+    }
+
+
+def _about_rest(row, cable):
+    if row["slack_segments"]:
+        yield (
+            f'Cable "{cable.name}" rests with slack segments, {row["slack_segments"]} of 0-{cable.segments - 1}: '
+            "their tension is zero, and the shape of a slack stretch is not unique."
+        )
+    if row["stretch"] > SOFT:
+        yield (
+            f'Cable "{cable.name}" is {row["stretch"]:.2%} longer at rest than unstretched, more than {SOFT:.0%}: '
+            f"EA = {cable.EA:g} N carries {row['largest_tension']:.3g} N."
+        )
+
+
+def _ranges(numbers):
+    """ "0-3, 7" for 0, 1, 2, 3, 7."""
+    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(numbers) else []
+    return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs)
+
+
+def _points(state):
+    """Places of the points that move."""
+    free = [point.name for point in state.scene.points if isinstance(point, Free)]
+    return [{"point": name} | _xyz(state.position(name)) for name in free]
+
+
+def _xyz(vector):
+    return dict(zip("xyz", vector, strict=True))

@@ -1,0 +1,157 @@
+"""Run one function over many rows: in parallel, each line on disk as it comes, resumable after a kill.
+
+Every study and every sweep goes through `run_rows`. A row is a dict of inputs (numbers, words); the function turns it
+into a dict of results, which may hold a `status` ("done" where it does not) and a `reason`.
+"""
+
+import contextlib
+import json
+import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
+from pathlib import Path
+
+from studies.sweeping.provenance import provenance
+from studies.sweeping.workers import through_executor, through_own_pool
+
+
+class RowsError(ValueError):
+    """Rows that cannot be told apart, or a folder that holds rows of something else."""
+
+
+def run_rows(
+    function: Callable[[dict], dict],
+    rows: Iterable[dict],
+    *,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    out: str | Path | None = None,
+    resume: bool = False,
+    identity: dict | None = None,
+    label: str | None = None,
+):
+    """Table with `function(row)` beside every row, in the order of `rows`.
+
+    A function that raises and a worker process that dies make a line with a status and a reason, never a lost table.
+    With `out` each line is forced to disk (`rows.jsonl`) as it comes: kill -9 loses only what was running.
+
+    Parameters
+    ----------
+    function : picklable, dict of inputs -> dict of results
+    rows : dicts of inputs, all different, of values that JSON holds
+    executor : where the rows run; by default a pool of processes, rebuilt when one of them dies
+    workers : processes of that pool; by default one for each core that this process may use
+    out : folder for `rows.jsonl` and `meta.json`, and at the end for `rows.parquet` and `rows.csv`
+    resume : keep the lines that `out` holds (but for crashed ones) and do the rest
+    identity : what else the results depend on (JSON values): rows with another identity are not resumed
+    label : name of a progress bar on stderr; none by default
+
+    Returns
+    -------
+    pandas.DataFrame : one line a row; columns inputs, results, status, reason
+
+    Raises
+    ------
+    RowsError : two rows are equal, or `out` holds rows that are not resumed or belong to something else
+    KeyboardInterrupt : on Ctrl-C, its message says how many rows are kept and where
+    """
+    rows = [_plain(row) for row in rows]
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    asked = {_key(row, names): row for row in rows}
+    if len(asked) < len(rows):
+        raise RowsError(f"Rows must differ in their inputs, but {len(rows) - len(asked)} of {len(rows)} are repeated.")
+    lines, log = {}, contextlib.nullcontext()
+    if out is not None:
+        lines, log = _open_log(Path(out), names, asked, resume, _plain(identity or {}))
+    todo = [row for key, row in asked.items() if key not in lines]
+    results = through_executor(executor, function, todo) if executor else through_own_pool(function, todo, workers)
+    with log, contextlib.closing(results):
+        try:
+            for row, result in _with_progress(results, len(todo), label):
+                line = _plain({"status": "done", "reason": ""} | result | row)
+                if out is not None:
+                    _append(log, line)
+                lines[_key(row, names)] = line
+        except KeyboardInterrupt:
+            kept = f", which are in {log.name}" if out is not None else ""
+            raise KeyboardInterrupt(f"Stopped after {len(lines)} of {len(asked)} rows{kept}.") from None
+    table = _table([lines[key] for key in asked], names)
+    if out is not None:
+        save_table(table, Path(out) / "rows")
+    return table
+
+
+def save_table(table, stem: Path) -> None:
+    """Write a DataFrame as `stem`.parquet and `stem`.csv."""
+    stem.parent.mkdir(parents=True, exist_ok=True)
+    table.to_csv(stem.with_name(stem.name + ".csv"), index=False)
+    table.to_parquet(stem.with_name(stem.name + ".parquet"), index=False)
+
+
+def _open_log(out, names, asked, resume, identity):
+    """Lines that `out` holds already, and its `rows.jsonl` opened behind the last whole one."""
+    log, meta = out / "rows.jsonl", out / "meta.json"
+    lines = {}
+    whole = 0
+    if log.exists():
+        data = log.read_bytes()
+        whole = data.rfind(b"\n") + 1  # behind it: a line torn by a kill
+        lines = {_key(line, names): line for line in map(json.loads, data[:whole].splitlines())}
+    if lines:
+        if not resume:
+            raise RowsError(f"{log} holds {len(lines)} rows already: resume them, or choose another folder.")
+        before = json.loads(meta.read_text())["identity"]
+        changed = [name for name in before | identity if before.get(name) != identity.get(name)]
+        if changed:
+            raise RowsError(f"Rows of one table must agree, but {log} was made with another {' and '.join(changed)}.")
+        strange = [line for key, line in lines.items() if key not in asked]
+        if strange:
+            inputs = {name: strange[0].get(name) for name in names}
+            raise RowsError(f"{log} holds {len(strange)} rows that are not asked for now, the first with {inputs}.")
+    else:
+        out.mkdir(parents=True, exist_ok=True)
+        meta.write_text(json.dumps({"identity": identity, **provenance()}, indent=1))
+    file = log.open("ab")
+    file.truncate(whole)
+    return {key: line for key, line in lines.items() if line["status"] != "crashed"}, file
+
+
+def _append(log, line):
+    log.write((json.dumps(line) + "\n").encode())
+    log.flush()
+    os.fsync(log.fileno())
+
+
+def _key(row, names):
+    return json.dumps([row.get(name) for name in names])
+
+
+def _plain(value):
+    """The same value in JSON's own types: NumPy's scalars and arrays, tuples and paths are not."""
+    return json.loads(json.dumps(value, default=lambda x: x.tolist() if hasattr(x, "tolist") else str(x)))
+
+
+def _table(lines, names):
+    import pandas
+
+    results = dict.fromkeys(name for line in lines for name in line if name not in (*names, "status", "reason"))
+    table = pandas.DataFrame(lines, columns=[*names, *results, "status", "reason"])
+    for name in table:  # a column of numbers and words, such as 0.1 and "auto", has no type in a parquet file
+        if len({isinstance(value, str) for value in table[name].dropna()}) > 1:
+            table[name] = table[name].map(str, na_action="ignore")
+    return table
+
+
+def _with_progress(results, total, label):
+    if label is None:
+        yield from results
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+
+    columns = "{task.description}", BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), "left"
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        task = progress.add_task(label, total=total)
+        for row, result in results:
+            yield row, result
+            progress.advance(task)

@@ -1,0 +1,102 @@
+"""One scene, many variants: vary any of its fields or the run's settings, measure each variant."""
+
+import contextlib
+from collections.abc import Iterable
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+
+from anet_lumped.scene.as_dict import scene_to_dict
+from anet_lumped.scene.scene import Scene
+from studies.sweeping.measures import Measure, read_measure
+from studies.sweeping.rows import run_rows
+from studies.sweeping.vary import SETTINGS, VaryError, apply, grid, read_values
+
+AT_REST = ("stretch", "sag", "tension")
+OF_RUN = ("end_stretch", "peak_tension", "energy_rise", "steps", "wall_time")
+
+
+def sweep(
+    scene: Scene,
+    vary: dict[str, str | Iterable],
+    measures: Iterable[str] = (),
+    *,
+    t_end: float | None = None,
+    method: str | None = None,
+    dt: float | None = None,
+    start: str | None = None,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    out: str | Path | None = None,
+    resume: bool = False,
+    label: str | None = None,
+):
+    """Measure a scene for every combination of the varied values.
+
+    Parameters
+    ----------
+    scene : Scene
+    vary : name -> values, or "a:b:n", "a:b:nlog", "a,b,c" (see `vary.read_values`)
+    measures : names, or "name:target" (see `measures.MEASURES`); a usual few by default
+    t_end : float [s], how long each variant runs; it only rests without one
+    method, dt, start : as in `simulate`
+    executor, workers, out, resume, label : as in `run_rows`
+
+    Returns
+    -------
+    pandas.DataFrame : a line for each variant: inputs, measures, status, reason
+
+    Raises
+    ------
+    VaryError, MeasureError : an unknown name, or a measure or setting of a run without `t_end`
+    RowsError : `out` holds rows already, or rows of another sweep
+    """
+    values = read_values(scene, vary)
+    settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
+    settings = {name: value for name, value in settings.items() if value is not None}
+    runs = "t_end" in settings or "t_end" in values
+    texts = tuple(measures) or AT_REST + OF_RUN * runs
+    found = {text: read_measure(text, scene) for text in texts}
+    needing = [f"measure `{text}`" for text in texts if found[text][0].of == "run"]
+    needing += [f"setting `{name}`" for name in (*values, *settings) if name in SETTINGS]
+    if needing and not runs:
+        raise VaryError(f"The time `t_end` [s] must be given for a run, which {needing[0]} needs, but it is not.")
+    return run_rows(
+        Variant(scene, settings if runs else None, found),
+        grid(values),
+        executor=executor,
+        workers=workers,
+        out=out,
+        resume=resume,
+        identity={"scene": scene_to_dict(scene), "vary": values, "measures": texts, "settings": settings},
+        label=label,
+    )
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Function of a row: the scene with the row's inputs in place, at rest or run, and measured."""
+
+    scene: Scene
+    settings: dict | None
+    measures: dict[str, tuple[Measure, tuple]]
+
+    def __call__(self, inputs: dict) -> dict:
+        """Measures, status and reason; of a run that failed those measures that its good part allows."""
+        from anet_lumped.motion.simulate import simulate
+        from anet_lumped.statics.equilibrium import equilibrium
+
+        scene, varied = apply(self.scene, inputs)
+        x, result = {}, {}
+        if any(measure.of == "rest" for measure, _ in self.measures.values()):
+            x["rest"] = equilibrium(scene)
+        if self.settings is not None:
+            settings = self.settings | varied
+            if "rest" in x and settings.get("start", "equilibrium") == "equilibrium":
+                settings["start"] = x["rest"]
+            x["run"] = run = simulate(scene, **settings)
+            result = {"status": run.status, "reason": run.message}
+        for text, (measure, target) in self.measures.items():
+            with contextlib.suppress(Exception) if result.get("status", "done") != "done" else contextlib.nullcontext():
+                result[text] = measure.function(x[measure.of], *target)
+        return result

@@ -1,0 +1,160 @@
+"""What a sweep varies: names of a scene's fields and of a run's settings, the values each takes, and their product."""
+
+import itertools
+from collections.abc import Iterable
+
+from anet_lumped.checks import nearest
+from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
+from anet_lumped.scene.scene import Scene
+
+SETTINGS = ("t_end", "method", "dt", "start", "rtol", "atol", "rho_inf")
+NOT_VARIED = ("name", "kind", "start", "end")
+
+
+class VaryError(ValueError):
+    """A name that nothing in the scene has, or values that cannot be read."""
+
+
+def parse_vary(texts: Iterable[str]) -> dict[str, str]:
+    """Name -> specification, from ["EA=1e2:1e6:9log", ...]."""
+    vary = {}
+    for text in texts:
+        name, _, spec = text.partition("=")
+        if not (name and spec):
+            raise VaryError(f'What is varied must be NAME=SPEC, as in EA=1e2:1e6:9log, but "{text}" was given.')
+        if name in vary:
+            raise VaryError(f"A name must be varied once, but `{name}` is given {vary[name]} and {spec}.")
+        vary[name] = spec
+    return vary
+
+
+def parse_values(spec: str, whole: bool = False) -> list:
+    """Values of a specification: "a:b:n" (evenly spaced), "a:b:nlog" (evenly in the logarithm) or "a,b,c".
+
+    `whole` rounds those of a range, which a list never needs; values that coincide then are given once.
+    """
+    if ":" not in spec:
+        return list(dict.fromkeys(_number(word.strip()) for word in spec.split(",")))
+    try:
+        first, last, count = spec.split(":")
+        log = count.endswith("log")
+        a, b, n = float(first), float(last), int(count.removesuffix("log"))
+        if n < 1 or (log and not (a > 0 and b > 0)):
+            raise ValueError
+    except ValueError:
+        raise VaryError(
+            "A range must be a:b:n or a:b:nlog, with n at least 1 and, for log, positive ends, as in 1e2:1e6:9log, "
+            f'but "{spec}" was given.'
+        ) from None
+    share = [i / max(n - 1, 1) for i in range(n)]
+    values = [a * (b / a) ** s if log else a + (b - a) * s for s in share]
+    # 12 digits: 100.0 rather than 100.00000000000001, so that a row is found again by its inputs
+    values = [round(value) if whole else float(f"{value:.12g}") for value in values]
+    return list(dict.fromkeys(values))
+
+
+def read_values(scene: Scene, vary: dict[str, str | Iterable]) -> dict[str, list]:
+    """The values that each name takes.
+
+    Parameters
+    ----------
+    scene : Scene
+    vary : name -> specification ("1e2:1e6:9log") or values; a name is a setting of the run (`dt`), a field of every
+        part that has it (`EA`: all cables), of one part by name (`s0-p0.EA`, `p0.mass`, `gravity.g`), or a coordinate
+        (`p0.at.z`)
+
+    Raises
+    ------
+    VaryError : an unknown name (with the nearest known one) or a specification that cannot be read
+    """
+    places = _places(scene_to_dict(scene))
+    values = {}
+    for name, spec in vary.items():
+        if name not in places and name not in SETTINGS:
+            raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, places)}")
+        whole = name in places and all(type(container[key]) is int for container, key in places[name])
+        values[name] = parse_values(spec, whole) if isinstance(spec, str) else list(spec)
+    return values
+
+
+def grid(values: dict[str, list]) -> list[dict]:
+    """Every combination of the values, a dict of inputs each; the last name varies fastest."""
+    return [dict(zip(values, point, strict=True)) for point in itertools.product(*values.values())]
+
+
+def apply(scene: Scene, inputs: dict) -> tuple[Scene, dict]:
+    """The scene with these inputs in place, and the settings of the run among them.
+
+    Raises
+    ------
+    VaryError : an unknown name
+    SceneError : a value that the scene refuses
+    """
+    settings = {name: value for name, value in inputs.items() if name in SETTINGS}
+    entries = scene_to_dict(scene)
+    places = _places(entries)
+    touched = set()
+    for name in inputs:
+        if name in settings:
+            continue
+        if name not in places:
+            raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, places)}")
+        for container, key in places[name]:
+            container[key] = inputs[name]
+            touched.add((id(container), key))
+    if len(settings) == len(inputs):
+        return scene, settings
+    for cable in entries["cables"]:  # of zeta and BA one stands in place of the other
+        varied = [key for key in ("zeta", "BA") if (id(cable), key) in touched]
+        if varied == ["BA"]:
+            del cable["zeta"]
+        elif varied == ["zeta"] or cable["BA"] is None:
+            del cable["BA"]
+    return scene_from_dict(entries), settings
+
+
+def _places(entries):
+    """Name -> (container, key) of every value that it means, in a scene laid out as a scene file."""
+    places = {}
+    for cable in entries["cables"]:
+        cable.setdefault("BA", None)
+    parts = [(cable.get("name", f"{cable['start']}-{cable['end']}"), cable) for cable in entries["cables"]]
+    parts += [(point["name"], point) for point in entries["points"]] + list(entries["effects"].items())
+    for label, part in parts:
+        for path, container, key in _leaves(part):
+            for name in (path, f"{label}.{path}"):
+                if name not in SETTINGS:
+                    places.setdefault(name, []).append((container, key))
+    return places
+
+
+def _leaves(part, above=""):
+    for key, value in part.items():
+        if key in NOT_VARIED:
+            continue
+        if isinstance(value, dict):
+            yield from _leaves(value, f"{above}{key}.")
+        else:
+            yield above + key, part, key
+        if isinstance(value, list) and len(value) == 3:
+            yield from ((f"{above}{key}.{axis}", value, i) for i, axis in enumerate("xyz"))
+
+
+def _hint(name, places):
+    known = [*SETTINGS, *places]
+    same = [other for other in known if other.lower() == name.lower()]  # `ea` is nearer to `EA` than to `at`
+    if same:
+        return f", did you mean `{same[0]}`?"
+    parts = [other for other in places if "." not in other]
+    return nearest(name, known, quote="`") or (
+        f"; known are {', '.join([*SETTINGS, *parts])}, and each field by its part's name, as in `{list(places)[1]}`."
+    )
+
+
+def _number(word):
+    for kind in (int, float):
+        try:
+            return kind(word)
+        except ValueError:
+            continue
+    return word

@@ -1,0 +1,94 @@
+"""What is recommended keeps the error against a far finer run, is the cheaper of what was tried, and says what is out of reach."""
+
+import re
+import shlex
+
+import numpy as np
+import pytest
+from systems import four_cables, loose_cable
+
+from anet_lumped import Scene, SceneError, simulate
+from anet_lumped.advice.recommend import RecommendError, _Search, recommend
+from studies.command_line import main
+
+
+@pytest.fixture(scope="module")
+def found():
+    return recommend(four_cables(1e4, carried=True), 1e-3, at="p0", t_end=2.0, realtime=2.0)
+
+
+def test_error_is_kept(found):
+    """Against four times the segments and an eighth of the step of another method."""
+    best = simulate(found.scene, 2.0, save_every=0.05, **found.best.stepping)
+    fine = four_cables(1e4, carried=True, segments=4 * found.segments["s0-p0"])
+    exact = simulate(fine, 2.0, method="generalised_alpha", dt=1e-3, save_every=0.05)
+    error = np.linalg.norm(best.position("p0") - exact.position("p0"), axis=1).max()
+    assert error <= 1e-3
+    assert found.checked_error == pytest.approx(error, rel=0.3)
+    assert found.segments_error + found.time_error <= 1e-3 and found.fast_enough
+    assert found.elasticity == pytest.approx(1.3e-4, rel=0.5)  # EA = 1e4 N against inf
+
+
+def test_it_is_not_finer_than_it_need_be(found):
+    """Parts near their shares: half of the error each, within what a whole number of segments and an even step leave."""
+    assert found.segments_error > 0.2e-3 and found.time_error > 0.1e-3
+    assert found.best.times_real_time >= found.runner_up.times_real_time
+
+
+def test_smaller_errors_cost_more(found):
+    fine = recommend(four_cables(1e4, carried=True), 2e-4, at="p0", t_end=2.0)
+    assert fine.segments["s0-p0"] > 1.5 * found.segments["s0-p0"]
+    assert fine.time_error < 1e-4 and fine.checked_error < 2e-4
+
+
+def test_soft_cables_may_be_marched_explicitly():
+    """Where the stable step is as long as the motion asks for, verlet is among what is compared."""
+    search = _Search(loose_cable(5.0, 0.0, compression="linear"), ("b",), 0.3, "straight")
+    found = search.candidates(10, 1e-3)
+    assert {"edmc", "verlet"} == {one.method for one in found}
+    assert all(one.error <= 1e-3 for one in found) and found == sorted(found, key=lambda one: -one.times_real_time)
+
+
+def call(words):
+    with pytest.raises(SystemExit) as stopped:
+        main(words)
+    assert stopped.value.code == 0
+
+
+def test_command(capsys):
+    """The command that is printed runs as it stands."""
+    call(["recommend", "net_carried", "--error", "2mm", "--at", "p0", "--t-end", "1"])
+    command = re.search(r"command: anet-lumped (.*)", capsys.readouterr().out).group(1)
+    call(shlex.split(command))
+    assert "status: done" in capsys.readouterr().out
+
+
+def test_messages(capsys):
+    net = four_cables(1e4)
+    with pytest.raises(ValueError, match=r"`error` must be positive and finite, but it is -1.0"):
+        recommend(net, -1.0)
+    with pytest.raises(SceneError, match='free point, but "s0" is held; free are p0'):
+        recommend(net, 1e-3, at="s0")
+    with pytest.raises(RecommendError, match="segments in the finest cable, of which 3000 are the most"):
+        recommend(four_cables(1e4, carried=True), 1e-9, t_end=0.2)
+    with pytest.raises(SystemExit) as stopped:
+        main(["recommend", "net_carried", "--error", "1furlong"])
+    assert stopped.value.code == 2 and "must be a length such as 1mm" in capsys.readouterr().err
+
+
+def test_a_pace_out_of_reach(capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(["recommend", "net_carried", "--error", "1mm", "--t-end", "1", "--realtime", "1e6"])
+    assert stopped.value.code == 1 and "allow a larger error" in capsys.readouterr().err
+
+
+def test_scenes_without_free_points():
+    scene = four_cables(1e4)
+    held = Scene(scene.points[:2], [_between(scene)], scene.effects)
+    assert recommend(held, 1e-3, t_end=0.2).segments_error <= 0.5e-3
+
+
+def _between(scene):
+    from dataclasses import replace
+
+    return replace(scene.cables[0], start="s0", end="s1", name="span", length=1.3)

@@ -1,0 +1,192 @@
+"""Scene files: what is written comes back equal, and what is wrong is named with its place."""
+
+import json
+import pathlib
+from dataclasses import replace
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import studies
+from anet_lumped.effects import Gravity, ViscousDamping
+from anet_lumped.files.scene_file import load_scene, save_scene
+from anet_lumped.prescribed.paths import harmonic, line, samples
+from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
+from anet_lumped.scene.scene import COMPRESSION, Cable, Driven, Fixed, Free, Scene, SceneError
+
+SCENES = sorted((pathlib.Path(studies.__file__).parent / "scenes").glob("*.toml"))
+
+number = st.floats(-1e12, 1e12)
+positive = st.floats(1e-12, 1e12)
+amount = st.floats(0.0, 1e12)
+vector = st.tuples(number, number, number)
+ramp = st.just(0.0) | st.floats(1e-6, 1e3)
+name = st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=6).filter(str.strip)
+path = st.one_of(
+    st.builds(line, vector, vector, ramp),
+    st.builds(harmonic, vector, vector, amount, number, ramp),
+    st.lists(vector, min_size=2, max_size=4).map(lambda xyz: samples(range(len(xyz)), xyz)),
+)
+damping = st.one_of(st.fixed_dictionaries({"zeta": amount}), st.fixed_dictionaries({"BA": amount}))
+effect = st.one_of(st.builds(Gravity, amount, st.just((0.0, 3.0, -1.0))), st.builds(ViscousDamping, amount))
+
+
+@st.composite
+def scenes(draw):
+    names = draw(st.lists(name, min_size=2, max_size=4, unique=True))
+    points = [
+        draw(st.one_of(
+            st.builds(Fixed, st.just(own), vector),
+            st.builds(Driven, st.just(own), path),
+            st.builds(Free, st.just(own), amount, st.none() | vector),
+        ))
+        for own in names
+    ]  # fmt: skip
+    cables = [
+        Cable(
+            *pair,
+            length=draw(positive),
+            mass_per_length=draw(positive),
+            EA=draw(positive),
+            segments=draw(st.integers(1, 10**6)),
+            compression=draw(st.sampled_from(COMPRESSION)),
+            name=draw(st.none() | st.just(f"cable {i}")),
+            **draw(damping),
+        )
+        for i, pair in enumerate(zip(names, [*names[1:], names[0]], strict=True))
+    ]
+    if len({cable.name for cable in cables}) < len(cables):  # names such as "a" and "-a-" can build the same label
+        cables = cables[:-1]
+    return Scene(points, cables, draw(st.lists(effect, max_size=2, unique_by=type)))
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(scene=scenes())
+def test_round_trip(tmp_path, scene):
+    save_scene(scene, tmp_path / "scene.toml")
+    assert load_scene(tmp_path / "scene.toml") == scene
+    assert scene_from_dict(json.loads(json.dumps(scene_to_dict(scene)))) == scene
+
+
+@pytest.mark.parametrize("file", SCENES, ids=lambda file: file.stem)
+def test_bundled_scene(file, tmp_path):
+    scene = load_scene(file)
+    save_scene(scene, tmp_path / "again.toml")
+    assert load_scene(tmp_path / "again.toml") == scene
+    assert file.read_text().startswith("# ")
+    assert scene.gravity.tolist() == [0.0, 0.0, -9.81]
+    for cable in scene.cables:
+        assert (cable.length, cable.mass_per_length, cable.EA, cable.segments) == (1.0, 0.1, 1e4, 20)
+
+
+def test_six_scenes_are_bundled():
+    names = ["loose_cable", "net_carried", "net_flown", "net_held", "thesis_single_cable", "thesis_two_cables"]
+    assert [file.stem for file in SCENES] == names
+
+
+def test_carried_net_is_the_held_one_set_in_motion():
+    held, carried = (load_scene(SCENES[0].with_stem(stem)) for stem in ("net_held", "net_carried"))
+    assert held.cables == carried.cables and held.effects == carried.effects
+    for still, moving in zip(held.points[:4], carried.points[:4], strict=True):
+        assert moving.path == line(still.at, (0.2, 0.0, 0.0), 1.0)
+    assert held.point("p0") == carried.point("p0") == Free("p0", mass=0.036)
+
+
+def test_flown_net_is_the_carried_one_at_the_speed_of_the_thesis():
+    carried, flown = (load_scene(SCENES[0].with_stem(stem)) for stem in ("net_carried", "net_flown"))
+    assert [replace(cable, diameter=None) for cable in flown.cables] == list(carried.cables) and flown.effects == carried.effects
+    for slow, fast in zip(carried.points[:4], flown.points[:4], strict=True):
+        assert fast.path == line(slow.path.at(0.0)[0], (0.0, 5.0, 0.0), 2.0)
+
+
+def test_saved_vectors_stay_on_one_line(tmp_path):
+    save_scene(load_scene(SCENES[1]), tmp_path / "net.toml")
+    assert "\nvelocity = [0.2, 0.0, 0.0]\n" in (tmp_path / "net.toml").read_text()
+
+
+HEAD = """
+points = [{name = "s0", kind = "fixed", at = [0, 0, 0]}, {name = "p0", kind = "free"}]
+[cable_defaults]
+length = 1
+EA = 1e4
+segments = 20
+"""
+CABLE = '[[cables]]\nstart = "s0"\nend = "p0"\nmass_per_length = 0.1\n'
+
+
+def test_defaults_are_expanded_and_overruled(tmp_path):
+    (tmp_path / "net.toml").write_text(HEAD + CABLE + "EA = 5\n" + CABLE + 'name = "second"\n')
+    scene = load_scene(tmp_path / "net.toml")
+    assert [cable.EA for cable in scene.cables] == [5.0, 1e4] and scene.effects == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            HEAD + CABLE * 2 + CABLE + "lenght = 1",
+            r"^net.toml, cables\[2\]: unknown key `lenght`, did you mean `length`",
+        ),
+        (HEAD + CABLE + "wind = 1", r"cables\[0\]: unknown key `wind`; known: `start`, `end`, `length`"),
+        (HEAD + "mas_per_length = 1\n" + CABLE, r"cable_defaults: unknown key .*, did you mean `mass_per_length`\?"),
+        (HEAD + 'name = "x"\n' + CABLE, r"net.toml, cable_defaults: unknown key `name`"),
+        (HEAD + "[[cable]]", r"net.toml: unknown key `cable`, did you mean `cables`\?"),
+        (HEAD + CABLE.replace("mass_per_length = 0.1", ""), r"cables\[0\]: key `mass_per_length` is missing\."),
+        (HEAD + CABLE + 'EA = "1e4"', r"cables\[0\]: key `EA` has the wrong type: .*number, but it is '1e4'"),
+        (HEAD + CABLE + "segments = 2.5", r"cables\[0\]: key `segments` has the wrong type: .*integer, but it is 2.5"),
+        (HEAD + CABLE + "EA = -inf", r"cables\[0\]: Argument `EA` must be positive and finite \[N\], .* has EA=-inf"),
+        (HEAD + CABLE + 'compression = "nome"', r"cables\[0\]: .*`compression` must be .* did you mean \"none\"\?"),
+        (HEAD + CABLE.replace("p0", "p1"), r'net.toml: Argument `end` must name a point .* did you mean "p0"\?'),
+        (HEAD + CABLE * 2, r'net.toml: Names of cables must be unique, but two cables are named "s0-p0"'),
+        (HEAD, r"net.toml: `cables` must be an array of at least one table, \[\[cables\]\], but is missing"),
+        ("points = 3", r"net.toml: `points` must be an array of at least one table, \[\[points\]\], but is 3"),
+        ("points = [3]", r"net.toml, points\[0\]: must be a table of keys and values, but is 3"),
+        ('points = [{name = "a"}]', r'points\[0\]: key `kind` is missing; a point is one of "fixed", "driven", "free"'),
+        ('points = [{kind = "fixd"}]', r"points\[0\]: unknown point 'fixd', did you mean \"fixed\"\?"),
+        ('points = [{kind = "bolted"}]', r"points\[0\]: unknown point 'bolted'; known: \"fixed\", \"driven\""),
+        ('points = [{kind = "fixed", name = "a", at = [0, 0]}]', r"points\[0\]: key `at\[2\]` is missing"),
+        (
+            'points = [{kind = "fixed", name = "a", at = [0, 0, "1"]}]',
+            r"`at\[2\]` has the wrong type: .* but it is '1'",
+        ),
+        (
+            'points = [{kind = "fixed", name = "a", at = [0, 0, 1, 2]}]',
+            r"key `at` has the wrong type: .* at most 3 items",
+        ),
+        ('points = [{kind = "fixed", name = "a", at = [0, 0, nan]}]', r"points\[0\]: Argument `at` must be three"),
+        ('points = [{kind = "driven", name = "a"}]', r"points\[0\]: key `path` is missing"),
+        ('points = [{kind = "driven", path = 3}]', r"points\[0\].path: must be a table of keys and values, but is 3"),
+        (
+            'points = [{kind = "driven", path = {kind = "lin"}}]',
+            r"\[0\].path: unknown path 'lin', did you mean \"line\"",
+        ),
+        ('points = [{kind = "driven", path = {kind = "line", sart = 1}}]', r"path: unknown key `sart`, did .*`start`"),
+        (
+            'points = [{kind = "driven", path = {kind = "line", start = [0, 0, 0], velocity = [1, 0, 0], ramp = -1}}]',
+            r"net.toml, points\[0\].path: Argument `ramp` must be non-negative",
+        ),
+        (HEAD + CABLE + "[effects.gravty]", r"effects.gravty: unknown effect 'gravty', did you mean \"gravity\"\?"),
+        (HEAD + CABLE + "[effects.gravity]\nG = 9", r"net.toml, effects.gravity: unknown key `G`"),
+        (HEAD + CABLE + "[effects.gravity]\ng = -9", r"net.toml, effects.gravity: Argument `g` of Gravity must be"),
+        (HEAD + CABLE + "[effects.viscous_damping]", r"net.toml, effects.viscous_damping: key `rate` is missing"),
+        ("points = ", r"scene file must be valid TOML, but .*net.toml: Invalid value"),
+    ],
+)
+def test_messages(tmp_path, text, message):
+    (tmp_path / "net.toml").write_text(text)
+    with pytest.raises(SceneError, match=message):
+        load_scene(tmp_path / "net.toml")
+
+
+def test_unreadable_files(tmp_path):
+    with pytest.raises(SceneError, match=r"must be readable, but .*none.toml: No such file"):
+        load_scene(tmp_path / "none.toml")
+    (tmp_path / "net.toml").write_bytes(b"\xff")
+    with pytest.raises(SceneError, match=r"must be UTF-8 text, but .*net.toml"):
+        load_scene(tmp_path / "net.toml")
+
+
+def test_dict_names_its_source():
+    with pytest.raises(SceneError, match=r"^scene: unknown key `point`, did you mean `points`\?"):
+        scene_from_dict({"point": []})

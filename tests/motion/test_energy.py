@@ -1,0 +1,202 @@
+"""Energy: what no step may add, from any start, and the account that every run gives of it."""
+
+from functools import partialmethod
+
+import numpy as np
+import pytest
+from systems import four_cables, loose_cable
+
+from anet_lumped import Cable, Driven, Free, Scene, State, equilibrium, simulate
+from anet_lumped.effects import Gravity, ViscousDamping
+from anet_lumped.model.build import build
+from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_STIFFNESS
+from anet_lumped.prescribed import paths
+from integrators import schemes
+
+EPS = np.finfo(float).eps
+STARTS = ("loose", "crumpled", "spot", "overstretched")
+
+
+def hard_start(model, kind):
+    """A loose cable at rest: level, a random walk, all nodes on one spot, or 50 % overstretched."""
+    nodes, rng = model.nodes("a-b"), np.random.default_rng(0)
+    x, N = np.zeros((len(nodes), 3)), len(nodes) - 1
+    if kind == "crumpled":
+        turn = rng.normal(size=(N, 3))
+        turn *= rng.uniform(0, 1 / N, (N, 1)) / np.linalg.norm(turn, axis=1)[:, None]
+        x[1:] = np.cumsum(turn, axis=0)
+    elif kind != "spot":
+        x[:, 0] = np.linspace(0.0, 1.0 if kind == "loose" else 1.5, N + 1)
+    q = np.zeros((model.n, 3))
+    q[nodes] = x
+    return State(model, 0.0, q, np.zeros_like(q), np.zeros(model.n_segments))
+
+
+def hard_run(method, kind, EA, zeta, dt):
+    scene = loose_cable(EA, zeta)
+    t_end = 1.0 if dt > 0.05 else 0.3
+    return simulate(scene, t_end, method=method, dt=dt, save_every=dt, start=hard_start(build(scene), kind))
+
+
+def energy_of_errors(run, tolerance=schemes.NEWTON_TOLERANCE):
+    """Energy that Newton's tolerance and rounding may add in each step of a run saved at every step [J].
+
+    E_b - E_a = -(what is dissipated, >= 0) + r . (q_b - q_a) for `edmc`, and <= for backward Euler by convexity, where r is
+    the force left out of balance: at most ``tolerance`` times the largest force on a node (here from its acceleration and
+    weight) plus 4 eps (T + (k + c/h) |q|), the rounding that `residual` allows for. Beside it the rounding of the
+    energies themselves, with the 4 eps |q| that Newton's method may leave in every length, at both ends of the step.
+    """
+    model, h = run.model, np.diff(run.t)
+    m = model.mass[: model.n_free, None]
+    q, v = run.q[:, : model.n_free], run.v[:, : model.n_free]
+    force = np.maximum((m * np.abs(np.diff(v, axis=0))).max((1, 2)) / h, (m * np.abs(model.scene.gravity)).max())
+    tension = np.max([run.tension(cable.name).max(axis=1) for cable in model.scene.cables], axis=0)
+    tension = np.maximum(tension[1:], tension[:-1])
+    reach, k, c = np.abs(run.q).max(), model.axial[:, AXIAL_STIFFNESS].max(), model.axial[:, AXIAL_DAMPER].max()
+    noise = 4 * EPS * (tension + (k + c / h) * reach)
+    way = np.abs(np.diff(q, axis=0)).sum((1, 2))
+    rounding = 64 * EPS * np.abs(run.energy[1:]).sum(axis=1) + 8 * EPS * tension * reach * model.n_segments
+    return (tolerance * force + noise) * way + rounding
+
+
+@pytest.mark.parametrize("kind", STARTS)
+@pytest.mark.parametrize("method", ["edmc", "backward_euler"])
+def test_energy_never_rises(method, kind):
+    """Any stiffness, damping and step, slack or taut. Nothing moves the supports, so each step's energy is at most the last's.
+
+    Of the full product (EA = 1e2 .. 1e9 N, zeta = 0, 0.05, 1, 30, 1e3, steps 1, 5, 20, 100 ms) all 1280 runs pass; here a part.
+    """
+    for EA in (1e2, 1e4, 1e6, 1e9):
+        for zeta in (0.0, 0.05, 1e3):
+            for dt in (1e-3, 5e-3, 2e-2, 1e-1):
+                run, case = hard_run(method, kind, EA, zeta, dt), f"EA={EA:g} zeta={zeta:g} dt={dt:g}"
+                assert run.ok, f"{case}: {run.message}"
+                assert np.isfinite(run.q).all() and np.isfinite(run.v).all() and np.isfinite(run.energy).all(), case
+                total = run.energy[:, :3].sum(axis=1)
+                assert np.all(np.diff(total) <= energy_of_errors(run)), case
+
+
+@pytest.mark.parametrize("kind", STARTS)
+@pytest.mark.parametrize("method", ["midpoint", "sdirk2", "tr_bdf2", "generalised_alpha"])
+def test_hard_starts_converge(method, kind):
+    """Every step of every implicit scheme converges; those that gain energy may be stopped for it, and say so.
+
+    TR-BDF2 and generalised-alpha blow up at zeta = 30 and 1e3: they pump a slackening cable. Midpoint and SDIRK2 gain
+    energy but reach the end.
+    """
+    for EA in (1e2, 1e6, 1e9):
+        for zeta in (0.0, 1e3):
+            for dt in (1e-3, 2e-2, 1e-1):
+                run, case = hard_run(method, kind, EA, zeta, dt), f"EA={EA:g} zeta={zeta:g} dt={dt:g}"
+                assert run.status != "unconverged", f"{case}: {run.message}"
+                assert np.isfinite(run.q).all() and np.isfinite(run.v).all(), case
+                if run.status == "diverged":
+                    assert "diverged at t=" in run.message
+                    assert method in ("tr_bdf2", "generalised_alpha", "midpoint")
+
+
+@pytest.mark.parametrize("compression", ["damped", "linear"])
+def test_energy_never_rises_with_two_way_dampers(compression):
+    """The statement of the energy-decaying step holds for the other two laws; those that push may have no solution."""
+    for EA in (1e2, 1e5):
+        for zeta in (0.0, 1.0):
+            for dt in (1e-3, 1e-2):
+                run = simulate(
+                    loose_cable(EA, zeta, compression=compression), 0.3, method="edmc", dt=dt, save_every=dt, start="straight"
+                )
+                assert run.ok, run.message
+                assert np.all(np.diff(run.energy[:, :3].sum(axis=1)) <= energy_of_errors(run))
+
+
+def test_conserving_step_keeps_the_energy():
+    """rho_inf = 1 without dampers: neither rise nor fall, while the cable slackens and whips."""
+    run = simulate(loose_cable(1e4, 0.0), 0.6, method="edmc", dt=2e-3, save_every=2e-3, start="straight", rho_inf=1.0)
+    total = run.energy[:, :3].sum(axis=1)
+    assert np.ptp(run.energy[:, 0]) > 0.1  # [J]
+    assert np.all(np.abs(np.diff(total)) <= energy_of_errors(run))
+    assert abs(run.energy_balance.dissipated) <= 1e-12  # tensions are those of the law but for the tolerance
+
+
+def net_in_drag(EA=1e4, **kwargs):
+    net = four_cables(EA, carried=True, **kwargs)
+    return Scene(net.points, net.cables, [*net.effects, ViscousDamping(2.0)])
+
+
+def exact_to(monkeypatch, tolerance):
+    original = schemes.Scheme.options
+    monkeypatch.setattr(schemes.Scheme, "options", partialmethod(original, tolerance=tolerance))
+
+
+@pytest.mark.parametrize("EA", [1e2, 1e4, 1e6])
+@pytest.mark.parametrize("rho_inf", [0.0, 1.0])
+def test_balance_of_edmc_is_exact(EA, rho_inf, monkeypatch):
+    """Driven points, axial dampers, numerical dissipation and drag: all accounted for, as far as Newton solves."""
+    scene = net_in_drag(EA)
+    for dt in (2e-2, 5e-3):
+        run = simulate(scene, 1.5, method="edmc", dt=dt, save_every=dt, rho_inf=rho_inf)
+        balance = run.energy_balance
+        in_play = balance.work  # the largest of the terms here
+        assert balance.work > balance.dissipated > 0.01 and balance.kinetic > 1e-3
+        assert balance.imbalance <= energy_of_errors(run).sum() / in_play
+    exact_to(monkeypatch, 1e-10)
+    run = simulate(scene, 1.5, method="edmc", dt=2e-2, rho_inf=rho_inf)
+    # 75 steps of a force error of 1e-10 weights (0.05 N) over ways of 0.3 m, but for what rounding of k |q| leaves
+    assert run.energy_balance.imbalance <= 1e-9 + EPS * EA * 20 / run.energy_balance.work
+
+
+def test_balance_adds_up_by_definition():
+    run = simulate(net_in_drag(), 1.2, method="verlet", dt=1e-4)
+    b, rows = run.energy_balance, run.energy
+    changes = rows[-1] - rows[0]
+    np.testing.assert_array_equal([b.kinetic, b.elastic, b.gravitational, b.work, b.dissipated], changes)
+    off = abs(b.kinetic + b.elastic + b.gravitational - b.work + b.dissipated)
+    assert b.imbalance == off / max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), abs(b.work), abs(b.dissipated))
+    assert run.t[-1] == 1.2 and np.all(np.diff(run.energy[:, 4]) >= 0)
+
+
+def test_balance_of_verlet_is_second_order():
+    """Work and dissipation by the trapezoidal rule, energies of a symplectic step: both of order 2."""
+    steps = 5000 * 2 ** np.arange(4)
+    off = [simulate(net_in_drag(1e3), 1.0, method="verlet", dt=1.0 / n).energy_balance.imbalance for n in steps]
+    assert -np.polyfit(np.log(steps), np.log(off), 1)[0] == pytest.approx(2.0, abs=0.15)
+    assert off[0] < 1e-6
+
+
+@pytest.mark.filterwarnings("ignore::anet_lumped.motion.simulate.StabilityWarning")  # explicit Euler, whose swings grow slowly
+@pytest.mark.parametrize("method", ["explicit_euler", "symplectic_euler", "rk4", *schemes.IMPLICIT[1:]])
+def test_balance_of_every_scheme_falls_with_the_step(method):
+    """What a scheme adds or eats itself is all that is missing: it falls at least at first order, from a smooth start."""
+    steps = (2000, 8000) if method in schemes.EXPLICIT else (100, 400)
+    scene = net_in_drag(1e3, zeta=1.0, segments=5)
+    off = [simulate(scene, 1.0, method=method, dt=1.0 / n).energy_balance.imbalance for n in steps]
+    assert off[1] < off[0] / 3.5 and off[1] < 2e-2
+
+
+def test_nothing_moves_at_rest():
+    """From equilibrium nothing is put in, moved or lost, with any scheme."""
+    net = four_cables(1e4)
+    rest = equilibrium(net)
+    for method in (*schemes.EXPLICIT[1:], *schemes.IMPLICIT):
+        run = simulate(net, 0.05, method=method, dt=1e-4, start=rest)
+        # 500 steps of a force that is 1e-10 of the weight (0.4 N) out of balance at a start of k eps |q| = 1e-9 N
+        assert np.abs(run.q - rest.q).max() < 1e-10, method
+        assert run.energy_balance.work == 0.0 and abs(run.energy_balance.dissipated) < 1e-15  # force times way
+
+
+@pytest.mark.parametrize("law", ["none", "damped"])
+@pytest.mark.parametrize("rate", [1e-5, 1e-4, 1e-3])
+def test_a_stiff_cable_that_a_support_jostles_gains_nothing(law, rate):
+    """A support that starts at once moves by about the stretch of its segment in a step: slack as it is first linearised.
+
+    The secant from a taut length to a short one is positive, and a tension that was found on it is not that of the taut length
+    where the step ends: the energy once rose by half of what was stretched. What is allowed is the rounding of places of a
+    metre, 2e-16 m, against the tension of a quarter of a newton, in each of a dozen steps and three segments.
+    """
+    cable = Cable("a", "b", length=2.0, mass_per_length=0.0134, EA=3e5, segments=3, compression=law)
+    scene = Scene([Driven("a", paths.line((0, 0, 0), (0, 0, -rate), ramp=0.0)), Free("b")], [cable], [Gravity(9.81)])
+    run = simulate(scene, 0.12, method="edmc", dt=0.007)
+    own = run.energy[:, :3].sum(axis=1) - run.energy[:, 3]
+    assert run.ok and np.diff(own).max() < 36 * 2.0 * 2.3e-16 * 0.25
+    stretched = cable.stiffness * (np.linalg.norm(np.diff(run.shape("a-b"), axis=1), axis=2) - cable.L0)
+    allowed = 1e-2 * run.tension("a-b").max()  # rings about the rest by far less than this
+    assert np.abs(stretched - run.tension("a-b")).max() < allowed

@@ -1,0 +1,304 @@
+"""The program as its user meets it: what it prints where, its exit status, and how a sweep is stopped and resumed."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas
+import pytest
+from test_report import fake_study
+from test_rows import start_and_wait_for_rows, wait_for_end_of
+
+from studies import command_line
+from studies.command_line import main
+
+COMMANDS = ["equilibrium", "simulate", "check", "sweep", "measures", "study", "mismatch", "report", "convert", "ropes", "effects"]
+PROGRAM = ["-c", "from studies.command_line import main; main()"]
+
+
+def call(*arguments):
+    """Exit status of the program, called in this process."""
+    with pytest.raises(SystemExit) as ended:
+        main(list(map(str, arguments)))
+    return ended.value.code
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_shows_an_example(command, capsys):
+    assert call(command, "--help") == 0
+    said = capsys.readouterr().out
+    assert f"Usage: anet-lumped {command}" in said
+    assert "Example: anet-lumped" in said or command == "measures"
+
+
+def test_a_run_tells_what_speaks_against_it(capsys):
+    assert call("simulate", "loose_cable", "--t-end", 1.2, "--start", "straight", "--method", "backward_euler", "--dt", 0.01) == 0
+    assert "warning: backward_euler: 0.33 of the energy in play were lost in its steps" in capsys.readouterr().out
+
+
+def test_help_loads_nothing_heavy():
+    heavy = "numpy numba scipy pandas matplotlib jinja2 xarray pydantic jax anet_lumped integrators".split()
+    code = (
+        "import sys; from studies.command_line import main\n"
+        "try: main(['--help'])\n"
+        f"except SystemExit: print('LOADED', [name for name in {heavy} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=Path(__file__).parents[2])
+    assert done.stdout.endswith("LOADED []\n"), done.stdout + done.stderr
+
+
+def test_equilibrium_loads_no_tables_and_no_plots(tmp_path):
+    heavy = "pandas matplotlib xarray jax jinja2".split()
+    code = (
+        "import sys; from studies.command_line import main\n"
+        "try: main(['equilibrium', 'net_held'])\n"
+        f"except SystemExit as end: print('LOADED', end.code, [name for name in {heavy} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=Path(__file__).parents[2])
+    assert done.stdout.endswith("LOADED 0 []\n"), done.stdout + done.stderr
+
+
+def test_equilibrium_prints_tables_and_writes_its_numbers(tmp_path, capsys):
+    assert call("equilibrium", "net_held", "--out", tmp_path) == 0
+    said = capsys.readouterr().out
+    assert "sag [m]" in said and "s0-p0" in said and "largest tension [N]" in said
+    found = json.loads((tmp_path / "equilibrium.json").read_text())
+    assert len(found["cables"]) == 4 and found["residual"] < 1e-9
+    with (tmp_path / "nodes.csv").open() as file:
+        nodes = list(csv.DictReader(file))
+    assert len(nodes) == 4 * 21
+    assert float(nodes[20]["z"]) == found["points"][0]["z"]
+
+
+def test_simulate_says_what_ran_and_saves_it(tmp_path, capsys):
+    assert call("simulate", "net_carried", "--t-end", 0.2, "--method", "edmc", "--dt", 0.01, "--out", tmp_path) == 0
+    assert "method: edmc" in capsys.readouterr().out
+    assert json.loads((tmp_path / "run.json").read_text())["status"] == "done"
+    assert (tmp_path / "run.nc").exists() and (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_simulate_tells_what_happened(tmp_path, capsys):
+    file = tmp_path / "scene.toml"
+    file.write_text("""
+        points = [{name = "a", kind = "fixed", at = [0, 0, 0]}, {name = "b", kind = "free", mass = 0.1}]
+        effects = {gravity = {g = 9.81}}
+        events = [{kind = "payload_change", point = "b", t = 0.1, mass = 1.0}]
+        [[cables]]
+        start = "a"
+        end = "b"
+        length = 1.0
+        mass_per_length = 0.1
+        EA = 1e4
+        zeta = 0.3
+        segments = 5
+        breaking_tension = 8.0
+    """)
+    assert call("simulate", file, "--t-end", 0.3, "--out", tmp_path / "run") == 0
+    said = capsys.readouterr().out
+    assert "payload changed" in said and "broke" in said
+    happened = json.loads((tmp_path / "run" / "run.json").read_text())["events"]
+    assert [(event["event"], event["where"]) for event in happened[:2]] == [("payload changed", "b"), ("broke", "a-b")]
+    assert happened[0]["t_s"] == 0.1 and 0.1 < happened[1]["t_s"] < 0.15 and happened[1]["tension"] == pytest.approx(8.0, rel=1e-6)
+    assert (tmp_path / "run" / "run.png").stat().st_size > 1000
+
+
+def test_an_audit_that_fails_is_in_the_status_the_files_and_the_exit_status(tmp_path, capsys):
+    from anet_lumped import load_run
+
+    loose = ["simulate", "loose_cable", "--start", "straight", "--method", "edmc", "--audit", "--out", tmp_path]
+    assert call(*loose, "--t-end", 2.5, "--dt", 0.02) == 1
+    said = capsys.readouterr().out
+    assert "status: audit failed" in said and "message: The audit failed: " in said and "error [m]" in said
+    found = json.loads((tmp_path / "run.json").read_text())
+    assert found["status"] == "audit failed" and not found["audit"][0]["passed"]
+    back = load_run(tmp_path / "run.nc")
+    assert not back.ok and back.audit.error == found["audit"][0]["error_m"] > back.audit.allowed
+    assert back.message == found["message"] and not back.audit.passed
+    assert call(*loose, "--t-end", 0.3, "--dt", 0.002) == 0
+    said = capsys.readouterr().out
+    assert "status: done" in said and "error [m]" in said and "True" in said
+    assert load_run(tmp_path / "run.nc").audit.passed
+
+
+def test_energy_out_of_nothing_exits_with_1(capsys):
+    assert call("simulate", "loose_cable", "--start", "straight", "--t-end", 2, "--method", "midpoint", "--dt", 0.01) == 1
+    said = " ".join(capsys.readouterr().out.split())
+    assert "status: energy gained" in said and 'try method="edmc"' in said
+
+
+def test_ropes_lists_the_catalogue(capsys):
+    assert call("ropes", "--diameter", 0.02, "--json") == 0
+    rows = {row["rope"]: row for row in json.loads(capsys.readouterr().out)["ropes"]}
+    assert rows["nylon"]["mass_per_metre_kg"] == pytest.approx(585.0 * 0.02**2)
+    assert rows["hmpe"]["compared_from_mm"] is None and rows["polyester"]["to_mm"] == pytest.approx(290.0)
+    assert call("ropes") == 0
+    assert "breaking load [N]" in capsys.readouterr().out
+
+
+def test_convert_writes_what_every_command_reads(tmp_path, capsys):
+    deck, again = tmp_path / "net.txt", tmp_path / "net.toml"
+    assert call("convert", "net_held", deck) == 0
+    said = capsys.readouterr()
+    assert said.out.strip() == str(deck) and "warning: MoorDyn's dampers act on slack segments too" in said.err
+    assert call("convert", deck, again) == 0
+    capsys.readouterr()
+    rests = []
+    for scene in ("net_held", deck, again):
+        assert call("equilibrium", scene, "--json") == 0
+        rests.append(json.loads(capsys.readouterr().out)["points"])
+    assert rests[0] == rests[1] == rests[2]
+
+
+def test_convert_refuses_an_ending_it_does_not_know(tmp_path, capsys):
+    assert call("convert", "net_held", tmp_path / "net.yaml") == 2
+    assert "OUT must end in .toml, .txt, .dat, .moordyn, but is" in capsys.readouterr().err
+
+
+def test_a_run_that_fails_says_so_and_exits_with_1(capsys):
+    assert call("simulate", "net_carried", "--t-end", 1, "--method", "verlet", "--dt", 0.01, "--json") == 1
+    said = capsys.readouterr()
+    found = json.loads(said.out)
+    assert found["status"] == "diverged" and found["message"]
+    assert "warning: " in said.err and "dt=0.01" in said.err
+
+
+def test_check_compares_before_any_run(capsys):
+    assert call("check", "net_held", "--dt", 0.01, "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    methods = {row["method"]: row for row in found["methods"]}
+    assert methods["edmc"]["stable"] == "yes" and methods["edmc"]["largest_step"] is None
+    assert methods["rk4"]["stable"] == "no" and 1e-4 < methods["rk4"]["largest_step"] < 1e-3
+    assert methods["rk4"]["stretch_floor"] > 0.01
+    assert any('dt=0.01 s is beyond the largest stable step of "rk4"' in line for line in found["warning"])
+    assert {row["cable"] for row in found["cables"]} == {f"s{i}-p0" for i in range(4)}
+    assert call("check", "net_held") == 0
+    assert "stretch floor" not in capsys.readouterr().out
+
+
+def test_check_warns_of_soft_cables_and_of_scenes_without_rest(tmp_path, capsys):
+    from anet_lumped.files.scene_file import load_scene, save_scene
+    from studies.sweeping.vary import apply
+
+    net = load_scene(command_line.SCENES / "net_held.toml")
+    save_scene(apply(net, {"EA": 5.0})[0], tmp_path / "soft.toml")
+    save_scene(apply(net, {"g": 0.0})[0], tmp_path / "weightless.toml")
+    assert call("check", tmp_path / "soft.toml") == 0
+    assert "longer at rest than unstretched, more than 1%: EA = 5 N carries" in capsys.readouterr().out
+    assert call("check", tmp_path / "weightless.toml") == 0
+    assert "No static stretch, and so no stretch floor, is known: " in capsys.readouterr().out
+
+
+def test_mismatch_compares_with_the_catenary(tmp_path, capsys):
+    assert call("mismatch", "net_held", "--out", tmp_path) == 0
+    assert "rmse [m]" in capsys.readouterr().out
+    assert all(row["rmse"] < 0.1 for row in json.loads((tmp_path / "mismatch.json").read_text())["cables"])
+
+
+def test_mismatch_with_markers_fits_them(tmp_path, capsys):
+    assert call("equilibrium", "net_held", "--out", tmp_path) == 0
+    assert call("mismatch", "net_held", "--markers", tmp_path / "nodes.csv", "--json") == 0
+    found = json.loads(capsys.readouterr().out.partition("residual")[2].partition("\n")[2])
+    assert found["unit"] == "m" and found["markers"] == 84 and found["outliers"] == 0
+    assert all(row["rmse_after"] < 1e-4 for row in found["cables"])
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        (["check", "net_hel"], 'There is no scene and no file "net_hel", did you mean "net_held"?'),
+        (["check", "qqqq"], "the scenes that come with this are loose_cable, net_carried"),
+        (["check", "nowhere.toml"], "A scene file must be readable, but nowhere.toml"),
+        (["sweep", "net_held", "--vary", "Ea=1"], "Nothing called `Ea` can be varied here, did you mean `EA`?"),
+        (["sweep", "net_held", "--vary", "EA=1:2"], "A range must be a:b:n"),
+        (["sweep", "net_held", "--vary", "EA=1", "--measure", "sagg"], "did you mean `sag`?"),
+        (["simulate", "net_held", "--t-end", "-1"], "t_end"),
+        (["simulate", "net_held", "--t-end", "1", "--method", "edcm"], "edmc"),
+        (["simulate", "net_held"], "Missing option '--t-end'"),
+        (["study", "ordr"], 'There is no study "ordr", did you mean "order"?'),
+        (["mismatch", "net_held", "--markers", "nowhere.csv"], "nowhere.csv"),
+        (["fly"], "No such command 'fly'"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_2(arguments, sentence, capsys):
+    assert call(*arguments) == 2
+    said = capsys.readouterr()
+    assert sentence in said.err and said.out == ""
+
+
+def test_no_rest_is_one_sentence_and_exit_1(tmp_path, capsys):
+    from anet_lumped.files.scene_file import load_scene, save_scene
+    from studies.sweeping.vary import apply
+
+    net = load_scene(command_line.SCENES / "net_held.toml")
+    save_scene(apply(net, {"g": 0.0})[0], tmp_path / "weightless.toml")
+    assert call("equilibrium", tmp_path / "weightless.toml") == 1
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_measures_lists_what_a_sweep_can_measure(capsys):
+    assert call("measures") == 0
+    said = capsys.readouterr().out
+    assert "newton_per_step" in said and "cable or point" in said
+
+
+def test_a_sweep_is_a_table_and_a_failed_row_exits_with_1(tmp_path, capsys):
+    grid = ["--vary", "EA=1e3:1e4:2log", "--vary", "segments=5,10", "--measure", "height:p0"]
+    assert call("sweep", "net_held", *grid, "--out", tmp_path / "good", "--json") == 0
+    said = capsys.readouterr()
+    assert [row["segments"] for row in json.loads(said.out)["rows"]] == [5, 10, 5, 10]
+    assert "4 rows in" in said.err
+    assert len(pandas.read_parquet(tmp_path / "good" / "rows.parquet")) == 4
+    assert call("sweep", "net_held", "--vary", "EA=-1,1e4", "--out", tmp_path / "bad") == 1
+    said = capsys.readouterr()
+    assert "2 rows in" in said.err and "1 of them not done" in said.err and "must be positive" in said.out
+
+
+SLOW = [
+    "sweep", "net_carried", "--vary", "EA=1000:2000:12", "--method", "verlet", "--dt", "1e-4", "--t-end", "8",
+    "--measure", "end_x:p0",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_a_stopped_sweep_is_resumed(tmp_path, capsys, how, ctrl_c):
+    process = start_and_wait_for_rows(tmp_path, *PROGRAM, *SLOW, "--out", str(tmp_path))
+    if how == signal.SIGINT:  # as a terminal does it: to the whole group
+        os.killpg(process.pid, how)
+    else:
+        process.send_signal(how)
+    said = process.communicate(timeout=30)[1]
+    if how == signal.SIGINT:
+        assert process.returncode == 130
+        assert f"which are in {tmp_path}/rows.jsonl. The same command with --resume does the rest." in said
+        assert "Traceback" not in said
+    assert wait_for_end_of(process.pid)
+    kept = (tmp_path / "rows.jsonl").read_text().splitlines(keepends=True)
+    whole = [line for line in kept if line.endswith("\n")]
+    assert 2 <= len(whole) < 12
+    assert call(*SLOW, "--out", tmp_path) == 2
+    assert "rows already: resume them" in capsys.readouterr().err
+    assert call(*SLOW, "--out", tmp_path, "--resume") == 0
+    lines = (tmp_path / "rows.jsonl").read_text().splitlines(keepends=True)
+    assert len(lines) == 12 and lines[: len(whole)] == whole
+    assert pandas.read_parquet(tmp_path / "rows.parquet")["EA"].is_monotonic_increasing
+
+
+def test_study_lists_and_runs(monkeypatch, tmp_path, capsys):
+    assert call("study") == 0
+    assert capsys.readouterr().out.splitlines()[0] == "thesis_tables"
+    fake_study(monkeypatch, "order")
+    assert call("study", "order", "--quick", "--out", tmp_path) == 0
+    assert "It stretches by 10%." in capsys.readouterr().out
+    assert (tmp_path / "step.svg").exists()
+
+
+def test_report_writes_the_page_and_exits_with_1_if_a_study_failed(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr("studies.shown.report.run_study", lambda name, *_, **__: {}[name])
+    assert call("report", "--quick", "--out", tmp_path) == 1
+    said = capsys.readouterr()
+    assert said.out == f"{tmp_path / 'report.html'}\n" and "order: failed, KeyError" in said.err
+    assert "No finding" in (tmp_path / "report.html").read_text()

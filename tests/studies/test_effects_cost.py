@@ -1,0 +1,113 @@
+"""What effects cost: every effect has an example, one that a scene lacks is not even imported, and the study counts right."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from anet_lumped.effects import REGISTRY
+from studies.questions import effects_cost
+from studies.questions.effects_cost import EXAMPLES, LIBRARIES, OWN, entries, example, memory, plain
+from studies.study import StudyError
+
+ROOT = Path(__file__).parents[2]
+SCENE = """
+import sys
+from anet_lumped import Cable, Fixed, Free, Scene, equilibrium, simulate
+from anet_lumped.effects import {imports}
+cable = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e3, segments=4, diameter=0.01, zeta=0.05)
+scene = Scene([Fixed("a", (0, 0, 0)), Free("b", at=(1, 0, 0))], [cable], [{effects}])
+for method, dt in (("edmc", 0.01), ("verlet", 1e-4)):
+    assert simulate(scene, 0.05, start={start!r}, method=method, dt=dt).ok
+print(sorted(name.split(".")[2] for name in sys.modules if name.startswith("anet_lumped.effects.")))
+print([name for name in ("anet_lumped.effects.own.decorators", "anet_lumped.compiled.dual",
+    "anet_lumped.advice.effect_audit") if name in sys.modules])
+"""
+
+
+def in_a_process(code):
+    """Lines that a process of its own prints."""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+@pytest.mark.parametrize("effects", ["", "Gravity()", "Gravity(), Air()"])
+def test_a_scene_imports_no_effect_that_it_lacks(effects):
+    """Through statics, an implicit and an explicit run; the laws that effects share are no effects."""
+    imports = effects.replace("()", "") or "REGISTRY"
+    start = "equilibrium" if "Gravity" in effects else "straight"
+    loaded, own = in_a_process(SCENE.format(imports=imports, effects=effects, start=start))
+    assert set(eval(loaded)) & set(REGISTRY.library) == {name.lower().strip(" ()") for name in effects.split(",") if name}
+    assert eval(own) == []
+
+
+def test_the_library_imports_no_effect():
+    (loaded,) = in_a_process(
+        "import sys, anet_lumped, anet_lumped.effects\n"
+        "print(sorted(name.split('.')[2] for name in sys.modules if name.startswith('anet_lumped.effects.')))"
+    )
+    assert set(eval(loaded)) == {"axial", "signatures"}  # what a model and a run are made with
+
+
+def test_every_effect_has_an_example():
+    assert set(EXAMPLES) == set(REGISTRY.library), "a new effect needs its arguments in studies.questions.effects_cost.EXAMPLES"
+    for name in EXAMPLES:
+        assert REGISTRY.name_of(example(name)) == name
+
+
+def test_an_effect_without_an_example_is_told():
+    with pytest.raises(StudyError, match=r'Every effect must have an example in .*EXAMPLES, but "rain" has none'):
+        example("rain")
+
+
+@pytest.fixture(scope="module")
+def rows():
+    """The quick study."""
+    known = REGISTRY.classes
+    found = effects_cost.compute(quick=True)
+    assert REGISTRY.classes is known
+    return found
+
+
+def test_each_effect_alone_and_all_together(rows):
+    table = rows["marginal"].set_index("effect")
+    assert list(table.index) == ["none", "gravity", OWN, *[name for name in REGISTRY.library if name != "gravity"], "all together"]
+    assert (table[["verlet_ns", "newton_ns"]] > 0).all(axis=None) and np.isfinite(table.memory_bytes).all()
+    more, together = table.more_bytes, table.loc["all together"]
+    assert (more.drop("none") > 0).all() and together.memory_bytes == max(table.memory_bytes)
+    # g and the masses of 77 moving nodes, what tells where they are, and the addresses of five functions
+    assert more["gravity"] == 8 * (3 + 77 + 2 + 5)
+    # a rate of every moving node's mass on the diagonal; weight changes nothing of the matrix
+    assert table.entries["viscous_damping"] == 3 * 77 and table.entries["gravity"] == table.entries[OWN] == 0
+    # what all touch is what each does
+    assert together.entries == table.entries.drop("all together").sum()
+    assert 0 < table.entries["ground"] < 9 * 77 and table.entries["air"] > 9 * 77
+
+
+def test_a_library_without_other_effects_is_the_same(rows):
+    table = rows["libraries"].set_index("library")
+    assert set(table.index) == set(LIBRARIES) and table.memory_bytes.nunique() == 1
+    assert table.effects_imported["whole"] == table.effects_imported["stripped"] == "gravity"
+    assert table.effects_imported["imported"].split() == list(EXAMPLES)
+    assert (effects_cost.ratios(rows["libraries"]) > 0).all(axis=None)
+
+
+def test_answer_and_figure(rows, tmp_path):
+    words = effects_cost.answer(rows)
+    assert "takes the same memory in all, and imports gravity only" in words and "viscous damping" in words
+    for figure in effects_cost.plot(rows).values():
+        figure.savefig(tmp_path / "figure.svg")
+    assert effects_cost.QUESTION.endswith("?")
+
+
+def test_nothing_is_kept_for_an_effect_that_is_not_there():
+    scene = plain()
+    from dataclasses import replace
+
+    bare = replace(scene, effects=())
+    with_air = replace(scene, effects=(*scene.effects, example("air")))
+    assert memory(bare) < memory(scene) < memory(with_air)
+    assert entries(scene, scene.effects[0]) == 0

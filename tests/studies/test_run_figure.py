@@ -1,0 +1,81 @@
+"""The picture of a run: it says what became of the run, and whatever is wrong with it in red."""
+
+import matplotlib.image
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from systems import four_cables, loose_cable
+
+from anet_lumped import simulate
+from studies.shown import picture
+from studies.shown.run_figure import BAD, as_length, mark, plot, verdict
+
+
+def words(figure):
+    """What stands above a figure, in one line, and whether it is in red in a red frame."""
+    title = figure.get_suptitle().replace("\n", " ")
+    red = figure._suptitle is not None and figure._suptitle.get_color() == BAD
+    framed = figure.patch.get_linewidth() > 0 and figure.patch.get_edgecolor()[:3] == to_rgb(BAD)
+    assert red == framed
+    return title, red
+
+
+def test_a_failed_audit_is_in_the_figure(tmp_path):
+    run = simulate(loose_cable(1e4), 0.6, method="edmc", dt=0.02, start="straight", audit=1e-3)
+    figure = plot(run)
+    said, red = words(figure)
+    assert red and said.startswith("AUDIT FAILED (edmc") and run.audit.where in said and "m are allowed" in said
+    figure.savefig(tmp_path / "run.png")
+    pixels = matplotlib.image.imread(tmp_path / "run.png")
+    for edge in (pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]):  # the frame is there, all round
+        np.testing.assert_allclose(edge[:, :3], np.broadcast_to(to_rgb(BAD), edge[:, :3].shape), atol=0.02)
+
+
+def test_a_passed_audit_gives_its_error_and_unit():
+    run = simulate(four_cables(carried=True), 1.0, method="edmc", dt=0.01, audit=True)
+    said, red = words(plot(run))
+    assert not red and said.startswith("audit passed (edmc") and f"places to {as_length(run.audit.error)} (estimate" in said
+    assert "10 mm allowed" in said and f"energy accounted for to {run.audit.imbalance:.1g}" in said
+    assert words(plot(simulate(four_cables(), 0.1, method="edmc", dt=0.01)))[0].startswith("done, not audited (edmc")
+
+
+@pytest.mark.filterwarnings("ignore::anet_lumped.motion.simulate.StabilityWarning")
+@pytest.mark.parametrize(("method", "dt", "word"), [("midpoint", 0.01, "ENERGY GAINED"), ("verlet", 1e-3, "DIVERGED")])
+def test_whatever_is_wrong_with_a_run_is_in_the_figure(method, dt, word):
+    run = simulate(loose_cable(1e4), 2.0, method=method, dt=dt, start="straight")
+    said, red = words(plot(run))
+    assert red and said.startswith(f"{word} ({method}") and " ".join(run.message.split()[-3:]) in said
+
+
+def test_a_figure_of_several_runs_is_marked_by_those_that_failed():
+    good = simulate(four_cables(), 0.1, method="edmc", dt=0.01)
+    bad = simulate(loose_cable(1e4), 0.6, method="edmc", dt=0.02, start="straight", audit=1e-3)
+    figure = Figure()
+    mark(figure, good)
+    assert words(figure) == ("", False)
+    mark(figure, good, bad)
+    said, red = words(figure)
+    assert red and said == verdict(bad)
+
+
+def test_the_readmes_picture_is_of_runs_that_pass_their_audit(monkeypatch):
+    audited = []
+
+    def kept(*args, **kwargs):
+        audited.append(simulate(*args, **kwargs))
+        return audited[-1]
+
+    monkeypatch.setattr(picture, "simulate", kept)
+    assert words(picture.draw()) == ("", False)
+    assert len(audited) == 3 and all(run.audit.passed for run in audited)
+    monkeypatch.setattr(picture, "simulate", lambda *args, **kwargs: simulate(*args, **(kwargs | {"audit": 1e-6})))
+    said, red = words(picture.draw())
+    assert red and said.startswith("AUDIT FAILED")
+
+
+@pytest.mark.parametrize(
+    ("metres", "text"), [(0.2094, "209 mm"), (1.3e-4, "130 µm"), (2.5, "2.5 m"), (0.0, "0 nm"), (4.7e-10, "0.47 nm")]
+)
+def test_lengths(metres, text):
+    assert as_length(metres) == text

@@ -1,0 +1,189 @@
+"""Sweeps: what varies, what is measured, and that every variant becomes a row."""
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from anet_lumped.files.scene_file import load_scene
+from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
+from studies.sweeping import measures
+from studies.sweeping.measures import MEASURES, Measure, MeasureError, read_measure
+from studies.sweeping.rows import RowsError
+from studies.sweeping.sweep import sweep
+from studies.sweeping.vary import VaryError, apply, grid, parse_values, parse_vary, read_values
+
+SCENES = Path(__file__).parents[2] / "studies" / "scenes"
+
+
+@pytest.fixture(scope="module")
+def net():
+    return load_scene(SCENES / "net_carried.toml")
+
+
+@pytest.fixture(scope="module")
+def hanging():
+    from anet_lumped.effects import Gravity
+
+    cable = Cable("top", "end", length=2.0, mass_per_length=0.1, EA=1e3, segments=10)
+    return Scene([Fixed("top", (0.0, 0.0, 0.0)), Free("end", mass=0.5)], [cable], [Gravity(9.81)])
+
+
+@pytest.mark.parametrize(
+    "spec, whole, values",
+    [
+        ("0:1:5", False, [0.0, 0.25, 0.5, 0.75, 1.0]),
+        ("1e2:1e6:5log", False, [1e2, 1e3, 1e4, 1e5, 1e6]),
+        ("5:160:6log", True, [5, 10, 20, 40, 80, 160]),
+        ("1:4:7", True, [1, 2, 3, 4]),  # 1.5, 2.5 and 3.5 round to even, once each
+        ("3:9:1", False, [3.0]),
+        ("5, 10,20.5", False, [5, 10, 20.5]),
+        ("edmc,verlet,edmc", False, ["edmc", "verlet"]),
+    ],
+)
+def test_a_specification_is_read(spec, whole, values):
+    assert parse_values(spec, whole) == values
+
+
+@pytest.mark.parametrize("spec", ["1:2", "1:2:x", "1:2:0", "-1:2:3log", "1:2:3:4", "a:b:3", "1:2:3lin"])
+def test_a_range_that_cannot_be_read_says_what_one_is(spec):
+    with pytest.raises(VaryError, match=rf'A range must be a:b:n or a:b:nlog, .* but "{spec}" was given'):
+        parse_values(spec)
+
+
+def test_what_varies_is_a_name_and_a_specification_once():
+    assert parse_vary(["EA=1,2", "p0.mass=0:1:3"]) == {"EA": "1,2", "p0.mass": "0:1:3"}
+    with pytest.raises(VaryError, match='must be NAME=SPEC, as in EA=1e2:1e6:9log, but "EA" was given'):
+        parse_vary(["EA"])
+    with pytest.raises(VaryError, match="`EA` is given 1 and 2"):
+        parse_vary(["EA=1", "EA=2"])
+
+
+def test_a_grid_holds_every_combination(net):
+    rows = grid(read_values(net, {"segments": "5,10", "method": ["edmc", "rk4"], "dt": "0.1:0.2:2"}))
+    assert len(rows) == 8
+    assert rows[1] == {"segments": 5, "method": "edmc", "dt": 0.2}
+
+
+def test_a_name_means_all_parts_or_one(net):
+    inputs = {"EA": 5.0, "s1-p0.EA": 7.0, "p0.mass": 0.5, "gravity.g": 1.6, "path.velocity.x": 0.4, "dt": 0.01}
+    scene, settings = apply(net, inputs)
+    assert [cable.EA for cable in scene.cables] == [5.0, 7.0, 5.0, 5.0]
+    assert scene.point("p0").mass == 0.5
+    np.testing.assert_allclose(scene.gravity, [0, 0, -1.6])
+    assert {dict(point.path.parameters)["velocity"] for point in scene.points[:4]} == {(0.4, 0.0, 0.0)}
+    assert settings == {"dt": 0.01}
+    assert apply(net, {"dt": 0.01})[0] is net
+
+
+def test_a_coordinate_varies_alone(hanging):
+    scene, _ = apply(hanging, {"top.at.z": 0.5, "top.at.x": 0.1})
+    assert scene.point("top").at == (0.1, 0.0, 0.5)
+
+
+def test_axial_viscosity_takes_the_place_of_the_damping_ratio(net):
+    cable = apply(net, {"BA": 3.0})[0].cables[0]
+    assert (cable.BA, cable.zeta) == (3.0, 0.0)
+    cable = apply(apply(net, {"BA": 3.0})[0], {"zeta": 0.2})[0].cables[0]
+    assert (cable.BA, cable.zeta) == (None, 0.2)
+
+
+def test_an_unknown_name_names_the_nearest(net):
+    with pytest.raises(VaryError, match=r"Nothing called `s0-p0.Ea` can be varied here, did you mean `s0-p0.EA`\?"):
+        read_values(net, {"s0-p0.Ea": "1,2"})
+    with pytest.raises(VaryError, match=r"Nothing called `qqqq` .* known are t_end, method, .* as in `s0-p0.length`\."):
+        read_values(net, {"qqqq": "1"})
+    with pytest.raises(VaryError, match="Nothing called `qqqq`"):
+        apply(net, {"qqqq": 1})
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ("sagg", r"no measure called `sagg`, did you mean `sag`\?"),
+        ("qqqq", "no measure called `qqqq`; known are stretch, sag"),
+        ("height", "target of measure `height` must be one of s0, s1, s2, s3, p0, as in height:p0, but `height` was"),
+        ("sag:p0", "target of measure `sag` must be one of s0-p0, .* but `sag:p0` was given"),
+        ("steps:p0", "measure `steps` takes no target, but `steps:p0` was given"),
+    ],
+)
+def test_a_measure_that_cannot_be_is_named(net, text, message):
+    with pytest.raises(MeasureError, match=message):
+        read_measure(text, net)
+
+
+def test_measures_at_rest_are_those_of_the_hanging_cable(hanging):
+    """Tension at the top is all the weight below it, less the half segment that hangs on the point itself."""
+    table = sweep(hanging, {"EA": [1e3, 1e4]}, ["stretch", "tension", "tension:end", "height:end", "sag", "slack"], workers=1)
+    assert set(table["status"]) == {"done"}
+    weight, half = 9.81 * (0.5 + 0.2), 9.81 * 0.1 * 0.1
+    # equilibrium() stops at a force residual of 1e-10 of the weight
+    np.testing.assert_allclose(table["tension"], weight - half, rtol=1e-8)
+    np.testing.assert_allclose(table["tension:end"], 9.81 * 0.5 + half, rtol=1e-8)
+    mean = 9.81 * (0.5 + 0.1)
+    np.testing.assert_allclose(table["stretch"], mean / table["EA"], rtol=1e-7)
+    np.testing.assert_allclose(table["height:end"], -2.0 * (1 + mean / table["EA"]), rtol=1e-8)
+    np.testing.assert_allclose(table["sag"], 0.0, atol=1e-8)
+    assert (table["slack"] == 0).all()
+
+
+def test_runs_are_measured_and_a_bad_value_is_a_row(net, tmp_path):
+    table = sweep(
+        net, {"EA": [1e4, -2.0], "method": "edmc,no_such"}, ["end_x:p0", "peak_tension", "energy_rise", "height:p0"],
+        t_end=0.1, dt=0.01, workers=2, out=tmp_path,
+    )  # fmt: skip
+    assert table["status"].tolist() == ["done", "failed", "failed", "failed"]
+    assert "no_such" in table["reason"][1]
+    assert "EA" in table["reason"][2] and "-2.0" in table["reason"][2]
+    good = table.iloc[0]
+    assert good["peak_tension"] > 0.1 and good["energy_rise"] <= 1e-9 and abs(good["end_x:p0"]) < 0.1
+
+
+def test_every_measure_of_a_run_gives_a_value(net):
+    texts = [name + ":p0" * (measure.target == "point") for name, measure in MEASURES.items()]
+    line = sweep(net, {"dt": [0.01]}, texts, t_end=0.05, method="edmc", workers=1).iloc[0]
+    assert line["status"] == "done", line["reason"]
+    assert line[[text for text in texts if text != "error_estimate"]].notna().all()
+
+
+def test_a_run_that_diverges_is_a_row_with_what_its_good_part_shows(net):
+    table = sweep(net, {"dt": [0.01]}, ["steps", "method_used"], t_end=1.0, method="verlet", workers=1)
+    assert table["status"][0] == "diverged" and table["method_used"][0] == "verlet"
+    assert table["reason"][0]
+
+
+def count_points(state):
+    return len(state.scene.points)
+
+
+def test_a_measure_can_be_added_and_any_executor_used(net, monkeypatch):
+    monkeypatch.setitem(measures.MEASURES, "points", Measure(count_points, "rest", "", "-", "number of points"))
+    with ThreadPoolExecutor(2) as executor:
+        assert sweep(net, {"EA": "1e3,1e4"}, ["points"], executor=executor)["points"].tolist() == [5, 5]
+
+
+@pytest.mark.parametrize(
+    "vary, asked, settings, what",
+    [
+        ({"EA": "1,2"}, ["steps"], {}, "measure `steps`"),
+        ({"dt": "0.1,0.2"}, [], {}, "setting `dt`"),
+        ({"EA": "1,2"}, [], {"method": "edmc"}, "setting `method`"),
+    ],
+)
+def test_what_needs_a_run_needs_its_length(net, vary, asked, settings, what):
+    with pytest.raises(VaryError, match=rf"`t_end` \[s\] must be given for a run, which {what} needs"):
+        sweep(net, vary, asked, **settings)
+
+
+@pytest.mark.parametrize("changed", ["scene", "vary", "measures", "settings"])
+def test_another_sweep_is_not_mixed_in(net, hanging, tmp_path, changed):
+    asked = {"scene": hanging, "vary": {"EA": "1e3,1e4"}, "measures": ["height:end"], "settings": {}}
+    sweep(asked["scene"], asked["vary"], asked["measures"], workers=1, out=tmp_path)
+    other = {
+        "scene": apply(hanging, {"end.mass": 0.6})[0], "vary": {"EA": "1e3,1e4,1e5"}, "measures": ["sag"],
+        "settings": {"t_end": 0.1},
+    }  # fmt: skip
+    asked[changed] = other[changed]
+    with pytest.raises(RowsError, match=f"was made with another {changed}"):
+        sweep(asked["scene"], asked["vary"], asked["measures"], **asked["settings"], out=tmp_path, resume=True)
