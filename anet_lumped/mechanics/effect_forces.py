@@ -11,6 +11,14 @@ from anet_lumped.model.tables import (
 )
 
 
+@njit(cache=True, error_model="numpy", forceinline=True)
+def numbers_of(effects, e):
+    """Index and parameters of effect e, which its compiled functions read."""
+    i, j = effects.index_at[e], effects.index_at[e + 1]
+    a, b = effects.params_at[e], effects.params_at[e + 1]
+    return effects.index[i:j], effects.params[a:b]
+
+
 @njit(cache=True, error_model="numpy")
 def add_masses(net, t, q):
     """Added masses of the moving nodes, for ``net.added``."""
@@ -21,9 +29,8 @@ def add_masses(net, t, q):
                 added[i, x, y] = 0.0
     for e in range(effects.address.shape[0]):
         if effects.address[e, SLOT_INERTIA] != 0:
-            i, j = effects.index_at[e], effects.index_at[e + 1]
-            a, b = effects.params_at[e], effects.params_at[e + 1]
-            as_inertia(effects.address[e, SLOT_INERTIA])(t, q, effects.index[i:j], effects.params[a:b], added)
+            index, params = numbers_of(effects, e)
+            as_inertia(effects.address[e, SLOT_INERTIA])(t, q, index, params, added)
 
 
 @njit(cache=True, error_model="numpy")

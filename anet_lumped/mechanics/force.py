@@ -14,7 +14,7 @@ from anet_lumped.compiled.lanes import (
 from anet_lumped.effects.laws.axial import tension_parts
 from anet_lumped.effects.signatures import as_force
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count
-from anet_lumped.mechanics.effect_forces import _share_with_fluid
+from anet_lumped.mechanics.effect_forces import _share_with_fluid, numbers_of
 from anet_lumped.mechanics.length_work import _as_of_first_masses, power_of_lengths
 from anet_lumped.mechanics.segment_law import (
     spring_of,
@@ -112,9 +112,8 @@ def force(t, q, v, place, f, power):
         dissipated += _force_of(net, c, 1, q, v, f)
     effects = net.effects
     for e in range(effects.address.shape[0]):
-        i, j = effects.index_at[e], effects.index_at[e + 1]
-        a, b = effects.params_at[e], effects.params_at[e + 1]
-        dissipated += as_force(effects.address[e, SLOT_FORCE])(t, q, v, effects.index[i:j], effects.params[a:b], f)
+        index, params = numbers_of(effects, e)
+        dissipated += as_force(effects.address[e, SLOT_FORCE])(t, q, v, index, params, f)
     if net.added.shape[0] > 0:
         dissipated += _share_with_fluid(net, t, q, v, f)
     put_in = 0.0

@@ -13,7 +13,7 @@ from anet_lumped.scene.scene import Driven
 def fresh_net(model):
     """The arrays that compiled code works on, with fresh scratch space: one a run."""
     n, segments = model.n, model.n_segments
-    couples = max((getattr(effect, "couples", 0) for effect in model.forces), default=0)
+    couples = max((effect.coupled_neighbours for effect in model.forces), default=0)
     heavier = any("inertia" in effect.kernels() for effect in model.forces)
     changing = len(model.lengths.cable) > 0  # then masses, laws and effects' numbers are the run's own
     effects = model.effects._replace(params=model.effects.params.copy()) if changing else model.effects

@@ -8,7 +8,7 @@ from scipy.sparse import csc_array
 
 from anet_lumped.effects.laws.axial import tension_slopes
 from anet_lumped.effects.signatures import as_tangent
-from anet_lumped.mechanics.effect_forces import add_masses, clear
+from anet_lumped.mechanics.effect_forces import add_masses, clear, numbers_of
 from anet_lumped.model.net import net_at
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
@@ -57,7 +57,7 @@ def pattern(model):
         if a < n and b < n:
             slot[s] = [number.setdefault(pair, len(number)) for pair in ((a, b), (b, a))]
     far_slot = np.full((model.n_segments, 2), -1, np.int64)
-    if any(getattr(effect, "couples", 0) > 1 for effect in model.scene.effects):
+    if any(effect.coupled_neighbours > 1 for effect in model.scene.effects):
         for s in range(model.n_segments - 1):
             a, b = int(model.ends[s, 0]), int(model.ends[s + 1, 1])
             if model.cable_of[s] == model.cable_of[s + 1] and a < n and b < n:
@@ -126,9 +126,7 @@ def blocks(t, q, v, place, slot, far_slot, row, of_q, of_v):
     for e in range(effects.address.shape[0]):
         if effects.address[e, SLOT_TANGENT] == 0:
             continue
-        i, j = effects.index_at[e], effects.index_at[e + 1]
-        a, b = effects.params_at[e], effects.params_at[e + 1]
-        index, params, tangent = effects.index[i:j], effects.params[a:b], as_tangent(effects.address[e, SLOT_TANGENT])
+        (index, params), tangent = numbers_of(effects, e), as_tangent(effects.address[e, SLOT_TANGENT])
         tangent(t, q, v, index, params, -1.0, 0.0, of_q[:n_free], net.near, net.far)
         _add_couplings(net, slot, far_slot, of_q)
         tangent(t, q, v, index, params, 0.0, -1.0, of_v[:n_free], net.near, net.far)

@@ -202,7 +202,7 @@ def direction(stage, place):
             for x in range(3):
                 right[i, x] = kept[i, x]
     left = _finish_tensions(stage, net) if stage.law != STATE else 1e300
-    return solves, left if taut and net.effects.linear == 1 else 1e300
+    return solves, left if taut and net.effects.linear_in_node_state == 1 else 1e300
 
 
 @njit(void(int64, float64, _f2), cache=True, error_model="numpy", fastmath={"contract"})

@@ -6,6 +6,7 @@ from numba import float64, int64, njit, void
 
 from anet_lumped.effects.laws.axial import elastic_energy, tension_parts
 from anet_lumped.effects.signatures import as_energy
+from anet_lumped.mechanics.effect_forces import numbers_of
 from anet_lumped.mechanics.segment_law import (
     spring_of,
 )
@@ -107,9 +108,8 @@ def energies(t, q, v, place, energy):
             before = i
     effects = net.effects
     for e in range(effects.address.shape[0]):
-        i, j = effects.index_at[e], effects.index_at[e + 1]
-        a, b = effects.params_at[e], effects.params_at[e + 1]
-        potential += as_energy(effects.address[e, SLOT_ENERGY])(t, q, effects.index[i:j], effects.params[a:b])
+        index, params = numbers_of(effects, e)
+        potential += as_energy(effects.address[e, SLOT_ENERGY])(t, q, index, params)
     energy[0], energy[1], energy[2] = kinetic, elastic, potential
 
 

@@ -15,9 +15,9 @@ from anet_lumped.compiled.lanes import (
     select,
     total,
 )
-from anet_lumped.effects.signatures import as_between, as_force, as_tangent
+from anet_lumped.effects.signatures import as_force, as_tangent, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, row3, segment_count
-from anet_lumped.mechanics.effect_forces import add_masses, any_live, clear, take_middle
+from anet_lumped.mechanics.effect_forces import add_masses, any_live, clear, numbers_of, take_middle
 from anet_lumped.mechanics.segment_law import (
     linearise,
     spring_of,
@@ -174,11 +174,9 @@ def residual(stage, base, target, q, place):
         clear(net.near)
         clear(net.far)
     for e in range(effects.address.shape[0]):
-        i, j = effects.index_at[e], effects.index_at[e + 1]
-        a, b = effects.params_at[e], effects.params_at[e + 1]
-        index, params, of = effects.index[i:j], effects.params[a:b], effects.address[e]
+        (index, params), of = numbers_of(effects, e), effects.address[e]
         if of[SLOT_WHOLE_STEP] != 0 and stage.law == BETWEEN:
-            as_between(of[SLOT_WHOLE_STEP])(stage.t, stage.tau, base, q, index, params, right, diagonal, net.near, net.far)
+            as_whole_step(of[SLOT_WHOLE_STEP])(stage.t, stage.tau, base, q, index, params, right, diagonal, net.near, net.far)
             continue
         as_force(of[SLOT_FORCE])(stage.t, middle_q, middle_v, index, params, right)
         if of[SLOT_TANGENT] != 0:

@@ -11,6 +11,7 @@ In force at one time, or over a step: then the lengths are those of both its end
 from numba import float64, int64, njit, void
 
 from anet_lumped.effects.signatures import as_energy
+from anet_lumped.mechanics.effect_forces import numbers_of
 from anet_lumped.model.net import net_at
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
@@ -118,9 +119,8 @@ def energy_between(place, t, q, v, less, more):
         for i in range(net.n_free):
             energy += 0.5 * net.mass[i] * (v[i, 0] * v[i, 0] + v[i, 1] * v[i, 1] + v[i, 2] * v[i, 2])
         for e in range(effects.address.shape[0]):
-            i, j = effects.index_at[e], effects.index_at[e + 1]
-            a, b = effects.params_at[e], effects.params_at[e + 1]
-            energy += as_energy(effects.address[e, SLOT_ENERGY])(t, q, effects.index[i:j], effects.params[a:b])
+            index, params = numbers_of(effects, e)
+            energy += as_energy(effects.address[e, SLOT_ENERGY])(t, q, index, params)
         gain += energy if side == 1 else -energy
     _write(net, net.lengths.paid[PAID_MIDDLE])
     return gain

@@ -15,9 +15,9 @@ from anet_lumped.compiled.lanes import (
     put,
     select,
 )
-from anet_lumped.effects.signatures import as_between, as_force
+from anet_lumped.effects.signatures import as_force, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count
-from anet_lumped.mechanics.effect_forces import any_live, take_middle
+from anet_lumped.mechanics.effect_forces import any_live, numbers_of, take_middle
 from anet_lumped.mechanics.length_work import work_of_lengths
 from anet_lumped.mechanics.segment_law import (
     BEGINS,
@@ -186,11 +186,9 @@ def settle(stage, base, q, v, place, energy):
                 right[i, x] = 0.0
         effects = net.effects
         for e in range(effects.address.shape[0]):
-            i, j = effects.index_at[e], effects.index_at[e + 1]
-            a, b = effects.params_at[e], effects.params_at[e + 1]
-            index, params, of = effects.index[i:j], effects.params[a:b], effects.address[e]
+            (index, params), of = numbers_of(effects, e), effects.address[e]
             if of[SLOT_WHOLE_STEP] != 0:
-                dissipated += as_between(of[SLOT_WHOLE_STEP])(
+                dissipated += as_whole_step(of[SLOT_WHOLE_STEP])(
                     stage.t, h, base, q, index, params, right, net.diagonal, net.near, net.far
                 )
             else:

@@ -61,7 +61,7 @@ class Model:
     @property
     def forces(self):
         """Effects that exert forces, in the order of ``effects``."""
-        return tuple(effect for effect in self.scene.effects if not hasattr(effect, "lengths"))
+        return tuple(effect for effect in self.scene.effects if effect.kernels())
 
     @property
     def n_segments(self):

@@ -45,7 +45,7 @@ def time_scale(scene):
     for path in scene.motions:
         scales += _path_scales(path)
     for effect in scene.effects:
-        scales += getattr(effect, "time_scales", ())
+        scales += effect.time_scales
     return min(scales)
 
 
@@ -87,7 +87,7 @@ def choose(scene, method=None, dt=None, adaptive=False):
     motion = OF_TIME_SCALE * time_scale(scene)
     explicit = OF_LIMIT * limit
     whips = next((c.name for c in scene.cables if c.compression != "linear" and c.damping_ratio < CALM), None)
-    stiffens = next((type(effect).__name__ for effect in scene.effects if getattr(effect, "stiff", False)), None)
+    stiffens = next((type(effect).__name__ for effect in scene.effects if effect.stiff), None)
     never = whips is not None or stiffens is not None
     if method is None and adaptive:
         method, why = "edmc", "adaptive steps: no limit of stability, and no energy gained"

@@ -38,7 +38,7 @@ def gain(run, adaptive=False):
     """
     rows, model = run.energy, run.model
     own = rows[:, :3].sum(axis=1) - rows[:, 3]
-    if not all(getattr(effect, "linear", False) for effect in run.scene.effects):
+    if not all(effect.passive for effect in run.scene.effects):
         own = own + rows[:, 4]  # a wind gives energy: the account of what effects took and gave has to close instead
     if adaptive:
         own = own[[0, -1]]

@@ -9,7 +9,7 @@ import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_number, check_vector
 
-from .base import Wind, check_direction
+from .base import Wind, check_unit_direction
 
 
 @dataclass(frozen=True)
@@ -134,4 +134,4 @@ class Sampled(Wind):
 def _check_profile(profile, owner):
     for key, unit, sign in (("speed", "m/s", "non-negative"), ("height", "m", "positive"), ("ground", "m", "")):
         object.__setattr__(profile, key, check_number(key, getattr(profile, key), unit, owner, sign=sign))
-    object.__setattr__(profile, "direction", check_direction(profile.direction, owner))
+    object.__setattr__(profile, "direction", check_unit_direction(profile.direction, owner))
