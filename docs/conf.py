@@ -9,7 +9,9 @@ sys.path.insert(0, str(HERE / "extensions"))
 
 project = "anet-lumped"
 author = "the authors of anet-lumped"
-release = tomllib.loads((HERE.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+release = tomllib.loads((HERE.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"][
+    "version"
+]
 
 extensions = [
     "docstrings",

@@ -23,7 +23,9 @@ def record_command(file):
     """Run the command in the first line of a file, and write what it prints below."""
     first = file.read_text(encoding="utf-8").partition("\n")[0]
     with tempfile.TemporaryDirectory() as folder:
-        file.write_text(f"{first}\n{run_command(first.removeprefix('$ '), folder)}", encoding="utf-8")
+        file.write_text(
+            f"{first}\n{run_command(first.removeprefix('$ '), folder)}", encoding="utf-8"
+        )
 
 
 def record_document(file):
@@ -33,7 +35,9 @@ def record_document(file):
         for example in examples(text):
             printed = run(example, names, folder, file.name)
             if printed and not example.is_said:
-                raise SystemExit(f"{file.name}: this code prints, and no block of text follows it:\n{example.code}")
+                raise SystemExit(
+                    f"{file.name}: this code prints, and no block of text follows it:\n{example.code}"
+                )
             parts += [text[at : example.begin], printed]
             at = example.end
         for figure in (entry for entry in Path(folder).iterdir() if entry.suffix in FIGURES):
@@ -43,13 +47,20 @@ def record_document(file):
 
 def documents():
     """Return the pages that have examples."""
-    return [page for page in sorted(HERE.rglob("*.md")) if examples(page.read_text(encoding="utf-8"))]
+    return [
+        page for page in sorted(HERE.rglob("*.md")) if examples(page.read_text(encoding="utf-8"))
+    ]
 
 
 def main(asked):
     """Record what is asked for, or all."""
-    files = {file.stem: (record_command, file) for file in sorted((HERE / "recorded").glob("*.txt"))}
-    files |= {file.relative_to(HERE).with_suffix("").as_posix(): (record_document, file) for file in documents()}
+    files = {
+        file.stem: (record_command, file) for file in sorted((HERE / "recorded").glob("*.txt"))
+    }
+    files |= {
+        file.relative_to(HERE).with_suffix("").as_posix(): (record_document, file)
+        for file in documents()
+    }
     for name in asked or files:
         record, file = files[name]
         record(file)

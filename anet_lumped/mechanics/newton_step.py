@@ -119,7 +119,7 @@ def direction(stage, place):
     """Newton step of the stage that `residual` linearised last, for ``net.step`` and ``net.tension``.
 
     A segment that the step would make slack or taut leaves the piece of its law that was linearised: its law is replaced by
-    the tangent at the predicted length and the step is solved again, until no segment changes. Source: DESIGN, numerics 3.
+    the tangent at the predicted length and the step is solved again, until no segment changes. See ARCHITECTURE.md, Slack and taut.
 
     Returns
     -------

@@ -22,7 +22,9 @@ def commands():
 def help_of(name, command):
     """Return the help of a command as `anet-lumped NAME --help` prints it."""
     settings = {"terminal_width": WIDTH, "max_content_width": WIDTH}
-    return command.get_help(command.context_class(command, info_name=f"anet-lumped {name}", **settings))
+    return command.get_help(
+        command.context_class(command, info_name=f"anet-lumped {name}", **settings)
+    )
 
 
 class Commands(SphinxDirective):
@@ -41,7 +43,11 @@ class Commands(SphinxDirective):
         if recorded.is_file():
             section += _block(recorded.read_text(encoding="utf-8").rstrip(), "console")
         else:
-            logger.warning("There is no recorded example of `anet-lumped %s`; run docs/record.py.", name, location=self.get_location())
+            logger.warning(
+                "There is no recorded example of `anet-lumped %s`; run docs/record.py.",
+                name,
+                location=self.get_location(),
+            )
         return section
 
 

@@ -25,12 +25,19 @@ def prepare(lines):
         if not section and indented and not literal and made and not made[-1].strip():
             made += ["::", ""]
             literal = True
-        entry = NAMED.match(line) if section in WITH_NAMES and not SECTION.fullmatch(line.strip()) else None
+        entry = (
+            NAMED.match(line)
+            if section in WITH_NAMES and not SECTION.fullmatch(line.strip())
+            else None
+        )
         if literal or ">>>" in line:
             made.append(line)
         elif entry:
             goes_on = k + 1 < len(lines) and lines[k + 1].startswith(" ") and len(line) > WRAPPED
-            made += [entry["name"], f"    {_escaped(entry['rest'])}{'' if goes_on or entry['rest'].endswith('.') else '.'}"]
+            made += [
+                entry["name"],
+                f"    {_escaped(entry['rest'])}{'' if goes_on or entry['rest'].endswith('.') else '.'}",
+            ]
         elif section == "Sources" and line.startswith("["):
             made.append(f"* {_escaped(line)}")
         else:
@@ -42,7 +49,9 @@ def _escaped(line):
     """Escape what reStructuredText would take for markup, outside of what is quoted by backquotes and but for a list's bullet."""
     bullet = "* " if line.startswith("* ") else ""
     parts = re.split(r"(``.*?``|`.*?`)", line.removeprefix(bullet))
-    return bullet + "".join(part if part.startswith("`") else re.sub(r"(?<!\\)([|*])", r"\\\1", part) for part in parts)
+    return bullet + "".join(
+        part if part.startswith("`") else re.sub(r"(?<!\\)([|*])", r"\\\1", part) for part in parts
+    )
 
 
 def process(app, what, name, thing, options, lines):

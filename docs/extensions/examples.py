@@ -15,10 +15,17 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-FENCE = re.compile(r"^```(?P<kind>python|console|text)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
+FENCE = re.compile(
+    r"^```(?P<kind>python|console|text)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL
+)
 TIMED_BLOCK = "<!-- timed -->"
 CLOSE, SMALL = 1e-2, 1e-7  # of a number, or in all: what another machine may print differently
-TIMED = ("wall time", "times faster", "cost [%]")  # words of a line of numbers that no two runs share
+TIMED = (
+    "wall time",
+    "times faster",
+    "cost [%]",
+    "rows, figures and answer in",
+)  # words of a line of numbers that no two runs share
 
 
 @dataclass
@@ -51,7 +58,12 @@ class Example:
 def blocks(text):
     """Return the fenced blocks of a document that are code, commands or what they print."""
     return [
-        Block(found["kind"], found["body"], *found.span("body"), TIMED_BLOCK in text[: found.start()].rpartition("\n\n")[2])
+        Block(
+            found["kind"],
+            found["body"],
+            *found.span("body"),
+            TIMED_BLOCK in text[: found.start()].rpartition("\n\n")[2],
+        )
         for found in FENCE.finditer(text)
     ]
 
@@ -64,11 +76,27 @@ def examples(text):
             continue
         if block.kind == "console":
             command, _, said = block.body.partition("\n")
-            made.append(Example(command.removeprefix("$ "), said, block.begin + len(command) + 1, block.end, True, True, block.is_timed))
+            made.append(
+                Example(
+                    command.removeprefix("$ "),
+                    said,
+                    block.begin + len(command) + 1,
+                    block.end,
+                    True,
+                    True,
+                    block.is_timed,
+                )
+            )
             continue
         after = found[k + 1] if k + 1 < len(found) else None
-        if after is not None and after.kind == "text" and not text[block.end + len("```") : after.begin - len("```text\n")].strip():
-            made.append(Example(block.body, after.body, after.begin, after.end, False, True, block.is_timed))
+        if (
+            after is not None
+            and after.kind == "text"
+            and not text[block.end + len("```") : after.begin - len("```text\n")].strip()
+        ):
+            made.append(
+                Example(block.body, after.body, after.begin, after.end, False, True, block.is_timed)
+            )
         else:
             made.append(Example(block.body, "", block.end, block.end, False, False, block.is_timed))
     return made
@@ -100,19 +128,25 @@ def run_command(command, folder):
     """Return what `anet-lumped ...` prints, without the bars of its progress; SystemError if it fails."""
     words = command.split()
     if words[0] != "anet-lumped":
-        raise ValueError(f"A command of a document must begin with anet-lumped, but it is {command!r}.")
+        raise ValueError(
+            f"A command of a document must begin with anet-lumped, but it is {command!r}."
+        )
     program = [sys.executable, "-c", "from studies.command_line import main; main()", *words[1:]]
     done = subprocess.run(program, capture_output=True, text=True, cwd=folder)
     if done.returncode:
         raise SystemError(f"{command} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
     told = [line for line in done.stderr.splitlines() if line.startswith("anet-lumped: ")]
     lines = [line.rstrip() for line in [*done.stdout.splitlines(), *told]]
-    return "".join(f"{line}\n" for line, after in zip(lines, [*lines[1:], "end"], strict=True) if line or after)
+    return "".join(
+        f"{line}\n" for line, after in zip(lines, [*lines[1:], "end"], strict=True) if line or after
+    )
 
 
 def alike(one, other):
     """Return whether two printed texts have the same words, and numbers that are close."""
-    first, second = ([line.split() for line in text.splitlines() if line.strip(" ─")] for text in (one, other))
+    first, second = (
+        [line.split() for line in text.splitlines() if line.strip(" ─")] for text in (one, other)
+    )
     if [len(line) for line in first] != [len(line) for line in second]:
         return False
     table_of_times = False

@@ -24,7 +24,11 @@ def parameters(thing):
             names = [name.strip() for name in entry["name"].split(",")]
             found |= dict.fromkeys(names, entry["rest"])
         elif section == "Parameters" and line.startswith(" "):
-            joined = "" if found[names[-1]].endswith((",", ";", "(")) or line.strip()[0].islower() else "."
+            joined = (
+                ""
+                if found[names[-1]].endswith((",", ";", "(")) or line.strip()[0].islower()
+                else "."
+            )
             found |= dict.fromkeys(names, f"{found[names[-1]]}{joined} {line.strip()}")
     return found
 
@@ -62,7 +66,13 @@ def as_toml(value):
     """Return a default as a scene file has it."""
     if isinstance(value, tuple):
         return f"[{', '.join(map(as_toml, value))}]"
-    return str(value).lower() if isinstance(value, bool) else f'"{value}"' if isinstance(value, str) else f"{value:g}"
+    return (
+        str(value).lower()
+        if isinstance(value, bool)
+        else f'"{value}"'
+        if isinstance(value, str)
+        else f"{value:g}"
+    )
 
 
 class Keys(SphinxDirective):
@@ -75,9 +85,21 @@ class Keys(SphinxDirective):
         module, name = self.arguments[0].split(":")
         thing = operator.attrgetter(name)(importlib.import_module(module))
         self.env.note_dependency(inspect.getsourcefile(thing))
-        lines = ["```{list-table}", ":header-rows: 1", ":widths: 20 16 64", "", "* - key", "  - default", "  - meaning"]
+        lines = [
+            "```{list-table}",
+            ":header-rows: 1",
+            ":widths: 20 16 64",
+            "",
+            "* - key",
+            "  - default",
+            "  - meaning",
+        ]
         for key, default, meaning in rows(thing):
-            lines += [f"* - `{key}`", f"  - {f'`{default}`' if default not in ('', 'required') else default}", f"  - {escaped(meaning)}"]
+            lines += [
+                f"* - `{key}`",
+                f"  - {f'`{default}`' if default not in ('', 'required') else default}",
+                f"  - {escaped(meaning)}",
+            ]
         return self.parse_text_to_nodes("\n".join([*lines, "```"]))
 
 
@@ -94,5 +116,3 @@ def setup(app):
     """Offer the directive `keys`."""
     app.add_directive("keys", Keys)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
-
-

@@ -24,11 +24,15 @@ def visit_inline(translator, node):
 
 def visit_block(translator, node):
     """Write an equation of its own."""
-    translator.body.append(f'<div class="equation">{_mathml(node.astext(), node, block=True)}</div>')
+    translator.body.append(
+        f'<div class="equation">{_mathml(node.astext(), node, block=True)}</div>'
+    )
     raise nodes.SkipNode
 
 
 def setup(app):
     """Offer the renderer to Sphinx."""
-    app.add_html_math_renderer("mathml", inline_renderers=(visit_inline, None), block_renderers=(visit_block, None))
+    app.add_html_math_renderer(
+        "mathml", inline_renderers=(visit_inline, None), block_renderers=(visit_block, None)
+    )
     return {"parallel_read_safe": True, "parallel_write_safe": True}
