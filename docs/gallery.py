@@ -58,10 +58,9 @@ def make(report, here=HERE):
 def section(name, folder, figures, quick):
     """Return the text of a study, and copy its figures."""
     question = importlib.import_module(f"studies.questions.{name}").QUESTION
-    lines = [
-        f"\n### {plain(question)}\n",
-        f"\nStudy `{name}`{', a first look (`--quick`)' if quick else ''}.\n",
-    ]
+    look = ", a first look (`--quick`)" if quick else ""
+    title = name.replace("_", " ").capitalize()
+    lines = [f"\n### {title}\n", f"\n*{plain(question)}*\n", f"\nStudy `{name}`{look}.\n"]
     for paragraph in (folder / "answer.txt").read_text(encoding="utf-8").strip().split("\n\n"):
         lines.append(f"\n{plain(' '.join(paragraph.split()))}\n")
     drawn = [file for file in sorted(folder.iterdir()) if file.suffix in (".svg", ".png")]

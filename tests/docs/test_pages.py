@@ -46,6 +46,12 @@ def test_examples_print_what_the_page_says(page, tmp_path, monkeypatch):
         assert (tmp_path / figure.removeprefix("figures/")).is_file(), f"no code on the page writes {figure}"
 
 
+def test_the_example_of_the_readme_runs(tmp_path):
+    (example,) = examples(text_of(ROOT / "README.md"))
+    printed = run(example, {"__name__": "document"}, tmp_path, "README.md")
+    assert printed.startswith("done edmc: a second of motion costs") and len(printed.splitlines()) == 3
+
+
 def test_alike_tells_numbers_and_words_apart():
     assert alike("a  1.000 m\n", "a 1.005 m") and alike("imbalance 4e-09", "imbalance 7e-10")
     assert not alike("a 1.0 m", "a 1.1 m") and not alike("a 1.0 m", "b 1.0 m") and not alike("a 1.0", "a 1.0 m")
