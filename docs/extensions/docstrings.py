@@ -4,6 +4,7 @@ In this code `name : type [unit], meaning` is one line, an indented paragraph is
 arithmetic.
 """
 
+import inspect
 import re
 
 SECTION = re.compile(r"-{3,}$")
@@ -59,8 +60,15 @@ def process(app, what, name, thing, options, lines):
     lines[:] = prepare(lines)
 
 
+def process_property(app, what, name, thing, options, lines):
+    """Take back what napoleon makes of a property, whose first words it takes for a type if a colon follows them."""
+    if what in ("attribute", "property"):
+        lines[:] = [*prepare((inspect.getdoc(thing) or "").splitlines()), ""]
+
+
 def setup(app):
-    """Connect to autodoc, ahead of napoleon."""
+    """Connect to autodoc, ahead of napoleon and behind it."""
     app.setup_extension("sphinx.ext.autodoc")
     app.connect("autodoc-process-docstring", process, priority=100)
+    app.connect("autodoc-process-docstring", process_property, priority=900)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
