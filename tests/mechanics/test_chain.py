@@ -12,7 +12,7 @@ from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.mechanics import residual
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.mechanics.linear import solve
-from anet_lumped.mechanics.optional import require_elimination
+from anet_lumped.mechanics.required_kernels import require_elimination
 from anet_lumped.model import tables
 from anet_lumped.model.build import build
 from integrators.stage import BACKWARD, BETWEEN, STATE, Stage
