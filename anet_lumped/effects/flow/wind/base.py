@@ -23,12 +23,10 @@ class Wind(ABC):
     def kernel(self) -> Callable:
         """Compiled function (t, x, y, z, numbers) -> velocity, gradient of the wind alone, as `kernel.wind_at` describes them.
 
-        It is decorated with `COMPILED` and takes no part in an import: it is compiled when a scene first has such a wind.
+        It is decorated with `compiled.jit.on_demand`: it is compiled when a scene first has such a wind.
         """
 
 
-COMPILED = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}
-"""How the function of a wind is compiled: ``@njit(**COMPILED)``."""
 UNIFORM_IN_PLACE = (0.0,) * 9
 """Gradient of a velocity that is the same everywhere [1/s]."""
 

@@ -4,11 +4,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from anet_lumped.checks import SceneError, Vector, check_count, check_number, check_vector
+from anet_lumped.compiled.jit import on_demand
 
-from .base import COMPILED, Wind
+from .base import Wind
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def _frames(n, random):
     return axis, other, np.cross(axis, other)
 
 
-@njit(**COMPILED)
+@on_demand
 def _velocity(t, x, y, z, numbers):
     u, v, w = 0.0, 0.0, 0.0
     ux, uy, uz, vx, vy, vz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

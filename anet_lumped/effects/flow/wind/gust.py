@@ -4,11 +4,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from anet_lumped.checks import SceneError, Vector, check_number, check_vector
+from anet_lumped.compiled.jit import on_demand
 
-from .base import COMPILED, UNIFORM_IN_PLACE, Wind
+from .base import UNIFORM_IN_PLACE, Wind
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Gust(Wind):
         return _velocity
 
 
-@njit(**COMPILED)
+@on_demand
 def _velocity(t, x, y, z, numbers):
     s = (t - numbers[3]) / numbers[4]
     share = 0.5 - 0.5 * math.cos(math.pi * s)

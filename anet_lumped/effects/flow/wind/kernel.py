@@ -1,9 +1,10 @@
 """Compiled evaluation of the winds of a scene: the sum of their velocities, each by the function of its kind."""
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
-from anet_lumped.compiled.addresses import address, callable_at
+from anet_lumped.compiled.addresses import address_of, callable_at
+from anet_lumped.compiled.jit import kernel
 
 from .base import as_winds
 
@@ -18,20 +19,11 @@ def pack(winds):
 
     An address is a whole number below 2^48 and keeps all its digits as a float64.
     """
-    parts = [np.array([_compiled(wind), len(wind.numbers()), *wind.numbers()], float) for wind in as_winds(winds)]
+    parts = [[address_of(wind.kernel(), VELOCITY), len(own := wind.numbers()), *own] for wind in as_winds(winds)]
     return np.concatenate([np.zeros(0), *parts])
 
 
-def _compiled(wind):
-    """Address of the function of a wind, compiled (or loaded from the cache) when it is first asked for."""
-    function = wind.kernel()
-    if not function.signatures:
-        function.compile(VELOCITY)
-        function.disable_compile()
-    return address(function)
-
-
-@njit(VELOCITY, cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(VELOCITY)
 def wind_at(t, x, y, z, winds):
     """Velocity of air or water at a time and place, and its gradient: the sum over winds.
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numba import njit
 
 from anet_lumped.checks import SceneError, Vector, check_number, check_vector
+from anet_lumped.compiled.jit import inlined, on_demand
 
-from .base import COMPILED, UNIFORM_IN_PLACE, Wind, check_direction
+from .base import UNIFORM_IN_PLACE, Wind, check_direction
 
 LOWEST = 1e-6  # of the height of a power law; below, its slope, which has no bound at the ground, is that at it
 
@@ -156,12 +156,12 @@ def _check_profile(profile, owner):
     object.__setattr__(profile, "direction", check_direction(profile.direction, owner))
 
 
-@njit(**COMPILED)
+@on_demand
 def _uniform(t, x, y, z, numbers):
     return (numbers[0], numbers[1], numbers[2]), UNIFORM_IN_PLACE
 
 
-@njit(**COMPILED)
+@on_demand
 def _power_law(t, x, y, z, numbers):
     ratio = (z - numbers[3]) / numbers[4]
     share, slope = 0.0, 0.0
@@ -170,7 +170,7 @@ def _power_law(t, x, y, z, numbers):
     return _along(share, slope, numbers)
 
 
-@njit(**COMPILED)
+@on_demand
 def _logarithmic(t, x, y, z, numbers):
     ratio = (z - numbers[3]) / numbers[4]
     share, slope = 0.0, 0.0
@@ -179,7 +179,7 @@ def _logarithmic(t, x, y, z, numbers):
     return _along(share, slope, numbers)
 
 
-@njit(cache=True, forceinline=True)
+@inlined
 def _along(share, slope, numbers):
     """Velocity and gradient of a profile, of its speed over that of its reference and the slope of that in height [1/m]."""
     return (
@@ -188,7 +188,7 @@ def _along(share, slope, numbers):
     )
 
 
-@njit(**COMPILED)
+@on_demand
 def _sampled(t, x, y, z, numbers):
     last = len(numbers) - 3
     u, v, uz, vz = numbers[1], numbers[2], 0.0, 0.0

@@ -4,11 +4,11 @@ import pathlib
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
 
 from anet_lumped.checks import SceneError
+from anet_lumped.compiled.jit import on_demand
 
-from .base import COMPILED, UNIFORM_IN_PLACE, Wind
+from .base import UNIFORM_IN_PLACE, Wind
 
 INTERPOLATION = ("linear", "cubic")
 
@@ -88,7 +88,7 @@ def _read(file):
     return table[:, 0].copy(), table[:, 1:].copy()
 
 
-@njit(**COMPILED)
+@on_demand
 def _velocity(t, x, y, z, numbers):
     count = int(numbers[0])
     low, high = 1, 1 + count
