@@ -109,6 +109,13 @@ def test_links_and_pictures_lead_somewhere(page):
             assert (page.parent / target).exists(), target
 
 
+def test_files_that_the_architecture_names_are_there():
+    named = re.findall(r"`([\w/.]+\.(?:py|toml))`", text_of(ROOT / "ARCHITECTURE.md"))
+    assert named
+    for file in named:
+        assert any((ROOT / package / file).is_file() for package in (".", "anet_lumped", "integrators")), file
+
+
 def test_the_gallery_has_every_study():
     page = text_of(DOCS / "gallery.md")
     for name in study_names():
