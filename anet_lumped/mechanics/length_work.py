@@ -80,7 +80,7 @@ def power_of_lengths(place, t, q, v):
 
 @njit(float64(STAGE, _f2, _f2, int64), cache=True, error_model="numpy")
 def work_of_lengths(stage, base, q, place):
-    """What the change of rest lengths puts in over a step of law ``BETWEEN`` by the tensions that act in it [J].
+    """What the change of rest lengths puts in over a step of law ``LAW_BETWEEN`` by the tensions that act in it [J].
 
     -T (L_b - L_a), and for the spring k of the middle, with which the secant was taken, what that of the ends stores besides.
     """

@@ -54,7 +54,7 @@ from anet_lumped.model.tables import (
     SEGMENT_STRETCH_BEFORE,
     SEGMENT_TENSION,
 )
-from integrators.stage import BETWEEN, STAGE, STATE
+from integrators.stage import LAW_AT_END, LAW_BETWEEN, STAGE
 
 _f2 = float64[:, ::1]
 
@@ -90,7 +90,7 @@ def _finish_tensions_of(stage, net, c):
     _, _, soft, taut, _, share = weights(stage, net, c)
     one_way = switch(net, c, AXIAL_PUSH_SHARE) < 1.0 and switch(net, c, AXIAL_INEXTENSIBLE) == 0.0
     curved = lane(of_table(net.cable, c, CABLE_CURVE), 0) < lane(of_table(net.cable, c, CABLE_CURVE_END), 0)
-    per_sum, strain = (0.5 if stage.law == BETWEEN else 1.0) / L0, share * taut / (2.0 * L0)
+    per_sum, strain = (0.5 if stage.law == LAW_BETWEEN else 1.0) / L0, share * taut / (2.0 * L0)
     most, longest = 0.0 * L0, 0.0 * L0
     x0, y0, z0 = row3(step, of_table(net.cable, c, CABLE_START))
     for j in range(count):
@@ -104,7 +104,7 @@ def _finish_tensions_of(stage, net, c):
         stiffness, longer = at(segment, index(s, 0, SEGMENT_COLUMNS, SEGMENT_STIFFNESS)), gx * dx + gy * dy + gz * dz
         if one_way:
             stretch, _, _, numerical = four(segment, index(s, 0, SEGMENT_COLUMNS, SEGMENT_STRETCH))
-            straight = soft + numerical if stage.law == BETWEEN else soft
+            straight = soft + numerical if stage.law == LAW_BETWEEN else soft
             as_taut = (stretch > 0.0) | (stiffness + a > (1.0 - 1e-9) * straight)
             most = max(most, select(as_taut & (stretch + longer > 0.0), 0.0, 1e300))
         T = select(stiffness != 0.0, T + a * longer, T)
@@ -133,7 +133,7 @@ def direction(stage, place):
     for i in range(net.n_interior, net.n_free):
         for x in range(3):
             kept[i, x] = right[i, x]
-    length_direction, taut = SEGMENT_GRADIENT if stage.law == BETWEEN else SEGMENT_DIRECTION, False
+    length_direction, taut = SEGMENT_GRADIENT if stage.law == LAW_BETWEEN else SEGMENT_DIRECTION, False
     for solves in range(1, ROUNDS + 1):
         smallest = chain.solve(place)
         taut = smallest > 0.0  # all are taut and stay so: a slack segment has no tension
@@ -201,7 +201,7 @@ def direction(stage, place):
         for i in range(net.n_interior, net.n_free):
             for x in range(3):
                 right[i, x] = kept[i, x]
-    left = _finish_tensions(stage, net) if stage.law != STATE else 1e300
+    left = _finish_tensions(stage, net) if stage.law != LAW_AT_END else 1e300
     return solves, left if taut and net.effects.linear == 1 else 1e300
 
 

@@ -53,7 +53,7 @@ from anet_lumped.model.tables import (
     SLOT_TANGENT,
     SLOT_WHOLE_STEP,
 )
-from integrators.stage import BETWEEN, STAGE, STATE
+from integrators.stage import LAW_AT_END, LAW_BETWEEN, STAGE
 
 _f2 = float64[:, ::1]
 
@@ -63,9 +63,9 @@ EPS = 2.220446049250313e-16
 @njit(cache=True, error_model="numpy")
 def set_stage_lengths(stage, place):
     """Rest lengths at the end and the start of a stage, and what else follows from them where external forces are taken."""
-    begins = stage.t - (stage.theta * stage.tau if stage.law != STATE else 0.0)
-    set_lengths(place, begins, stage.t, begins + stage.tau if stage.law != STATE else stage.t)
-    if stage.law == STATE:
+    begins = stage.t - (stage.theta * stage.tau if stage.law != LAW_AT_END else 0.0)
+    set_lengths(place, begins, stage.t, begins + stage.tau if stage.law != LAW_AT_END else stage.t)
+    if stage.law == LAW_AT_END:
         net = net_at(place)
         for c in net.lengths.cable:
             net.axial[c, AXIAL_L0_BEFORE] = net.axial[c, AXIAL_L0] - stage.tau * net.axial[c, AXIAL_L0_RATE]
@@ -177,7 +177,7 @@ def residual(stage, base, target, q, place):
         i, j = effects.index_at[e], effects.index_at[e + 1]
         a, b = effects.params_at[e], effects.params_at[e + 1]
         index, params, of = effects.index[i:j], effects.params[a:b], effects.address[e]
-        if of[SLOT_WHOLE_STEP] != 0 and stage.law == BETWEEN:
+        if of[SLOT_WHOLE_STEP] != 0 and stage.law == LAW_BETWEEN:
             as_between(of[SLOT_WHOLE_STEP])(stage.t, stage.tau, base, q, index, params, right, diagonal, net.near, net.far)
             continue
         as_force(of[SLOT_FORCE])(stage.t, middle_q, middle_v, index, params, right)
@@ -218,6 +218,6 @@ def residual(stage, base, target, q, place):
         predicted = max(predicted, abs(kept[p, 0]), abs(kept[p, 1]), abs(kept[p, 2]))
     if not finite - finite == 0.0:
         norm = 1e300
-    if stage.law == STATE or not finite - finite == 0.0:
+    if stage.law == LAW_AT_END or not finite - finite == 0.0:
         predicted = 1e300
     return norm, scale, noise, max(0.0, predicted - floor)

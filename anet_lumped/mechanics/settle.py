@@ -143,7 +143,7 @@ def _settle_of(stage, net, c, members, base, q, v):
 
 @njit(void(STAGE, _f2, _f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})
 def settle(stage, base, q, v, place, energy):
-    """Account for a step of law ``BETWEEN`` from base to q, and take out of the velocities at its end what rings.
+    """Account for a step of law ``LAW_BETWEEN`` from base to q, and take out of the velocities at its end what rings.
 
     The energy put in by driven nodes and dissipated is that of the very forces that acted in the step; what changes the rest
     lengths puts in -T (L_b - L_a), so that dampers dissipate by the change of l - L0.

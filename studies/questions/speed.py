@@ -9,7 +9,7 @@ from numba import njit
 from anet_lumped import equilibrium, simulate
 from anet_lumped.mechanics import newton_step, residual, settle
 from anet_lumped.mechanics.fresh_net import fresh_net
-from integrators.stage import BETWEEN, Stage
+from integrators.stage import LAW_BETWEEN, Stage
 from studies.accuracy_cost.cases import net
 
 QUESTION = "What does a step cost, does its cost grow with the size of the net, and how fast is the carried net?"
@@ -61,7 +61,7 @@ def costs(segments, repeats):
     start, nodes, h = equilibrium(net("net_carried", segments=segments)), rest.model.n, 0.01
     arrays, q, v, energy = fresh_net(rest.model), rest.q.copy(), np.zeros_like(rest.q), np.zeros(2)
     arrays.tension[:] = rest.segment_tension
-    stage = Stage(BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
+    stage = Stage(LAW_BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
     steps, iterations = max(10, int(2e6 / nodes)), max(5, int(1e6 / nodes))
     found = []
     for _ in range(repeats + 1):

@@ -1,25 +1,24 @@
-"""What a run that is done has to say against itself: energy that nothing took, lengths that no tension holds, a limit far off.
+"""Warnings attached to a completed run: energy lost or added by its steps, cables too long for their tension, no limit in sight.
 
-None of it makes the run another than done: a method that damps the motion is asked for by name, and a rest may be right that
-was reached by wrong damping. But whoever reads of a swing, or of a stretch, must know. On the catalogue of hard cases
-(`studies.catalogue`) every run whose statements are broken, and that is not found to have gained energy, has a caveat.
+A run with a warning is done all the same: a method that damps the motion is asked for by name, and a rest may be right that
+was reached by wrong damping. But a reader of its swing or its stretch must know. On the catalogue of hard cases
+(`studies.catalogue`) every run that breaks a statement, and that has not gained energy, has a warning.
 """
 
 import numpy as np
 
 from anet_lumped.results.audit import SHARE
 from anet_lumped.scene.scene import Driven
-from integrators import dirk
+from integrators import schemes
 
-from .extrapolation import is_extrapolated
-from .gain import MOST
+from .energy_gain import ALLOWED_GAIN
 
-OFF_ITS_TENSION = 0.1  # of a cable's stretch, by which the places may exceed what the tension holds
-SHARE_OF_WAY = 0.05  # of the way that a node went: what the finer of two runs may be off by to be extrapolated
+EXCESS_STRETCH = 0.1  # by which a cable may be stretched more than its tension stretches it, over the latter
+SHARE_OF_PATH = 0.05  # of the path of a node: error of the finer of two runs up to which they are extrapolated
 TOLERANCE = 1e-7  # of its length: what Newton's tolerance leaves
 
 
-def caveats(run, adaptive=False):
+def warnings_of(run, adaptive=False):
     """Sentences, each with what was found, how much of it, and what to try.
 
     Parameters
@@ -32,13 +31,14 @@ def caveats(run, adaptive=False):
     tuple of str
     """
     step = "a smaller tolerance" if adaptive else f"a smaller step than dt={run.dt:.3g} s"
-    return tuple(text for text in (_energy(run, step), _lengths(run, step), _limit(run, step)) if text)
+    found = _unaccounted_energy(run, step), _excess_length(run, step), _far_from_limit(run, step)
+    return tuple(text for text in found if text)
 
 
-def _energy(run, step):
-    """Changes of energy that work and dissipation do not account for, where they are more than `MOST` of what was in play."""
+def _unaccounted_energy(run, step):
+    """Changes of energy beyond work and dissipation, if they are more than `ALLOWED_GAIN` of the energy in play."""
     balance = run.energy_balance
-    if balance.imbalance <= MOST:
+    if balance.imbalance <= ALLOWED_GAIN:
         return ""
     change = balance.kinetic + balance.elastic + balance.gravitational - balance.work + balance.dissipated
     if any(isinstance(point, Driven) for point in run.scene.points):
@@ -50,15 +50,15 @@ def _energy(run, step):
     return f'{run.method}: {balance.imbalance:.2g} of the energy in play {what}; take {step}, or method="edmc".'
 
 
-def _lengths(run, step):
-    """A cable that is longer than its tension holds it.
+def _excess_length(run, step):
+    """A cable that is longer than its tension can hold it.
 
-    A damper holds a stretch back and gives it none: k x + c dx/dt = T keeps x below the largest T/k there was. Where the
-    largest stretch of a cable, its taut segments' together, is more than that by `OFF_ITS_TENSION` of it, what is too long
-    comes from the steps: of a scheme whose reported tension is the mean over its stages, and of an extrapolation, which goes
-    straight on where the end of a stiff cable goes round.
+    A damper delays a stretch and adds none: k x + c dx/dt = T keeps x below the largest T/k so far. If the largest stretch of a
+    cable, summed over its taut segments, exceeds that by more than `EXCESS_STRETCH` of it, the steps have made the excess: those of
+    a scheme whose reported tension is the mean over its stages, or an extrapolation, which goes straight on where the end of a
+    stiff cable goes round.
     """
-    if not (is_extrapolated(run) or run.method in dirk.AVERAGED):
+    if not (run.extrapolated or schemes.scheme(run.method).observes_mean_over_stages):
         return ""
     worst, found = 0.0, ""
     for cable in run.scene.cables:
@@ -68,10 +68,10 @@ def _lengths(run, step):
         hardest = pulled[pulled.sum(axis=1).argmax()]
         held = cable.L0 * sum(map(cable.strain, hardest.tolist()))
         excess = longer - max(held, float(np.maximum(stretch[0], 0.0).sum()))
-        if excess > OFF_ITS_TENSION * held + TOLERANCE * cable.length and excess / cable.length > worst:
+        if excess > EXCESS_STRETCH * held + TOLERANCE * cable.length and excess / cable.length > worst:
             worst = excess / cable.length
             name, other = (
-                ("edmc, extrapolated", "no extrapolation") if is_extrapolated(run) else (run.method, 'method="edmc"')
+                ("edmc, extrapolated", "no extrapolation") if run.extrapolated else (run.method, 'method="edmc"')
             )  # fmt: skip
             found = (
                 f'{name}: cable "{cable.name}" gets {longer:.2g} m longer than it is unstretched, where its tension stretches it '
@@ -80,11 +80,11 @@ def _lengths(run, step):
     return found
 
 
-def _limit(run, step):
-    """Two runs too far apart for the limit that they tend to: for the cables, or for how far anything moved."""
+def _far_from_limit(run, step):
+    """Two extrapolated runs that are too far apart to tend to one limit, over the cables' length or over the path of a node."""
     length = max(cable.length for cable in run.scene.cables)
     moved = float(np.linalg.norm(run.q - run.q[0], axis=2).max())
-    if not is_extrapolated(run) or run.error_estimate <= min(SHARE * length, SHARE_OF_WAY * moved + 1e-3 * TOLERANCE * length):
+    if not run.extrapolated or run.error_estimate <= min(SHARE * length, SHARE_OF_PATH * moved + 1e-3 * TOLERANCE * length):
         return ""
     return (
         f"The two runs that are extrapolated are {3.0 * run.error_estimate:.2g} m apart, which is far from a limit: the result "
