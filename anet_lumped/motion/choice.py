@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from integrators import schemes
-from integrators.schemes.scheme import EnergyPromise
+from integrators.schemes.record import EnergyPromise
 
 from . import stability
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from anet_lumped.model.tables import AXIAL_STIFFNESS
 from integrators import schemes
-from integrators.schemes.scheme import EnergyPromise
+from integrators.schemes.record import EnergyPromise
 
 from .choice import CALM, OF_LIMIT_SLACK
 

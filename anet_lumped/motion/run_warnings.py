@@ -5,6 +5,8 @@ was reached by wrong damping. But a reader of its swing or its stretch must know
 (`studies.catalogue`) every run that breaks a statement, and that has not gained energy, has a warning.
 """
 
+from enum import Enum
+
 import numpy as np
 
 from anet_lumped.results.audit import SHARE
@@ -18,8 +20,16 @@ SHARE_OF_PATH = 0.05  # of the path of a node: error of the finer of two runs up
 TOLERANCE = 1e-7  # of its length: what Newton's tolerance leaves
 
 
-def warnings_of(run, adaptive=False):
-    """Sentences, each with what was found, how much of it, and what to try.
+class Finding(Enum):
+    """What a warning is about."""
+
+    UNACCOUNTED_ENERGY = "energy that work and dissipation do not account for"
+    EXCESS_LENGTH = "a cable longer than its tension can hold it"
+    FAR_FROM_LIMIT = "two extrapolated runs that are far apart"
+
+
+def findings(run, adaptive=False):
+    """What is found of a completed run, and the sentence that says how much of it there is and what to try.
 
     Parameters
     ----------
@@ -28,11 +38,20 @@ def warnings_of(run, adaptive=False):
 
     Returns
     -------
-    tuple of str
+    dict of Finding to str
     """
     step = "a smaller tolerance" if adaptive else f"a smaller step than dt={run.dt:.3g} s"
-    found = _unaccounted_energy(run, step), _excess_length(run, step), _far_from_limit(run, step)
-    return tuple(text for text in found if text)
+    texts = {
+        Finding.UNACCOUNTED_ENERGY: _unaccounted_energy(run, step),
+        Finding.EXCESS_LENGTH: _excess_length(run, step),
+        Finding.FAR_FROM_LIMIT: _far_from_limit(run, step),
+    }
+    return {finding: text for finding, text in texts.items() if text}
+
+
+def warnings_of(run, adaptive=False):
+    """Warnings of a completed run, a tuple of sentences; see `findings`."""
+    return tuple(findings(run, adaptive).values())
 
 
 def _unaccounted_energy(run, step):

@@ -16,7 +16,7 @@ from anet_lumped.results.run import RunInterrupt, State
 from anet_lumped.scene.scene import Driven, Fixed, SceneError
 from anet_lumped.statics.equilibrium import equilibrium
 from integrators import schemes
-from integrators.schemes.scheme import Origin
+from integrators.schemes.record import Origin
 
 from .choice import choose
 from .energy_gain import flag_energy_gain

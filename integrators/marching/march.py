@@ -5,9 +5,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from integrators.schemes.scheme import Scheme
+from integrators.schemes.record import Scheme
 from integrators.states import Saved
-from integrators.system import BALANCE, COUNTS, ENERGIES, STEP, StepState, System, compiled, first_class, words_in_memory
+from integrators.system import (
+    BALANCE,
+    COUNTS,
+    ENERGIES,
+    STEP,
+    StepState,
+    System,
+    compiled,
+    entry_point,
+    first_class,
+    words_in_memory,
+)
 
 from . import embedded_steps
 from .adaptive_steps import AdaptiveSteps, compiled_adaptive_steps
@@ -57,8 +68,7 @@ def march(
     system : System
     data_address : int, of what the functions of the system work on
     times : FixedSteps or AdaptiveSteps
-    q, v : (n, 3) float64 [m], [m/s]
-        At the start, and then at the end.
+    q, v : (n, 3) float64 [m], [m/s], at the start; not changed
     saves : (times, numbers observed)
         Increasing (k,) float64 [s] at which an adaptive march saves, from its start on; of a march with fixed steps the number
         of rows that it may write. And how many numbers the system observes of a state.
@@ -70,7 +80,9 @@ def march(
     t = np.array(asked, float) if adaptive else np.empty(asked)
     k, n = len(t), len(q)
     saved = Saved(t, np.empty((k, n, 3)), np.empty((k, n, 3)), np.zeros((k, ENERGIES)), np.empty((k, observed)))
-    state = StepState(q, v, np.zeros((scheme.memory_rows, n, 3)), np.zeros(BALANCE))
+    state = StepState(
+        np.array(q, float, order="C"), np.array(v, float, order="C"), np.zeros((scheme.memory_rows, n, 3)), np.zeros(BALANCE)
+    )
     counts = np.zeros(COUNTS, np.int64)
     stepper = Stepper(step, words.ctypes.data, data_address, scheme.parameters() if parameters is None else parameters, counts)
     if adaptive and scheme.embedded:
@@ -80,6 +92,6 @@ def march(
     else:
         loop, own = compiled_fixed_steps(), (scheme.explicit, scheme.carried_rows)
     began = time.perf_counter()
-    (status, rows, t, node, *more), interrupted = interruptible(loop, stepper, times, *own, state, saved)
+    (status, rows, t, node, *more), interrupted = interruptible(entry_point(loop), stepper, times, *own, state, saved)
     wall_time = time.perf_counter() - began
     return Outcome(status, t, node, Saved(*(part[:rows] for part in saved)), counts, wall_time, interrupted, *more)

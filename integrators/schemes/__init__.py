@@ -4,7 +4,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from .scheme import Scheme
+from .record import Scheme
 
 MODULES = {  # name of a scheme: module that holds its record, imported when the record is first asked for
     "explicit_euler": "integrators.schemes.explicit_euler",

@@ -12,7 +12,7 @@ from integrators.stage import LAW_BACKWARD, Stage
 from integrators.step_ends import evaluate_end
 from integrators.system import DONE, UNCONVERGED, system_at
 
-from .scheme import EnergyPromise, Family, own_scheme
+from .record import EnergyPromise, Family, own_scheme
 
 
 @njit(cache=True, error_model="numpy")

@@ -2,7 +2,7 @@
 
 from integrators.linear_stability import AmplificationPolynomial, NoLimit
 
-from .scheme import Family, Origin, Scheme, Stepping
+from .record import Family, Origin, Scheme, Stepping
 
 TSIT5_Z6 = 0.0014322113248073478  # coefficient of z^6 in its R(z), from its tableau; the lower ones are those of exp(z)
 

@@ -20,7 +20,7 @@ from integrators.stage import LAW_AT_END, Stage
 from integrators.step_ends import evaluate_end
 from integrators.system import DONE, FIRST_OWN, UNCONVERGED, system_at
 
-from .scheme import Family, own_scheme
+from .record import Family, own_scheme
 
 MOST_STAGES = 3
 # Coefficients of a step: number of stages, whether the internal forces are averaged over them, the rows of A, b.

@@ -15,7 +15,7 @@ import numpy as np
 from integrators.linear_stability import AmplificationPolynomial, polynomial_of_tableau
 
 from . import embedded_pair
-from .scheme import Family, Stepping, own_scheme
+from .record import Family, Stepping, own_scheme
 
 STAGES = 12
 ALL_STAGES = STAGES + 1 + 3  # the end of the step, and what the dense output alone needs

@@ -21,7 +21,7 @@ from integrators.newton import newton
 from integrators.stage import LAW_BETWEEN, Stage
 from integrators.system import DISSIPATED, DONE, FIRST_OWN, PUT_IN, UNCONVERGED, system_at
 
-from .scheme import EnergyPromise, Family, own_scheme
+from .record import EnergyPromise, Family, own_scheme
 
 
 @njit(cache=True, error_model="numpy")

@@ -10,7 +10,7 @@ from integrators.linear_stability import AmplificationPolynomial, StepLimit
 from integrators.step_ends import evaluate_end
 from integrators.system import DONE, system_at
 
-from .scheme import Family, own_scheme
+from .record import Family, own_scheme
 
 
 @njit(cache=True, error_model="numpy")

@@ -17,7 +17,7 @@ from integrators.stage import LAW_AT_END, Stage
 from integrators.step_ends import evaluate_end
 from integrators.system import DONE, FIRST_OWN, UNCONVERGED, system_at
 
-from .scheme import Family, own_scheme
+from .record import Family, own_scheme
 
 
 @njit(cache=True, error_model="numpy")

@@ -2,7 +2,7 @@
 
 from integrators.linear_stability import AmplificationPolynomial, NoLimit, polynomial_of_tableau
 
-from .scheme import Family, Origin, Scheme, Stepping
+from .record import Family, Origin, Scheme, Stepping
 
 
 def amplification(name):

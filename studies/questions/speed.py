@@ -20,7 +20,7 @@ STEPS = (40e-3, 20e-3, 10e-3, 5e-3)  # [s]
 REFERENCE = 0.5e-3  # [s] step of generalised-alpha, another method, that places are compared with
 T_END = 4.0  # [s]
 REPEATS = 5
-EXPLICIT = ("symplectic_euler", "verlet")
+TIMED = ("symplectic_euler", "verlet")  # a step of these
 ITERATION, ACCOUNT = "edmc, a Newton iteration", "edmc, energy account and calming of a step"
 
 
@@ -65,7 +65,7 @@ def costs(segments, repeats):
     steps, iterations = max(10, int(2e6 / nodes)), max(5, int(1e6 / nodes))
     found = []
     for _ in range(repeats + 1):
-        row = {f"{method}, a step": run_seconds(start, method, 2e-4 / segments, steps) for method in EXPLICIT}
+        row = {f"{method}, a step": run_seconds(start, method, 2e-4 / segments, steps) for method in TIMED}
         row["edmc, a step"] = run_seconds(start, "edmc", h, max(10, steps // 10))
         row[ITERATION] = seconds(newton_iterations, stage, rest.q, rest.q, q, arrays.place, times=iterations)
         row[ACCOUNT] = seconds(accounts, stage, rest.q, q, v, arrays.place, energy, times=iterations)

@@ -15,7 +15,7 @@ from anet_lumped.mechanics import force, newton_step, residual, settle
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import paths
-from integrators.stage import LAW_BACKWARD, LAW_BETWEEN, LAW_AT_END, Stage
+from integrators.stage import LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN, Stage
 
 EPS = np.finfo(float).eps
 

@@ -15,7 +15,7 @@ from anet_lumped.mechanics.linear import chain
 from anet_lumped.mechanics.linear.coupled import solver
 from anet_lumped.model import tables
 from anet_lumped.model.build import build
-from integrators.stage import LAW_BACKWARD, LAW_BETWEEN, LAW_AT_END, Stage
+from integrators.stage import LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN, Stage
 
 EPS = np.finfo(float).eps
 INERTIA = 100.0  # [N/m] of the systems below; 5 g in steps of 10 ms

@@ -136,6 +136,12 @@ class Scheme:
         """Whether it is a pair of this package with an error estimate of its own."""
         return self.stepping is Stepping.EMBEDDED
 
+    @property
+    def stable_undamped(self) -> bool:
+        """Whether some step is stable for a mode without damping, such as a swing, on which no axial damper acts."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return bool(self.limit.largest_step(np.ones(1), np.zeros(1))[0] > 0.0)
+
     def chooses_steps(self, dt: float | None) -> bool:
         """Whether it chooses its steps by itself although no tolerance is given, with or without a step dt [s]."""
         return self.stepping is Stepping.ADAPTIVE or (self.embedded and dt is None)
