@@ -1,4 +1,4 @@
-"""States of a march in compiled code: copies of them, the rows that are saved, and whether a state is beyond any sense."""
+"""States of a march in compiled code: copies of them, the rows that are saved, and whether a state has diverged."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
 
 # Integers for the calls of compiled functions, which Numba would compile once more for a literal 0, 1 or 2.
 NONE, ONE, TWO = np.int64(0), np.int64(1), np.int64(2)
-BEYOND_SENSE = 1e6  # [m] plus [m/s] of a node: more than anything reaches that hangs on a spring
+LARGEST_SIZE = 1e6  # [m] plus [m/s] of a node, beyond which a motion has diverged
 
 
 class Saved(NamedTuple):
@@ -65,11 +65,11 @@ def save(system_address, data_address, k, t, state, saved):
 
 @njit(cache=True, error_model="numpy")
 def worst_node(q, v):
-    """Node whose place or velocity is not finite or beyond any sense, or -1."""
+    """Node whose place or velocity is not finite or beyond `LARGEST_SIZE`, or -1."""
     for i in range(q.shape[0]):
         size = 0.0
         for x in range(3):
             size += abs(q[i, x]) + abs(v[i, x])
-        if not size < BEYOND_SENSE:
+        if not size < LARGEST_SIZE:
             return i
     return -1

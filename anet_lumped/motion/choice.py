@@ -15,13 +15,13 @@ from . import stability
 # iteration.
 EXPLICIT_COST, IMPLICIT_COST = 14e-9, 130e-9  # [s]
 DEFAULT_IMPLICIT, DEFAULT_EXPLICIT = "edmc", "verlet"
-OF_LIMIT = 0.5  # of the predicted limit for an explicit step
+SHARE_OF_LIMIT = 0.5  # of the predicted limit for an explicit step
 # Of the limit for the schemes whose energy swings about one that they keep, where a cable may go slack undamped. In free flight,
 # whip and crumple at EA = 1e4 and 1e6 N the energy rises by up to 1.6 of that in play at 1/2 of the limit, 0.8 at 0.35, 0.24 at
 # 1/4, 0.11 at 0.18 and 0.06 at 1/8; with rk4, which damps the fastest motion, by 0.01 at any.
-OF_LIMIT_SLACK = 0.125
-CALM = 0.01  # damping ratio from which on a cable that goes slack and snaps taut does not pump an explicit step
-OF_TIME_SCALE = 1.0 / 32.0  # of the motion's time scale for an implicit one: 10 ms for a metre of hanging cable
+SHARE_OF_LIMIT_SLACK = 0.125
+CALM_DAMPING_RATIO = 0.01  # from which on a cable that goes slack and snaps taut gains no energy in explicit steps
+SHARE_OF_TIME_SCALE = 1.0 / 32.0  # of the motion's time scale for an implicit one: 10 ms for a metre of hanging cable
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,11 @@ def choose(scene, method=None, dt=None, adaptive=False):
     chosen_by_user = method is not None
     prediction = _predict(scene, tuple(sorted({DEFAULT_EXPLICIT, method if chosen_by_user else DEFAULT_IMPLICIT})))
     limit = prediction.limits[DEFAULT_EXPLICIT].step
-    motion = OF_TIME_SCALE * time_scale(scene)
-    explicit_step = OF_LIMIT * limit
-    undamped_slack_cable = next((c.name for c in scene.cables if c.compression != "linear" and c.damping_ratio < CALM), None)
+    motion = SHARE_OF_TIME_SCALE * time_scale(scene)
+    explicit_step = SHARE_OF_LIMIT * limit
+    undamped_slack_cable = next(
+        (c.name for c in scene.cables if c.compression != "linear" and c.damping_ratio < CALM_DAMPING_RATIO), None
+    )
     stiff_effect = next((type(effect).__name__ for effect in scene.effects if getattr(effect, "stiff", False)), None)
     needs_implicit = undamped_slack_cable is not None or stiff_effect is not None
     if chosen_by_user:
@@ -108,7 +110,7 @@ def choose(scene, method=None, dt=None, adaptive=False):
         why = (
             f"a second of motion costs {explicit_cost * 1e6:.3g} µs a node with {DEFAULT_EXPLICIT} at {explicit_step:.3g} s "
             f"(stable to {limit:.3g} s) and {implicit_cost * 1e6:.3g} µs with {DEFAULT_IMPLICIT} at {motion:.3g} s "
-            f"(1/{1 / OF_TIME_SCALE:.0f} of the motion's time scale)"
+            f"(1/{1 / SHARE_OF_TIME_SCALE:.0f} of the motion's time scale)"
         )
     if undamped_slack_cable is not None and not chosen_by_user and rigid is None:
         why += f'; cable "{undamped_slack_cable}" may go slack undamped, where an explicit step gains energy'
@@ -117,7 +119,7 @@ def choose(scene, method=None, dt=None, adaptive=False):
     scheme, limit = schemes.scheme(method), prediction.limits[method].step
     if dt is None and scheme.explicit and scheme.own:
         pumps = undamped_slack_cable is not None and scheme.energy is EnergyPromise.SWINGS_ABOUT
-        dt = min((OF_LIMIT_SLACK if pumps else OF_LIMIT) * limit, motion) if limit > 0 else motion / 32.0
+        dt = min((SHARE_OF_LIMIT_SLACK if pumps else SHARE_OF_LIMIT) * limit, motion) if limit > 0 else motion / 32.0
         why += f"; dt={dt:.3g} s from the predicted limit"
     elif dt is None:
         dt = motion / 8.0 if adaptive else motion

@@ -14,13 +14,13 @@ from anet_lumped.model.tables import AXIAL_STIFFNESS
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 
-from .choice import CALM, OF_LIMIT_SLACK
+from .choice import CALM_DAMPING_RATIO, SHARE_OF_LIMIT_SLACK
 
 GAINED = "energy gained"  # the status
 ALLOWED_GAIN = 0.1  # of the energy in play
 BLOCKS = 20  # of a run, whose least energies are compared where energy oscillates by itself
-OF_WEIGHT = 1e-9  # of the weight's work over the reach: energy that Newton's tolerance leaves
-OF_STIFFNESS = 1e-15  # of k reach^2: energy that rounding leaves
+WEIGHT_TOLERANCE = 1e-9  # of the weight's work over the reach: energy that Newton's tolerance leaves
+STIFFNESS_TOLERANCE = 1e-15  # of k reach^2: energy that rounding leaves
 
 
 def energy_gain(run, adaptive=False):
@@ -49,7 +49,7 @@ def energy_gain(run, adaptive=False):
         own = np.array([block.min() for block in np.array_split(own, min(BLOCKS, len(own)))])
     reach = np.abs(run.q).max()
     weight = model.mass[: model.n_free].sum() * np.linalg.norm(run.scene.gravity)
-    rounding = OF_WEIGHT * weight * reach + OF_STIFFNESS * model.axial[:, AXIAL_STIFFNESS].max(initial=0.0) * reach**2
+    rounding = WEIGHT_TOLERANCE * weight * reach + STIFFNESS_TOLERANCE * model.axial[:, AXIAL_STIFFNESS].max(initial=0.0) * reach**2
     in_play = max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max()) + rounding
     return float((own - np.minimum.accumulate(own)).max() / in_play) if in_play else 0.0
 
@@ -71,14 +71,14 @@ def flag_energy_gain(run, limit, adaptive=False):
     gained = energy_gain(run, adaptive)
     if gained <= ALLOWED_GAIN:
         return run
-    small = OF_LIMIT_SLACK * limit
+    small = SHARE_OF_LIMIT_SLACK * limit
     swings = schemes.scheme(run.method).energy is EnergyPromise.SWINGS_ABOUT
     if not adaptive and run.dt > limit:
         why = f'; its step is beyond the largest stable one, {limit:.3g} s: take a smaller one or method="edmc"'
     elif swings and run.dt > small:
         why = (
             "; such a step adds energy to an undamped cable that goes slack and snaps taut: take at most an eighth of the "
-            f'predicted limit, {small:.3g} s, a damping ratio of {CALM:g} or more, or method="edmc"'
+            f'predicted limit, {small:.3g} s, a damping ratio of {CALM_DAMPING_RATIO:g} or more, or method="edmc"'
         )
     else:
         why = '; try method="edmc", which never gains any, or a smaller step'

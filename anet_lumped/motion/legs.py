@@ -12,7 +12,7 @@ import numpy as np
 
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
-from anet_lumped.model.remainder import remainder
+from anet_lumped.model.remainder import Remainder, remainder
 from anet_lumped.model.tables import CABLE_SEGMENTS
 from anet_lumped.results.events import BREAK, PAYLOAD, Event, broken
 from anet_lumped.results.run import STATUS, RunInterrupt, Work
@@ -90,6 +90,17 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
             return made.joined()
 
 
+class _Rows(NamedTuple):
+    """Rows that a leg has saved: what was left of the scene, times, places, velocities, energies and tensions of what was left."""
+
+    left: Remainder
+    t: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    energy: np.ndarray
+    tension: np.ndarray
+
+
 class _Legs:
     """A run in the making: the state that it has reached, what is left of the scene, and the rows saved so far."""
 
@@ -111,8 +122,8 @@ class _Legs:
         again = self.dt is not None and count > 1 and run.t[-1] - run.t[-2] <= SAME_TIME * self.dt
         if run.status in (STATUS[DONE], STATUS[EVENT]) and (again or not self.leg.saves(float(run.t[-1]), self.dt)):
             count -= 1
-        kept = slice(first, count)
-        self.rows.append((own, run.t[kept], run.q[kept], run.v[kept], energy[kept], run.segment_tension[kept]))
+        new = slice(first, count)
+        self.rows.append(_Rows(own, run.t[new], run.q[new], run.v[new], energy[new], run.segment_tension[new]))
         self.t = float(run.t[-1])
         self.q[own.node], self.v[own.node], self.tension[own.segment] = run.q[-1], run.v[-1], run.segment_tension[-1]
         self.carried[WORK:] = energy[-1, WORK:]
@@ -121,8 +132,8 @@ class _Legs:
     def add_row(self):
         """Save the current state."""
         own = self.left
-        row = np.array([self.t]), self.q[own.node], self.v[own.node], self.energies(), self.tension[own.segment]
-        self.rows.append((own, row[0], *(part[None] for part in row[1:])))
+        row = self.t, self.q[own.node], self.v[own.node], self.energies(), self.tension[own.segment]
+        self.rows.append(_Rows(own, *(np.array([part]) for part in row)))
 
     def energies(self):
         """Kinetic, elastic and potential energy now, work and dissipated energy so far, (5,) [J]."""
@@ -183,33 +194,32 @@ class _Legs:
         """Let segments fail: their masses stay with their nodes, the energy that they hold is lost."""
         for segment in segments:
             cable = self.scene.cables[self.model.cable_of[segment]]
-            place = int(np.flatnonzero(np.arange(self.model.n_segments)[self.model.segments(cable.name)] == segment)[0])
+            number = int(np.flatnonzero(np.arange(self.model.n_segments)[self.model.segments(cable.name)] == segment)[0])
             before = self.energies()
-            self.broken[cable.name] = tuple(sorted((*self.broken.get(cable.name, ()), place)))
+            self.broken[cable.name] = tuple(sorted((*self.broken.get(cable.name, ()), number)))
             self._reduce()
             lost = float(np.sum((before - self.energies())[: POTENTIAL + 1]))
             self.carried[DISSIPATED] += lost
             tension = float(self.tension[segment])
             self.tension[segment] = 0.0
-            self.events.append(Event(self.t, BREAK, cable.name, lost, segment=place, tension=tension))
+            self.events.append(Event(self.t, BREAK, cable.name, lost, segment=number, tension=tension))
 
     def joined(self):
         """All legs as one Run."""
         last, errors = self.runs[-1], [run.error_estimate for run in self.runs]
         if len(self.rows) == 1 and not self.events and last.model is self.model:
             return last
-        counts = [len(row[1]) for row in self.rows]
-        q, v = np.empty((2, sum(counts), self.model.n, 3))
-        tension, at = np.zeros((sum(counts), self.model.n_segments)), 0
-        for (own, _, of_q, of_v, _, of_tension), count in zip(self.rows, counts, strict=True):
-            rows = slice(at, at + count)
-            q[rows, own.node], v[rows, own.node], tension[rows, own.segment] = of_q, of_v, of_tension
-            at += count
+        t = np.concatenate([leg.t for leg in self.rows])
+        q, v = np.empty((2, len(t), self.model.n, 3))
+        tension, begin = np.zeros((len(t), self.model.n_segments)), 0
+        for leg in self.rows:
+            rows = slice(begin, begin + len(leg.t))
+            q[rows, leg.left.node], v[rows, leg.left.node], tension[rows, leg.left.segment] = leg.q, leg.v, leg.tension
+            begin = rows.stop
         return replace(
             last,
-            model=self.model, q=q, v=v, segment_tension=tension,
-            t=np.concatenate([row[1] for row in self.rows]),
-            energy=np.concatenate([row[4] for row in self.rows]),
+            model=self.model, t=t, q=q, v=v, segment_tension=tension,
+            energy=np.concatenate([leg.energy for leg in self.rows]),
             status=STATUS[DONE] if last.status == STATUS[EVENT] else last.status,
             work=Work(*np.sum([astuple(run.work) for run in self.runs], axis=0).tolist()),
             error_estimate=None if None in errors else sum(errors),

@@ -10,7 +10,8 @@ from numba.extending import register_jitable
 @register_jitable(error_model="numpy")
 def smoothstep(s):
     """Value, slope and curvature of the smoothstep at s, which is between 0 and 1."""
-    return s * s * s * (10.0 + s * (6.0 * s - 15.0)), 30.0 * (s * (1.0 - s)) ** 2, 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)
+    both = s * (1.0 - s)
+    return s * s * s * (10.0 + s * (6.0 * s - 15.0)), 30.0 * both * both, 60.0 * both * (1.0 - 2.0 * s)
 
 
 @register_jitable(error_model="numpy")

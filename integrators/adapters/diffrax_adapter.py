@@ -30,7 +30,7 @@ from jax import lax
 
 from integrators.system import COUNTS, DIVERGED, DONE, FACTORISATIONS, FORCES, NEWTON, REJECTED, STEPS, UNCONVERGED
 
-from .outcome import BEYOND_SENSE, Outcome, Task, fastest_node
+from .outcome import LARGEST_COORDINATE, Outcome, Task, fastest_node
 
 jax.config.update("jax_enable_x64", True)
 
@@ -202,7 +202,7 @@ def _advance(solver, controller, motion, stop, times, march):
         kept, _, t_next, _, controlled, _ = controller.adapt_step_size(m.t, t, m.y, y, args, error, order, m.controller)
         why = jnp.where(~finite, NOT_FINITE, jnp.where(~solved, NO_STAGE, TOO_SHORT))
         failure = jnp.where(~kept & (t_next - m.t < shortest), why, FINE)
-        failure = jnp.where(kept & ~(jnp.maximum(jnp.abs(y.q).max(), jnp.abs(y.v).max()) < BEYOND_SENSE), TOO_LARGE, failure)
+        failure = jnp.where(kept & ~(jnp.maximum(jnp.abs(y.q).max(), jnp.abs(y.v).max()) < LARGEST_COORDINATE), TOO_LARGE, failure)
         curve = solver.interpolation_cls(t0=m.t, t1=t, **dense)
 
         def due(saving):

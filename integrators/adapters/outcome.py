@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-BEYOND_SENSE = 1e12  # [m], [m/s] of a coordinate
+LARGEST_COORDINATE = 1e12  # [m], [m/s], beyond which a motion has diverged
 
 
 @dataclass(frozen=True, eq=False)

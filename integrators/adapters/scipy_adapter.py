@@ -18,7 +18,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from integrators.system import COUNTS, DIVERGED, DONE, EVENT, FACTORISATIONS, FORCES, NEWTON, REJECTED, STEPS, UNCONVERGED
 
-from .outcome import BEYOND_SENSE, Outcome, Task, fastest_node
+from .outcome import LARGEST_COORDINATE, Outcome, Task, fastest_node
 
 MOST = 50_000_000  # force evaluations of a run; a bound on what is otherwise unbounded
 EPS = np.finfo(float).eps
@@ -183,7 +183,7 @@ def _steps(equations, task, counts):
             counts[FACTORISATIONS] += solver.nlu - factorisations
             if failure is not None:
                 raise _StopError(UNCONVERGED if np.isfinite(equations.rate).all() else DIVERGED, failure)
-            if not np.abs(solver.y[position[:-2]]).max() < BEYOND_SENSE:
+            if not np.abs(solver.y[position[:-2]]).max() < LARGEST_COORDINATE:
                 raise _StopError(DIVERGED, "places or velocities are beyond any sense")
             t, y = stop if solver.status == "finished" else solver.t, solver.y[position]
             yield t, y, solver.dense_output

@@ -87,7 +87,7 @@ def double_step(stepper, t, h, order, start, state, whole):
     Returns
     -------
     error, size : float64 [m]
-        Estimated error of places, inf where a step failed or the state is beyond any sense; the largest coordinate.
+        Estimated error of places, inf where a step failed or the state has diverged; the largest coordinate.
     """
     if take_step(stepper, t, h, state) != DONE:
         return np.inf, 0.0

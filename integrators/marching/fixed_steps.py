@@ -91,14 +91,16 @@ def fixed_steps(stepper, times, explicit, carried_rows, state, saved, stop):
                 counts[HALVINGS] += 1
                 part *= 0.5
                 if part < SMALLEST_PART:
-                    return UNCONVERGED, save(system_address, data_address, rows, now, state, saved), now, -1
+                    rows = save(system_address, data_address, rows, now, state, saved)
+                    return UNCONVERGED, rows, now, -1
                 continue
             counts[STEPS] += 1
             if watched:
                 before, margin = margin, margin_of(stepper, state)
                 if margin > 0.0 and worst_node(state.q, state.v) < 0:
                     now += locate(stepper, now, h, ONE, before, margin, start, state)
-                    return EVENT, save(system_address, data_address, rows, now, state, saved), now, -1
+                    rows = save(system_address, data_address, rows, now, state, saved)
+                    return EVENT, rows, now, -1
             taken += part
             if taken % (2.0 * part) == 0.0:
                 part = min(2.0 * part, 1.0)

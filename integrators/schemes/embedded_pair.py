@@ -166,8 +166,8 @@ def judge_step(n_free, h, state, parameters):
     Returns
     -------
     error, of_places, size, stiff : float64
-        The larger one of the error of places and of that of velocities over a second [m], inf if the state is beyond any
-        sense; the error of places [m]; the largest coordinate [m]; h |lambda|.
+        The larger one of the error of places and of that of velocities over a second [m], inf if the state has
+        diverged; the error of places [m]; the largest coordinate [m]; h |lambda|.
     """
     q, v = state.q, state.v
     S, end, n = int(parameters[STAGES]), int(parameters[END]), 3 * n_free

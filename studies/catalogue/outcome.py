@@ -39,8 +39,8 @@ EXCUSED = (ACCURACY, REST, LOAD)
 STEPS, NODES, WORK, NEVER_STABLE, STEP, RIGID, MISSING, OTHER = (
     "steps", "nodes", "work", "never stable", "step", "EA = inf", "missing", "refused"
 )  # fmt: skip
-OF_STATUS = {GAINED: "energy", STATUS[DIVERGED]: "diverged", STATUS[OUT_OF_STEPS]: STEPS}
-OF_FINDING = {
+CAUSE_OF_STATUS = {GAINED: "energy", STATUS[DIVERGED]: "diverged", STATUS[OUT_OF_STEPS]: STEPS}
+CAUSE_OF_FINDING = {
     Finding.UNACCOUNTED_ENERGY: "lost energy",
     Finding.EXCESS_LENGTH: "length",
     Finding.FAR_FROM_LIMIT: "no limit",
@@ -169,15 +169,15 @@ def _meet(case, method, way, how):
         return Outcome(HELD, "", asked, **done)
     found = findings(run, adaptive)
     if method is not None and found and all(s.kind in EXCUSED for s in broken):
-        return Outcome(REFUSED, " ".join(found.values()), asked, cause=OF_FINDING[next(iter(found))], **done)
+        return Outcome(REFUSED, " ".join(found.values()), asked, cause=CAUSE_OF_FINDING[next(iter(found))], **done)
     audited, _ = _run(case, method, dt, audit=True, **how)
     return Outcome(FAILED, "; ".join(map(str, broken)), asked, audit=audited.status, **done)
 
 
 def _cause(case, run):
     """Label of what stopped a run."""
-    if run.status in OF_STATUS:
-        return OF_STATUS[run.status]
+    if run.status in CAUSE_OF_STATUS:
+        return CAUSE_OF_STATUS[run.status]
     scheme, nodes = schemes.scheme(run.method), build(case.scene).n
     if scheme.own:
         return "tolerance" if scheme.embedded else "no root"

@@ -8,7 +8,7 @@ import pytest
 from systems import four_cables, loose_cable, spring_mass
 
 from anet_lumped import simulate
-from anet_lumped.motion.choice import OF_LIMIT_SLACK, choose
+from anet_lumped.motion.choice import SHARE_OF_LIMIT_SLACK, choose
 from anet_lumped.motion.stability import damping_limit, frequency_limit, predict, step_limit
 from integrators import schemes
 from integrators.linear_stability import LaggingDamping, StepLimit
@@ -130,7 +130,7 @@ def test_a_scheme_that_is_added_is_simulated(toy):
     assert -np.polyfit(np.log(steps), np.log(off), 1)[0] == pytest.approx(2.0, abs=0.15)
     whip = loose_cable(1e4, 0.0)
     chosen = simulate(whip, 0.2, method=toy, start="straight")
-    assert chosen.ok and chosen.dt == pytest.approx(OF_LIMIT_SLACK * choose(whip, toy).limit, rel=1e-2)
+    assert chosen.ok and chosen.dt == pytest.approx(SHARE_OF_LIMIT_SLACK * choose(whip, toy).limit, rel=1e-2)
     adaptive = simulate(four_cables(1e3, carried=True), 0.2, method=toy, rtol=1e-5)
     assert adaptive.ok and adaptive.error_estimate > 0.0
     with pytest.raises(ValueError, match=r'did you mean "position_verlet"\?'):
