@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from anet_lumped.model.build import build
-from anet_lumped.motion import extrapolation
 from anet_lumped.motion.choice import EXPLICIT_COST, SHARE_OF_LIMIT, SHARE_OF_TIME_SCALE, time_scale
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.motion.stability import predict
 from anet_lumped.motion.times import stops
 from anet_lumped.scene.scene import Free, SceneError
+from integrators import schemes
 
 SAVES = 40  # times at which places are compared
 MOST_SEGMENTS = 3000  # of the longest cable
@@ -229,7 +229,8 @@ class _Search:
 
     def fixed(self, scene, share, extrapolate=False):
         """The largest step of edmc whose error is within a share; None if extrapolation does not get there."""
-        dt, order = self.step(self.first_step), extrapolation.ORDER if extrapolate else 2
+        dt, edmc = self.step(self.first_step), schemes.scheme("edmc")
+        order = edmc.extrapolated_order if extrapolate else edmc.order
         options = {"extrapolate": True} if extrapolate else {}
         for _ in range(2 * ATTEMPTS):
             error = self.halves(scene, "edmc", dt, order, **options)
