@@ -51,8 +51,8 @@ class System(NamedTuple):
     correct(data_address, length, q)
         q += length times the Newton step.
     settle(stage, base, q, v, data_address, energy)
-        After a step of law ``LAW_BETWEEN``: energy (2,) [J] put in and dissipated between base and q; takes out of the velocities
-        at the end what the step cannot resolve.
+        After a step of law ``LAW_BETWEEN``: energy (4,) [J] put in between base and q, and dissipated by internal dampers, by
+        external forces and by the method; takes out of the velocities at the end what the step cannot resolve.
     adopt(data_address)
         Take the internal forces where `residual` was last for those that act in the step.
     forget(data_address)

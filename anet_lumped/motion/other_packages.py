@@ -67,7 +67,7 @@ def run_of(model, choice, settings, prepared: Prepared, out: Outcome):
     -------
     Run
     """
-    k, free, address, bound = len(out.t), model.n_free, prepared.net.place, prepared.system
+    k, free, address, bound = len(out.t), model.n_free, prepared.net.address, prepared.system
     q, v, energy = np.tile(prepared.task.q, (k, 1, 1)), np.zeros((k, model.n, 3)), np.zeros((k, ENERGIES))
     q[:, :free], v[:, :free] = out.q, out.v
     energy[:, PUT_IN], energy[:, DISSIPATED] = out.put_in, out.dissipated

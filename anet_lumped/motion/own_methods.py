@@ -41,7 +41,7 @@ def march(model, choice, leg, start, settings):
         stride, saves = leg.stride(choice.dt)
         times = FixedSteps(leg.begin, leg.end, choice.dt, leg.run_begin, stride)
     parameters = scheme.parameters(rho_inf=settings.rho_inf)
-    out = march_system(scheme, bound, net.place, times, start.q, start.v, (saves, model.n_segments), parameters)
+    out = march_system(scheme, bound, net.address, times, start.q, start.v, (saves, model.n_segments), parameters)
     tolerances = settings.tolerances if settings.adaptive and scheme.embedded else None
     stiff = stiff_for(choice, tolerances, out.counts, out.held, out.held_for) if tolerances else ()
     run = Run(

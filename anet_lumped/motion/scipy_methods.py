@@ -28,10 +28,10 @@ def march(model, choice, leg, start, settings):
     prepared = prepare(model, choice, leg, start, settings)
     net, system, task = prepared
     motion = scipy_adapter.Motion(
-        prescribe=lambda t, q, v: system.prescribe(t, net.place, q, v),
-        force=lambda t, q, v, f, power: system.force(t, q, v, net.place, f, power),
+        prescribe=lambda t, q, v: system.prescribe(t, net.address, q, v),
+        force=lambda t, q, v, f, power: system.force(t, q, v, net.address, f, power),
         jacobian=sparse_jacobian(model, net),
         mass=model.mass[: model.n_free],
-        margin=(lambda q, v: system.margin(q, v, net.place)) if len(net.strength) else None,
+        margin=(lambda q, v: system.margin(q, v, net.address)) if len(net.breaking_tension) else None,
     )
     return run_of(model, choice, settings, prepared, scipy_adapter.march(motion, task))

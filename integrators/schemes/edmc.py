@@ -32,7 +32,7 @@ def step(system_address, data_address, t, h, state, parameters, counts):
     places is extrapolated: Newton's method then needs one iteration where the motion is smooth.
     """
     system, q, v, memory, rho = system_at(system_address), state.q, state.v, state.memory, parameters[FIRST_OWN]
-    base, target, energy = memory[3], memory[4], memory[5, 0, :2]
+    base, target, energy = memory[3], memory[4], memory[5].ravel()
     Q, V, a, b, Q_a, aim = q.ravel(), v.ravel(), memory[1].ravel(), memory[2].ravel(), base.ravel(), target.ravel()
     free, half = 3 * system.n_free, 0.5 * h * h
     for i in range(Q.shape[0]):
@@ -52,7 +52,7 @@ def step(system_address, data_address, t, h, state, parameters, counts):
         a[i] = change * per_h
     system.settle(stage, base, q, v, data_address, energy)
     state.balance[PUT_IN] += energy[0]
-    state.balance[DISSIPATED] += energy[1]
+    state.balance[DISSIPATED] += energy[1] + energy[2] + energy[3]
     return DONE
 
 

@@ -173,11 +173,11 @@ def settle(stage, base, q, v, address, energy):
         for x in range(3):
             data.force[i, x] = 0.0
     springs(data, base, q, True, data.force, data.matrix)
-    energy[0], energy[1] = 0.0, 0.0
+    energy[0], energy[1], energy[2], energy[3] = 0.0, 0.0, 0.0, 0.0
     for x in range(3):
         energy[0] -= data.force[2, x] * (q[2, x] - base[2, x])
         for i in range(2):
-            energy[1] += data.c * (q[i, x] - base[i, x]) ** 2 / stage.tau
+            energy[2] += data.c * (q[i, x] - base[i, x]) ** 2 / stage.tau
 
 
 @njit(cache=True)

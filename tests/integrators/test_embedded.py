@@ -71,8 +71,8 @@ def test_a_step_is_that_of_the_textbook():
     def rates(t, y):
         a, b = q.copy(), v.copy()
         a[: kernel.n], b[: kernel.n] = y[:-2].reshape(2, kernel.n, 3)
-        kernel.bound.prescribe(t, kernel.net.place, a, b)
-        kernel.bound.force(t, a, b, kernel.net.place, f, power)
+        kernel.bound.prescribe(t, kernel.net.address, a, b)
+        kernel.bound.force(t, a, b, kernel.net.address, f, power)
         return np.concatenate([b[: kernel.n].ravel(), (kernel.bound.per_mass * f)[: kernel.n].ravel(), power])
 
     y0 = np.append(kernel.row(q, v), [0.0, 0.0])
@@ -108,7 +108,7 @@ class Kernel:
         self.q, self.v, self.parameters = state.q.copy(), state.v.copy(), scheme.parameters()
         self.memory, self.balance = np.zeros((scheme.memory_rows, self.model.n, 3)), np.zeros(BALANCE)
         self.state, self.counts = StepState(self.q, self.v, self.memory, self.balance), np.zeros(COUNTS, np.int64)
-        self.addresses = self.words.ctypes.data, self.net.place
+        self.addresses = self.words.ctypes.data, self.net.address
 
     def row(self, q, v):
         """Places and velocities of the moving nodes in one row."""

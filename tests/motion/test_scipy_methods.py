@@ -205,7 +205,7 @@ def test_band_for_lsoda_is_narrow_and_holds_the_whole_jacobian():
     net, q = fresh_net(model), equilibrium(carried_net()).q.copy()
     compiled = system(model)
     motion = Motion(
-        lambda t, q, v: compiled.prescribe(t, net.place, q, v), None, sparse_jacobian(model, net), model.mass[: model.n_free]
+        lambda t, q, v: compiled.prescribe(t, net.address, q, v), None, sparse_jacobian(model, net), model.mass[: model.n_free]
     )
     equations = scipy_adapter._Equations(motion, q, np.zeros_like(q))
     y = equations.y.copy()
