@@ -1,4 +1,4 @@
-"""What a run that is done says against itself: each caveat against a run in which its number is known, and silence elsewhere."""
+"""Warnings of a completed run: each against a run in which its number is known, and silence elsewhere."""
 
 import math
 from dataclasses import replace
@@ -8,7 +8,7 @@ import pytest
 from systems import four_cables, loose_cable
 
 from anet_lumped import load_run, simulate
-from anet_lumped.motion.caveats import caveats
+from anet_lumped.motion.run_warnings import Finding, findings, warnings_of
 from studies.catalogue.swings import ANGLE, pendulum, released
 
 
@@ -42,9 +42,10 @@ def test_more_dissipated_than_there_was():
     run = simulate(loose_cable(1e4), 0.4, method="verlet", start="straight")
     rows = run.energy.copy()
     rows[-1, 4] += 0.3 * np.ptp(rows[:, 2])
-    (text,) = caveats(replace(run, energy=rows))
-    assert caveats(run) == () and "were dissipated beyond what was there" in text
-    assert "take a smaller tolerance" in caveats(replace(run, energy=rows), adaptive=True)[0]
+    (text,) = warnings_of(replace(run, energy=rows))
+    assert warnings_of(run) == () and "were dissipated beyond what was there" in text
+    assert list(findings(replace(run, energy=rows))) == [Finding.UNACCOUNTED_ENERGY]
+    assert "take a smaller tolerance" in warnings_of(replace(run, energy=rows), adaptive=True)[0]
 
 
 def test_midpoint_leaves_a_swing_too_long(swing):
@@ -80,7 +81,21 @@ def test_an_extrapolation_far_from_its_limit_says_so(tmp_path):
     (text,) = [text for text in late.warnings if "far from a limit" in text]
     assert f"are {3.0 * late.error_estimate:.2g} m apart" in text and "no extrapolation" in text
     late.save(tmp_path / "run.nc")
-    assert load_run(tmp_path / "run.nc").warnings == late.warnings
+    back = load_run(tmp_path / "run.nc")
+    assert back.warnings == late.warnings and back.extrapolated
+
+
+def test_a_file_that_does_not_say_holds_no_extrapolation(tmp_path):
+    """As version 0.1 wrote it."""
+    import xarray as xr
+
+    run = simulate(loose_cable(), 0.02, dt=0.01, method="edmc")
+    run.save(tmp_path / "new.nc")
+    with xr.open_dataset(tmp_path / "new.nc", engine="scipy") as data:
+        old = data.load()
+    del old.attrs["extrapolated"]
+    old.to_netcdf(tmp_path / "old.nc", engine="scipy")
+    assert load_run(tmp_path / "old.nc").extrapolated is False
 
 
 def test_an_extrapolation_of_places_is_no_length(swing):

@@ -11,22 +11,22 @@ infinite frequency. Source: Chung & Hulbert, J. Appl. Mech. 60 (1993) 371.
 import numpy as np
 from numba import njit
 
-from .march import arrive
-from .newton import newton
-from .stage import STATE, Stage
-from .system import DONE, SCHEME, UNCONVERGED
+from integrators.linear_stability import NoLimit
+from integrators.newton import newton
+from integrators.stage import LAW_AT_END, Stage
+from integrators.step_ends import evaluate_end
+from integrators.system import DONE, FIRST_OWN, UNCONVERGED, system_at
 
-ORDER = 2
-MEMORY = 5
-KEPT = 2
+from .record import Family, own_scheme
 
 
 @njit(cache=True, error_model="numpy")
-def step(system, net, t, h, q, v, memory, options, counts, balance):
-    """One step; memory[0] is the force and memory[1] the scheme's acceleration a, ``options[SCHEME]`` is rho_inf."""
+def step(system_address, data_address, t, h, state, parameters, counts):
+    """One step; memory[0] is the force and memory[1] the scheme's acceleration a, ``parameters[FIRST_OWN]`` is rho_inf."""
+    system, q, v, memory = system_at(system_address), state.q, state.v, state.memory
     f, a, base, target, q_hat = memory[0], memory[1], memory[2], memory[3], memory[4]
     balanced = target  # not needed any more when this is
-    rho = options[SCHEME]
+    rho = parameters[FIRST_OWN]
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma, beta = 0.5 - alpha_m + alpha_f, 0.25 * (1.0 - alpha_m + alpha_f) ** 2
     if not np.any(a[: system.n_free]):  # at the start, or at rest, where the two agree
@@ -42,11 +42,12 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
             pull = alpha_m * a[i, x] - alpha_f * f[i, x] * system.per_mass[i, x]
             target[i, x] = q_hat[i, x] - pull / ((1.0 - alpha_f) * W)
             q[i, x] += h * v[i, x]
-    system.prescribe(t + h, net, q, v)
+    system.prescribe(t + h, data_address, q, v)
     for i in range(system.n_free, q.shape[0]):
         for x in range(3):
             base[i, x] = q[i, x] - tau * v[i, x]
-    if not newton(system, net, Stage(STATE, t + h, W, 1.0, tau, 0.0), base, target, q, options, counts):
+    stage = Stage(LAW_AT_END, t + h, W, 1.0, tau, 0.0)
+    if not newton(system_address, data_address, stage, base, target, q, parameters, counts):
         return UNCONVERGED
     for i in range(system.n_free):
         for x in range(3):
@@ -55,9 +56,24 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
             inertia = ((1.0 - alpha_m) * fresh + alpha_m * a[i, x]) / system.per_mass[i, x]
             balanced[i, x] = (inertia - alpha_f * f[i, x]) / (1.0 - alpha_f)
             a[i, x] = fresh
-    arrive(system, net, t, h, q, v, memory, counts, balance)
+    evaluate_end(system_address, data_address, t, h, state, counts)
     for i in range(system.n_free):
         for x in range(3):
             # the force that the step balanced, whose damper saw the taut part of the whole step, is what goes on
             f[i, x] = balanced[i, x]
     return DONE
+
+
+GENERALISED_ALPHA = own_scheme(
+    name="generalised_alpha",
+    label="generalised-α",
+    family=Family.ALPHA,
+    order=2,
+    explicit=False,
+    limit=NoLimit(),
+    note="linear statement only: energy can grow without bound in nonlinear motion",
+    options={"rho_inf": 0.8},
+    step=step,
+    memory_rows=5,
+    carried_rows=2,
+)

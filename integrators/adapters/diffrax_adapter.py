@@ -28,15 +28,14 @@ import numpy as np
 import optimistix as optx
 from jax import lax
 
-from .system import DIVERGED, DONE, FACTORISATIONS, FORCES, NEWTON, REJECTED, STEPS, UNCONVERGED
+from integrators.system import COUNTS, DIVERGED, DONE, FACTORISATIONS, FORCES, NEWTON, REJECTED, STEPS, UNCONVERGED
+
+from .outcome import LARGEST_COORDINATE, Outcome, Task, fastest_node
 
 jax.config.update("jax_enable_x64", True)
 
-EXPLICIT = {"Tsit5": diffrax.Tsit5}
-IMPLICIT = {"Kvaerno3": diffrax.Kvaerno3, "Kvaerno5": diffrax.Kvaerno5}
 MOST = 5_000_000  # steps tried in a run; a bound on what is otherwise unbounded
 AT_ONCE = 100  # steps tried before Python has a look, which lets Ctrl-C through
-LARGEST = 1e12  # [m], [m/s] beyond any sense
 KAPPA = 1e-2
 ITERATIONS = 10  # for a stage, before the step is tried with a fifth of its length, as diffrax has it
 SHORTEST = 1e-14  # a step, relative to the time and the stretch marched
@@ -58,26 +57,6 @@ class Motion(Protocol):
 
     def solve(self, factor, r):
         """Solution x (n_free, 3) of (M - tau df/dv - tau^2 df/dq) x = r."""
-
-
-class Outcome(NamedTuple):
-    """How a march ended and what it leaves.
-
-    ``status`` and ``counts`` as in `integrators.system`; ``reason`` says why it stopped and ``node`` where, if it diverged
-    (else -1). ``q``, ``v`` (k, n_free, 3), ``put_in`` and ``dissipated`` (k,) [J] belong to the times ``t`` (k,) [s]: those
-    asked for, as far as it came, and at last the time it reached. ``wall_time`` [s] is without that of compiling.
-    """
-
-    status: int
-    reason: str
-    node: int
-    t: np.ndarray
-    q: np.ndarray
-    v: np.ndarray
-    put_in: np.ndarray
-    dissipated: np.ndarray
-    counts: np.ndarray
-    wall_time: float
 
 
 class _State(NamedTuple):
@@ -106,7 +85,7 @@ class _March(NamedTuple):
     failure: Any
 
 
-FINE, TOO_SHORT, NO_STAGE, NOT_FINITE, TOO_LARGE = range(5)
+FINE, TOO_SHORT, NO_STAGE, NOT_FINITE, TOO_LARGE = range(5)  # how a march fails
 REASONS = {
     TOO_SHORT: (UNCONVERGED, "the step needed is too short for the arithmetic"),
     NO_STAGE: (UNCONVERGED, "a stage was not solved even with the shortest step"),
@@ -176,9 +155,10 @@ def _typed(tree):
 
 
 def _solver(method, rtol, atol):
-    if method in EXPLICIT:
-        return EXPLICIT[method]()
-    return IMPLICIT[method](root_finder=_Chord(rtol, atol), root_find_max_steps=ITERATIONS)
+    solver = getattr(diffrax, method)
+    if issubclass(solver, diffrax.AbstractImplicitSolver):
+        return solver(root_finder=_Chord(rtol, atol), root_find_max_steps=ITERATIONS)
+    return solver()
 
 
 @eqx.filter_jit
@@ -222,7 +202,7 @@ def _advance(solver, controller, motion, stop, times, march):
         kept, _, t_next, _, controlled, _ = controller.adapt_step_size(m.t, t, m.y, y, args, error, order, m.controller)
         why = jnp.where(~finite, NOT_FINITE, jnp.where(~solved, NO_STAGE, TOO_SHORT))
         failure = jnp.where(~kept & (t_next - m.t < shortest), why, FINE)
-        failure = jnp.where(kept & ~(jnp.maximum(jnp.abs(y.q).max(), jnp.abs(y.v).max()) < LARGEST), TOO_LARGE, failure)
+        failure = jnp.where(kept & ~(jnp.maximum(jnp.abs(y.q).max(), jnp.abs(y.v).max()) < LARGEST_COORDINATE), TOO_LARGE, failure)
         curve = solver.interpolation_cls(t0=m.t, t1=t, **dense)
 
         def due(saving):
@@ -244,39 +224,24 @@ def _advance(solver, controller, motion, stop, times, march):
     return _typed(lax.while_loop(unfinished, step, march))
 
 
-def march(method, motion, t0, t_end, stops, q, v, times, first_step, rtol, atol):
-    """March from t0 to t_end with one of `EXPLICIT` or `IMPLICIT`.
+def march(motion: Motion, task: Task) -> Outcome:
+    """March with one of diffrax's solvers.
 
-    States between steps are interpolated as the solver has it: by cubic Hermite polynomials for the implicit ones, by a
-    polynomial of its own, of order four, for Tsit5.
-
-    Parameters
-    ----------
-    method : str
-    motion : Motion
-    stops : increasing (k,) float64 [s]
-        Times that a step must end on, where the solver starts afresh.
-    q, v : (n_free, 3) float64 [m], [m/s]
-    times : increasing (k,) float64 [s], from t0 to t_end, at which to save
-    first_step : float [s], after every stop too
-    rtol, atol : float
-        The error of a step is kept below atol + rtol |y_i|, in the mean square over places [m] and velocities [m/s].
-
-    Returns
-    -------
-    Outcome
+    The error of a step is kept within its tolerance in the mean square over places [m] and velocities [m/s]. The first step is
+    taken after every stop too. States between steps are interpolated as the solver has it: by cubic Hermite polynomials for the
+    implicit ones, by a polynomial of its own, of order four, for Tsit5.
     """
-    rtol, atol, times = jnp.asarray(rtol, float), jnp.asarray(atol, float), times.copy()
-    times[0] = t0
-    solver, controller = _solver(method, rtol, atol), diffrax.PIDController(rtol, atol, norm=_norm)
+    rtol, atol, times = jnp.asarray(task.rtol, float), jnp.asarray(task.atol, float), task.saved_times()
+    solver, controller = _solver(task.method, rtol, atol), diffrax.PIDController(rtol, atol, norm=_norm)
+    q, v = (x[: len(motion.mass)] for x in (task.q, task.v))
     y = _State(jnp.asarray(q, float), jnp.asarray(v, float), jnp.zeros(2), jnp.zeros(()))
     out = jax.tree.map(lambda a: jnp.zeros((len(times) + 1, *a.shape)).at[0].set(a), y)
     zero = jnp.array(0)
-    m = _March(jnp.asarray(float(t0)), None, y, None, None, zero + 1, out, zero, zero, zero, zero, zero)
+    m = _March(jnp.asarray(float(task.t0)), None, y, None, None, zero + 1, out, zero, zero, zero, zero, zero)
     failure, node, starts = FINE, -1, 0
     saving = jnp.asarray(times)
-    for stop in jnp.asarray([*stops[(stops > t0) & (stops < t_end)].tolist(), float(t_end)]):
-        first = jnp.minimum(first_step, stop - m.t)
+    for stop in jnp.asarray(task.ends()):
+        first = jnp.minimum(task.first_step, stop - m.t)
         t_next, memory, controlled, rates = _begin(solver, controller, motion, m.t, stop, first, m.y)
         m = _typed(m._replace(t_next=t_next, solver=memory, controller=controlled))
         starts += 1
@@ -284,7 +249,7 @@ def march(method, motion, t0, t_end, stops, q, v, times, first_step, rtol, atol)
             _advance(solver, controller, motion, stop, saving, m._replace(failure=_typed(zero + NOT_FINITE)))
             began = time.perf_counter()  # what was needed is compiled, by a march of no step
         if not np.isfinite(rates.v).all():
-            failure, node = NOT_FINITE, _largest(rates.v)
+            failure, node = NOT_FINITE, fastest_node(rates.v)
             break
         while m.t < stop and failure == FINE and m.tried < MOST:
             m = _advance(solver, controller, motion, stop, saving, m)
@@ -297,7 +262,7 @@ def march(method, motion, t0, t_end, stops, q, v, times, first_step, rtol, atol)
     if failure == NOT_FINITE and m.tried == 0:
         reason = "the force at the start is not finite"
     elif status == DIVERGED:
-        node = _largest(_rates(m.t, m.y, (motion, stop, None)).v)
+        node = fastest_node(_rates(m.t, m.y, (motion, stop, None)).v)
     saved, out, reached = int(m.saved), [np.array(a) for a in m.out[:3]], float(m.t)
     times = np.append(times, 0.0)
     if status != DONE and reached > times[saved - 1]:
@@ -307,19 +272,14 @@ def march(method, motion, t0, t_end, stops, q, v, times, first_step, rtol, atol)
         saved += 1
     return Outcome(
         status, reason, node, times[:saved], out[0][:saved], out[1][:saved], out[2][:saved, 1], out[2][:saved, 0],
-        _counts(method, m, starts), time.perf_counter() - began,
+        _counts(solver, m, starts), time.perf_counter() - began,
     )  # fmt: skip
 
 
-def _counts(method, m, starts):
+def _counts(solver, m, starts):
     """Work counts: a force at every start, in every stage, and in every iteration of an implicit stage."""
     tried, steps, stages, iterations = map(int, (m.tried, m.steps, m.stages, m.iterations))
-    counts = np.zeros(6, np.int64)
+    counts = np.zeros(COUNTS, np.int64)
     counts[STEPS], counts[REJECTED], counts[FORCES], counts[NEWTON] = steps, tried - steps, starts + stages + iterations, iterations
-    counts[FACTORISATIONS] = tried if method in IMPLICIT else 0
+    counts[FACTORISATIONS] = tried if isinstance(solver, diffrax.AbstractImplicitSolver) else 0
     return counts
-
-
-def _largest(rate):
-    """Node with the largest rate, or the first one whose rate is not a number."""
-    return int(np.argmax(np.abs(rate))) // 3

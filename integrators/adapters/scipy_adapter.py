@@ -5,22 +5,23 @@ the force kernel returns anyway: they have a huge absolute tolerance, so that th
 tolerances are scaled where a solver's norm is a mean over all components, so that its steps are those of (q, v) alone.
 """
 
+import time
 import warnings
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import BDF, DOP853, LSODA, RK45, Radau
+import scipy.integrate
 from scipy.optimize import brentq
 from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from .system import DIVERGED, DONE, EVENT, FACTORISATIONS, FORCES, NEWTON, REJECTED, STEPS, UNCONVERGED
+from integrators.system import COUNTS, DIVERGED, DONE, EVENT, FACTORISATIONS, FORCES, NEWTON, REJECTED, STEPS, UNCONVERGED
 
-SOLVERS = {"RK45": RK45, "DOP853": DOP853, "Radau": Radau, "BDF": BDF, "LSODA": LSODA}
+from .outcome import LARGEST_COORDINATE, Outcome, Task, fastest_node
+
 MOST = 50_000_000  # force evaluations of a run; a bound on what is otherwise unbounded
 EPS = np.finfo(float).eps
-LARGEST = 1e12  # [m], [m/s] beyond any sense
 FREE = 1e100  # absolute tolerance of what must not decide about a step
 
 
@@ -33,39 +34,18 @@ class Motion(NamedTuple):
         Write the prescribed rows of q and v (n, 3) [m], [m/s].
     force(t, q, v, f, power)
         Write the force f (n, 3) [N]; power (2,) [W] is dissipated and put in by prescribed nodes.
-    energy(t, q, v, energy)
-        Write kinetic, elastic and other potential energy to the first three of energy [J].
     jacobian(t, q, v) -> csc_array (6 n_free, 6 n_free)
         Of dy/dt for y = (q, v) of the moving nodes, with a fixed pattern.
     mass : (n_free,) float64 [kg]
     margin(q, v) -> float, or None
-        How far a state is beyond an event, see `integrators.system`; None if there are none.
+        How far a state is beyond an event, see `integrators.system`; None if there are no events.
     """
 
     prescribe: Callable
     force: Callable
-    energy: Callable
     jacobian: Callable
     mass: np.ndarray
     margin: Callable | None = None
-
-
-class Outcome(NamedTuple):
-    """How a march ended and what it leaves.
-
-    ``status`` and ``counts`` as in `integrators.system`; ``reason`` says why it stopped and ``node`` where, if it
-    diverged (else -1). ``q``, ``v`` (k, n, 3) and ``energy`` (k, 5) [J] belong to the times ``t`` (k,) [s]: those asked
-    for, as far as it came, and at last the time it reached.
-    """
-
-    status: int
-    reason: str
-    node: int
-    t: np.ndarray
-    q: np.ndarray
-    v: np.ndarray
-    energy: np.ndarray
-    counts: np.ndarray
 
 
 class _StopError(Exception):
@@ -83,7 +63,7 @@ class _Equations:
         self.order, self.y, self.rate = np.arange(self.size), np.zeros(self.size), np.zeros(self.size)
         self.y[:-2] = np.concatenate([q[self.free].ravel(), v[self.free].ravel()])
 
-    def place(self, t, y):
+    def nodes_at(self, t, y):
         """Places and velocities of all nodes at (t, y), y in the natural order."""
         self.q[self.free] = y[: self.half].reshape(-1, 3)
         self.v[self.free] = y[self.half : -2].reshape(-1, 3)
@@ -96,7 +76,7 @@ class _Equations:
         if self.calls > MOST:
             raise _StopError(UNCONVERGED, f"{MOST} force evaluations were not enough")
         self.y[self.order] = y
-        self.place(t, self.y)
+        self.nodes_at(t, self.y)
         self.motion.force(t, self.q, self.v, self.f, self.power)
         rate = self.rate
         rate[: self.half] = self.y[self.half : -2]
@@ -107,29 +87,29 @@ class _Equations:
     def matrix(self, t, y):
         """Jacobian of dy/dt, sparse, in the natural order."""
         self.y[self.order] = y
-        J = self.motion.jacobian(t, *self.place(t, self.y))
+        J = self.motion.jacobian(t, *self.nodes_at(t, self.y))
         return csc_array((J.data, J.indices, np.append(J.indptr, J.indptr[[-1, -1]])), shape=(self.size, self.size))
 
     def margin(self, t, y):
         """Margin of the motion at (t, y), y in the natural order."""
-        return self.motion.margin(*self.place(t, y))
+        return self.motion.margin(*self.nodes_at(t, y))
 
     def event(self, before, t, dense):
         """Time at which the margin turns positive within a step from ``before`` to t, and y there, in the natural order."""
-        place = np.argsort(self.order)
-        if self.margin(before, dense(before)[place]) < 0.0:
-            t = brentq(lambda t: self.margin(t, dense(t)[place]), before, t, xtol=1e-9 * (t - before), rtol=8 * EPS)
+        position = np.argsort(self.order)
+        if self.margin(before, dense(before)[position]) < 0.0:
+            t = brentq(lambda t: self.margin(t, dense(t)[position]), before, t, xtol=1e-9 * (t - before), rtol=8 * EPS)
         else:
             t = before
-        return t, dense(t)[place]
+        return t, dense(t)[position]
 
     def narrow(self, t):
         """Reorder y so that the Jacobian's band is narrow; returns what LSODA has to know about it."""
         J = self.matrix(t, self.y.copy())
         whole = csr_array((np.ones(J.nnz), J.indices, J.indptr), shape=J.shape)  # with its zeros; transposed
         self.order = reverse_cuthill_mckee(whole, symmetric_mode=False)
-        place = np.argsort(self.order)
-        row, column = place[J.indices], np.repeat(place, np.diff(J.indptr))
+        position = np.argsort(self.order)
+        row, column = position[J.indices], np.repeat(position, np.diff(J.indptr))
         upper, lower = max(0, (column - row).max()), max(0, (row - column).max())
 
         def banded(t, y):
@@ -140,36 +120,21 @@ class _Equations:
         return {"jac": banded, "lband": int(lower), "uband": int(upper)}
 
 
-def march(method, motion, t0, t_end, stops, q, v, times, first_step, rtol, atol):
-    """March from t0 to t_end with one of `SOLVERS`.
+def march(motion: Motion, task: Task) -> Outcome:
+    """March with one of scipy's solvers.
 
     Radau and BDF factorise the sparse Jacobian. LSODA takes a dense or a banded one, so y is reordered (reverse
     Cuthill-McKee) to make its band narrow.
-
-    Parameters
-    ----------
-    method : str
-    motion : Motion
-    stops : increasing (k,) float64 [s]
-        Times that a step must end on, where the solver starts afresh.
-    q, v : (n, 3) float64 [m], [m/s], not changed
-    times : increasing (k,) float64 [s], from t0 to t_end, at which to save
-    first_step : float [s]
-    rtol : float
-    atol : (6 n_free,) float64 [m], [m/s]
-        The error of y_i in a step is kept below atol_i + rtol |y_i|.
-
-    Returns
-    -------
-    Outcome
     """
-    equations, counts = _Equations(motion, q, v), np.zeros(6, np.int64)
-    times, states = times.copy(), np.empty((len(times), equations.size))
-    times[0], states[0], saved = t0, equations.y, 1
-    status, reason, t, y = DONE, "", t0, equations.y.copy()
+    began = time.perf_counter()
+    equations, counts = _Equations(motion, task.q, task.v), np.zeros(COUNTS, np.int64)
+    times = task.saved_times()
+    states = np.empty((len(times), equations.size))
+    states[0], saved = equations.y, 1
+    status, reason, t, y = DONE, "", task.t0, equations.y.copy()
     try:
-        before = t0
-        for t, y, dense in _steps(method, equations, t0, t_end, stops, first_step, rtol, atol, counts):
+        before = t
+        for t, y, dense in _steps(equations, task, counts):
             if motion.margin is not None and equations.margin(t, y) > 0.0:
                 t, y = equations.event(before, t, dense())
                 status = EVENT
@@ -188,41 +153,39 @@ def march(method, motion, t0, t_end, stops, q, v, times, first_step, rtol, atol)
             times[saved], states[saved] = t, y
             saved += 1
     counts[FORCES] = equations.calls
-    node = _largest(equations.rate) if status == DIVERGED else -1
-    out = np.empty((saved, *q.shape)), np.empty((saved, *q.shape)), np.empty((saved, 5))
-    for k in range(saved):
-        out[0][k], out[1][k] = equations.place(times[k], states[k])
-        motion.energy(times[k], out[0][k], out[1][k], out[2][k])
-    out[2][:, 3:] = states[:saved, -2:]
-    return Outcome(status, reason, node, times[:saved], *out, counts)
+    node = fastest_node(np.abs(equations.rate[:-2]).reshape(2, -1, 3).max(axis=0)) if status == DIVERGED else -1
+    q, v = np.moveaxis(states[:saved, :-2].reshape(saved, 2, -1, 3), 1, 0)
+    put_in, dissipated = states[:saved, -2:].T
+    return Outcome(status, reason, node, times[:saved], q, v, put_in, dissipated, counts, time.perf_counter() - began)
 
 
-def _steps(method, equations, t0, t_end, stops, first_step, rtol, atol, counts):
+def _steps(equations, task, counts):
     """Time, state in the natural order and the maker of dense output after each step of a march."""
-    t, y, atol, options = t0, equations.y.copy(), np.append(atol, [FREE, FREE]), {}
+    t, y, options, make = task.t0, equations.y.copy(), {}, getattr(scipy.integrate, task.method)
+    rtol, atol = task.rtol, np.append(np.full(equations.size - 2, task.atol), [FREE, FREE])
     if not np.isfinite(equations.rates(t, y)).all():
         raise _StopError(DIVERGED, "the force at the start is not finite")
-    if method == "LSODA":
+    if task.method == "LSODA":
         options = equations.narrow(t)
     else:
         shrink = np.sqrt(1.0 - 2.0 / equations.size)  # so that the mean square over y is the one over (q, v)
-        rtol, atol = shrink * rtol, shrink * atol
-        if method in ("Radau", "BDF"):
+        rtol, atol[:-2] = shrink * rtol, shrink * atol[:-2]
+        if task.method in ("Radau", "BDF"):
             options = {"jac": equations.matrix}
-    order, atol, place = equations.order, atol[equations.order], np.argsort(equations.order)
-    for stop in [*stops[(stops > t0) & (stops < t_end)].tolist(), t_end]:
-        first = min(first_step, stop - t) if t == t0 else None
-        solver = SOLVERS[method](equations.rates, t, y[order], stop, rtol=rtol, atol=atol, first_step=first, **options)
+    order, atol, position = equations.order, atol[equations.order], np.argsort(equations.order)
+    for stop in task.ends():
+        first = min(task.first_step, stop - t) if t == task.t0 else None
+        solver = make(equations.rates, t, y[order], stop, rtol=rtol, atol=atol, first_step=first, **options)
         while solver.status == "running":
             calls, factorisations = equations.calls, solver.nlu
             failure = _step(solver)
-            _count(method, solver, equations.calls - calls, failure is None, counts)
+            _count(task.method, solver, equations.calls - calls, failure is None, counts)
             counts[FACTORISATIONS] += solver.nlu - factorisations
             if failure is not None:
                 raise _StopError(UNCONVERGED if np.isfinite(equations.rate).all() else DIVERGED, failure)
-            if not np.abs(solver.y[place[:-2]]).max() < LARGEST:
+            if not np.abs(solver.y[position[:-2]]).max() < LARGEST_COORDINATE:
                 raise _StopError(DIVERGED, "places or velocities are beyond any sense")
-            t, y = stop if solver.status == "finished" else solver.t, solver.y[place]
+            t, y = stop if solver.status == "finished" else solver.t, solver.y[position]
             yield t, y, solver.dense_output
 
 
@@ -235,11 +198,6 @@ def _step(solver):
         except RuntimeError as error:  # a singular matrix
             return str(error)
     return str(said[-1].message) if failure and said else failure
-
-
-def _largest(rate):
-    """Node with the largest rate, or the first one whose rate is not a number."""
-    return int(np.argmax(np.abs(rate[:-2])) % (len(rate) // 2 - 1)) // 3
 
 
 def _count(method, solver, calls, done, counts):

@@ -1,4 +1,4 @@
-"""A compiled march that hears Ctrl-C: it runs in a thread of its own, beside one that waits."""
+"""A compiled march that Ctrl-C can end: the march runs in a thread of its own while the main thread waits."""
 
 import _thread
 import threading
@@ -7,10 +7,10 @@ import numpy as np
 
 
 def interruptible(march, *arguments):
-    """Call ``march(*arguments, stop)``, which lets go of the interpreter and ends soon after ``stop[0]`` is set.
+    """Call ``march(*arguments, stop)``, which releases the interpreter's lock and ends soon after ``stop[0]`` is set.
 
-    Python hands Ctrl-C to its main thread between two lines of Python, and a compiled march is one line. Outside the main
-    thread nothing is handed out and nothing is changed.
+    Python raises KeyboardInterrupt in its main thread, between two lines of Python, and a compiled march is one line. In any
+    other thread the march is simply called.
 
     Returns
     -------
