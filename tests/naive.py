@@ -8,7 +8,7 @@ import numpy as np
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model.tables import SEGMENT_DIRECTION, SEGMENT_GEOMETRIC, SEGMENT_GRADIENT, SEGMENT_STIFFNESS, SEGMENT_TENSION
 from anet_lumped.scene.scene import Free
-from integrators.stage import BACKWARD, BETWEEN
+from integrators.stage import LAW_BACKWARD, LAW_BETWEEN
 
 
 def masses(model):
@@ -124,13 +124,13 @@ def residual(model, stage, base, target, q):
         d, before, L0 = q[b] - q[a], base[b] - base[a], cable.L0
         l, l_a = np.linalg.norm(d), np.linalg.norm(before)
         e = d / l
-        if stage.law == BETWEEN:
+        if stage.law == LAW_BETWEEN:
             e = (before + d) / (l_a + l)
             omega = max(top_frequency(model, *two, cable) for one, *two in segments(model) if one is cable)
             s = omega * stage.tau / 2
             T, _ = tension_between(cable, l_a, l, stage.tau, stage.dissipation * s**2 / (1 + s**2))
         else:
-            then = l_a if stage.law == BACKWARD else e @ before
+            then = l_a if stage.law == LAW_BACKWARD else e @ before
             if cable.compression == "none":  # the damper acts on the change of the taut part of the length
                 T = tension(cable, l, (max(l, L0) - max(then, L0)) / stage.tau)
             else:
@@ -169,10 +169,10 @@ def operator(model, net):
 
 def couplings(model, net):
     """Blocks (2, 3, 3) both ways between the nodes (i, j) of each pair that effects join."""
-    pairs = [(net.near[s], nodes) for s, nodes in enumerate(model.ends[: len(net.near)])]
-    for s in range(len(net.far) - 1):
+    pairs = [(net.near_blocks[s], nodes) for s, nodes in enumerate(model.ends[: len(net.near_blocks)])]
+    for s in range(len(net.far_blocks) - 1):
         if model.cable_of[s] == model.cable_of[s + 1]:
-            pairs.append((net.far[s], (model.ends[s, 0], model.ends[s + 1, 1])))
+            pairs.append((net.far_blocks[s], (model.ends[s, 0], model.ends[s + 1, 1])))
     return pairs
 
 
@@ -211,7 +211,7 @@ def dense(model, net, right):
 
 def out_of_balance(model, net):
     """(n_free, 3) force that `residual` left in the arrays of a net [N]."""
-    r = net.right.copy()
+    r = net.right_side.copy()
     for s, (i, j) in enumerate(model.ends):
         e, _, _, _, T = segment_law(net, s)
         r[i] += T * e
