@@ -60,11 +60,6 @@ class Air(Effect):
         """Without wind."""
         return self.wind is None
 
-    @property
-    def passive(self):
-        """Without wind."""
-        return self.wind is None
-
     def table(self, model):
         """Index and parameters for the compiled functions below.
 

@@ -50,7 +50,6 @@ class Bending(Effect):
     clamped: tuple[tuple[str, tuple[float, float, float]], ...] = ()
 
     coupled_neighbours: ClassVar[int] = 2
-    passive: ClassVar[bool] = True
 
     def check_parameters(self):
         pairs = check_pairs("clamped", self.clamped, "a point's name and a direction", self._called, may_be_empty=True)

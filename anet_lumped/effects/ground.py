@@ -16,7 +16,6 @@ a damper that grows with the depth; Armero & Petocz, Comput. Methods Appl. Mech.
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numba import njit
@@ -57,8 +56,6 @@ class Ground(Effect):
     friction: float = 0.0
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
     slip_speed: float = 1e-3
-
-    passive: ClassVar[bool] = True
 
     def check_parameters(self):
         signs = {"height": ("m", ""), "stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative")}

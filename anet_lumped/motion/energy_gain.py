@@ -41,7 +41,7 @@ def energy_gain(run, adaptive=False):
     rows, model = run.energy, run.model
     own = rows[:, :3].sum(axis=1) - rows[:, 3]
     if not all(effect.passive for effect in run.scene.effects):
-        own = own + rows[:, 4]  # a wind gives energy: the account of what effects took and gave has to close instead
+        own = own + rows[:, 4]  # what dampers and effects took: a wind gives energy, and stiff effects may be pumped unnoticed
     swings = schemes.scheme(run.method).energy is EnergyPromise.SWINGS_ABOUT
     if adaptive:
         own = own[[0, -1]]

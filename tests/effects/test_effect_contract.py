@@ -1,163 +1,27 @@
 """The contract of effects: what cannot work is refused before a run, with a sentence that names the effect and what must hold."""
 
 import math
-from dataclasses import dataclass, make_dataclass, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from numba import njit, types
-from systems import four_cables, nets
+from toy_effects import DEAD, LIVE, NAME, constant, hung, level, light, made, none, pull, pull_energy, pull_tangent, step
 
-from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, SceneError, equilibrium, paths, simulate, wind
+from anet_lumped import Driven, Free, PayloadChange, Scene, SceneError, equilibrium, paths, simulate, wind
 from anet_lumped.compiled.exceptions import may_raise
 from anet_lumped.effects import REGISTRY, Air, Effect, Gravity, Load, Temperature, ViscousDamping, Water, node_energy, node_force
 from anet_lumped.effects.effect import STRAIN, LengthChange, check_effect_class
-from anet_lumped.effects.signatures import (
-    ENERGY_SIGNATURE,
-    FORCE_SIGNATURE,
-    INERTIA_SIGNATURE,
-    SLOTS,
-    TANGENT_SIGNATURE,
-    WHOLE_STEP_SIGNATURE,
-)
+from anet_lumped.effects.signatures import FORCE_SIGNATURE, SLOTS
 from anet_lumped.model import tables
 from anet_lumped.model.build import build
 from studies.questions.effects_cost import joins_others, plain
-
-NAME = "toy"
 
 
 @pytest.fixture(autouse=True)
 def own_registry(monkeypatch):
     """Effects that a test registers are gone after it."""
     monkeypatch.setattr(REGISTRY, "classes", dict(REGISTRY.classes))
-
-
-# --- functions that do what their names say -------------------------------------------------------------------------------
-
-
-@njit(FORCE_SIGNATURE)
-def pull(t, q, v, index, params, f):
-    """-q on each of the nodes that ``params`` has a number for."""
-    for i in range(params.shape[0]):
-        for x in range(3):
-            f[i, x] -= params[i] * q[i, x]
-    return 0.0
-
-
-@njit(TANGENT_SIGNATURE)
-def pull_tangent(t, q, v, index, params, c_q, c_v, D, near, far):
-    for i in range(min(params.shape[0], D.shape[0])):
-        for x in range(3):
-            D[i, x, x] += c_q * params[i]
-
-
-@njit(ENERGY_SIGNATURE)
-def pull_energy(t, q, index, params):
-    total = 0.0
-    for i in range(params.shape[0]):
-        for x in range(3):
-            total += 0.5 * params[i] * q[i, x] ** 2
-    return total
-
-
-@njit(ENERGY_SIGNATURE)
-def none(t, q, index, params):
-    return 0.0
-
-
-@njit(TANGENT_SIGNATURE)
-def level(t, q, v, index, params, c_q, c_v, D, near, far):
-    pass
-
-
-@njit(FORCE_SIGNATURE)
-def still(t, q, v, index, params, f):
-    return 0.0
-
-
-@njit(FORCE_SIGNATURE)
-def constant(t, q, v, index, params, f):
-    f[0, 0] += 1.0
-    return 0.0
-
-
-@njit(ENERGY_SIGNATURE)
-def of_constant(t, q, index, params):
-    return -q[0, 0]
-
-
-@njit(FORCE_SIGNATURE)
-def dragged(t, q, v, index, params, f):
-    f[0, 0] -= v[0, 0]
-    return v[0, 0] * v[0, 0]
-
-
-@njit(FORCE_SIGNATURE)
-def pushed(t, q, v, index, params, f):
-    f[0, 0] += v[0, 0]
-    return -v[0, 0] * v[0, 0]
-
-
-@njit(FORCE_SIGNATURE)
-def growing(t, q, v, index, params, f):
-    f[0, 0] += t
-    return 0.0
-
-
-@njit(FORCE_SIGNATURE)
-def on_supports(t, q, v, index, params, f):
-    f[f.shape[0] - 1, 2] += 1.0
-    return 0.0
-
-
-@njit(FORCE_SIGNATURE)
-def paid(t, q, v, index, params, f):
-    f[0, 0] += 1.0
-    return 1.0
-
-
-@njit(FORCE_SIGNATURE)
-def cubic(t, q, v, index, params, f):
-    f[0, 0] -= q[0, 0] ** 3
-    return 0.0
-
-
-@njit(FORCE_SIGNATURE)
-def joined(t, q, v, index, params, f):
-    f[0, 0] -= q[0, 0] - q[1, 0]
-    return 0.0
-
-
-@njit(TANGENT_SIGNATURE)
-def wide(t, q, v, index, params, c_q, c_v, D, near, far):
-    near[0, 0, 0, 0] -= c_q
-
-
-@njit(TANGENT_SIGNATURE)
-def wider(t, q, v, index, params, c_q, c_v, D, near, far):
-    far[0, 0, 0, 0] -= c_q
-
-
-@njit(WHOLE_STEP_SIGNATURE)
-def step(t, h, base, q, index, params, f, D, near, far):
-    return 0.0
-
-
-@njit(WHOLE_STEP_SIGNATURE)
-def wide_step(t, h, base, q, index, params, f, D, near, far):
-    near[0, 0, 0, 0] -= 1.0
-    return 0.0
-
-
-@njit(WHOLE_STEP_SIGNATURE)
-def giving_step(t, h, base, q, index, params, f, D, near, far):
-    return -1.0
-
-
-@njit(INERTIA_SIGNATURE)
-def light(t, q, index, params, A):
-    pass
 
 
 # --- functions that may not stand where they do ---------------------------------------------------------------------------
@@ -211,24 +75,6 @@ def unreachable(t, q, v, index, params, f):
             raise ValueError("never")
         total += (t, t, t)[x]
     return 0.0 * total
-
-
-LIVE = {"force": pull, "tangent": pull_tangent, "energy": pull_energy}
-DEAD = {"force": constant, "energy": of_constant}
-
-
-def made(kernels, numbers=(), **members):
-    """An effect of the user's own, registered: compiled functions, their numbers, and what it says of itself."""
-    table = np.zeros(0, np.int64), np.array(numbers, float)
-    namespace = {"kernels": lambda self: kernels, "table": lambda self, model: table} | members
-    kind = make_dataclass("Toy", [], bases=(Effect,), namespace=namespace, frozen=True)
-    REGISTRY[NAME] = kind
-    return kind()
-
-
-def hung(*effects, segments=1, mass=0.2):
-    cable = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e3, zeta=0.1, segments=segments)
-    return Scene([Fixed("a", (0, 0, 0)), Free("b", mass=mass, at=(0, 0, -1))], [cable], [Gravity(), *effects])
 
 
 # --- the compiled functions, when an effect is made -----------------------------------------------------------------------
@@ -376,7 +222,7 @@ def test_what_effects_say_of_themselves():
     assert (toy.coupled_neighbours, toy.time_scales, toy.signals, toy.mass_damping_rate) == (0, (), (), 0.0)
     assert toy.uniform_acceleration == (0.0, 0.0, 0.0) and toy.length_changes(None) == () and toy.after_break({}, ()) is toy
     still_air, windy = Air(), Air(wind=_wind())
-    assert still_air.passive and still_air.no_force_at_rest and not windy.passive and not windy.no_force_at_rest
+    assert still_air.no_force_at_rest and not windy.no_force_at_rest and not windy.passive
     steady, growing_load = Load((0, 0, 1.0)), Load((0, 0, 1.0), ramp=1.0)
     assert steady.dead_load and steady.passive and not growing_load.dead_load and not growing_load.passive
     assert ViscousDamping(2.0).mass_damping_rate == 2.0 and ViscousDamping(2.0).no_force_at_rest
@@ -399,91 +245,6 @@ def test_scenes_ask_members_and_not_names():
     np.testing.assert_allclose(scene.gravity, [2.0, 0.0, -9.81])
     angle = equilibrium(scene).position("b")
     assert angle[0] / -angle[2] == pytest.approx(2.0 / 9.81, rel=1e-9)
-
-
-# --- what an effect says of itself, when a model is built -----------------------------------------------------------------
-
-
-def test_a_tether_is_no_dead_load():
-    """Said to be one, it would rest, as if in balance, where it does not; and drift from there in a run that ends as done."""
-    functions = {"force": pull, "energy": pull_energy}
-    with pytest.raises(SceneError, match=r"dead load must be the same at any position, .* Toy, .* changes with the position"):
-        equilibrium(hung(made(functions, [3.0], dead_load=True)))
-    scene = hung(made(LIVE, [3.0], linear_in_node_state=True, passive=True))
-    rest, weight = equilibrium(scene), 0.25 * 9.81
-    assert rest.position("b")[2] == pytest.approx(-weight / 3.0, abs=1e-9)
-    run = simulate(scene, 1.0, method="edmc", dt=0.01, start=rest)
-    assert run.ok and np.abs(run.q - rest.q).max() < 1e-7
-
-
-@pytest.mark.parametrize(
-    ("kernels", "numbers", "members", "message"),
-    [
-        ({"force": pull, "energy": pull_energy}, [1.0], {"dead_load": True}, "changes with the position"),
-        ({"force": dragged, "energy": none}, [], {"dead_load": True}, "changes with the velocity"),
-        ({"force": growing, "energy": none}, [], {"dead_load": True}, "changes with the time"),
-        ({"force": on_supports, "energy": none}, [], {"dead_load": True}, 'must act on moving nodes alone, .* acts on point "a"'),
-        ({"force": paid, "energy": of_constant}, [], {"dead_load": True}, "power that .* takes out must be 0, .* takes 1 W"),
-        ({"force": constant, "energy": none}, [], {"dead_load": True}, "energy of a dead load must be -f.q .* by 0 J where"),
-        (LIVE, [1.0], {"no_force_at_rest": True}, "force on nodes at rest must be zero, .* `no_force_at_rest` is True, exerts one"),
-        (
-            {"force": cubic, "tangent": level, "energy": none}, [], {"linear_in_node_state": True},
-            "must be linear in the position and velocity of that node, .* Toy, .* has one that is not linear",
-        ),
-        (
-            {"force": joined, "tangent": level, "energy": none}, [], {"linear_in_node_state": True},
-            "must be linear .*, and depend on no other node, but the effect Toy, .* has one that changes with other nodes",
-        ),
-        (LIVE | {"tangent": level}, [1.0], {"linear_in_node_state": True}, "`tangent` must be the slope of `force` .* has another"),
-        (
-            {"force": pushed, "tangent": level, "energy": none}, [], {"passive": True},
-            "power that a passive force takes out must not be negative, .* Toy, whose `passive` is True, takes -",
-        ),
-        (LIVE | {"whole_step": giving_step}, [], {"passive": True}, "takes in a step must not be negative, .* Toy, .* takes -1 J"),
-        (LIVE | {"tangent": wide}, [], {}, "no farther away .* `coupled_neighbours` is 0, writes those of nodes 1 segments away"),
-        (LIVE | {"tangent": wider}, [], {}, "`coupled_neighbours` is 0, writes those of nodes 2 segments away"),
-        (LIVE | {"tangent": wider}, [], {"coupled_neighbours": 1}, "`coupled_neighbours` is 1, writes those of nodes 2 segments"),
-        (LIVE | {"whole_step": wide_step}, [], {}, "`coupled_neighbours` is 0, writes those of nodes 1 segments away"),
-        (LIVE, [], {"coupled_neighbours": 3}, "may couple a node with those 0, 1 or 2 segments away, .* is 3, is none of these"),
-    ],
-)  # fmt: skip
-def test_claims_that_are_not_true(kernels, numbers, members, message):
-    with pytest.raises(SceneError, match=message):
-        build(hung(made(kernels, numbers, **members), segments=3))
-
-
-def test_claims_that_are_true():
-    """Of nets of all kinds, of which one has no node that moves."""
-    toys = [
-        lambda: made(DEAD, dead_load=True),
-        lambda: made(LIVE, [1.0, 2.0], linear_in_node_state=True, passive=True),
-        lambda: made({"force": dragged, "tangent": viscous, "energy": none}, no_force_at_rest=True, linear_in_node_state=True),
-        lambda: made(LIVE | {"tangent": wide, "whole_step": wide_step}, coupled_neighbours=1),
-        lambda: made(LIVE | {"tangent": wider}, coupled_neighbours=2),
-    ]
-    for make in toys:
-        toy = make()
-        for scene in nets().values():
-            assert build(replace(scene, effects=(Gravity(), toy))).forces
-    fixed = Scene(
-        [Fixed("a", (0, 0, 0)), Fixed("b", (1, 0, 0))], [Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1.0, segments=1)]
-    )
-    assert build(replace(fixed, effects=[Gravity(), made(LIVE, linear_in_node_state=True)]))
-
-
-@njit(TANGENT_SIGNATURE)
-def viscous(t, q, v, index, params, c_q, c_v, D, near, far):
-    D[0, 0, 0] += c_v
-
-
-def test_statics_leave_out_what_acts_on_motion_alone():
-    """No relaxation is compiled, nor asked for, with damping and with air that stands still; with wind it is."""
-    scene = four_cables()
-    thick = replace(scene, cables=[replace(cable, diameter=0.01) for cable in scene.cables])
-    rest = equilibrium(thick)
-    for effect in (ViscousDamping(1.0), REGISTRY["axial_damping"](1.0), Air()):
-        np.testing.assert_array_equal(equilibrium(replace(thick, effects=(*thick.effects, effect))).q, rest.q)
-    assert np.abs(equilibrium(replace(thick, effects=(*thick.effects, Air(wind=_wind())))).q - rest.q).max() > 1e-6
 
 
 def test_one_function_of_time_for_a_rest_length():
