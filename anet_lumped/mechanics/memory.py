@@ -2,13 +2,13 @@
 
 from numba import float64, int64, void
 
-from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import inlined, kernel
 from anet_lumped.mechanics.effect_forces import clear
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     LINEARISED_MEAN_STEP,
 )
+from integrators.flat_view import flat
 
 
 @inlined
