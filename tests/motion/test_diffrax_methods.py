@@ -61,7 +61,7 @@ def test_force_and_structured_solve(name):
         for point in scene.points:
             if isinstance(point, Fixed):
                 q[model.node(point.name)], v[model.node(point.name)] = point.at, 0.0
-        f, power = np.zeros((model.n, 3)), np.zeros(2)
+        f, power = np.zeros((model.n, 3)), np.zeros(3)
         compiled.force(t, q, v, net.address, f, power)
         traced, traced_power, x = forced_and_solved(jax_net(model), t, q[:n], v[:n], tau, r)
         # sums of rounded forces of up to 1e4 N
