@@ -32,7 +32,8 @@ def march(model, choice, leg, start, settings):
     """
     from anet_lumped.mechanics.bindings import system  # compiled on first use: a scene or its equilibrium need none of it
 
-    scheme, net, bound = schemes.scheme(choice.method), fresh_net(model), system(model)
+    scheme, bound = schemes.scheme(choice.method), system(model)
+    net = fresh_net(model, newton=not scheme.explicit)
     net.tension[:] = start.tension
     if settings.adaptive:
         times = AdaptiveSteps(leg.begin, leg.end, choice.dt, *settings.tolerances, stops(model.scene))

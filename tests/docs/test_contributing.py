@@ -10,6 +10,7 @@ import pytest
 
 from anet_lumped.effects import REGISTRY
 from anet_lumped.effects.flow.wind import KINDS
+from integrators import schemes
 from studies.study import STUDIES
 from studies.sweeping.measures import MEASURES
 
@@ -24,7 +25,7 @@ ADDED = [title for title in SECTIONS if title.startswith("Add a")]
 @pytest.fixture
 def restored(tmp_path):
     """Registries, packages and modules are as they were, whatever an example adds to them."""
-    registries = (REGISTRY.classes, KINDS, STUDIES, MEASURES)
+    registries = (REGISTRY.classes, KINDS, STUDIES, MEASURES, schemes.MODULES)
     before = [dict(registry) for registry in registries]
     paths = {name: list(module.__path__) for name, module in sys.modules.items() if hasattr(module, "__path__")}
     yield
