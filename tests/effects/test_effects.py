@@ -166,15 +166,15 @@ def test_forces_energies_and_tensions_of_nets(compression):
         compiled, net = system(model), fresh_net(model)
         np.testing.assert_allclose(model.mass, naive.masses(model), rtol=1e-15)
         q, v = scatter(model, rng), rng.normal(size=(model.n, 3))
-        f, power, energy = np.full((model.n, 3), np.nan), np.full(2, np.nan), np.zeros(5)
+        f, power, energy = np.full((model.n, 3), np.nan), np.full(3, np.nan), np.zeros(3)
         compiled.force(0.0, q, v, net.address, f, power)
         compiled.energy(0.0, q, v, net.address, energy)
-        expected, dissipated, put_in = naive.force(model, q, v)
+        expected, by_dampers, by_effects, put_in = naive.force(model, q, v)
         prescribed_moves = model.n_driven < model.n
         # sums of a few dozen rounded forces of up to 1e4 N
         np.testing.assert_allclose(f, expected, atol=1e-10, err_msg=name)
-        assert power[0] == pytest.approx(dissipated, rel=1e-12)
-        assert power[1] == (pytest.approx(put_in, rel=1e-12) if prescribed_moves else 0.0)
+        assert power[:2] == pytest.approx([by_dampers, by_effects], rel=1e-12)
+        assert power[2] == (pytest.approx(put_in, rel=1e-12) if prescribed_moves else 0.0)
         np.testing.assert_allclose(energy[:3], naive.energies(model, q, v), rtol=1e-12)
         inner = f - naive.external(model, q, v)
         np.testing.assert_allclose(inner.sum(axis=0), 0.0, atol=1e-10)
@@ -191,7 +191,7 @@ def test_force_is_the_slope_of_the_energy():
         model = build(nets(compression=compression, zeta=0.0)["wheel"])
         compiled, net, rng = system(model), fresh_net(model), np.random.default_rng(3)
         q, v = scatter(model, rng), np.zeros((model.n, 3))
-        f, power, d = np.zeros((model.n, 3)), np.zeros(2), rng.normal(size=(model.n, 3))
+        f, power, d = np.zeros((model.n, 3)), np.zeros(3), rng.normal(size=(model.n, 3))
 
         def energy(x):
             out = np.zeros(3)
@@ -221,7 +221,7 @@ def test_effects_are_found_by_name_and_not_imported_before():
 
 def test_gravity():
     gravity = Gravity(2.0, (0, 3, -4))
-    np.testing.assert_allclose(gravity.acceleration, [0, 1.2, -1.6], rtol=1e-15)
+    np.testing.assert_allclose(gravity.uniform_acceleration, [0, 1.2, -1.6], rtol=1e-15)
     q = np.arange(6.0).reshape(2, 3)
     index, params = gravity.table(SimpleNamespace(mass=np.array([1.0, 3.0]), n_free=2))
     force, energy = gravity.kernels().values()
@@ -229,7 +229,7 @@ def test_gravity():
     assert force(0.0, q, q, index, params, f) == 0.0
     np.testing.assert_allclose(f, 1 + np.array([[0, 1.2, -1.6], [0, 3.6, -4.8], [0, 0, 0]]), rtol=1e-15)
     assert energy(0.0, q, index, params) == pytest.approx(-(1.2 - 3.2) - 3 * (4.8 - 8.0), rel=1e-15)
-    np.testing.assert_array_equal(Gravity(0.0).acceleration, 0.0)
+    np.testing.assert_array_equal(Gravity(0.0).uniform_acceleration, 0.0)
 
 
 def test_viscous_damping():
@@ -247,14 +247,15 @@ def test_viscous_damping():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Gravity(-1.0), r"`g` of Gravity must be finite and not negative \[m/s2\], but it is -1.0"),
-        (lambda: Gravity(math.nan), "but it is nan"),
-        (lambda: Gravity(math.inf), "but it is inf"),
-        (lambda: Gravity(9.81, (0, 0, 0)), "must be three finite numbers, not all zero, but it is"),
-        (lambda: Gravity(9.81, (0, 1)), "must be three finite numbers"),
-        (lambda: Gravity(9.81, (0, math.nan, 1)), "must be three finite numbers"),
-        (lambda: ViscousDamping(-0.1), r"`rate` of ViscousDamping must be finite and not negative \[1/s\], but it is -0.1"),
-        (lambda: ViscousDamping(math.inf), "but it is inf"),
+        (lambda: Gravity(-1.0), r"`g` must be non-negative and finite \[m/s2\], but effect Gravity has g=-1.0"),
+        (lambda: Gravity(math.nan), "but effect Gravity has g=nan"),
+        (lambda: Gravity(math.inf), "but effect Gravity has g=inf"),
+        (lambda: Gravity("9.81"), r"`g` must be non-negative and finite \[m/s2\], but effect Gravity has g='9.81'"),
+        (lambda: Gravity(9.81, (0, 0, 0)), r"`direction` must not be zero, but effect Gravity has direction=\(0.0, 0.0, 0.0\)"),
+        (lambda: Gravity(9.81, (0, 1)), r"`direction` must be three finite numbers \(x, y, z\), but effect Gravity has"),
+        (lambda: Gravity(9.81, (0, math.nan, 1)), "`direction` must be three finite numbers"),
+        (lambda: ViscousDamping(-0.1), r"`rate` must be non-negative and finite \[1/s\], but effect ViscousDamping has rate=-0.1"),
+        (lambda: ViscousDamping(math.inf), "but effect ViscousDamping has rate=inf"),
         (lambda: Scene([Fixed("a", (0, 0, 0)), Free("b")], [cable_of("none")], [Gravity(), Gravity()]), "given twice"),
     ],
 )
