@@ -74,11 +74,11 @@ def test_laws_in_jax():
     )
     spring = spring_of(cable())
     x = np.linspace(-0.02, 0.1, 50)
-    T = jax.vmap(jax.grad(lambda x: energy(x, spring)))(x)
+    T = jax.jit(jax.vmap(jax.grad(lambda x: energy(x, spring))))(x)
     np.testing.assert_allclose(T, curve(x), atol=1e-11)
-    k = jax.vmap(jax.grad(lambda x: parts(x, 0.2, spring, 3.0, 0.0)[0]))(x)
+    k = jax.jit(jax.vmap(jax.grad(lambda x: parts(x, 0.2, spring, 3.0, 0.0)[0])))(x)
     np.testing.assert_allclose(k, [axial.tension_slopes(a, 0.2, spring, 3.0, 0.0)[1] for a in x], rtol=1e-14)
-    np.testing.assert_allclose(k, slopes(x, 0.2, spring, 3.0, 0.0)[1], rtol=1e-14)
+    np.testing.assert_allclose(k, jax.jit(lambda x: slopes(x, 0.2, spring, 3.0, 0.0)[1])(x), rtol=1e-14)
 
 
 @settings(deadline=None, max_examples=300)

@@ -19,7 +19,7 @@ from integrators.stage import BACKWARD, BETWEEN, STATE, Stage
 
 EPS = np.finfo(float).eps
 INERTIA = 100.0  # [N/m] of the systems below; 5 g in steps of 10 ms
-NETS = {**nets(), "mesh": mesh(10, 10, 2)}
+NETS = {**nets(), "mesh": mesh(6, 7, 2)}
 LAWS = {"state": STATE, "backward": BACKWARD, "between": BETWEEN}
 
 

@@ -78,13 +78,13 @@ def test_paths():
     ]  # fmt: skip
     at = eqx.filter_jit(Paths.of(paths).at)
     for t in (-0.3, 0.0, 0.2, 0.5, 0.69, 0.93, 1.7, 2.5, 9.0):
-        q, v = at(t, LATE)
+        q, v = at(jnp.asarray(t), LATE)
         np.testing.assert_allclose(q, [path.at(t)[0] for path in paths], rtol=1e-13, atol=1e-14, err_msg=f"{t}")
         np.testing.assert_allclose(v, [path.at(t)[1] for path in paths], rtol=1e-12, atol=1e-13, err_msg=f"{t}")
     jerk = line((0, 0, 0), (2.0, 0, 0), 0.0)  # up to a stop, and for a stage beyond it, a path goes on as it was
     rest = eqx.filter_jit(Paths.of([jerk]).at)
     for t in (0.0, 0.1):
-        np.testing.assert_array_equal(rest(t, 0.0), np.zeros((2, 1, 3)))
+        np.testing.assert_array_equal(rest(jnp.asarray(t), 0.0), np.zeros((2, 1, 3)))
     np.testing.assert_array_equal(Paths.of([]).at(0.5, 1.0), np.zeros((2, 0, 3)))
 
 
@@ -191,7 +191,7 @@ def carried():
 @pytest.mark.parametrize("method", DIFFRAX)
 def test_methods_agree_on_a_carried_net(carried, method):
     run, other = carried[method], carried["DOP853"]
-    assert run.ok and run.message == "" and run.method == method
+    assert run.ok and run.message == "" and run.method == method and run.reason.startswith(f"{method}: asked for")
     np.testing.assert_array_equal(run.t, other.t)
     # some hundred steps of 1e-8 of 0.6 m each, and cubic interpolation between them
     np.testing.assert_allclose(run.q, other.q, rtol=0, atol=1e-7)
