@@ -59,7 +59,7 @@ def costs(segments, repeats):
     held = net("net_held", segments=segments)
     rest = equilibrium(held)
     start, nodes, h = equilibrium(net("net_carried", segments=segments)), rest.model.n, 0.01
-    arrays, q, v, energy = fresh_net(rest.model), rest.q.copy(), np.zeros_like(rest.q), np.zeros(2)
+    arrays, q, v, energy = fresh_net(rest.model), rest.q.copy(), np.zeros_like(rest.q), np.zeros(4)
     arrays.tension[:] = rest.segment_tension
     stage = Stage(BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
     steps, iterations = max(10, int(2e6 / nodes)), max(5, int(1e6 / nodes))
@@ -67,8 +67,8 @@ def costs(segments, repeats):
     for _ in range(repeats + 1):
         row = {f"{method}, a step": run_seconds(start, method, 2e-4 / segments, steps) for method in EXPLICIT}
         row["edmc, a step"] = run_seconds(start, "edmc", h, max(10, steps // 10))
-        row[ITERATION] = seconds(newton_iterations, stage, rest.q, rest.q, q, arrays.place, times=iterations)
-        row[ACCOUNT] = seconds(accounts, stage, rest.q, q, v, arrays.place, energy, times=iterations)
+        row[ITERATION] = seconds(newton_iterations, stage, rest.q, rest.q, q, arrays.address, times=iterations)
+        row[ACCOUNT] = seconds(accounts, stage, rest.q, q, v, arrays.address, energy, times=iterations)
         began = time.perf_counter()
         equilibrium(held)
         found.append(row | {"equilibrium": time.perf_counter() - began})
