@@ -159,7 +159,7 @@ def test_closed_form_and_how_a_lost_force_ends_it(method):
     if method == "Tsit5":  # six stages a step, and one more and the rates at both starts
         assert out.counts[FORCES] == 6 * (out.counts[STEPS] + out.counts[REJECTED]) + 4
         assert out.counts[NEWTON] == out.counts[FACTORISATIONS] == 0
-    else:  # linear, so one iteration solves a stage, and another one finds it solved; the explicit first stage of each of two stretches takes one too
+    else:  # linear, so one iteration solves a stage and one finds it solved; each of two stretches' explicit first stage takes one
         assert out.counts[FACTORISATIONS] == out.counts[STEPS] + out.counts[REJECTED]
         iterations, stages = out.counts[NEWTON], STAGES[method] * out.counts[FACTORISATIONS]
         assert 1.5 * stages < iterations <= 2 * stages + 2
