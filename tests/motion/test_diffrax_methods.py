@@ -44,7 +44,7 @@ def forced_and_solved(net, t, q, v, tau, r):
     return f, power, net.solve(net.factor(t, LATE, q, v, tau), r)
 
 
-CURVE = {"EA": None, "tension_strain": ((0.2, 200.0), (0.5, 500.0))}  # [N]
+CURVE = {"EA": None, "tension_strain": ((0.2, 200.0), (0.5, 350.0))}  # [N], half as stiff beyond 20 %
 
 
 # no free point; shorter cables beside longer ones and single segments; every cable between two free points; a bent spring
