@@ -12,7 +12,7 @@ from functools import partialmethod
 
 import pytest
 
-from integrators import schemes
+from integrators.schemes.record import Scheme
 
 COMPILED_FIRST = (
     "from anet_lumped import effects; list(effects.REGISTRY.values())",
@@ -52,9 +52,9 @@ def ctrl_c():
 @pytest.fixture
 def solve_to(monkeypatch):
     """Set Newton's tolerance, relative to the largest force on a node, so that a motion does not depend on when it stops."""
-    original = schemes.Scheme.options
+    original = Scheme.parameters
 
     def solve_to(tolerance):
-        monkeypatch.setattr(schemes.Scheme, "options", partialmethod(original, tolerance=tolerance))
+        monkeypatch.setattr(Scheme, "parameters", partialmethod(original, tolerance=tolerance))
 
     return solve_to

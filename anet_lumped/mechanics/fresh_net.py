@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from anet_lumped.mechanics.optional import require
+from anet_lumped.mechanics.required_kernels import require
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.net import Net
 from anet_lumped.model.tables import KERNELS, SEGMENT_COLUMNS

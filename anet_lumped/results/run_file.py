@@ -5,15 +5,15 @@ from dataclasses import asdict
 
 import numpy as np
 
+from anet_lumped.results.energy_balance import COLUMNS, UNDIVIDED
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
-
-ENERGIES = ("kinetic", "elastic", "potential", "work", "dissipated")
 
 
 def write(run, path):
     """Write a run, its scene and its account."""
     import xarray as xr
 
+    columns = list(COLUMNS if run.energy.shape[1] == len(COLUMNS) else UNDIVIDED)
     account = {
         "scene": json.dumps(scene_to_dict(run.scene)),
         "work": json.dumps(asdict(run.work)),
@@ -27,6 +27,7 @@ def write(run, path):
         "wall_time": run.wall_time,
         "audit": json.dumps(asdict(run.audit) if run.audit else None),
         "events": json.dumps([asdict(event) for event in run.events]),
+        "extrapolated": int(run.extrapolated),
     }
     xr.Dataset(
         {
@@ -35,7 +36,7 @@ def write(run, path):
             "tension": (("t", "segment"), run.segment_tension, {"units": "N"}),
             "energy": (("t", "energy_of"), run.energy, {"units": "J"}),
         },
-        coords={"t": ("t", run.t, {"units": "s"}), "axis": list("xyz"), "energy_of": list(ENERGIES)},
+        coords={"t": ("t", run.t, {"units": "s"}), "axis": list("xyz"), "energy_of": columns},
         attrs=account,
     ).to_netcdf(path, engine="scipy")
 
@@ -67,4 +68,5 @@ def read(path):
             "warnings": tuple(json.loads(account["warnings"])),
             "audit": json.loads(account["audit"]),
             "events": json.loads(account["events"]),
+            "extrapolated": bool(account.get("extrapolated", False)),  # a file of version 0.1 does not say
         }

@@ -326,7 +326,7 @@ def equilibrium(scene, tolerance=1e-12):
     tension = np.empty(model.n_segments)
     unroll(net.address, load, EA, H, q, tension)
     if len(model.springs) or not all(map(_is_dead, model.forces)):
-        from anet_lumped.mechanics.optional import require
+        from anet_lumped.mechanics.required_kernels import require
 
         from .relaxation import relaxed  # compiles what moves, of which dead loads need nothing
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from anet_lumped.motion.gain import GAINED
+from anet_lumped.motion.energy_gain import GAINED
 from studies.accuracy_cost.contestants import OURS, OWN_CHOICE
 
 NET, LOOSE = "carried net", "loose cable"

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anet_lumped.motion.extrapolation import is_extrapolated
 from anet_lumped.results.run import Run, State
 from anet_lumped.scene.scene import Driven, Scene
+from integrators import schemes
+from integrators.schemes.record import EnergyPromise
 
 ENERGY, LOAD, MOMENTUM, SPIN, REST, ACCURACY = "energy", "load", "momentum", "spin", "rest", "accuracy"
-NEVER_RISES = ("edmc", "backward_euler")  # energy, at any step
 NEVER, ALMOST_NEVER = 1e-6, 0.1  # share of the energy in play by which it may rise: Newton's tolerance; a bounded oscillation
 
 
@@ -110,7 +110,7 @@ def account_statement(run) -> Statement:
 
 def never_rises(run) -> bool:
     """Whether the run's method promises that energy does not rise at any step; a mean of two runs does so to its error only."""
-    return run.method in NEVER_RISES and not is_extrapolated(run)
+    return schemes.scheme(run.method).energy is EnergyPromise.NEVER_RISES and not run.extrapolated
 
 
 def energy_statement(run) -> Statement:

@@ -15,8 +15,8 @@ from anet_lumped.model.build import build
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.results.run import State, segment_tensions
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
-from integrators.schemes import IMPLICIT
-from studies.questions.stability_map import NAMES, predicted_step
+from studies.questions.stability_map import implicit_schemes, label, predicted_step
+from studies.shown.scheme_styles import style
 from studies.sweeping.rows import run_rows
 
 QUESTION = __doc__.splitlines()[0]
@@ -105,7 +105,7 @@ def compute(quick=False, executor=None, out=None):
     if quick:
         grid = [STARTS, STIFFNESSES[1::2], ZETAS[1:], STEPS_MS[1:2]]
     cases = [dict(zip(("start", "EA_N", "zeta", "step_ms"), case, strict=True)) for case in itertools.product(*grid)]
-    allowed = [{"scheme": scheme, **case} for scheme in IMPLICIT for case in cases]
+    allowed = [{"scheme": scheme, **case} for scheme in implicit_schemes() for case in cases]
     allowed += [
         {"scheme": "verlet", **case}
         for case in cases
@@ -117,7 +117,7 @@ def compute(quick=False, executor=None, out=None):
         "runs": runs,
         "newton_iterations": pd.DataFrame(map(iterations, ITERATIONS_EA)),
         "verlet": pd.DataFrame(itertools.starmap(verlet, itertools.product(VERLET_SHARES, VERLET_ZETAS))),
-        "whip": pd.concat(map(whip, IMPLICIT), ignore_index=True),
+        "whip": pd.concat(map(whip, implicit_schemes()), ignore_index=True),
     }
 
 
@@ -144,7 +144,7 @@ def by_scheme(runs):
         worst = group.loc[group["rise"].idxmax()]
         lines.append(
             {
-                "scheme": NAMES[scheme],
+                "scheme": label(scheme),
                 "runs": len(group),
                 "runs_that_gained": int((group["rise"] > GAIN).sum()),
                 "runs_that_say_so": int((group["status"] != "done").sum()),
@@ -189,8 +189,6 @@ def whip(scheme):
 
 # Figures and words --------------------------------------------------------------------------------------------------
 
-COLORS = dict(zip((*IMPLICIT, "verlet"), ("C0", "C2", "C3", "C1", "C4", "C5", "0.4"), strict=True))
-MARKERS = dict(zip((*IMPLICIT, "verlet"), "osD^vPX", strict=True))
 FLOOR = 1e-18  # drawn for no rise at all
 
 
@@ -210,7 +208,7 @@ def _plot_rise(runs):
         axes.axhspan(FLOOR / 10, 1e-9, color="0.93", lw=0)
         for scheme, group in runs[runs["zeta"] == zeta].groupby("scheme", sort=False):
             worst = group.groupby("EA_N")["rise"].max().clip(lower=FLOOR)
-            axes.loglog(worst.index, worst, color=COLORS[scheme], marker=MARKERS[scheme], ms=5, label=NAMES[scheme])
+            axes.loglog(worst.index, worst, ms=5, **style(scheme).of_line())
             failed = worst[group[group["status"].isin(LOST)]["EA_N"].unique()]
             axes.loglog(failed.index, failed, "o", mfc="none", mec="k", ms=11, mew=0.8)
         axes.axhline(GAIN, color="k", lw=0.8, ls=":")
@@ -236,8 +234,8 @@ def _plot_whip(whip):
     axes = figure.subplots()
     for scheme, group in whip.groupby("scheme", sort=False):
         status = group["status"].iloc[0]
-        name = NAMES[scheme] if status == "done" else f"{NAMES[scheme]} ({status})"
-        axes.plot(group["t_s"], group["energy_J"], color=COLORS[scheme], label=name)
+        name = label(scheme) if status == "done" else f"{label(scheme)} ({status})"
+        axes.plot(group["t_s"], group["energy_J"], color=style(scheme).color, label=name)
     axes.axhline(0.0, color="k", lw=0.8, ls=":")
     axes.set(xlabel="time [s]", ylabel="energy above that of the start [J]")
     axes.set_yscale("symlog", linthresh=0.01)
@@ -251,8 +249,8 @@ def _plot_whip(whip):
 def answer(rows):
     """The answer in words, with the numbers of `rows`."""
     table, runs, whip = rows["by_scheme"].set_index("scheme"), rows["runs"], rows["whip"]
-    safe = [NAMES["edmc"], NAMES["backward_euler"]]
-    gained = table.drop(index=[*safe, NAMES["verlet"]], errors="ignore").sort_values("worst_rise_zeta_to_0.05")
+    safe = [label("edmc"), label("backward_euler")]
+    gained = table.drop(index=[*safe, label("verlet")], errors="ignore").sort_values("worst_rise_zeta_to_0.05")
     worst = "; ".join(
         f"{name} {line['worst_rise_zeta_to_0.05']:.2g} and {line['worst_rise']:.2g}, in {line['runs_that_gained']} of"
         f" {line['runs']} runs"

@@ -10,9 +10,24 @@ import textwrap
 
 import pandas as pd
 
+from integrators import schemes
+from integrators.schemes.record import Origin
 from studies.catalogue import CASES
 from studies.catalogue.case import ENERGY
-from studies.catalogue.outcome import DEFAULT, FAILED, HELD, NODE_EVALUATIONS, NODE_STEPS, NODE_TRIES, REFUSED, WAYS, meet
+from studies.catalogue.outcome import (
+    DEFAULT,
+    FAILED,
+    HELD,
+    NODE_EVALUATIONS,
+    NODE_STEPS,
+    NODES,
+    REFUSED,
+    STEPS,
+    WORK,
+    meet,
+    node_tries,
+    ways,
+)
 from studies.fuzz import try_many
 from studies.sweeping.rows import run_rows
 
@@ -33,8 +48,8 @@ def compute(quick=False, executor=None, out=None):
         line a case and method), "statements" (a line a statement: the number measured and its bounds), "random_trials" (counts
         by method), "random_failures".
     """
-    cases, ways = (QUICK_CASES, QUICK_WAYS) if quick else (tuple(CASES), WAYS)
-    rows = [{"case": case, "way": way} for case in cases for way in ways]
+    cases, tried = (QUICK_CASES, QUICK_WAYS) if quick else (tuple(CASES), ways())
+    rows = [{"case": case, "way": way} for case in cases for way in tried]
     runs = run_rows(one, rows, executor=executor, out=out and out / "runs")
     batches = [{"seed": SEED, "first": first, "trials": BATCH} for first in range(0, 2 * BATCH if quick else TRIALS, BATCH)]
     random = run_rows(batch, batches, executor=executor, out=out and out / "random")
@@ -44,7 +59,7 @@ def compute(quick=False, executor=None, out=None):
     runs = runs.drop(columns="statements")
     trials = pd.DataFrame(trial for found in random["found"] for trial in json.loads(found))
     return {
-        "outcomes": runs.pivot(index="case", columns="way", values="outcome").loc[list(cases), list(ways)].reset_index(),
+        "outcomes": runs.pivot(index="case", columns="way", values="outcome").loc[list(cases), list(tried)].reset_index(),
         "by_method": by_method(runs),
         "failed": runs[runs["outcome"] == FAILED][["case", "way", "why", "audit"]],
         "runs": runs,
@@ -64,6 +79,7 @@ def one(row):
     return {
         "outcome": found.outcome,
         "why": found.reason,
+        "cause": found.cause,
         "method": found.method,
         "step_ms": 1e3 * found.dt,
         "steps": found.steps,
@@ -81,43 +97,20 @@ def batch(row):
 def by_method(runs):
     """How many cases each method held, refused and failed."""
     counts = runs.pivot_table(index="way", columns="outcome", aggfunc="size", fill_value=0)
-    order = [way for way in WAYS if way in counts.index]
+    order = [way for way in ways() if way in counts.index]
     return counts.reindex(index=order, columns=[HELD, REFUSED, FAILED], fill_value=0).reset_index()
 
 
 # Figures and words --------------------------------------------------------------------------------------------------
 
 COLORS = {HELD: "#d6e6f4", REFUSED: "#dddddd", FAILED: "#d55e00"}
-SHORT = {  # what a refusal says -> its label
-    "steps of": "steps",
-    "too few steps": "nodes",
-    "error control": "steps",
-    "force evaluations": "work",
-    "at no step": "never stable",
-    "beyond the largest": "step",
-    "its energy rose": "energy",
-    "diverged": "diverged",
-    "did not converge": "no root",
-    "steps that a run may take": "steps",
-    "found no step": "tolerance",
-    "steps tried were not enough": "work",
-    "gave up": "gave up",
-    "EA=inf": "EA = inf",
-    "tension stretches it": "length",
-    "of the energy in play were": "lost energy",
-    "of the energy in play are": "lost energy",
-    "far from a limit": "no limit",
-    "needs the packages": "missing",
-}
-
-
-WORK = ("steps", "nodes", "work")  # labels of what is refused for its work alone
+WORKED = (STEPS, NODES, WORK)  # causes of what is refused for its work alone
 
 
 def label(run, statements):
     """A word for a cell of the figure: how the library refused, or the kind of what is broken, with a star if an audit fails."""
     if run.outcome == REFUSED:
-        return next((word for part, word in SHORT.items() if part in run.why), "refused")
+        return run.cause
     if run.outcome == FAILED:
         own = statements[(statements["case"] == run.case) & (statements["way"] == run.way) & ~statements["holds"].astype(bool)]
         kind = ENERGY if ENERGY in set(own["kind"]) else next(iter(own["kind"]), "failed")
@@ -132,19 +125,19 @@ def plot(rows):
     from matplotlib.patches import Patch
 
     runs, statements = rows["runs"], rows["statements"]
-    cases, ways = list(dict.fromkeys(runs["case"])), list(dict.fromkeys(runs["way"]))
+    cases, tried = list(dict.fromkeys(runs["case"])), list(dict.fromkeys(runs["way"]))
     number = {outcome: i for i, outcome in enumerate(COLORS)}
-    grid = runs.pivot(index="case", columns="way", values="outcome").loc[cases, ways].map(number.get).to_numpy(float)
-    figure = Figure(figsize=(2.2 + 0.66 * len(ways), 1.6 + 0.235 * len(cases)), layout="constrained")
+    grid = runs.pivot(index="case", columns="way", values="outcome").loc[cases, tried].map(number.get).to_numpy(float)
+    figure = Figure(figsize=(2.2 + 0.66 * len(tried), 1.6 + 0.235 * len(cases)), layout="constrained")
     axes = figure.subplots()
     axes.pcolormesh(grid, cmap=ListedColormap(list(COLORS.values())), vmin=0, vmax=2, edgecolor="w", linewidth=0.8)
     for run in runs.itertuples():
         words = label(run, statements)
         color = "w" if run.outcome == FAILED else "0.35"
-        where = ways.index(run.way) + 0.5, cases.index(run.case) + 0.5
+        where = tried.index(run.way) + 0.5, cases.index(run.case) + 0.5
         axes.text(*where, words, ha="center", va="center", fontsize=6, color=color)
     axes.set_yticks([i + 0.5 for i in range(len(cases))], cases, fontsize=8)
-    axes.set_xticks([i + 0.5 for i in range(len(ways))], [way.replace("_", " ") for way in ways], fontsize=8, rotation=45,
+    axes.set_xticks([i + 0.5 for i in range(len(tried))], [way.replace("_", " ") for way in tried], fontsize=8, rotation=45,
                     ha="left", rotation_mode="anchor")  # fmt: skip
     axes.xaxis.tick_top()
     axes.invert_yaxis()
@@ -172,7 +165,7 @@ def answer(rows):
     loud = ", ".join(f"{way} {rise:.2g}" for way, rise in rises.items() if rise > 0.1)
     table = "; ".join(f"{way} {line[HELD]}, {line[REFUSED]}, {line[FAILED]}" for way, line in counts.drop(DEFAULT).iterrows())
     never = [way for way, line in counts.drop(DEFAULT).iterrows() if line[FAILED] == 0]
-    dear = sum(label(run, statements) in WORK for run in runs[runs["outcome"] == REFUSED].itertuples())
+    dear = sum(run.cause in WORKED for run in runs[runs["outcome"] == REFUSED].itertuples())
     missed = rows["failed"][rows["failed"]["audit"] == "done"]
     seen = len(rows["failed"]) - len(missed)
     unseen = ", ".join(f"{way} {n}" for way, n in missed["way"].value_counts(sort=False).items()) or "none"
@@ -181,6 +174,7 @@ def answer(rows):
     failed = rows["random_failures"]
     wrong = failed[failed["outcome"] == "failed"]
     gained = failed[failed["outcome"] == "gained"]
+    tries = [node_tries(schemes.scheme(name)) for name in schemes.names(origin=Origin.DIFFRAX)]
     gainers = ", ".join(f"{way} {n}" for way, n in gained["way"].value_counts().items()) or "none"
     return f"""
 Of {cases} hard cases the default method holds {default[HELD]} and fails in {default[FAILED]}{names}. Of the methods that are
@@ -190,11 +184,11 @@ why the method does not serve.
 {details}
 
 Held, refused and failed by the methods that were asked for by name: {table}. A refusal is
-a status with advice (a run that gained energy has one too), a warning before the run, what a run that is done says against
-itself where that is what is broken (energy lost in its steps, a cable longer than it is pulled), or, {dear} times, more work
-than is spent here: {NODE_STEPS:.0e} nodes times steps (explicit methods), {NODE_EVALUATIONS["RK45"]:.0e} nodes times force
-evaluations (scipy's explicit solvers) or {NODE_EVALUATIONS["BDF"]:.0e} (its
-stiff ones), {NODE_TRIES["Kvaerno5"]:.0e} to {NODE_TRIES["Tsit5"]:.0e} nodes times steps (diffrax's).
+a status with advice (a run that gained energy has one too), a warning before the run, a warning of the completed run where that
+is what is broken (energy lost in its steps, a cable longer than its tension can hold it), or, {dear} times, more work
+than is spent here: {NODE_STEPS:.0e} nodes times steps (explicit methods), {NODE_EVALUATIONS[True]:.0e} nodes times force
+evaluations (scipy's explicit solvers) or {NODE_EVALUATIONS[False]:.0e} (its
+stiff ones), {min(tries):.0e} to {max(tries):.0e} nodes times steps (diffrax's).
 
 An audit of the run (`audit=True`) finds {seen} of the {len(rows["failed"])} failures and ends as "audit failed" (a star in the
 figure); it misses, by method: {unseen}.

@@ -19,6 +19,7 @@ from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
 from anet_lumped.statics.catenary_net import catenary_net
 from anet_lumped.statics.equilibrium import equilibrium
 from studies.questions.stability_map import CORD_EA, GRAVITY, LENGTH, MASS, REST_GROWTH, energy_rise, quietly, rest_growth
+from studies.shown.scheme_styles import style
 from studies.sweeping.rows import run_rows
 
 QUESTION = __doc__.splitlines()[0]
@@ -226,9 +227,7 @@ def cure(row):
 
 COLORS = {"hung": "#000000", "0.5 m apart": "#56B4E9", "0.8 m apart": "#0072B2", "1.0 m apart": "#009E73",
           "two cables": "#D55E00"}  # fmt: skip
-STYLES = (("symplectic_euler", 1e-2, "#D55E00", "o"), ("rk4", 1e-2, "#E69F00", "s"),
-          ("symplectic_euler", 1e-3, "#0072B2", "o"), ("rk4", 1e-3, "#56B4E9", "s"))  # fmt: skip
-NAMES = {"symplectic_euler": "symplectic Euler", "rk4": "RK4"}
+STEP_COLORS = {1e-2: ("#D55E00", "#E69F00"), 1e-3: ("#0072B2", "#56B4E9")}  # by step [s], a shade for each of SCHEMES
 
 
 def plot(rows):
@@ -327,10 +326,12 @@ def _plot_floor(floors, cure):
     figure = Figure(figsize=(10, 4.3), layout="constrained")
     left, right = figure.subplots(1, 2)
     hung = floors[floors["arrangement"] == "hung"]
-    for scheme, dt, color, marker in STYLES:
+    lines = ((scheme, dt, shade) for dt, shades in STEP_COLORS.items() for scheme, shade in zip(SCHEMES, shades, strict=True))
+    for scheme, dt, color in lines:
+        name, _, marker, _ = style(scheme)
         line = hung[(hung["scheme"] == scheme) & (hung["dt_s"] == dt)].sort_values("segments")
         left.loglog(line["segments"], 100 * line["floor_closed_form"], "-", color=color, lw=1)
-        label = f"{NAMES[scheme]}, {1e3 * dt:g} ms"
+        label = f"{name}, {1e3 * dt:g} ms"
         left.loglog(line["segments"], 100 * line["floor_measured"], marker, ms=6, mfc="w", color=color, label=label)
     left.axhline(100 * THESIS_STRETCH, color="0.4", lw=1, ls="--")
     left.text(5, 115 * THESIS_STRETCH, "1.1 m", color="0.3", va="bottom")

@@ -9,6 +9,7 @@ from anet_lumped import Cable, Fixed, Free, Scene, State, equilibrium, simulate
 from anet_lumped.effects import Gravity
 from anet_lumped.model.tables import AXIAL_STIFFNESS
 from integrators import schemes
+from studies.shown.scheme_styles import style
 
 QUESTION = "Does every scheme converge at its order, for places and for velocities?"
 
@@ -22,7 +23,12 @@ PUSH = {PROBLEMS[0]: (0.0, 0.0, 0.1), PROBLEMS[1]: (0.5, 0.0, 0.0)}  # [m/s] vel
 FEW = {"dop853": ((4, 6, 8, 11), (700, 800, 1000, 1400))}  # steps in T_END of who is at rounding with those above
 REFERENCE = 100_000  # steps of rk4 that the swings are compared with
 NOISE = 1e-9  # relative error below which Newton's tolerance shows
-CASES = {name: (name, None) for name in schemes.EXPLICIT + schemes.IMPLICIT} | {"edmc, rho_inf = 1": ("edmc", 1.0)}
+CONSERVING = "edmc, rho_inf = 1"
+
+
+def cases():
+    """Method and rho_inf of every case, by its name."""
+    return {name: (name, None) for name in schemes.names(own=True)} | {CONSERVING: ("edmc", 1.0)}
 
 
 def scene(problem):
@@ -62,9 +68,12 @@ def march(method, problem, start, steps, rho_inf=None):
 
 def errors(case, problem, start, d, v):
     """Relative errors of place and velocity at the end for each step: one row each."""
-    method, rho_inf = CASES[case]
+    method, rho_inf = cases()[case]
     rows = []
-    of_problem = FEW[method][PROBLEMS.index(problem)] if method in FEW else STEPS[problem][method in schemes.IMPLICIT]
+    explicit_steps, implicit_steps = STEPS[problem]
+    of_problem = explicit_steps if schemes.scheme(method).explicit else implicit_steps
+    if method in FEW:
+        of_problem = FEW[method][PROBLEMS.index(problem)]
     for steps in of_problem:
         run = march(method, problem, start, steps, rho_inf)
         of_q, of_v = (
@@ -87,11 +96,11 @@ def compute(quick=False, executor=None, out=None):
     -------
     dict of DataFrame : "errors", "orders"
     """
-    rows, cases = [], ("verlet", "edmc") if quick else CASES
+    rows, tried = [], ("verlet", "edmc") if quick else cases()
     for problem in PROBLEMS:
         start = start_of(problem)
         d, v = truth(problem, start)
-        rows += [row for case in cases for row in errors(case, problem, start, d, v)]
+        rows += [row for case in tried for row in errors(case, problem, start, d, v)]
     table = pd.DataFrame(rows)
     slopes = []
     for (problem, method), rows in table.groupby(["problem", "method"], sort=False):
@@ -100,7 +109,7 @@ def compute(quick=False, executor=None, out=None):
             seen = rows[(rows[f"{of}_error"] > NOISE) & (rows[f"{of}_error"] < 0.3)]
             enough = len(seen) >= 2
             slope[of] = np.polyfit(np.log(seen.step_s), np.log(seen[f"{of}_error"]), 1)[0] if enough else np.nan
-        order = schemes.order(CASES[method][0])
+        order = schemes.scheme(cases()[method][0]).order
         of = {"of_place": slope["place"], "of_velocity": slope["velocity"]}
         slopes.append({"problem": problem, "method": method, "order": order, **of})
     return {"orders": pd.DataFrame(slopes), "errors": table}
@@ -114,17 +123,9 @@ def plot(rows):
     figure = Figure(figsize=(9.5, 4.2), layout="constrained")
     panels = figure.subplots(1, len(STEPS), sharey=True)
     for panel, (problem, part) in zip(panels, rows["errors"].groupby("problem", sort=False), strict=True):
-        for i, (method, line) in enumerate(part.groupby("method", sort=False)):
-            panel.loglog(
-                line.step_s * 1e3,
-                line.place_error,
-                marker="osv^D<>Pp*Xh"[i],
-                ms=4,
-                lw=1,
-                label=method,
-                color=f"C{i}" if i < 10 else "k",
-                ls="-" if i % 2 else "--",
-            )
+        for case, line in part.groupby("method", sort=False):
+            look = style(cases()[case][0]).of_line() | ({"label": case, "mfc": "none", "ls": ":"} if case == CONSERVING else {})
+            panel.loglog(line.step_s * 1e3, line.place_error, ms=4, lw=1, **look)
         panel.set(title=problem, xlabel="step [ms]")
         panel.xaxis.set_minor_formatter(NullFormatter())
     panels[0].set_ylabel("place error over displacement [-]")

@@ -9,7 +9,7 @@ from numba import njit
 from anet_lumped import equilibrium, simulate
 from anet_lumped.mechanics import newton_step, residual, settle
 from anet_lumped.mechanics.fresh_net import fresh_net
-from integrators.stage import BETWEEN, Stage
+from integrators.stage import LAW_BETWEEN, Stage
 from studies.accuracy_cost.cases import net
 
 QUESTION = "What does a step cost, does its cost grow with the size of the net, and how fast is the carried net?"
@@ -20,7 +20,7 @@ STEPS = (40e-3, 20e-3, 10e-3, 5e-3)  # [s]
 REFERENCE = 0.5e-3  # [s] step of generalised-alpha, another method, that places are compared with
 T_END = 4.0  # [s]
 REPEATS = 5
-EXPLICIT = ("symplectic_euler", "verlet")
+TIMED = ("symplectic_euler", "verlet")  # a step of these
 ITERATION, ACCOUNT = "edmc, a Newton iteration", "edmc, energy account and calming of a step"
 
 
@@ -61,11 +61,11 @@ def costs(segments, repeats):
     start, nodes, h = equilibrium(net("net_carried", segments=segments)), rest.model.n, 0.01
     arrays, q, v, energy = fresh_net(rest.model), rest.q.copy(), np.zeros_like(rest.q), np.zeros(4)
     arrays.tension[:] = rest.segment_tension
-    stage = Stage(BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
+    stage = Stage(LAW_BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
     steps, iterations = max(10, int(2e6 / nodes)), max(5, int(1e6 / nodes))
     found = []
     for _ in range(repeats + 1):
-        row = {f"{method}, a step": run_seconds(start, method, 2e-4 / segments, steps) for method in EXPLICIT}
+        row = {f"{method}, a step": run_seconds(start, method, 2e-4 / segments, steps) for method in TIMED}
         row["edmc, a step"] = run_seconds(start, "edmc", h, max(10, steps // 10))
         row[ITERATION] = seconds(newton_iterations, stage, rest.q, rest.q, q, arrays.address, times=iterations)
         row[ACCOUNT] = seconds(accounts, stage, rest.q, q, v, arrays.address, energy, times=iterations)

@@ -1,8 +1,8 @@
 """At which steps, stiffnesses and dampers is each scheme stable, and why did the thesis's model fail when it was improved?
 
-Two planes, (step, stiffness) and (step, damper), measured cell by cell for eleven schemes and drawn under the border that
-`anet_lumped.motion.stability` predicts before any run. The judge is the energy, which nothing puts in here, so that it may
-only fall: surviving to the end is not enough.
+Two planes, (step, stiffness) and (step, damper), measured cell by cell for the schemes of this package and drawn under the
+border that `anet_lumped.motion.stability` predicts before any run. The judge is the energy, which nothing puts in here, so that it
+may only fall: surviving to the end is not enough.
 """
 
 import warnings
@@ -11,11 +11,12 @@ from dataclasses import replace
 import numpy as np
 
 from anet_lumped.effects import Gravity, ViscousDamping
-from anet_lumped.motion.gain import GAINED
+from anet_lumped.motion.energy_gain import GAINED
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.motion.stability import step_limit, top_modes
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
 from anet_lumped.statics.equilibrium import equilibrium
+from integrators import schemes
 from studies.sweeping.rows import run_rows
 
 QUESTION = __doc__.splitlines()[0]
@@ -26,8 +27,6 @@ WEIGHT_ENERGY = MASS * GRAVITY * LENGTH  # [J]
 FOUND_EA = MASS * GRAVITY / (2 * 0.1)  # makes the hung cable 1.1 m long [N]: EA = m g/2 eps; study `length_error`
 FOUND_K = FOUND_EA * SEGMENTS / LENGTH  # [N/m]
 CORD_EA = 9e3  # 3 mm nylon [N]
-EXPLICIT = ("explicit_euler", "symplectic_euler", "verlet", "rk4", "dop853")
-IMPLICIT = ("edmc", "backward_euler", "midpoint", "sdirk2", "tr_bdf2", "generalised_alpha")
 STEPS = np.geomspace(1e-3, 0.1, 11)  # [s]
 STIFFNESSES = np.geomspace(1.0, 1e8, 11)  # EA [N]
 DAMPERS = np.geomspace(1e-3, 1e3, 11)  # of a segment [N s/m], beside springs of FOUND_K
@@ -125,6 +124,21 @@ def quietly(scene, t_end, **settings):
         return simulate(scene, t_end, **settings)
 
 
+def explicit_schemes(**wanted):
+    """Names of the explicit schemes of this package."""
+    return schemes.names(own=True, explicit=True, **wanted)
+
+
+def implicit_schemes():
+    """Names of the implicit schemes of this package."""
+    return schemes.names(own=True, explicit=False)
+
+
+def label(scheme):
+    """What figures and texts call a scheme."""
+    return schemes.scheme(scheme).label
+
+
 def predicted_step(scheme, scene):
     """Largest stable step of the scene's top axial mode [s]."""
     (mode,) = top_modes(scene).values()
@@ -147,7 +161,7 @@ def compute(quick=False, executor=None, out=None):
     steps = list(STEPS[::every])
     lines = [
         {"plane": plane, "scheme": scheme, "EA_N": EA, "damper_Ns_per_m": c, "steps": steps}
-        for scheme in EXPLICIT + IMPLICIT
+        for scheme in explicit_schemes() + implicit_schemes()
         for plane, grid in (
             ("stiffness", [(EA, 0.0) for EA in STIFFNESSES[::every]]),
             ("damper", [(FOUND_EA, c) for c in DAMPERS[::every]]),
@@ -158,13 +172,13 @@ def compute(quick=False, executor=None, out=None):
     places += [(FOUND_EA, c) for c in BORDER_DAMPERS[:: 2 if quick else 1]]
     borders = [
         {"scheme": scheme, "EA_N": EA, "damper_Ns_per_m": c}
-        for scheme in EXPLICIT
+        for scheme in explicit_schemes()
         for EA, c in places
-        if c > 0 or scheme != "explicit_euler"
+        if c > 0 or schemes.scheme(scheme).stable_undamped
     ]
     long = [
         {"scheme": scheme, "share_of_limit": share, "zeta": zeta}
-        for scheme in EXPLICIT[1:]
+        for scheme in explicit_schemes(stable_undamped=True)
         for share in (LONG_SHARES[1:2] if quick else LONG_SHARES)
         for zeta in LONG_ZETAS
     ]
@@ -183,16 +197,16 @@ def line_of_cells(row):
     scheme, EA, c = row["scheme"], row["EA_N"], row["damper_Ns_per_m"]
     # Two-way springs about rest, the thesis's law, are linear in the axial direction, for which the prediction is exact.
     about_rest, loose = hung(EA, c, compression="linear"), hung(EA, c, tip=(LENGTH, 0.0, 0.0))
-    start, predicted = disturbed(about_rest), predicted_step(scheme, about_rest)
+    start, predicted, explicit = disturbed(about_rest), predicted_step(scheme, about_rest), schemes.scheme(scheme).explicit
     cells = []
     for dt in row["steps"]:
         rest, whip = (np.nan, False, ""), (np.nan, "")
         # An implicit scheme is put to the hard test first; where it fails, rest tells whether small motions grow as well.
-        if scheme in IMPLICIT:
+        if not explicit:
             whip = whip_rise(loose, scheme, dt)
-        if scheme in EXPLICIT or whip[0] > WHIP_RISE:
+        if explicit or whip[0] > WHIP_RISE:
             rest = rest_growth(about_rest, scheme, dt, start=start)
-        if scheme in EXPLICIT and rest[0] <= REST_GROWTH:
+        if explicit and rest[0] <= REST_GROWTH:
             whip = whip_rise(loose, scheme, dt)
         cells.append((dt, predicted, rest[0], whip[0], *rest[1:], whip[1]))
     return dict(zip((*NUMBERS, *OTHERS), map(list, zip(*cells, strict=True)), strict=True))
@@ -203,7 +217,8 @@ def border(row):
     scheme, EA, c = row["scheme"], row["EA_N"], row["damper_Ns_per_m"]
     predicted = predicted_step(scheme, hung(EA, c))
     # No axial damper acts on swings, which explicit Euler lets grow at any step: its border is that of axial motion.
-    axes = (0.0, 0.0, 1.0) if scheme == "explicit_euler" else (1.0, 1.0, 1.0)
+    swings = schemes.scheme(scheme).stable_undamped
+    axes = (1.0, 1.0, 1.0) if swings else (0.0, 0.0, 1.0)
     found = {}
     for name, compression in (("rest", "linear"), ("rest_one_way", "none")):
         scene = hung(EA, c, compression=compression)
@@ -212,7 +227,7 @@ def border(row):
             lambda dt, scene=scene, start=start: rest_growth(scene, scheme, dt, BORDER_STEPS, start)[0] <= REST_GROWTH,
             predicted,
         )
-    if scheme != "explicit_euler":
+    if swings:
         loose = hung(EA, c, tip=(LENGTH, 0.0, 0.0))
         found["whip"] = _largest_step(lambda dt: whip_rise(loose, scheme, dt)[0] <= WHIP_RISE, predicted)
     return {"predicted_ms": 1e3 * predicted} | {f"{name}_over_predicted": h / predicted for name, h in found.items()}
@@ -273,8 +288,6 @@ def failure(row):
 
 STABLE, RISES, UNSTABLE = 0, 1, 2
 COLORS = ("#d6e6f4", "#E69F00", "#5b2a6e")
-NAMES = dict(zip(EXPLICIT + IMPLICIT, ("explicit Euler", "symplectic Euler", "velocity Verlet", "RK4", "DOP853", "edmc",
-                 "backward Euler", "implicit midpoint", "SDIRK2", "TR-BDF2", "generalised-α"), strict=True))  # fmt: skip
 
 
 def verdict(cells):
@@ -306,18 +319,22 @@ def _plot_plane(cells, ordinate, thesis):
     from matplotlib.patches import Patch
 
     figure = Figure(figsize=(13, 5.6), layout="constrained")
-    panels = figure.subplots(2, len(IMPLICIT), sharex=True, sharey=True)
-    for axes in panels[0, len(EXPLICIT) :]:
-        axes.remove()
+    lines = explicit_schemes(), implicit_schemes()
+    panels = figure.subplots(2, max(map(len, lines)), sharex=True, sharey=True)
     cells = cells.assign(verdict=verdict(cells))
-    for axes, scheme in zip((*panels[0, : len(EXPLICIT)], *panels[1]), EXPLICIT + IMPLICIT, strict=True):
+    drawn = []
+    for row, line in zip(panels, lines, strict=True):
+        drawn += zip(row, line, strict=False)
+        for axes in row[len(line) :]:
+            axes.remove()
+    for axes, scheme in drawn:
         here = cells[cells["scheme"] == scheme]
         grid = here.pivot(index=ordinate, columns="dt_s", values="verdict")
         steps, ordinates = 1e3 * grid.columns.to_numpy(float), grid.index.to_numpy(float)
         axes.pcolormesh(steps, ordinates, grid, cmap=ListedColormap(COLORS), vmin=0, vmax=2)
         alive = here[survived(here)]
         axes.plot(1e3 * alive["dt_s"], alive[ordinate], ".", ms=3, color="w")
-        axes.set(xscale="log", yscale="log", title=NAMES[scheme])
+        axes.set(xscale="log", yscale="log", title=label(scheme))
         limits = axes.get_xlim(), axes.get_ylim()
         _draw_border(axes, scheme, ordinate, limits[1])
         _draw_thesis(axes, scheme, ordinate, thesis)
@@ -325,7 +342,7 @@ def _plot_plane(cells, ordinate, thesis):
     if ordinate == "EA_N":
         for axes in figure.axes:
             axes.axhline(CORD_EA, color="k", lw=0.8, ls=":")
-        panels[0, 4].text(STEPS[-1] * 1e3, 1.3 * CORD_EA, "3 mm nylon ", ha="right", fontsize=8)
+        panels[0, len(lines[0]) - 1].text(STEPS[-1] * 1e3, 1.3 * CORD_EA, "3 mm nylon ", ha="right", fontsize=8)
     panels[1, 3].set_xlabel("step [ms]", fontsize=11)
     name = "axial stiffness EA [N]" if ordinate == "EA_N" else f"damper of a segment c [N s/m], spring {FOUND_K:.0f} N/m"
     figure.supylabel(name, fontsize=11)
@@ -345,14 +362,14 @@ def _plot_plane(cells, ordinate, thesis):
 
 def _draw_border(axes, scheme, ordinate, limits):
     """Predicted step over stiffness or damper; for explicit Euler, which no swing survives, that of axial modes."""
-    if scheme in IMPLICIT:
+    if not schemes.scheme(scheme).explicit:
         return
     values = np.geomspace(*limits, 300)
     EA, c = (values, 0.0 * values) if ordinate == "EA_N" else (np.full(300, FOUND_EA), values)
     (mode,) = top_modes(hung(1.0)).values()
     omega = mode.omega * np.sqrt(EA)
     steps = step_limit(scheme, omega, c * LENGTH / SEGMENTS / EA * omega / 2)
-    style = {"ls": "--", "lw": 1.5} if scheme == "explicit_euler" else {"lw": 2}
+    style = {"lw": 2} if schemes.scheme(scheme).stable_undamped else {"ls": "--", "lw": 1.5}
     axes.plot(1e3 * np.where(steps > 0, steps, np.nan), values, color="k", **style)
 
 
@@ -373,13 +390,13 @@ def answer(rows):
     """The answer in words, with the numbers of `rows`."""
     cells, borders, thesis = rows["planes"].dropna(subset="dt_s"), rows["borders"], rows["thesis"]
     cells = cells.assign(verdict=verdict(cells), survived=survived(cells))
-    limited = cells[cells["scheme"].isin(EXPLICIT[1:])]
+    limited = cells[cells["scheme"].isin(explicit_schemes(stable_undamped=True))]
     right = (limited["verdict"] == UNSTABLE) == (limited["dt_s"] > limited["predicted_s"])
     euler = cells[cells["scheme"] == "explicit_euler"]
     failed = cells[cells["verdict"] != STABLE]
     tried = thesis.set_index(["scheme", "change"])
     lines = []
-    for scheme in IMPLICIT:
+    for scheme in implicit_schemes():
         here = cells[cells["scheme"] == scheme]
         bad = here[here["verdict"] != STABLE]
         if len(bad):
@@ -387,15 +404,15 @@ def answer(rows):
             most = bad["whip_rise"].replace(np.inf, np.nan).max()
             lost = int(np.isinf(bad["whip_rise"]).sum())
             lines.append(
-                f"{NAMES[scheme]} in {k} cells of the first plane and {c} of the second, by up to {most:.1e} times the "
+                f"{label(scheme)} in {k} cells of the first plane and {c} of the second, by up to {most:.1e} times the "
                 f"swing's worth" + (f", and without bound in {lost}" if lost else "")
             )
-    quiet = [scheme for scheme in IMPLICIT if (cells[cells["scheme"] == scheme]["verdict"] == STABLE).all()]
-    quietest = ", ".join(f"{NAMES[s]} {max(cells[cells['scheme'] == s]['whip_rise'].max(), 0):.1g}" for s in quiet)
-    start = cells[cells["scheme"].isin(IMPLICIT) & (cells["rest_growth"] > REST_GROWTH) & cells["rest_at_once"]]
+    quiet = [scheme for scheme in implicit_schemes() if (cells[cells["scheme"] == scheme]["verdict"] == STABLE).all()]
+    quietest = ", ".join(f"{label(s)} {max(cells[cells['scheme'] == s]['whip_rise'].max(), 0):.1g}" for s in quiet)
+    start = cells[cells["scheme"].isin(implicit_schemes()) & (cells["rest_growth"] > REST_GROWTH) & cells["rest_at_once"]]
     overshoot = ""
     if len(start):
-        who = " and ".join(NAMES[scheme] for scheme in start["scheme"].unique())
+        who = " and ".join(label(scheme) for scheme in start["scheme"].unique())
         overshoot = f"""About rest, {who} also overshoots in its first step, in {len(start)} cells with heavy dampers, by
 up to {start["rest_growth"].max():.0e} times the disturbance, and then calms down. """
     about_rest = borders[borders["scheme"] != "explicit_euler"]

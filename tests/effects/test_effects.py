@@ -168,15 +168,15 @@ def test_forces_energies_and_tensions_of_nets(compression):
         compiled, net = system(model), fresh_net(model)
         np.testing.assert_allclose(model.mass, naive.masses(model), rtol=1e-15)
         q, v = scatter(model, rng), rng.normal(size=(model.n, 3))
-        f, power, energy = np.full((model.n, 3), np.nan), np.full(2, np.nan), np.zeros(5)
+        f, power, energy = np.full((model.n, 3), np.nan), np.full(3, np.nan), np.zeros(3)
         compiled.force(0.0, q, v, net.address, f, power)
         compiled.energy(0.0, q, v, net.address, energy)
-        expected, dissipated, put_in = naive.force(model, q, v)
+        expected, by_dampers, by_effects, put_in = naive.force(model, q, v)
         prescribed_moves = model.n_driven < model.n
         # sums of a few dozen rounded forces of up to 1e4 N
         np.testing.assert_allclose(f, expected, atol=1e-10, err_msg=name)
-        assert power[0] == pytest.approx(dissipated, rel=1e-12)
-        assert power[1] == (pytest.approx(put_in, rel=1e-12) if prescribed_moves else 0.0)
+        assert power[:2] == pytest.approx([by_dampers, by_effects], rel=1e-12)
+        assert power[2] == (pytest.approx(put_in, rel=1e-12) if prescribed_moves else 0.0)
         np.testing.assert_allclose(energy[:3], naive.energies(model, q, v), rtol=1e-12)
         inner = f - naive.external(model, q, v)
         np.testing.assert_allclose(inner.sum(axis=0), 0.0, atol=1e-10)
@@ -193,7 +193,7 @@ def test_force_is_the_slope_of_the_energy():
         model = build(nets(compression=compression, zeta=0.0)["wheel"])
         compiled, net, rng = system(model), fresh_net(model), np.random.default_rng(3)
         q, v = scatter(model, rng), np.zeros((model.n, 3))
-        f, power, d = np.zeros((model.n, 3)), np.zeros(2), rng.normal(size=(model.n, 3))
+        f, power, d = np.zeros((model.n, 3)), np.zeros(3), rng.normal(size=(model.n, 3))
 
         def energy(x):
             out = np.zeros(3)

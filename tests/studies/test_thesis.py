@@ -17,7 +17,7 @@ TABLE_5_1_CM = {
 
 @pytest.mark.parametrize(("samples", "points"), TABLE_5_1_CM)
 def test_table_5_1(samples, points):
-    """THESIS.md, section 3; the thesis rounds p0 to 0.2036 m. Tolerance: the last digit stated."""
+    """docs/thesis.md; the thesis rounds p0 to 0.2036 m. Tolerance: the last digit stated."""
     error = 100 * (thesis_tables.sample_p0(samples, points) - thesis_tables.REFERENCE)
     assert error == pytest.approx(TABLE_5_1_CM[samples, points], abs=0.00051)
 
@@ -44,7 +44,7 @@ def test_half_masses_at_the_ends_leave_second_order():
 
 
 def test_p0_by_balance_of_forces():
-    """THESIS.md, section 3: p0 = (0.5, 0.2036116441)."""
+    """docs/thesis.md: p0 = (0.5, 0.2036116441)."""
     p0 = thesis_tables.balance_p0(thesis_tables.hanging_scene(thesis_tables.two_supports()))
     assert p0 == pytest.approx((0.5, 0.0, 0.2036116441), abs=1e-9)
 

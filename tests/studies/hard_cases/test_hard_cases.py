@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from anet_lumped.results.run import Run
-from integrators import schemes, scipy_adapter
-from studies.catalogue import ASKED, CASES
+from integrators import schemes
+from integrators.adapters import scipy_adapter
+from studies.catalogue import ASKED, CASES, outcome
 from studies.catalogue.case import ACCURACY, ENERGY, LOAD, REST, Case, Statement, energy_rise, energy_statement
 from studies.catalogue.falls import _fall_time
-from studies.catalogue.outcome import DEFAULT, EXTRAPOLATED, FAILED, HELD, NODE_TRIES, REFUSED, WAYS, bounded, meet
+from studies.catalogue.outcome import DEFAULT, EXTRAPOLATED, FAILED, HELD, REFUSED, bounded, meet, ways
 from studies.catalogue.swings import ANGLE, pendulum, released, rod_tension
 
 ALWAYS = (DEFAULT, "dop853", "edmc", EXTRAPOLATED, "backward_euler")
@@ -157,10 +158,8 @@ def test_released_pendulum_is_in_balance_along_its_cable():
 
 
 def test_all_methods_are_tried():
-    from anet_lumped.motion.simulate import METHODS
-
-    assert set(WAYS) == {DEFAULT, EXTRAPOLATED, *METHODS}
-    assert {DEFAULT, *schemes.EXPLICIT, *schemes.IMPLICIT, EXTRAPOLATED} == {"explicit_euler", *ALWAYS, *IN_TURN, *PUMPS}
+    assert set(ways()) == {DEFAULT, EXTRAPOLATED, *schemes.names()}
+    assert {DEFAULT, *schemes.names(own=True), EXTRAPOLATED} == {"explicit_euler", *ALWAYS, *IN_TURN, *PUMPS}
 
 
 def test_diffrax_holds():
@@ -171,7 +170,7 @@ def test_diffrax_holds():
 @pytest.mark.parametrize("way", ["Tsit5", "Kvaerno5"])
 def test_diffrax_refuses(way, monkeypatch):
     """With too few steps it gives up and says so."""
-    monkeypatch.setitem(NODE_TRIES, way, 100.0)
+    monkeypatch.setattr(outcome, "node_tries", lambda scheme: 100.0)
     found = meet(CASES["quadrotors apart, 1e3 N"](), way)
     said = ("would need", "steps tried were not enough", "too few steps to try")
     assert found.outcome == REFUSED and any(words in found.reason for words in said)
