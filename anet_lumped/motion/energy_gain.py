@@ -41,7 +41,7 @@ def energy_gain(run, adaptive=False):
     """
     rows, model = run.energy, run.model
     own = rows[:, :WORK].sum(axis=1) - rows[:, WORK]
-    if not all(getattr(effect, "linear", False) for effect in run.scene.effects):
+    if not all(effect.passive for effect in run.scene.effects):
         # a wind gives energy: the account of what effects took and gave has to close instead
         own = own + rows[:, BY_DAMPERS:].sum(axis=1)
     swings = schemes.scheme(run.method).energy is EnergyPromise.SWINGS_ABOUT

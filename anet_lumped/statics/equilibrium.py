@@ -325,7 +325,7 @@ def equilibrium(scene, tolerance=1e-12):
         )
     tension = np.empty(model.n_segments)
     unroll(net.address, load, EA, H, q, tension)
-    if len(model.springs) or not all(map(_is_dead, model.forces)):
+    if len(model.springs) or not all(effect.dead_load or effect.no_force_at_rest for effect in model.forces):
         from anet_lumped.mechanics.required_kernels import require
 
         from .relaxation import relaxed  # compiles what moves, of which dead loads need nothing
@@ -345,16 +345,11 @@ def equilibrium(scene, tolerance=1e-12):
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance)
 
 
-def _is_dead(effect):
-    """Whether the force of an effect at rest is the same in any shape."""
-    return getattr(effect, "linear", False)
-
-
 def dead_load(model, net, q):
-    """(n, 3) force of those of a model's effects on the nodes at rest that do not depend on the shape [N]."""
+    """(n, 3) force of the dead loads among a model's effects [N]."""
     load, v, of = np.zeros_like(q), np.zeros_like(q), net.effects
     for e, effect in enumerate(model.forces):
-        if _is_dead(effect):
+        if effect.dead_load:
             index, params = of.index[of.index_at[e] : of.index_at[e + 1]], of.params[of.params_at[e] : of.params_at[e + 1]]
             effect.kernels()["force"](0.0, q, v, index, params, load)
     return load

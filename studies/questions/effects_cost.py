@@ -12,30 +12,15 @@ import pandas as pd
 
 from anet_lumped import equilibrium, simulate
 from anet_lumped.effects import REGISTRY, node_energy
+from anet_lumped.effects.effect import PAID_OUT
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
-from anet_lumped.prescribed import signals
 from integrators.stage import LAW_BETWEEN, Stage
 from studies.accuracy_cost.cases import net
 from studies.questions.speed import newton_iterations
-from studies.study import StudyError
 
 QUESTION = "What does an effect cost: one that a scene has, and one that only the library has?"
 
-EXAMPLES = {
-    "air": {},
-    "bending": {},
-    "gravity": {},
-    "ground": {"height": -0.6},  # the middle of the net lies on it
-    "axial_damping": {"rate": 0.5},
-    "line_change": {"paid_out": {"s0-p0": signals.line(0.0, 0.01, 0.0)}},
-    "load": {"per_length": (0.0, 0.1, 0.0)},
-    "temperature": {"expansion": 1e-5, "change": 10.0},
-    "viscous_damping": {"rate": 0.5},
-    "water": {"level": -0.6},
-}
-"""Arguments of an instance of each effect of the library, which acts on the carried net."""
-NOT_WITH_OTHERS = ("line_change",)  # which takes no effect whose numbers are not linear in a length, such as bending
 CABLES = {"diameter": 0.01, "EI": 1e-5, "compression": "linear"}
 """Of its cables: what effects may need [m], [N·m²], and that no segment slackens, for which an iteration would solve twice."""
 OWN = "weight of one's own"
@@ -49,21 +34,14 @@ TURN = 10  # repeats of one process before it is the next one's turn
 ALIKE = 0.03  # two libraries whose steps differ by less are alike
 
 
-def example(name):
-    """An instance of an effect of the library, by its name.
-
-    Raises
-    ------
-    StudyError : EXAMPLES has none
-    """
-    if name not in EXAMPLES:
-        raise StudyError(f'Every effect must have an example in studies.questions.effects_cost.EXAMPLES, but "{name}" has none.')
-    return REGISTRY[name](**EXAMPLES[name])
-
-
 def plain():
     """The carried net with its weight, whose cables have what effects may need."""
     return net("net_carried", **CABLES)
+
+
+def joins_others(effect, scene):
+    """Whether an effect goes with all others: one that pays out length takes none whose numbers are not linear in a length."""
+    return all(change.quantity != PAID_OUT for change in effect.length_changes(scene))
 
 
 def step_of_verlet(scene, start):
@@ -109,7 +87,7 @@ def _arrays(value):
 
 def entries(scene, effect):
     """Entries of the tangent that an effect changes, in a moving state of a scene that has it."""
-    if not hasattr(effect, "kernels") or "tangent" not in effect.kernels():
+    if "tangent" not in effect.kernels():
         return 0
     model, random = build(scene), np.random.default_rng(0)
     state = equilibrium(plain())
@@ -134,14 +112,14 @@ def marginal(repeats):
     """A row for each effect beside the weight, for all together, and for the weight itself and one of one's own."""
     base = plain()
     gravity, bare = base.effects, replace(base, effects=())
-    effects = {name: example(name) for name in REGISTRY.library if name != "gravity"}
+    effects = {name: REGISTRY[name].example(base) for name in REGISTRY.library if name != "gravity"}
     known = REGISTRY.classes
     REGISTRY.classes = dict(known)  # an effect of one's own comes and goes with it
     try:
         own = own_weight()
         scenes = {"none": bare, "gravity": base, OWN: replace(base, effects=(own,))}
         scenes |= {name: replace(base, effects=(*gravity, effect)) for name, effect in effects.items()}
-        together = [one for name, one in effects.items() if name not in NOT_WITH_OTHERS]
+        together = [effect for effect in effects.values() if joins_others(effect, base)]
         scenes["all together"] = replace(base, effects=(*gravity, *together))
         timed = shortest(scenes, repeats)
         rows = []
@@ -164,16 +142,17 @@ def answer_in(library, ask=sys.stdin, tell=sys.stdout):
 
     Besides, the memory of a run, and the effects whose modules have been imported.
     """
+    effects = REGISTRY.library
     if library == "stripped":
         REGISTRY.classes = {"gravity": REGISTRY.classes["gravity"]}
-        for name in EXAMPLES:
+        for name in effects:
             if name != "gravity":
                 sys.modules[f"anet_lumped.effects.{name}"] = None  # importing it fails: it is not there
     elif library == "imported":
         list(REGISTRY.values())
     for line in ask:
         row = shortest({"plain": plain()}, int(line))["plain"] | {"memory_bytes": memory(plain())}
-        here = [name for name in EXAMPLES if sys.modules.get(f"anet_lumped.effects.{name}") is not None]
+        here = [name for name in effects if sys.modules.get(f"anet_lumped.effects.{name}") is not None]
         print(json.dumps(row | {"effects_imported": " ".join(here)}), file=tell, flush=True)
 
 

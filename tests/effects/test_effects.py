@@ -223,7 +223,7 @@ def test_effects_are_found_by_name_and_not_imported_before():
 
 def test_gravity():
     gravity = Gravity(2.0, (0, 3, -4))
-    np.testing.assert_allclose(gravity.acceleration, [0, 1.2, -1.6], rtol=1e-15)
+    np.testing.assert_allclose(gravity.uniform_acceleration, [0, 1.2, -1.6], rtol=1e-15)
     q = np.arange(6.0).reshape(2, 3)
     index, params = gravity.table(SimpleNamespace(mass=np.array([1.0, 3.0]), n_free=2))
     force, energy = gravity.kernels().values()
@@ -231,7 +231,7 @@ def test_gravity():
     assert force(0.0, q, q, index, params, f) == 0.0
     np.testing.assert_allclose(f, 1 + np.array([[0, 1.2, -1.6], [0, 3.6, -4.8], [0, 0, 0]]), rtol=1e-15)
     assert energy(0.0, q, index, params) == pytest.approx(-(1.2 - 3.2) - 3 * (4.8 - 8.0), rel=1e-15)
-    np.testing.assert_array_equal(Gravity(0.0).acceleration, 0.0)
+    np.testing.assert_array_equal(Gravity(0.0).uniform_acceleration, 0.0)
 
 
 def test_viscous_damping():
@@ -249,14 +249,15 @@ def test_viscous_damping():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Gravity(-1.0), r"`g` of Gravity must be finite and not negative \[m/s2\], but it is -1.0"),
-        (lambda: Gravity(math.nan), "but it is nan"),
-        (lambda: Gravity(math.inf), "but it is inf"),
-        (lambda: Gravity(9.81, (0, 0, 0)), "must be three finite numbers, not all zero, but it is"),
-        (lambda: Gravity(9.81, (0, 1)), "must be three finite numbers"),
-        (lambda: Gravity(9.81, (0, math.nan, 1)), "must be three finite numbers"),
-        (lambda: ViscousDamping(-0.1), r"`rate` of ViscousDamping must be finite and not negative \[1/s\], but it is -0.1"),
-        (lambda: ViscousDamping(math.inf), "but it is inf"),
+        (lambda: Gravity(-1.0), r"`g` must be non-negative and finite \[m/s2\], but effect Gravity has g=-1.0"),
+        (lambda: Gravity(math.nan), "but effect Gravity has g=nan"),
+        (lambda: Gravity(math.inf), "but effect Gravity has g=inf"),
+        (lambda: Gravity("9.81"), r"`g` must be non-negative and finite \[m/s2\], but effect Gravity has g='9.81'"),
+        (lambda: Gravity(9.81, (0, 0, 0)), r"`direction` must not be zero, but effect Gravity has direction=\(0.0, 0.0, 0.0\)"),
+        (lambda: Gravity(9.81, (0, 1)), r"`direction` must be three finite numbers \(x, y, z\), but effect Gravity has"),
+        (lambda: Gravity(9.81, (0, math.nan, 1)), "`direction` must be three finite numbers"),
+        (lambda: ViscousDamping(-0.1), r"`rate` must be non-negative and finite \[1/s\], but effect ViscousDamping has rate=-0.1"),
+        (lambda: ViscousDamping(math.inf), "but effect ViscousDamping has rate=inf"),
         (lambda: Scene([Fixed("a", (0, 0, 0)), Free("b")], [cable_of("none")], [Gravity(), Gravity()]), "given twice"),
     ],
 )

@@ -10,8 +10,7 @@ import pytest
 
 from anet_lumped.effects import REGISTRY
 from studies.questions import effects_cost
-from studies.questions.effects_cost import EXAMPLES, LIBRARIES, OWN, entries, example, memory, plain
-from studies.study import StudyError
+from studies.questions.effects_cost import LIBRARIES, OWN, entries, memory, plain
 
 ROOT = Path(__file__).parents[2]
 SCENES = ((), ("Gravity",), ("Gravity", "Air"))  # each has the effects of the one before it and another one
@@ -59,17 +58,6 @@ def test_the_library_imports_no_effect(imported):
     assert effects_among(imported["library"]) == set()
 
 
-def test_every_effect_has_an_example():
-    assert set(EXAMPLES) == set(REGISTRY.library), "a new effect needs its arguments in studies.questions.effects_cost.EXAMPLES"
-    for name in EXAMPLES:
-        assert REGISTRY.name_of(example(name)) == name
-
-
-def test_an_effect_without_an_example_is_told():
-    with pytest.raises(StudyError, match=r'Every effect must have an example in .*EXAMPLES, but "rain" has none'):
-        example("rain")
-
-
 @pytest.fixture(scope="module")
 def rows():
     """The quick study."""
@@ -100,7 +88,7 @@ def test_a_library_without_other_effects_is_the_same(rows):
     table = rows["libraries"].set_index("library")
     assert set(table.index) == set(LIBRARIES) and table.memory_bytes.nunique() == 1
     assert table.effects_imported["whole"] == table.effects_imported["stripped"] == "gravity"
-    assert table.effects_imported["imported"].split() == list(EXAMPLES)
+    assert table.effects_imported["imported"].split() == REGISTRY.library
     assert (effects_cost.ratios(rows["libraries"]) > 0).all(axis=None)
 
 
@@ -117,6 +105,6 @@ def test_nothing_is_kept_for_an_effect_that_is_not_there():
     from dataclasses import replace
 
     bare = replace(scene, effects=())
-    with_air = replace(scene, effects=(*scene.effects, example("air")))
+    with_air = replace(scene, effects=(*scene.effects, REGISTRY["air"].example(scene)))
     assert memory(bare) < memory(scene) < memory(with_air)
     assert entries(scene, scene.effects[0]) == 0
