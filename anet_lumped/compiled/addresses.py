@@ -23,7 +23,7 @@ def address_of(function, signature):
 
 
 def callable_at(signature):
-    """An intrinsic that turns an address into a first-class function of a signature."""
+    """An intrinsic that turns an address, which must not be 0, into a first-class function of a signature."""
     function_type = types.FunctionType(signature)
 
     @intrinsic
@@ -31,6 +31,7 @@ def callable_at(signature):
         def codegen(context, builder, signature, args):
             function = cgutils.create_struct_proxy(function_type)(context, builder)
             null = cgutils.voidptr_t(None)
+            builder.assume(cgutils.is_not_null(builder, args[0]))  # else each call would hold what Numba does about it: raise
             function.c_addr = builder.inttoptr(args[0], cgutils.voidptr_t)
             function.py_addr, function.jit_addr = null, null
             return function._getvalue()
