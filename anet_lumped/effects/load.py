@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from anet_lumped.checks import check_names, check_number, check_vector
-from anet_lumped.prescribed.smoothstep import ramped
+from anet_lumped.prescribed.smoothstep_kernel import ramped
 
 from .effect import Effect, names_left
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
