@@ -1,7 +1,6 @@
 """Forces at the start of a march and at the end of a step, and the work of a step by the trapezoidal rule."""
 
-from numba import njit
-
+from .jit import internal
 from .system import (
     FORCES,
     POWER_INSIDE,
@@ -16,7 +15,7 @@ from .system import (
 )
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def evaluate_start(system_address, data_address, t, state, counts):
     """Prescribed rows, the force in ``state.memory[0]``, and its powers."""
     system, balance = system_at(system_address), state.balance
@@ -28,7 +27,7 @@ def evaluate_start(system_address, data_address, t, state, counts):
         balance[POWERS + k] = power[k]
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def evaluate_end(system_address, data_address, t, h, state, counts, end_share=0.5):
     """Prescribed rows and the force at t + h in ``state.memory[0]``; adds the work of the step from t.
 

@@ -4,7 +4,6 @@ import math
 
 from numba import float64, int64, types
 
-from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import inlined, kernel, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, shifted
 from anet_lumped.effects.laws.axial import tension_parts
@@ -28,6 +27,7 @@ from anet_lumped.model.tables import (
     KERNEL_SET_LENGTHS,
     SLOT_FORCE,
 )
+from integrators.flat_view import flat
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 

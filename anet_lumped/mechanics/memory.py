@@ -2,9 +2,9 @@
 
 from numba import int64, void
 
-from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import inlined, kernel
 from anet_lumped.model.net import view_net
+from integrators.flat_view import flat
 
 
 @inlined
