@@ -28,12 +28,16 @@ def may_raise(kernel):
 
 
 def _described(constant):
-    """The class of an exception and the line that raises it, from LLVM's text of a pickled constant; "" for a lack of memory."""
+    """The class of an exception and the line that raises it, from LLVM's text of a pickled constant.
+
+    "" for a lack of memory, and for a constant that is none: an exception is its class, its arguments and where it is raised.
+    """
     text = re.search(r' c"(.*)"', constant)[1].encode()
     data = re.sub(rb"\\(\\|[0-9A-Fa-f]{2})", lambda byte: b"\\" if byte[1] == b"\\" else bytes([int(byte[1], 16)]), text)
     try:
-        kind, _, where = pickle.loads(data)
-        name = kind.__name__
+        found = pickle.loads(data)
     except Exception:  # a class that is not to be had here
         return "an exception"
-    return "" if kind is MemoryError else name + (f" in line {where[2]}" if where else "")
+    if not (isinstance(found, tuple) and isinstance(found[0], type)) or found[0] is MemoryError:
+        return ""
+    return found[0].__name__ + (f" in line {found[2][2]}" if len(found) > 2 and found[2] else "")

@@ -138,9 +138,8 @@ class _Legs:
         """Kinetic, elastic and potential energy now, work and what was taken so far, (7,) [J]."""
         from anet_lumped.mechanics.bindings import system  # compiled on first use
 
-        own, energy = self.left, np.zeros(BALANCE)
-        net = fresh_net(own.model, force=False, newton=False)
-        system(own.model).energy(self.t, self.q[own.node], self.v[own.node], net.address, energy)
+        own, net, energy = self.left, fresh_net(self.left.model, force=False, newton=False), np.zeros(BALANCE)
+        system(own.model, force=False, newton=False).energy(self.t, self.q[own.node], self.v[own.node], net.address, energy)
         return energy[:ENERGIES] + self.carried
 
     def change_payloads(self, t):

@@ -47,7 +47,7 @@ def prepare(model, choice, leg, start, settings):
         choice.method, leg.begin, leg.end, stops(model.scene), start.q, start.v, leg.times(), choice.dt,
         rtol=max(0.5 * rtol, 1e-13), atol=atol + 0.5 * rtol * reach,
     )  # fmt: skip
-    return Prepared(fresh_net(model, newton=False), system(model), task)
+    return Prepared(fresh_net(model, newton=False), system(model, newton=False), task)
 
 
 def run_of(model, choice, settings, prepared: Prepared, out: Outcome):

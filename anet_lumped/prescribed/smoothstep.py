@@ -1,7 +1,7 @@
 """The quintic smoothstep 6 s^5 - 15 s^4 + 10 s^3, by which paths, loads and waves set in.
 
-It goes from 0 to 1 and has neither slope nor curvature at its ends. Python, compiled code, JAX and symbolic expressions all
-evaluate these lines; for compiled code `smoothstep_kernel` makes them known to Numba.
+It goes from 0 to 1 and has neither slope nor curvature at its ends. Python, compiled code (`smoothstep_kernel`), JAX and
+symbolic expressions all evaluate these lines.
 """
 
 

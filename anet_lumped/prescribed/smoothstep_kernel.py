@@ -1,8 +1,10 @@
-"""`smoothstep` for compiled code: the same functions, which Numba compiles into whatever calls them."""
+"""The functions of `smoothstep` for compiled code."""
 
 from numba.extending import register_jitable
 
-from . import smoothstep as plain
+from .smoothstep import ramped, smoothstep
 
-smoothstep = register_jitable(error_model="numpy")(plain.smoothstep)
-ramped = register_jitable(error_model="numpy")(plain.ramped)
+for _function in (smoothstep, ramped):
+    register_jitable(error_model="numpy")(_function)
+
+__all__ = ["ramped", "smoothstep"]

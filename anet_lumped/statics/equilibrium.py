@@ -35,7 +35,6 @@ from anet_lumped.model.tables import (
     CABLE_SEGMENTS,
     CABLE_START,
 )
-from anet_lumped.prescribed.path_kernel import evaluate
 from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Fixed, Free
 
@@ -303,7 +302,9 @@ def equilibrium(scene, tolerance=1e-12):
     net = fresh_net(model, force=False, newton=False)
     v = np.zeros_like(q)
     if model.n_driven < model.n:
-        evaluate(0.0, net.paths, q[model.n_driven :], v[model.n_driven :], np.zeros((model.n - model.n_driven, 3)))
+        from anet_lumped.mechanics.drive import drive  # compiled for scenes with driven points
+
+        drive(0.0, net.address, q, v)
     load = dead_load(model, net, q)
     finite = [cable.EA for cable in scene.cables if not cable.inextensible]
     total = float(np.linalg.norm(load[: model.n_free], axis=1).sum())

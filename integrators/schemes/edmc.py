@@ -69,6 +69,7 @@ EDMC = own_scheme(
     extrapolated_order=4,
     options={"rho_inf": 0.0},
     takes_rigid_springs=True,
+    evaluates_force=False,
     step=step,
     memory_rows=6,
     carried_rows=3,

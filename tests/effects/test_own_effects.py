@@ -276,9 +276,9 @@ def test_an_effect_may_be_made_again_under_its_name():
     """As where a notebook's cell is run twice."""
 
     def make(size):
-        @node_energy
-        def again(t, q):
-            return size * q[0]
+        @node_force
+        def again(t, q, v):
+            return -size, 0.0, 0.0
 
         return again()
 
