@@ -18,7 +18,7 @@ class Registry(MutableMapping):
     Such a file is imported when its effect is looked up.
     """
 
-    def __init__(self, classes: dict[str, str | type]):
+    def __init__(self, classes: dict[str, str | type]) -> None:
         self.classes = classes
 
     def __getitem__(self, name: str) -> type:

@@ -14,7 +14,7 @@ OF_DEAD_LOADS = ("force", "energy")
 OF_OTHERS = ("force", "energy", "tangent")
 
 
-def check_kernels(effect):
+def check_kernels(effect: Effect) -> None:
     """Refuse an effect whose compiled functions are missing, unknown, of another signature or able to raise.
 
     Raises
@@ -60,14 +60,14 @@ def check_kernels(effect):
             )
 
 
-def _signatures(kernel):
+def _signatures(kernel: Any) -> list[Any]:
     return [overload.signature for overload in kernel.overloads.values()]
 
 
 @cache
-def _raises(kernel):
+def _raises(kernel: Any) -> bool:
     return may_raise(kernel)
 
 
-def _listed(words, quote="`"):
+def _listed(words: Iterable[Any], quote: str="`") -> str:
     return ", ".join(f"{quote}{word}{quote}" for word in words)

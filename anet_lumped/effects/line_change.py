@@ -27,7 +27,7 @@ class LineChange(Effect):
 
     paid_out: dict[str, Signal] | tuple[tuple[str, Signal], ...]
 
-    def check_parameters(self):
+    def check_parameters(self) -> None:
         pairs = check_pairs("paid_out", self.paid_out, "a cable's name and a signal", self._called)
         for name, signal in pairs:
             if not isinstance(signal, Signal):
@@ -38,14 +38,14 @@ class LineChange(Effect):
         self._set(paid_out=pairs)
 
     @property
-    def signals(self):
+    def signals(self) -> tuple[Signal, ...]:
         return tuple(signal for _, signal in self.paid_out)
 
     @classmethod
-    def example(cls, scene):
+    def example(cls, scene: Any) -> Self:
         return cls({scene.cables[0].name: signals.line(0.0, 0.01, 0.0)})
 
-    def length_changes(self, scene):
+    def length_changes(self, scene: Any) -> Sequence[LengthChange]:
         """The length paid out of each cable named.
 
         Raises

@@ -53,7 +53,7 @@ SIGNATURES = {
 SLOTS = tuple(SIGNATURES)  # in the order of the SLOT_ columns in `model.tables`
 
 
-def addresses(effect):
+def addresses(effect: Effect) -> list[int]:
     """Addresses of an effect's compiled functions in the order of `SLOTS`; 0 for those that it does not have."""
     kernels = effect.kernels()
     return [address(kernels[slot]) if slot in kernels else 0 for slot in SLOTS]

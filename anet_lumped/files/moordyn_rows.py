@@ -50,11 +50,11 @@ class Row(NamedTuple):
     columns: tuple
     name: str | None
 
-    def error(self, why):
+    def error(self, why: str) -> SceneError:
         """SceneError that says where the row stands, what it says and why that does not do."""
         return SceneError(f'{self.where}, "{self.text}": {why}')
 
-    def number(self, column, what):
+    def number(self, column: int, what: str) -> float:
         """Number in a column; `what` it is, for messages."""
         word = self.words[column]
         try:
@@ -65,7 +65,7 @@ class Row(NamedTuple):
             raise self.error(f"{what} must be a finite number, but is {word}.")
         return value
 
-    def count(self, column, what):
+    def count(self, column: int, what: str) -> int:
         """Integer of at least 1 in a column."""
         word = self.words[column]
         if not word.isdecimal() or int(word) < 1:
@@ -73,7 +73,7 @@ class Row(NamedTuple):
         return int(word)
 
 
-def rows_by_section(text, source):
+def rows_by_section(text: str, source: str) -> dict[str, list[Row]]:
     """Split the text of an input file.
 
     Parameters
@@ -119,7 +119,7 @@ def rows_by_section(text, source):
     return found
 
 
-def named(name):
+def named(name: str) -> str:
     """Remark that gives a row its name."""
     quoted = json.dumps(name, ensure_ascii=not name.isprintable())
     return "  ! name: " + (quoted.replace("-", "\\u002d") if "---" in name else quoted)

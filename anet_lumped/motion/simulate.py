@@ -35,15 +35,16 @@ class StabilityWarning(UserWarning):
 class RunError(RuntimeError):
     """A run that is not "done"; ``run`` holds what there is of it."""
 
-    def __init__(self, run):
+    def __init__(self, run: Run) -> None:
         super().__init__(run.message)
         self.run = run
 
 
 def simulate(
-    scene, t_end, *, method=None, dt=None, start="equilibrium", save_every=None, rtol=None, atol=None, rho_inf=None,
-    extrapolate=False, audit=False, check=False
-):  # fmt: skip
+    scene: Scene, t_end: float, *, method: str | None = None, dt: float | None = None, start: str | State = "equilibrium",
+    save_every: float | None = None, rtol: float | None = None, atol: float | None = None, rho_inf: float | None = None,
+    extrapolate: bool = False, audit: bool | float = False, check: bool = False,
+) -> Run:  # fmt: skip
     """Motion of a scene from rest or from a State, through its events and the breaks of its cables (`Run.events`).
 
     Parameters
@@ -125,14 +126,14 @@ def simulate(
     return run
 
 
-def _tolerances(rtol, atol):
+def _tolerances(rtol: float | None, atol: float | None) -> tuple[float, float]:
     """Relative and absolute tolerance [m] with their defaults: one that is given alone stands alone."""
     if rtol is None and atol is None:
         return DEFAULT_RTOL, DEFAULT_ATOL
     return rtol or 0.0, atol or 0.0
 
 
-def _march_of(scheme):
+def _march_of(scheme: Any) -> Any:
     """What marches a leg with a scheme; JAX is imported, and computes in float64 from then on, for the solvers of diffrax."""
     if scheme.origin is Origin.OWN:
         from .own_methods import march
@@ -149,7 +150,7 @@ def _march_of(scheme):
     return march
 
 
-def _start(model, start):
+def _start(model: Model, start: str | State) -> State:
     """State to start from, with arrays of its own."""
     if isinstance(start, State):
         return _adopt(model, start)
@@ -161,7 +162,7 @@ def _start(model, start):
     raise ValueError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {start!r}.')
 
 
-def straight(model):
+def straight(model: Model) -> np.ndarray:
     """(n, 3) places with every cable's nodes evenly spaced between its points' places [m]."""
     at = {}
     for point in model.scene.points:
@@ -177,7 +178,7 @@ def straight(model):
     return q
 
 
-def _adopt(model, state):
+def _adopt(model: Model, state: State) -> State:
     """A State of the same or of a like scene as one of this model, matched by names."""
     q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
     for cable in model.scene.cables:
@@ -196,7 +197,7 @@ def _adopt(model, state):
     return State(model, float(state.t), q, v, tension, events=state.events)
 
 
-def _check_breaks(scene, scheme, extrapolate):
+def _check_breaks(scene: Scene, scheme: Any, extrapolate: bool) -> None:
     """Cables that may break need a march that looks for it, and one motion."""
     brittle = next((cable.name for cable in scene.cables if cable.breaking_tension is not None), None)
     if brittle is not None and (extrapolate or not scheme.stops_at_events):
@@ -208,7 +209,7 @@ def _check_breaks(scene, scheme, extrapolate):
         )
 
 
-def _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit):
+def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: Any, rho_inf: Any, audit: Any) -> None:
     sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=None if isinstance(audit, bool) else audit)
     for name, value in sizes.items():
         if value is not None and not (isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0):

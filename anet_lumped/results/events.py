@@ -28,13 +28,13 @@ class Event:
     segment: int | None = None
     tension: float | None = None
 
-    def __str__(self):
+    def __str__(self) -> str:
         if self.kind == BREAK:
             return f't={self.t:.6g} s: segment {self.segment} of cable "{self.where}" broke at {self.tension:.4g} N'
         return f't={self.t:.6g} s: the payload at point "{self.where}" became {self.mass:.4g} kg'
 
 
-def broken(events):
+def broken(events: Iterable[Event]) -> dict[str, tuple[int, ...]]:
     """Segments that events broke: a dict of each cable's name to a tuple of them, increasing."""
     found = {}
     for event in events:

@@ -9,7 +9,7 @@ from anet_lumped.results.energy_balance import COLUMNS, UNDIVIDED
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 
 
-def write(run, path):
+def write(run: Any, path: str | PathLike[str]) -> None:
     """Write a run, its scene and its account."""
     import xarray as xr
 
@@ -41,7 +41,7 @@ def write(run, path):
     ).to_netcdf(path, engine="scipy")
 
 
-def read(path):
+def read(path: str | PathLike[str]) -> dict[str, Any]:
     """Read what `write` wrote.
 
     Returns

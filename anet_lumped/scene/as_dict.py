@@ -8,7 +8,7 @@ import dataclasses
 import inspect
 from collections.abc import Callable
 from functools import cache
-from typing import Any, get_args
+from typing import Any, Literal, get_args, get_origin
 
 from anet_lumped.checks import SceneError, nearest
 from anet_lumped.effects.flow import waves, wind
@@ -166,10 +166,15 @@ def _schema(maker: Callable) -> Any:
     from pydantic import ConfigDict, create_model
 
     fields: dict[str, Any] = {
-        argument.name: (argument.annotation, ... if argument.default is argument.empty else argument.default)
+        argument.name: (_type(argument.annotation), ... if argument.default is argument.empty else argument.default)
         for argument in _arguments(maker).values()
     }
     return create_model(maker.__name__, __config__=ConfigDict(strict=True, extra="forbid", arbitrary_types_allowed=True), **fields)
+
+
+def _type(annotation: Any) -> Any:
+    """The type that a table must give: of words to choose from any string, as the class itself says which there are."""
+    return str if get_origin(annotation) is Literal else annotation
 
 
 def _take_kind(entry: dict[str, Any], kinds: dict[str, Callable], what: str, place: str) -> tuple[Callable, dict]:

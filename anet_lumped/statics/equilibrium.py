@@ -273,7 +273,7 @@ def unroll(net_address, load, EA, H, q, tension):
                 fx, fy, fz = fx - load[i, 0], fy - load[i, 1], fz - load[i, 2]
 
 
-def equilibrium(scene, tolerance=1e-12):
+def equilibrium(scene: Scene, tolerance: float=1e-12) -> State:
     """Static shape of a scene, with driven points where they are at t = 0.
 
     Parameters
@@ -346,7 +346,7 @@ def equilibrium(scene, tolerance=1e-12):
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance)
 
 
-def dead_load(model, net, q):
+def dead_load(model: Model, net: Any, q: np.ndarray) -> np.ndarray:
     """(n, 3) force of the dead loads among a model's effects [N]."""
     load, v, of = np.zeros_like(q), np.zeros_like(q), net.effects
     for e, effect in enumerate(model.forces):
@@ -356,7 +356,7 @@ def dead_load(model, net, q):
     return load
 
 
-def _first_guess(model, load, q, scale):
+def _first_guess(model: Model, load: np.ndarray, q: np.ndarray, scale: float) -> np.ndarray:
     """(n_cables, 3) force at each cable's start: half of its own load, and about as much again along its chord."""
     H = np.zeros((len(model.cable), 3))
     for c, (_, count, node, start, end) in enumerate(model.cable[:, : CABLE_END + 1]):
@@ -370,7 +370,7 @@ def _first_guess(model, load, q, scale):
     return H
 
 
-def _check_supports(scene):
+def _check_supports(scene: Scene) -> None:
     """Every part of the net must hang on a fixed or driven point."""
     group = {point.name: {point.name} for point in scene.points}
     for cable in scene.cables:
@@ -386,7 +386,7 @@ def _check_supports(scene):
             )
 
 
-def _check_slack(model, tension, total, scale):
+def _check_slack(model: Model, tension: np.ndarray, total: float, scale: float) -> None:
     """A slack cable is a static shape only where its own load shapes it and where it need not push."""
     for cable in model.scene.cables:
         smallest = tension[model.segments(cable.name)].min()

@@ -14,7 +14,7 @@ velocity_at = caller_of(VELOCITY)
 HEADER = 2  # numbers in front of those of a wind
 
 
-def pack(winds):
+def pack(winds: Wind | Sequence[Wind] | None) -> np.ndarray:
     """(k,) float64: of each of None, one or several winds the address of its function, how many numbers follow, and those.
 
     An address is a whole number below 2^48 and keeps all its digits as a float64.
