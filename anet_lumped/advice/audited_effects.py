@@ -3,13 +3,15 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
 from anet_lumped.effects import REGISTRY
+from anet_lumped.effects.effect import Effect
 from anet_lumped.motion.stability import top_modes
-from anet_lumped.scene.scene import Free, SceneError
+from anet_lumped.results.run import Run
+from anet_lumped.scene.scene import Cable, Free, Scene, SceneError
 
 from . import dimensionless
 
@@ -96,7 +98,7 @@ def _with(scene: Scene, effect: Effect) -> Scene:
     return replace(scene, effects=(*scene.effects, effect))
 
 
-def _largest(scene: Scene, number: Callable[[Cable], float], wanted: Callable[[Cable], bool]=lambda cable: True) -> float:
+def _largest(scene: Scene, number: Callable[[Cable], float], wanted: Callable[[Cable], bool] = lambda cable: True) -> float:
     """The largest of a number over the cables that it is wanted of, NaN where it is of none."""
     return max((number(cable) for cable in scene.cables if wanted(cable)), default=math.nan)
 
@@ -235,7 +237,9 @@ def _in_scene(name: str) -> Callable[[Scene], bool]:
     return lambda scene: _effect(scene, name) is not None
 
 
-def _registered(name: str, with_it: Callable[[Scene, float | None], Scene], numbers: Callable[[Scene, Scales], dict[str, float]]) -> Audited:
+def _registered(
+    name: str, with_it: Callable[[Scene, float | None], Scene], numbers: Callable[[Scene, Scales], dict[str, float]]
+) -> Audited:
     return Audited(
         _in_scene(name),
         lambda scene: _without(scene, name),

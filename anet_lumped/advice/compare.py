@@ -7,9 +7,11 @@ with the catenary at the same unstretched arc length, and with the nearest point
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from anet_lumped.scene.scene import Free
-from anet_lumped.statics.catenary_net import catenaries_between_ends, catenary_net
+from anet_lumped.results.run import State
+from anet_lumped.scene.scene import Cable, Free
+from anet_lumped.statics.catenary_net import Turned, catenaries_between_ends, catenary_net
 
 CURVE_POINTS = 4001  # chords of a curve drawn with 4,000 miss it by 1e-8 of its length
 
@@ -169,7 +171,7 @@ class Comparison:
     points: dict
 
 
-def compare(state: State, *, reference: str="net", elastic: bool=True) -> Comparison:
+def compare(state: State, *, reference: str = "net", elastic: bool = True) -> Comparison:
     """Compare a state of the lumped model with the catenary.
 
     Parameters

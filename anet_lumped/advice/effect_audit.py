@@ -13,11 +13,11 @@ import numpy as np
 from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE, time_scale
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.motion.times import stops
-from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Free, SceneError
+from anet_lumped.results.run import Run, State
+from anet_lumped.scene.scene import Free, Scene, SceneError
 from anet_lumped.statics.equilibrium import EquilibriumError
 
-from .audited_effects import audited_in, scales
+from .audited_effects import Audited, Scales, audited_in, scales
 
 SAVES = 40  # times at which runs are compared
 KNOWN_TO = 0.1  # of the error, the run at the step that is used
@@ -80,7 +80,16 @@ class EffectAudit:
         return {verdict.effect: verdict for verdict in self.verdicts}[effect]
 
 
-def audit_effects(scene: Scene, error: float, *, at: str | None=None, tension: str | None=None, t_end: float | None=None, start: str | State="equilibrium", water_level: float | None=None) -> EffectAudit:
+def audit_effects(
+    scene: Scene,
+    error: float,
+    *,
+    at: str | None = None,
+    tension: str | None = None,
+    t_end: float | None = None,
+    start: str | State = "equilibrium",
+    water_level: float | None = None,
+) -> EffectAudit:
     """Judge each effect that a scene has, and each that it lacks though all that it needs is known.
 
     Parameters
@@ -137,7 +146,7 @@ class _Runs:
         self.save = t_end / SAVES
         self.dt = self.save / math.ceil(self.save / dt - 1e-9)
 
-    def run(self, scene: Scene, start: str | State | None=None, dt: float | None=None, check: bool=False) -> Run:
+    def run(self, scene: Scene, start: str | State | None = None, dt: float | None = None, check: bool = False) -> Run:
         """A run of edmc, which takes all cables and any stiffness."""
         settings = dict(method="edmc", dt=dt or self.dt, save_every=self.save, check=check)
         return simulate(scene, self.t_end, start=self.start if start is None else start, **settings)
@@ -179,7 +188,16 @@ class _Runs:
         return float(with_it / without - 1.0)
 
 
-def _verdict(name: str, audited: Audited, scene: Scene, reference: Run, runs: _Runs, sizes: Scales, known_to: float, water_level: float | None) -> Verdict:
+def _verdict(
+    name: str,
+    audited: Audited,
+    scene: Scene,
+    reference: Run,
+    runs: _Runs,
+    sizes: Scales,
+    known_to: float,
+    water_level: float | None,
+) -> Verdict:
     """What is found of one effect."""
     present = audited.present(scene)
     try:

@@ -13,8 +13,10 @@ import csv
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from anet_lumped.results.run import State
@@ -127,7 +129,7 @@ class MarkerFit:
     offset: np.ndarray
 
 
-def read_markers(path: str | Path, scene: Scene, unit: str | None=None) -> Markers:
+def read_markers(path: str | Path, scene: Scene, unit: str | None = None) -> Markers:
     """Read a CSV file of marker positions.
 
     A header names the columns x, y and z, in any order; other columns are left alone, rows may come in any order, and
@@ -281,7 +283,9 @@ def fit_markers(xyz: ArrayLike, scene: Scene) -> MarkerFit:
     )
 
 
-def _fit_lengths(xyz: np.ndarray, state: State, order: Sequence, fitted: list[int], shifted: bool=False) -> tuple[State, dict[int, float], np.ndarray]:
+def _fit_lengths(
+    xyz: np.ndarray, state: State, order: Sequence, fitted: list[int], shifted: bool = False
+) -> tuple[State, dict[int, float], np.ndarray]:
     """Fitted state, standard error of each fitted length [m] by cable, and the shift (3,) [m] if that is fitted too."""
     scene = state.scene
     start = np.array([scene.cables[i].length for i in fitted])

@@ -7,6 +7,7 @@ q_N - q_2N = 3/4 of the error of q_N. Cost grows as segments over step, which is
 import math
 import time
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from anet_lumped.motion.choice import EXPLICIT_COST, SHARE_OF_LIMIT, SHARE_OF_TI
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.motion.stability import predict
 from anet_lumped.motion.times import stops
-from anet_lumped.scene.scene import Free, SceneError
+from anet_lumped.scene.scene import Free, Scene, SceneError
 from integrators import schemes
 
 SAVES = 40  # times at which places are compared
@@ -84,7 +85,15 @@ class Recommendation:
         return {cable.name: cable.segments for cable in self.scene.cables}
 
 
-def recommend(scene: Scene, error: float, *, at: str | None=None, t_end: float | None=None, start: str="equilibrium", realtime: float | None=None) -> Recommendation:
+def recommend(
+    scene: Scene,
+    error: float,
+    *,
+    at: str | None = None,
+    t_end: float | None = None,
+    start: str = "equilibrium",
+    realtime: float | None = None,
+) -> Recommendation:
     """Find the cheapest segments, method and step for which places are within an error.
 
     Parameters
@@ -222,12 +231,12 @@ class _Search:
                 found.append(self.candidate(scene, "verlet", self.halves(scene, "verlet", dt), dt=dt))
         return sorted((c for c in found if c and c.error <= share), key=lambda c: -c.times_real_time)
 
-    def halves(self, scene: Scene, method: str, dt: float, order: int=2, **options: Any) -> float:
+    def halves(self, scene: Scene, method: str, dt: float, order: int = 2, **options: Any) -> float:
         """Error of a step of a method [m]."""
         coarse, fine = ({"method": method, "dt": step} | options for step in (dt, 0.5 * dt))
         return self.apart((scene, coarse), (scene, fine)) / (1.0 - 2.0**-order)
 
-    def fixed(self, scene: Scene, share: float, extrapolate: bool=False) -> Candidate | None:
+    def fixed(self, scene: Scene, share: float, extrapolate: bool = False) -> Candidate | None:
         """The largest step of edmc whose error is within a share; None if extrapolation does not get there."""
         dt, edmc = self.step(self.first_step), schemes.scheme("edmc")
         order = edmc.extrapolated_order if extrapolate else edmc.order
@@ -252,7 +261,9 @@ class _Search:
             rtol *= 0.8 * (share / error) ** 1.5  # an error in a step of h^3 makes a whole error of rtol^(2/3)
         return None
 
-    def candidate(self, scene: Scene, method: str, error: float, dt: float | None=None, rtol: float | None=None, extrapolate: bool=False) -> Candidate:
+    def candidate(
+        self, scene: Scene, method: str, error: float, dt: float | None = None, rtol: float | None = None, extrapolate: bool = False
+    ) -> Candidate:
         """A method with its pace."""
         one = Candidate(method, dt, rtol, error, np.inf, extrapolate)
         took = []

@@ -1,7 +1,8 @@
 """Drag of the air, at rest or in wind, on cables and on what free points carry."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numba import njit

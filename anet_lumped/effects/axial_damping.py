@@ -1,7 +1,8 @@
 """Damping of motion along the cables, proportional to mass: the part a M of Rayleigh's damping."""
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numba import njit

@@ -18,8 +18,9 @@ Source: Bergou et al., ACM Trans. Graph. 27 (2008) 63, for the energy; Gonzalez,
 """
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numba import njit

@@ -1,13 +1,14 @@
 """Uniform gravity."""
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import check_direction, check_number
+from anet_lumped.checks import Vector, check_direction, check_number
 
 from .effect import Effect
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE

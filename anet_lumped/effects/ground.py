@@ -15,8 +15,9 @@ a damper that grows with the depth; Armero & Petocz, Comput. Methods Appl. Mech.
 """
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numba import njit

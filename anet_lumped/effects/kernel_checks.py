@@ -1,13 +1,15 @@
 """The compiled functions of an effect must fit their slots: checked when it is made, before an address of theirs is taken."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
+from typing import Any
 
 from numba.core.dispatcher import Dispatcher
 
 from anet_lumped.checks import SceneError, nearest
 from anet_lumped.compiled.exceptions import may_raise
 
+from .effect import Effect
 from .signatures import SIGNATURES, SLOTS
 
 OF_DEAD_LOADS = ("force", "energy")
@@ -69,5 +71,5 @@ def _raises(kernel: Any) -> bool:
     return may_raise(kernel)
 
 
-def _listed(words: Iterable[Any], quote: str="`") -> str:
+def _listed(words: Iterable[Any], quote: str = "`") -> str:
     return ", ".join(f"{quote}{word}{quote}" for word in words)

@@ -1,6 +1,8 @@
 """Cables that are paid out or reeled in."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 from anet_lumped.checks import SceneError, check_pairs
 from anet_lumped.prescribed import signals

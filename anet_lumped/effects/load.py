@@ -1,6 +1,8 @@
 """A distributed load: a force per unstretched length that does not depend on the shape of a cable."""
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 from numba import njit

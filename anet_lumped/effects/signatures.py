@@ -34,6 +34,8 @@ from numba import types
 
 from anet_lumped.compiled.addresses import address, callable_at
 
+from .effect import Effect
+
 _f1, _f2, _f3, _f4 = (types.Array(types.float64, d, "C") for d in (1, 2, 3, 4))
 _i1, _f8 = types.Array(types.int64, 1, "C"), types.float64
 

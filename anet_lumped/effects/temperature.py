@@ -1,6 +1,8 @@
 """Thermal expansion: an eigenstrain alpha dT of whole cables."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 from anet_lumped.checks import check_number_by_name
 from anet_lumped.prescribed.signals import Signal, check_number_or_signal

@@ -1,7 +1,8 @@
 """Damping by the surroundings, proportional to mass and velocity: the only damping of the thesis's model."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numba import njit

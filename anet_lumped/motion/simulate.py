@@ -4,16 +4,18 @@ import math
 import warnings
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from anet_lumped.checks import nearest
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
+from anet_lumped.model.model import Model
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
-from anet_lumped.results.run import RunInterrupt, State
-from anet_lumped.scene.scene import Driven, Fixed, SceneError
+from anet_lumped.results.run import Run, RunInterrupt, State
+from anet_lumped.scene.scene import Driven, Fixed, Scene, SceneError
 from anet_lumped.statics.equilibrium import equilibrium
 from integrators import schemes
 from integrators.schemes.record import Origin

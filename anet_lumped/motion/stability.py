@@ -10,10 +10,13 @@ linear statement leaves open.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from anet_lumped.checks import nearest
+from anet_lumped.scene.scene import Cable, Scene
 from integrators.schemes import MODULES, names
 from integrators.schemes import scheme as record_of
 
@@ -69,7 +72,7 @@ class Prediction:
         )
 
 
-def step_limit(scheme: str, omega: ArrayLike, zeta: ArrayLike=0.0, rate: ArrayLike=0.0) -> Any:
+def step_limit(scheme: str, omega: ArrayLike, zeta: ArrayLike = 0.0, rate: ArrayLike = 0.0) -> Any:
     """Largest step up to which a scheme is stable for one mode.
 
     Spectral radius of the amplification matrix <= 1, with d = 2 zeta omega + rate: explicit Euler h omega^2 <= d and
@@ -90,7 +93,7 @@ def step_limit(scheme: str, omega: ArrayLike, zeta: ArrayLike=0.0, rate: ArrayLi
         return limit.largest_step(omega, 2.0 * zeta * omega + rate)[()]
 
 
-def damping_limit(scheme: str, omega: ArrayLike, dt: ArrayLike, rate: ArrayLike=0.0) -> Any:
+def damping_limit(scheme: str, omega: ArrayLike, dt: ArrayLike, rate: ArrayLike = 0.0) -> Any:
     """Largest damping ratio that is stable at a step dt; in dampers BA = 2 zeta EA/omega, c = 2 zeta k/omega.
 
     With x = omega dt: symplectic Euler (4 - x^2)/(4x); Verlet (4 - x^2)/(8x); else (X/x + x/X)/2, where X ends the
@@ -105,14 +108,16 @@ def damping_limit(scheme: str, omega: ArrayLike, dt: ArrayLike, rate: ArrayLike=
     return np.where(zeta >= 0.0, zeta, -np.inf)[()]
 
 
-def frequency_limit(scheme: str, dt: ArrayLike, zeta: ArrayLike=0.0, rate: ArrayLike=0.0) -> Any:
+def frequency_limit(scheme: str, dt: ArrayLike, zeta: ArrayLike = 0.0, rate: ArrayLike = 0.0) -> Any:
     """Highest frequency [rad/s] that is stable at a step dt [s]: the inverse of `step_limit`; inf if every one is."""
     limit, dt, zeta, rate = _checked(scheme, dt=dt, zeta=zeta, rate=rate)
     with np.errstate(divide="ignore", invalid="ignore"):
         return (limit.highest_frequency(zeta, rate * dt) / dt)[()]
 
 
-def stretch_floor(scheme: str, dt: ArrayLike, omega: ArrayLike, strain: ArrayLike, zeta: ArrayLike=0.0, rate: ArrayLike=0.0) -> Any:
+def stretch_floor(
+    scheme: str, dt: ArrayLike, omega: ArrayLike, strain: ArrayLike, zeta: ArrayLike = 0.0, rate: ArrayLike = 0.0
+) -> Any:
     """Smallest static stretch that a step permits: EA lowered, or raised, to where the step is just stable.
 
     eps = (T/EA) (omega/omega_s)^2, omega_s the highest frequency stable at dt; since omega^2 grows as EA, EA drops
@@ -125,7 +130,15 @@ def stretch_floor(scheme: str, dt: ArrayLike, omega: ArrayLike, strain: ArrayLik
         return np.asarray(strain) * (omega / frequency_limit(scheme, dt, zeta, rate)) ** 2
 
 
-def hanging_stretch_floor(scheme: str, dt: ArrayLike, length: ArrayLike, segments: ArrayLike, gravity: float=9.81, zeta: ArrayLike=0.0, rate: ArrayLike=0.0) -> Any:
+def hanging_stretch_floor(
+    scheme: str,
+    dt: ArrayLike,
+    length: ArrayLike,
+    segments: ArrayLike,
+    gravity: float = 9.81,
+    zeta: ArrayLike = 0.0,
+    rate: ArrayLike = 0.0,
+) -> Any:
     """Smallest mean stretch that a step permits for a cable hung from one end, whatever its mass and material.
 
     eps = 2 g N^2 dt^2/(S^2 L), S = omega_s dt: `stretch_floor` with T = mu g L/2 and omega = (2N/L) sqrt(EA/mu), which

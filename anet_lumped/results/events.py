@@ -1,5 +1,6 @@
 """What happens at once in a run: payloads that change at given times, which a user writes, and all that did happen."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 PAYLOAD, BREAK = "payload changed", "broke"

@@ -2,6 +2,8 @@
 
 import json
 from dataclasses import asdict
+from os import PathLike
+from typing import Any
 
 import numpy as np
 

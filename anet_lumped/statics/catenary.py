@@ -12,6 +12,7 @@ Shape from end force is explicit; end force from end points is the root of one m
 import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike

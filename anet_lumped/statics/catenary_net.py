@@ -5,11 +5,13 @@ takes the stiffness of a catenary between its ends in closed form.
 """
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from anet_lumped.scene.scene import Free
+from anet_lumped.scene.scene import Cable, Free, Scene
 
 from .catenary import Catenary, catenary
 
@@ -65,7 +67,7 @@ class CatenaryNet:
     rounds: int = 0
 
 
-def catenary_net(scene: Scene, places: Mapping[str, ArrayLike], *, elastic: bool=True) -> CatenaryNet:
+def catenary_net(scene: Scene, places: Mapping[str, ArrayLike], *, elastic: bool = True) -> CatenaryNet:
     """Rest of the continuous net whose supports are where `places` says.
 
     Sum over the cables of the pull on a free point + its mass times g = 0, for each free point. Cables that end loosely
@@ -99,7 +101,7 @@ def catenary_net(scene: Scene, places: Mapping[str, ArrayLike], *, elastic: bool
     return hung.net(x, rounds)
 
 
-def catenaries_between_ends(scene: Scene, places: Mapping[str, ArrayLike], *, elastic: bool=True) -> CatenaryNet:
+def catenaries_between_ends(scene: Scene, places: Mapping[str, ArrayLike], *, elastic: bool = True) -> CatenaryNet:
     """Each cable as the catenary between given ends, balanced or not; arguments and errors as for `catenary_net`."""
     hung = _Hung(scene, places, elastic)
     cables = {cable.name: hung.between(cable, hung.at[cable.start], hung.at[cable.end]) for cable in scene.cables}
@@ -143,7 +145,7 @@ class _Hung:
         if held in self.load:
             self.load[held] += self.load[end] + self.g * cable.mass_per_length * cable.length
 
-    def between(self, cable: Cable, p1: np.ndarray, p2: np.ndarray, stiffest: float=math.inf) -> Catenary:
+    def between(self, cable: Cable, p1: np.ndarray, p2: np.ndarray, stiffest: float = math.inf) -> Catenary:
         EA = min(self.EA[cable.name], stiffest)
         return catenary(p1, p2, cable.length, EA=EA, mass_per_length=cable.mass_per_length, gravity=self.g)
 

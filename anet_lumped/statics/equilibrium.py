@@ -13,6 +13,8 @@ u of each segment is an unknown of its own, |F| u = F, so that a slack cable clo
 idea of Andersen, Christiansen, Conn & Overton, SIAM J. Sci. Comput. 22 (2000) 243).
 """
 
+from typing import Any
+
 import numpy as np
 from numba import float64, int64, njit, types
 
@@ -21,6 +23,7 @@ from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.mechanics.linear import junctions
 from anet_lumped.mechanics.linear import node_elimination as elimination
 from anet_lumped.model.build import build
+from anet_lumped.model.model import Model
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_INEXTENSIBLE,
@@ -36,7 +39,7 @@ from anet_lumped.model.tables import (
     CABLE_START,
 )
 from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Fixed, Free
+from anet_lumped.scene.scene import Fixed, Free, Scene
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 EPS = 2.220446049250313e-16
@@ -273,7 +276,7 @@ def unroll(net_address, load, EA, H, q, tension):
                 fx, fy, fz = fx - load[i, 0], fy - load[i, 1], fz - load[i, 2]
 
 
-def equilibrium(scene: Scene, tolerance: float=1e-12) -> State:
+def equilibrium(scene: Scene, tolerance: float = 1e-12) -> State:
     """Static shape of a scene, with driven points where they are at t = 0.
 
     Parameters

@@ -28,8 +28,9 @@ that its energy is kept to the second order of the step. Methods of diffrax do n
 """
 
 import inspect
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, fields, make_dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -164,7 +165,7 @@ def node_force(law: Callable[..., Any]) -> type[Any]:
     return _effect(law, NODE_FORCE, _OfNodes)
 
 
-def node_energy(law: Callable[..., Any] | None=None, *, dead: bool=False) -> Any:
+def node_energy(law: Callable[..., Any] | None = None, *, dead: bool = False) -> Any:
     """Make an effect of the potential energy of a node, law(t, q, ...) -> E [J], f = -dE/dq; otherwise as `node_force`.
 
     Parameters
@@ -191,7 +192,7 @@ def segment_energy(law: Callable[..., Any]) -> type[Any]:
     return _effect(law, SEGMENT_ENERGY, _OfSegments)
 
 
-def _effect(function: Callable[..., Any], kind: Kind, base: type[Any], dead: bool=False) -> type[Any]:
+def _effect(function: Callable[..., Any], kind: Kind, base: type[Any], dead: bool = False) -> type[Any]:
     """The class of an effect, under the name of its law."""
     law, arguments = read_law(function, kind, base.where)
     function, name = law.function, law.function.__name__

@@ -1,7 +1,9 @@
 """Isotropic Dryden turbulence as a frozen field of random Fourier modes."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 

@@ -1,9 +1,10 @@
 """Steady winds and currents: uniform, and profiles over the height; z points up."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 

@@ -1,7 +1,9 @@
 """A wind as it was measured."""
 
 import pathlib
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
