@@ -46,11 +46,11 @@ class Audited(NamedTuple):
     that has it, ``frequency(scene)`` is the highest that it brings [rad/s].
     """
 
-    present: Callable
-    without: Callable
-    with_it: Callable
-    numbers: Callable
-    frequency: Callable = lambda scene: 0.0
+    present: Callable[[Scene], bool]
+    without: Callable[[Scene], Scene]
+    with_it: Callable[[Scene, float | None], Scene]
+    numbers: Callable[[Scene, Scales], dict[str, float]]
+    frequency: Callable[[Scene], float] = lambda scene: 0.0
 
 
 def scales(run: Run, swing: float) -> Scales:
@@ -131,7 +131,7 @@ def _slowest_damping(scene: Scene, scales: Scales) -> dict[str, float]:
 def _drag_number(scene: Scene, scales: Scales, density: float, speed: float) -> float:
     return _largest(
         scene,
-        lambda c: dimensionless.drag_over_weight(density, speed, c.diameter, c.Cdn, c.mass_per_length * scales.g),
+        lambda c: dimensionless.drag_over_weight(density, speed, c.diameter or 0.0, c.Cdn, c.mass_per_length * scales.g),
         lambda c: c.diameter is not None and scales.g > 0.0,
     )
 
@@ -143,10 +143,12 @@ def _air_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
 def _water_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     water = _effect(scene, "water")
     density, wave = water.density, water.wave
-    thickest = max(cable.diameter for cable in scene.cables)
+    thickest = max(cable.diameter or 0.0 for cable in scene.cables)
     return {
         "drag/weight": _drag_number(scene, scales, density, scales.speed),
-        "buoyancy/weight": _largest(scene, lambda c: dimensionless.buoyancy_over_weight(density, c.diameter, c.mass_per_length)),
+        "buoyancy/weight": _largest(
+            scene, lambda c: dimensionless.buoyancy_over_weight(density, c.diameter or 0.0, c.mass_per_length)
+        ),
         "Froude": dimensionless.froude(scales.speed, _largest(scene, lambda c: c.length), scales.g) if scales.g else math.nan,
         "Keulegan-Carpenter": dimensionless.keulegan_carpenter(scales.speed, wave.period if wave else scales.swing, thickest),
     }
@@ -180,7 +182,7 @@ def _ground_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     return {
         "depth/diameter": _largest(
             scene,
-            lambda c: dimensionless.penetration(c.mass_per_length * scales.g, ground.stiffness, c.diameter),
+            lambda c: dimensionless.penetration(c.mass_per_length * scales.g, ground.stiffness, c.diameter or 0.0),
             lambda c: c.diameter is not None,
         )
     }
@@ -277,5 +279,5 @@ AUDITED: dict[str, Audited] = {
 
 def audited_in(scene: Scene) -> dict[str, Audited]:
     """How each effect is audited, by name: those above, and whatever else the scene has."""
-    others = [name for effect in scene.effects if (name := REGISTRY.name_of(effect)) not in AUDITED]
+    others = [name for effect in scene.effects if (name := REGISTRY.name_of(effect)) and name not in AUDITED]
     return AUDITED | {name: _registered(name, _lacking(""), lambda scene, scales: {}) for name in others}

@@ -167,8 +167,8 @@ class Comparison:
     """A state of the lumped model against catenaries: `cables`, a list of CableMismatch, and `points`, for each free
     point the (3,) error of its place [m], lumped minus catenary."""
 
-    cables: list
-    points: dict
+    cables: list[CableMismatch]
+    points: dict[str, np.ndarray]
 
 
 def compare(state: State, *, reference: str = "net", elastic: bool = True) -> Comparison:

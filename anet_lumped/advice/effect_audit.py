@@ -7,6 +7,7 @@ cable where they are largest, speeds and tensions are those of the run.
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -148,7 +149,7 @@ class _Runs:
 
     def run(self, scene: Scene, start: str | State | None = None, dt: float | None = None, check: bool = False) -> Run:
         """A run of edmc, which takes all cables and any stiffness."""
-        settings = dict(method="edmc", dt=dt or self.dt, save_every=self.save, check=check)
+        settings: dict[str, Any] = dict(method="edmc", dt=dt or self.dt, save_every=self.save, check=check)
         return simulate(scene, self.t_end, start=self.start if start is None else start, **settings)
 
     def beside(self, scene: Scene, reference: Run) -> tuple[Run, State | None]:
@@ -184,8 +185,8 @@ class _Runs:
     def cost(self, with_it: Scene, without: Scene, start: State | None) -> float:
         """Time of the motion with an effect over that without, less 1; they take turns."""
         took = np.array([[self.run(scene, start).wall_time for scene in (with_it, without)] for _ in range(REPEATS)])
-        with_it, without = took.min(axis=0)
-        return float(with_it / without - 1.0)
+        longer, shorter = took.min(axis=0)
+        return float(longer / shorter - 1.0)
 
 
 def _verdict(
@@ -211,7 +212,7 @@ def _verdict(
         reason = f"The run {'without' if present else 'with'} it ended at t={run.t[-1]:.4g} s: {run.message}"
         return Verdict(name, present, numbers, math.nan, math.nan, stiffness, UNDECIDED, reason)
     change = runs.apart(reference, run)
-    cost = runs.cost(*((scene, other) if present else (other, scene)), start)
+    cost = runs.cost(having, other if present else scene, start)
     verdict, reason = _judged(change, known_to, runs.error, stiffness, "N" if runs.tension else "m")
     return Verdict(name, present, numbers, change, cost, stiffness, verdict, reason)
 

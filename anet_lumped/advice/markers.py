@@ -85,12 +85,12 @@ class CableMatch:
     cable: str
     markers: int
     missing: int | None
-    covered: tuple
+    covered: tuple[float, float]
     largest_gap: float
     rmse_before: float
     rmse_after: float
-    r_squared_before: tuple
-    r_squared_after: tuple
+    r_squared_before: tuple[float, ...]
+    r_squared_after: tuple[float, ...]
     length_before: float
     length_after: float
     length_standard_error: float
@@ -124,7 +124,7 @@ class MarkerFit:
     before: State
     after: State
     sequence: Sequence
-    cables: list
+    cables: list[CableMatch]
     outliers: int
     offset: np.ndarray
 
@@ -160,8 +160,8 @@ def read_markers(path: str | Path, scene: Scene, unit: str | None = None) -> Mar
         if any(header.count(name) != 1 for name in "xyz"):
             raise MarkerError(f"A marker file must have a header with one x, one y and one z, but {path} has {header}.")
         columns = [header.index(name) for name in "xyz"]
-        xyz = [_row(row, columns, f"{path}, line {rows.line_num}") for row in rows if any(cell.strip() for cell in row)]
-    xyz = np.array(xyz, dtype=float).reshape(-1, 3)
+        cells = [_row(row, columns, f"{path}, line {rows.line_num}") for row in rows if any(cell.strip() for cell in row)]
+    xyz = np.array(cells, dtype=float).reshape(-1, 3)
     seen = np.isfinite(xyz).all(axis=1)
     if not seen.any():
         raise MarkerError(f"A marker file needs at least one row with x, y and z, but {path} has none.")
@@ -350,9 +350,9 @@ def _match(xyz: np.ndarray, before: State, after: State, order: Sequence, i: int
         length_before=before.scene.cables[i].length,
         length_after=cable.length,
         length_standard_error=error,
-        sag_measured=float(below_chord(seen, *ends[1], up).max()) if len(rows) else math.nan,
-        sag_before=float(below_chord(shapes[0], *ends[0], up).max()),
-        sag_after=float(below_chord(shapes[1], *ends[1], up).max()),
+        sag_measured=float(below_chord(seen, ends[1][0], ends[1][1], up).max()) if len(rows) else math.nan,
+        sag_before=float(below_chord(shapes[0], ends[0][0], ends[0][1], up).max()),
+        sag_after=float(below_chord(shapes[1], ends[1][0], ends[1][1], up).max()),
         tension_before=float(before.tension(cable.name).max()),
         tension_after=float(after.tension(cable.name).max()),
     )

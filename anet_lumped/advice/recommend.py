@@ -7,7 +7,7 @@ q_N - q_2N = 3/4 of the error of q_N. Cost grows as segments over step, which is
 import math
 import time
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -66,7 +66,7 @@ class Recommendation:
     fast_enough : bool, whether it reaches the pace asked for
     """
 
-    scene: object
+    scene: Scene
     best: Candidate
     runner_up: Candidate | None
     points: tuple[str, ...]
@@ -167,7 +167,7 @@ class _Search:
         most = max(cable.segments for cable in scene.cables)
         self.shares = [cable.segments / most for cable in scene.cables]
         self.first_step = SHARE_OF_TIME_SCALE * time_scale(scene)
-        self.runs = {}
+        self.runs: dict[Any, np.ndarray] = {}
 
     def divided(self, count: int) -> Scene:
         """The scene with that many segments in its finest cable."""
@@ -239,7 +239,7 @@ class _Search:
     def fixed(self, scene: Scene, share: float, extrapolate: bool = False) -> Candidate | None:
         """The largest step of edmc whose error is within a share; None if extrapolation does not get there."""
         dt, edmc = self.step(self.first_step), schemes.scheme("edmc")
-        order = edmc.extrapolated_order if extrapolate else edmc.order
+        order = cast(int, edmc.extrapolated_order if extrapolate else edmc.order)
         options = {"extrapolate": True} if extrapolate else {}
         for _ in range(2 * ATTEMPTS):
             error = self.halves(scene, "edmc", dt, order, **options)
@@ -276,7 +276,7 @@ class _Search:
     def check(self, count: int, best: Candidate) -> float:
         """Distance of the recommended run from one with twice the segments and half the step, over what that leaves [m]."""
         scene = self.divided(count)
-        finer = best.stepping | ({"dt": 0.5 * best.dt} if best.rtol is None else {"rtol": 0.1 * best.rtol})
+        finer = best.stepping | ({"dt": 0.5 * cast(float, best.dt)} if best.rtol is None else {"rtol": 0.1 * best.rtol})
         if best.method == "verlet":
             finer["dt"] *= 0.5  # twice the segments halve its limit
         return self.apart((scene, best.stepping), (self.doubled(scene), finer)) / DOUBLED

@@ -1,6 +1,6 @@
 """Drag of the air, at rest or in wind, on cables and on what free points carry."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -44,7 +44,7 @@ class Air(Effect):
     """
 
     density: float = 1.225
-    wind: Wind | tuple[Wind, ...] | None = None
+    wind: Wind | Sequence[Wind] | None = None
     surface: float | None = None
 
     coupled_neighbours: ClassVar[int] = 1

@@ -32,7 +32,7 @@ class Load(Effect):
     """
 
     per_length: tuple[float, float, float]
-    cables: tuple[str, ...] | None = None
+    cables: Sequence[str] | None = None
     ramp: float = 0.0
 
     def check_parameters(self) -> None:

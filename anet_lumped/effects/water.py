@@ -23,7 +23,7 @@ ch. 8 (effective tension).
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -70,7 +70,7 @@ class Water(Effect):
 
     density: float = 1025.0
     level: float = 0.0
-    current: Wind | tuple[Wind, ...] | None = None
+    current: Wind | Sequence[Wind] | None = None
     wave: Airy | None = None
     g: float | None = None
 

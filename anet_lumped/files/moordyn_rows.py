@@ -46,8 +46,8 @@ class Row(NamedTuple):
 
     where: str
     text: str
-    words: tuple
-    columns: tuple
+    words: tuple[str, ...]
+    columns: tuple[str, ...]
     name: str | None
 
     def error(self, why: str) -> SceneError:
@@ -65,7 +65,7 @@ class Row(NamedTuple):
             raise self.error(f"{what} must be a finite number, but is {word}.")
         return value
 
-    def count(self, column: int, what: str) -> int:
+    def count(self, column: int, what: str) -> int:  # type: ignore[override]  # no use is made of that of a tuple
         """Integer of at least 1 in a column."""
         word = self.words[column]
         if not word.isdecimal() or int(word) < 1:
@@ -89,7 +89,10 @@ def rows_by_section(text: str, source: str) -> dict[str, list[Row]]:
     ------
     SceneError : a section that MoorDyn does not have, or that is there twice
     """
-    found, section, columns, above = {}, None, (), 0
+    found: dict[str, list[Row]] = {}
+    section: str | None = None
+    columns: tuple[str, ...] = ()
+    above = 0
     for number, line in enumerate(text.splitlines(), start=1):
         where = f"{source}, line {number}"
         if "---" in line:

@@ -100,8 +100,8 @@ def simulate(
     scheme = schemes.scheme(choice.method)
     _check_breaks(scene, scheme, extrapolate)
     if dt is None and not adaptive:
-        whole = save_every or t_end
-        choice = replace(choice, dt=whole / math.ceil(whole / choice.dt))  # steps that end on what is saved
+        span = save_every or t_end
+        choice = replace(choice, dt=span / math.ceil(span / choice.dt))  # steps that end on what is saved
     for text in choice.warnings:
         warnings.warn(text, StabilityWarning, stacklevel=2)
     settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
@@ -111,6 +111,7 @@ def simulate(
         every = run.t[1] - run.t[0] if len(run.t) > 2 else t_end
         run = extrapolated(run, whole(replace(choice, dt=0.5 * choice.dt), save_every=every))
     if audit and run.ok:
+        finer: dict[str, Any]
         if adaptive:
             finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), settings.tolerances, strict=True)}
         else:

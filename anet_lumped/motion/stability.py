@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from anet_lumped.checks import nearest
 from anet_lumped.scene.scene import Cable, Scene
@@ -72,7 +71,7 @@ class Prediction:
         )
 
 
-def step_limit(scheme: str, omega: ArrayLike, zeta: ArrayLike = 0.0, rate: ArrayLike = 0.0) -> Any:
+def step_limit(scheme: str, omega: float | np.ndarray, zeta: float | np.ndarray = 0.0, rate: float | np.ndarray = 0.0) -> Any:
     """Largest step up to which a scheme is stable for one mode.
 
     Spectral radius of the amplification matrix <= 1, with d = 2 zeta omega + rate: explicit Euler h omega^2 <= d and
@@ -93,7 +92,7 @@ def step_limit(scheme: str, omega: ArrayLike, zeta: ArrayLike = 0.0, rate: Array
         return limit.largest_step(omega, 2.0 * zeta * omega + rate)[()]
 
 
-def damping_limit(scheme: str, omega: ArrayLike, dt: ArrayLike, rate: ArrayLike = 0.0) -> Any:
+def damping_limit(scheme: str, omega: float | np.ndarray, dt: float | np.ndarray, rate: float | np.ndarray = 0.0) -> Any:
     """Largest damping ratio that is stable at a step dt; in dampers BA = 2 zeta EA/omega, c = 2 zeta k/omega.
 
     With x = omega dt: symplectic Euler (4 - x^2)/(4x); Verlet (4 - x^2)/(8x); else (X/x + x/X)/2, where X ends the
@@ -108,7 +107,7 @@ def damping_limit(scheme: str, omega: ArrayLike, dt: ArrayLike, rate: ArrayLike 
     return np.where(zeta >= 0.0, zeta, -np.inf)[()]
 
 
-def frequency_limit(scheme: str, dt: ArrayLike, zeta: ArrayLike = 0.0, rate: ArrayLike = 0.0) -> Any:
+def frequency_limit(scheme: str, dt: float | np.ndarray, zeta: float | np.ndarray = 0.0, rate: float | np.ndarray = 0.0) -> Any:
     """Highest frequency [rad/s] that is stable at a step dt [s]: the inverse of `step_limit`; inf if every one is."""
     limit, dt, zeta, rate = _checked(scheme, dt=dt, zeta=zeta, rate=rate)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -116,7 +115,12 @@ def frequency_limit(scheme: str, dt: ArrayLike, zeta: ArrayLike = 0.0, rate: Arr
 
 
 def stretch_floor(
-    scheme: str, dt: ArrayLike, omega: ArrayLike, strain: ArrayLike, zeta: ArrayLike = 0.0, rate: ArrayLike = 0.0
+    scheme: str,
+    dt: float | np.ndarray,
+    omega: float | np.ndarray,
+    strain: float | np.ndarray,
+    zeta: float | np.ndarray = 0.0,
+    rate: float | np.ndarray = 0.0,
 ) -> Any:
     """Smallest static stretch that a step permits: EA lowered, or raised, to where the step is just stable.
 
@@ -132,12 +136,12 @@ def stretch_floor(
 
 def hanging_stretch_floor(
     scheme: str,
-    dt: ArrayLike,
-    length: ArrayLike,
-    segments: ArrayLike,
+    dt: float | np.ndarray,
+    length: float | np.ndarray,
+    segments: float | np.ndarray,
     gravity: float = 9.81,
-    zeta: ArrayLike = 0.0,
-    rate: ArrayLike = 0.0,
+    zeta: float | np.ndarray = 0.0,
+    rate: float | np.ndarray = 0.0,
 ) -> Any:
     """Smallest mean stretch that a step permits for a cable hung from one end, whatever its mass and material.
 
@@ -213,11 +217,11 @@ def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None =
         swing = step_limit(one.name, omega * np.sqrt(strain / (1.0 + strain)), 0.0, rate)
         step = np.minimum(axial, swing)
         cable = list(modes)[step.argmin()] if np.isfinite(step.min()) else ""
-        limits[one.name] = SchemeLimit(*(float(x.min()) for x in (step, axial, swing)), cable, one.note)
+        limits[one.name] = SchemeLimit(float(step.min()), float(axial.min()), float(swing.min()), cable, one.note)
     return Prediction(modes, rate, limits)
 
 
-def _checked(scheme: str, **values: ArrayLike) -> list:
+def _checked(scheme: str, **values: float | np.ndarray) -> list:
     """The limit of a scheme, and values as float arrays of one shape; ValueError for an unknown scheme or a negative value."""
     if scheme not in MODULES:
         hint = nearest(str(scheme), MODULES) or ", known are " + ", ".join(MODULES) + "."

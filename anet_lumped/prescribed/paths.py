@@ -74,10 +74,10 @@ class Path:
             amplitude, omega, phase, ramp = self.sine
             e, de, dde = ramped(t, ramp)
             s, c = math.sin(omega * t + phase), math.cos(omega * t + phase)
-            amplitude = np.array(amplitude)
-            q += amplitude * (e * s)
-            v += amplitude * (de * s + e * omega * c)
-            a += amplitude * (dde * s + 2.0 * de * omega * c - e * omega**2 * s)
+            swing = np.array(amplitude)
+            q += swing * (e * s)
+            v += swing * (de * s + e * omega * c)
+            a += swing * (dde * s + 2.0 * de * omega * c - e * omega**2 * s)
         return q, v, a
 
 

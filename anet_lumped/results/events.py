@@ -37,7 +37,7 @@ class Event:
 
 def broken(events: Iterable[Event]) -> dict[str, tuple[int, ...]]:
     """Segments that events broke: a dict of each cable's name to a tuple of them, increasing."""
-    found = {}
+    found: dict[str, tuple[int, ...]] = {}
     for event in events:
         if event.kind == BREAK:
             found[event.where] = tuple(sorted((*found.get(event.where, ()), event.segment)))

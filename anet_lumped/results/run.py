@@ -165,7 +165,7 @@ class Run:
     error_estimate: float | None = None
     wall_time: float = 0.0
     warnings: tuple[str, ...] = ()
-    segment_tension: np.ndarray | None = None
+    segment_tension: np.ndarray = None  # type: ignore[assignment]  # the law gives it
     audit: Audit | None = None
     events: tuple[Event, ...] = ()
     extrapolated: bool = False

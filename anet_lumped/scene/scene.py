@@ -130,7 +130,7 @@ class Cable:
     zeta: float = field(default=0.0, kw_only=True)
     BA: float | None = field(default=None, kw_only=True)
     compression: Compression = field(default="none", kw_only=True)
-    name: str | None = field(default=None, kw_only=True)
+    name: str = field(default=None, kw_only=True)  # type: ignore[assignment]  # its ends name it
     diameter: float | None = field(default=None, kw_only=True)
     Cdn: float = field(default=1.2, kw_only=True)
     Cdt: float = field(default=0.01, kw_only=True)
@@ -139,7 +139,7 @@ class Cable:
     EI: float = field(default=0.0, kw_only=True)
     breaking_tension: float | None = field(default=None, kw_only=True)
     EA_compression: float = field(default=0.0, kw_only=True)
-    tension_strain: tuple[tuple[float, float], ...] | None = field(default=None, kw_only=True)
+    tension_strain: Sequence[tuple[float, float]] | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         for point in (self.start, self.end):
@@ -415,7 +415,7 @@ def _check_curve(value: Any, owner: str) -> tuple[tuple[float, float], ...]:
     return curve
 
 
-def _slopes(curve: tuple[tuple[float, float], ...]) -> list[float]:
+def _slopes(curve: Sequence[tuple[float, float]]) -> list[float]:
     """Slope of each piece of a curve [N]."""
     before = ((0.0, 0.0), *curve[:-1])
     return [(T - T_before) / (eps - eps_before) for (eps, T), (eps_before, T_before) in zip(curve, before, strict=True)]

@@ -85,7 +85,7 @@ class Catenary:
         half_made = cls(p1, p1, float(length), EA, weight_per_length, H, float(force[-1]), _direction(force, H))
         return replace(half_made, p2=half_made._place(half_made.length))
 
-    def _piece(self, s: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _piece(self, s: Any) -> tuple[Any, Any, Any]:
         """V_m, T_m and kappa of the piece [0, s]; s may lie beyond the ends."""
         V = self.V1 + self.weight_per_length * s
         T_m = (math.hypot(self.H, self.V1) + np.hypot(self.H, V)) / 2

@@ -62,8 +62,8 @@ class Turned:
 class CatenaryNet:
     """Places of the points {name: (3,) [m]} and the cables {name: Turned}; `rounds` Newton steps were taken."""
 
-    points: dict
-    cables: dict
+    points: dict[str, np.ndarray]
+    cables: dict[str, Turned]
     rounds: int = 0
 
 
@@ -125,7 +125,8 @@ class _Hung:
                 f'A cable with a tension-strain curve, such as "{curved}", has no catenary in closed form; take elastic=False.'
             )
         self.EA = {c.name: c.EA if elastic else INEXTENSIBLE * self.weight for c in scene.cables}
-        self.cables, self.loose = list(scene.cables), []
+        self.cables = list(scene.cables)
+        self.loose: list[tuple[Cable, str, str]] = []
         while cut := next((c for c in self.cables if self._loose_end(c)), None):
             self._cut(cut)
         self.free = [name for name in self.load if any(name in (c.start, c.end) for c in self.cables)]

@@ -61,9 +61,10 @@ class _Own(Effect):
 
     law: ClassVar[Law]
     where: ClassVar[str]  # name of the field that says what it acts on
+    _elements: ClassVar[Callable[..., tuple[Any, dict[str, Any]]]]  # what it acts on, and what is filled in for each
 
     def check_parameters(self) -> None:
-        for name in (one.name for one in fields(self)):
+        for name in (one.name for one in fields(self)):  # type: ignore[arg-type]  # `_effect` makes dataclasses of them
             value = getattr(self, name)
             self._set(**{name: check_names(name, value, self._called) if name == self.where else self._numbers(name, value)})
 
@@ -107,6 +108,7 @@ class _Own(Effect):
 
 class _OfNodes(_Own):
     where = "points"
+    points: tuple[str, ...] | None
 
     def _elements(self, model: Any) -> tuple[np.ndarray, dict[str, Any]]:
         """Nodes that it acts on, and the arguments that are filled in for each."""
@@ -126,18 +128,20 @@ class _OfNodes(_Own):
 
 class _OfSegments(_Own):
     where = "cables"
+    cables: tuple[str, ...] | None
     coupled_neighbours: ClassVar[int] = 1
 
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
         if self.cables is None:
             return self
         names = tuple(piece for name in self.cables for piece in names_left(name, pieces))
-        return replace(self, cables=names) if names else None
+        return replace(self, cables=names) if names else None  # type: ignore[type-var]  # `_effect` makes dataclasses of them
 
     def _elements(self, model: Any) -> tuple[list[int], dict[str, Any]]:
         """Both nodes, segment and side of the segments that it acts on, and the arguments that are filled in for each."""
         cables = model.scene.cables if self.cables is None else [model.scene.cable(name) for name in self.cables]
-        index, of = [], {name: [] for name in self.law.fills}
+        index: list[int] = []
+        of: dict[str, list[Any]] = {name: [] for name in self.law.fills}
         for cable in cables:
             nodes, segments = model.nodes(cable.name), np.arange(model.n_segments)[model.segments(cable.name)]
             for i, j, s in zip(nodes[:-1], nodes[1:], segments, strict=True):

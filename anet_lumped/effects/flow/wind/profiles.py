@@ -1,7 +1,7 @@
 """Steady winds and currents: uniform, and profiles over the height; z points up."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -128,7 +128,7 @@ class Sampled(Wind):
     samples : rows (z, u, v) with z [m] increasing and velocities along x and y [m/s]
     """
 
-    samples: tuple[Vector, ...]
+    samples: Sequence[Vector]
 
     def __post_init__(self) -> None:
         samples = self.samples
