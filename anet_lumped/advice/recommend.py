@@ -221,12 +221,13 @@ class _Search:
     def candidates(self, count: int, share: float) -> list[Candidate]:
         """Methods that keep a share of the error, the cheapest first."""
         scene = self.divided(count)
-        found = [self.fixed(scene, share), self.adaptive(scene, share)]
+        plain = cast(Candidate, self.fixed(scene, share))  # None is for extrapolation alone
+        found = [plain, self.adaptive(scene, share)]
         if all(cable.breaking_tension is None for cable in scene.cables):
             found.append(self.fixed(scene, share, extrapolate=True))
         if not any(cable.inextensible for cable in scene.cables):
             limit = predict(scene, schemes=("verlet",)).limits["verlet"].step
-            dt, implicit = self.step(SHARE_OF_LIMIT * limit), self.t_end / found[0].times_real_time
+            dt, implicit = self.step(SHARE_OF_LIMIT * limit), self.t_end / plain.times_real_time
             if EXPLICIT_COST * build(scene).n * self.t_end / dt < PATIENCE * implicit:
                 found.append(self.candidate(scene, "verlet", self.halves(scene, "verlet", dt), dt=dt))
         return sorted((c for c in found if c and c.error <= share), key=lambda c: -c.times_real_time)

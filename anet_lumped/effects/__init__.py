@@ -74,7 +74,7 @@ REGISTRY = Registry(
 )
 
 OWN = ("node_energy", "node_force", "segment_energy", "segment_force")  # make an effect of a user's law
-__all__ = ["REGISTRY", "Effect", *OWN, *(kind for kind in REGISTRY.classes.values())]
+__all__ = ["REGISTRY", "Effect", *OWN, *REGISTRY.class_names]
 
 
 def __getattr__(attribute: str) -> Any:

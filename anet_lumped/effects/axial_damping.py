@@ -64,11 +64,11 @@ class AxialDamping(Effect):
         """
         cables = model.scene.cables
         rates = np.zeros(len(cables))
-        if isinstance(self.rate, tuple):
-            for name, rate in self.rate:
-                rates[cables.index(model.scene.cable(name))] = rate
-        else:
+        if isinstance(self.rate, float):
             rates[:] = self.rate
+        else:
+            for name, rate in dict(self.rate).items():
+                rates[cables.index(model.scene.cable(name))] = rate
         found = np.flatnonzero(rates[model.cable_of])
         of = model.cable_of[found]
         L0 = np.array([cable.L0 for cable in cables])[of]

@@ -67,7 +67,7 @@ def _signatures(kernel: Any) -> list[Any]:
 
 
 @cache
-def _raises(kernel: Any) -> bool:
+def _raises(kernel: Any) -> tuple[str, ...]:
     return may_raise(kernel)
 
 

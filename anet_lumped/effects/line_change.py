@@ -41,7 +41,7 @@ class LineChange(Effect):
 
     @property
     def signals(self) -> tuple[Signal, ...]:
-        return tuple(signal for _, signal in self.paid_out)
+        return tuple(dict(self.paid_out).values())
 
     @classmethod
     def example(cls, scene: Any) -> Self:
@@ -54,10 +54,10 @@ class LineChange(Effect):
         ------
         SceneError : an unknown cable, or one that may break, since the length on the winch would then be unknown
         """
-        for name, _ in self.paid_out:
+        for name in dict(self.paid_out):
             if scene.cable(name).breaking_tension is not None:
                 raise SceneError(
                     f'A cable that is paid out must have no `breaking_tension`, but cable "{name}" of LineChange has '
                     f"breaking_tension={scene.cable(name).breaking_tension} N."
                 )
-        return [LengthChange(scene.cable(name).name, PAID_OUT, 1.0, signal) for name, signal in self.paid_out]
+        return [LengthChange(scene.cable(name).name, PAID_OUT, 1.0, signal) for name, signal in dict(self.paid_out).items()]

@@ -67,7 +67,7 @@ class Load(Effect):
         return np.empty(0, np.int64), np.concatenate([[self.ramp], f[: model.n_free].ravel()])
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
-        dead = {"force": force, "energy": energy}
+        dead: dict[str, Callable[..., Any]] = {"force": force, "energy": energy}
         return dead if self.dead_load else dead | {"tangent": tangent}
 
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:

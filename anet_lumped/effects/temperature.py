@@ -54,5 +54,6 @@ class Temperature(Effect):
         ------
         SceneError : an unknown cable
         """
-        pairs = self.expansion if isinstance(self.expansion, tuple) else [(cable.name, self.expansion) for cable in scene.cables]
-        return [LengthChange(scene.cable(name).name, STRAIN, alpha, self.change) for name, alpha in pairs]
+        names = [cable.name for cable in scene.cables]
+        of = dict.fromkeys(names, self.expansion) if isinstance(self.expansion, float) else dict(self.expansion)
+        return [LengthChange(scene.cable(name).name, STRAIN, alpha, self.change) for name, alpha in of.items()]

@@ -102,7 +102,7 @@ def rows_by_section(text: str, source: str) -> dict[str, list[Row]]:
             if fits and section in found:
                 raise SceneError(f'{where}: a section must come once, but "{heading}" comes again.')
             if fits:
-                found[section] = []
+                found[fits[0]] = []
             columns, above = (), 2 if fits and section not in WITHOUT_COLUMN_NAMES else 0
             continue
         if section is None:

@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -18,7 +19,7 @@ from anet_lumped.results.run import Run, RunInterrupt, State
 from anet_lumped.scene.scene import Driven, Fixed, Scene, SceneError
 from anet_lumped.statics.equilibrium import equilibrium
 from integrators import schemes
-from integrators.schemes.record import Origin
+from integrators.schemes.record import Origin, Scheme
 
 from .choice import choose
 from .energy_gain import flag_energy_gain
@@ -136,7 +137,7 @@ def _tolerances(rtol: float | None, atol: float | None) -> tuple[float, float]:
     return rtol or 0.0, atol or 0.0
 
 
-def _march_of(scheme: Any) -> Any:
+def _march_of(scheme: Scheme) -> Callable[..., Any]:
     """What marches a leg with a scheme; JAX is imported, and computes in float64 from then on, for the solvers of diffrax."""
     if scheme.origin is Origin.OWN:
         from .own_methods import march
@@ -200,7 +201,7 @@ def _adopt(model: Model, state: State) -> State:
     return State(model, float(state.t), q, v, tension, events=state.events)
 
 
-def _check_breaks(scene: Scene, scheme: Any, extrapolate: bool) -> None:
+def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:
     """Cables that may break need a march that looks for it, and one motion."""
     brittle = next((cable.name for cable in scene.cables if cable.breaking_tension is not None), None)
     if brittle is not None and (extrapolate or not scheme.stops_at_events):

@@ -5,7 +5,7 @@ path in plain Python; `pack` lays several out as the flat arrays that `path_kern
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -194,7 +194,7 @@ def harmonic(center: Vector, amplitude: Vector, frequency: float, phase: float =
     return Path("harmonic", parameters, np.zeros(1), coefficients, np.zeros(0), sine)
 
 
-KINDS = {"line": line, "samples": samples, "harmonic": harmonic}
+KINDS: dict[str, Callable[..., Path]] = {"line": line, "samples": samples, "harmonic": harmonic}
 
 
 class PathTable(NamedTuple):

@@ -39,6 +39,6 @@ def broken(events: Iterable[Event]) -> dict[str, tuple[int, ...]]:
     """Segments that events broke: a dict of each cable's name to a tuple of them, increasing."""
     found: dict[str, tuple[int, ...]] = {}
     for event in events:
-        if event.kind == BREAK:
+        if event.kind == BREAK and event.segment is not None:
             found[event.where] = tuple(sorted((*found.get(event.where, ()), event.segment)))
     return found

@@ -25,7 +25,7 @@ POINTS = {"fixed": Fixed, "driven": Driven, "free": Free}
 
 
 # What is written as a table with a `kind` inside another.
-PARTS: dict[Any, tuple[str, dict[str, Callable]]] = {
+PARTS: dict[Any, tuple[str, Mapping[str, Callable]]] = {
     Path: ("path", paths.KINDS), Signal: ("signal", signals.KINDS), Wind: ("wind", wind.KINDS), Airy: ("wave", waves.KINDS)
 }  # fmt: skip
 

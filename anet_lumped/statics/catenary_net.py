@@ -105,7 +105,9 @@ def catenaries_between_ends(scene: Scene, places: Mapping[str, ArrayLike], *, el
     """Each cable as the catenary between given ends, balanced or not; arguments and errors as for `catenary_net`."""
     hung = _Hung(scene, places, elastic)
     cables = {cable.name: hung.between(cable, hung.at[cable.start], hung.at[cable.end]) for cable in scene.cables}
-    return CatenaryNet(dict(places), {name: Turned(curve, hung.turn) for name, curve in cables.items()})
+    return CatenaryNet(
+        {name: np.asarray(xyz) for name, xyz in places.items()}, {name: Turned(curve, hung.turn) for name, curve in cables.items()}
+    )
 
 
 class _Hung:
@@ -127,8 +129,8 @@ class _Hung:
         self.EA = {c.name: c.EA if elastic else INEXTENSIBLE * self.weight for c in scene.cables}
         self.cables = list(scene.cables)
         self.loose: list[tuple[Cable, str, str]] = []
-        while cut := next((c for c in self.cables if self._loose_end(c)), None):
-            self._cut(cut)
+        while cut := next(((c, end) for c in self.cables if (end := self._loose_end(c))), None):
+            self._cut(*cut)
         self.free = [name for name in self.load if any(name in (c.start, c.end) for c in self.cables)]
 
     def _loose_end(self, cable: Cable) -> str | None:
@@ -138,8 +140,7 @@ class _Hung:
                 return end
         return None
 
-    def _cut(self, cable: Cable) -> None:
-        end = self._loose_end(cable)
+    def _cut(self, cable: Cable, end: str) -> None:
         held = cable.end if end == cable.start else cable.start
         self.cables.remove(cable)
         self.loose.append((cable, held, end))
