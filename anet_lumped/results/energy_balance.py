@@ -53,10 +53,16 @@ class EnergyBalance:
         dissipated = change[BY_DAMPERS:].sum()
         in_play = max(rows[:, KINETIC].max(), rows[:, ELASTIC].max(), np.ptp(rows[:, POTENTIAL]), abs(work), abs(dissipated))
         off = abs(kinetic + elastic + potential - work + dissipated)
-        parts = map(float, change[BY_DAMPERS:]) if divided else (None, None, None)
+        by_dampers, by_effects, by_method = map(float, change[BY_DAMPERS:]) if divided else (None, None, None)
         return EnergyBalance(
-            *map(float, (kinetic, elastic, potential, work, dissipated)),
-            *parts,
+            float(kinetic),
+            float(elastic),
+            float(potential),
+            float(work),
+            float(dissipated),
+            by_dampers,
+            by_effects,
+            by_method,
             in_play=float(in_play),
             imbalance=float(off / in_play) if in_play else 0.0,
         )

@@ -2,6 +2,8 @@
 
 import json
 from dataclasses import asdict
+from os import PathLike
+from typing import Any
 
 import numpy as np
 
@@ -9,7 +11,7 @@ from anet_lumped.results.energy_balance import COLUMNS, UNDIVIDED
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 
 
-def write(run, path):
+def write(run: Any, path: str | PathLike[str]) -> None:
     """Write a run, its scene and its account."""
     import xarray as xr
 
@@ -41,7 +43,7 @@ def write(run, path):
     ).to_netcdf(path, engine="scipy")
 
 
-def read(path):
+def read(path: str | PathLike[str]) -> dict[str, Any]:
     """Read what `write` wrote.
 
     Returns

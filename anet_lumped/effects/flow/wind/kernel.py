@@ -1,12 +1,14 @@
 """Compiled evaluation of the winds of a scene: the sum of their velocities, each by the function of its kind."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numba import types
 
 from anet_lumped.compiled.addresses import address_of, caller_of
 from anet_lumped.compiled.jit import kernel
 
-from .base import as_winds
+from .base import Wind, as_winds
 
 _f1 = types.Array(types.float64, 1, "C")
 VELOCITY = types.Tuple((types.UniTuple(types.float64, 3), types.UniTuple(types.float64, 9)))(*(types.float64,) * 4, _f1)
@@ -14,7 +16,7 @@ velocity_at = caller_of(VELOCITY)
 HEADER = 2  # numbers in front of those of a wind
 
 
-def pack(winds):
+def pack(winds: Wind | Sequence[Wind] | None) -> np.ndarray:
     """(k,) float64: of each of None, one or several winds the address of its function, how many numbers follow, and those.
 
     An address is a whole number below 2^48 and keeps all its digits as a float64.
