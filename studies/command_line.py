@@ -16,6 +16,14 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=N
 SCENES = Path(__file__).parent / "scenes"
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
+FIRST_COMPILING = {
+    "equilibrium": 10,
+    "simulate": 30,
+    "recommend": 40,
+    "effects": 60,
+    "study": 60,
+    "report": 60,
+}  # [s] about, on one core of 3 GHz
 Scene = Annotated[
     str, typer.Argument(metavar="SCENE", help="A TOML or MoorDyn file (.txt, .dat), or a scene that comes with this by name.")
 ]
@@ -28,6 +36,9 @@ Changes = Annotated[
     list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
 ]
 Quick = Annotated[bool, typer.Option("--quick", help="A first look: the same from less work.")]
+Full = Annotated[
+    bool, typer.Option("--full", help="All of every study, the long ones too, which takes about a quarter of an hour.")
+]
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -54,7 +65,7 @@ def equilibrium(scene: Scene, out: Out = None, as_json: Json = False):
     from anet_lumped.statics.equilibrium import equilibrium
     from studies.shown.summary import of_rest, write_nodes
 
-    state = equilibrium(_load(scene))
+    state = equilibrium(_load(scene, "equilibrium"))
     _give(of_rest(state), as_json, out, "equilibrium")
     if out:
         write_nodes(state, out / "nodes.csv")
@@ -85,7 +96,7 @@ def simulate(
 
     try:
         run = simulate(
-            _changed(_load(scene), change), t_end, method=method, dt=dt, rtol=rtol, start=start or "equilibrium",
+            _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start=start or "equilibrium",
             save_every=save_every, extrapolate=extrapolate, audit=audit,
         )  # fmt: skip
     except RunInterrupt as stopped:
@@ -114,7 +125,9 @@ def recommend(
     from anet_lumped.advice.recommend import recommend
     from studies.shown.summary import of_recommendation
 
-    found = recommend(_load(scene), _metres(error), at=at, t_end=t_end, start=start or "equilibrium", realtime=realtime)
+    found = recommend(
+        _load(scene, "recommend"), _metres(error), at=at, t_end=t_end, start=start or "equilibrium", realtime=realtime
+    )
     _give(of_recommendation(found, scene), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
@@ -144,7 +157,7 @@ def effects(
 
     limit = _newtons(error) if tension else _metres(error)
     start = start or "equilibrium"
-    loaded = _changed(_load(scene), change)
+    loaded = _changed(_load(scene, "effects"), change)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
     _give(of_effects(found), as_json, out, "effects")
     if out:
@@ -160,7 +173,7 @@ def check(
     """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
     from studies.shown.summary import before_run
 
-    _give(before_run(_load(scene), dt), as_json)
+    _give(before_run(_load(scene, "equilibrium"), dt), as_json)
 
 
 @app.command(epilog="Example: anet-lumped sweep net_held --vary EA=1e2:1e6:9log --vary segments=5,10  (EA in N)")
@@ -185,6 +198,9 @@ def sweep(
     as_json: Json = False,
 ):
     """Measure a scene over a grid of inputs. Runs in parallel; rows are on disk as they finish."""
+    from studies.sweeping.workers import start_early
+
+    start_early()
     from studies.sweeping.sweep import sweep
     from studies.sweeping.vary import parse_vary
 
@@ -192,7 +208,15 @@ def sweep(
     settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
     kept = {"out": out, "resume": resume}
     try:
-        table = sweep(_load(scene), parse_vary(vary), measure, **settings, **kept, workers=workers, label="sweep")
+        table = sweep(
+            _load(scene, "simulate" if t_end else "equilibrium"),
+            parse_vary(vary),
+            measure,
+            **settings,
+            **kept,
+            workers=workers,
+            label="sweep",
+        )
     except KeyboardInterrupt as stopped:
         _tell(f"{stopped} The same command with --resume does the rest.")
         raise typer.Exit(130) from None
@@ -221,14 +245,15 @@ def study(
     out: Annotated[Path | None, typer.Option(help="Folder for its rows and figures; results/NAME by default.")] = None,
 ):
     """Run one study. Writes its rows and figures, prints its answer."""
-    from studies.study import run_study, study_names
+    from studies.study import NAMES, run_study
 
     if name is None:
-        print("\n".join(study_names()))
+        print("\n".join(NAMES))
         return
+    _announce_compiling("study")
     out = out or Path("results") / name
     found = run_study(name, out, quick=quick)
-    print(found.question, *found.answer, sep="\n\n")
+    print(found.record.question, *found.answer, sep="\n\n")
     _tell(f"{found.seconds:.1f} s; rows, figures and answer in {out}")
 
 
@@ -242,22 +267,32 @@ def mismatch(
     """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable."""
     from studies.shown.summary import against_catenary, against_markers
 
-    loaded = _load(scene)
+    loaded = _load(scene, "equilibrium")
     found = against_markers(loaded, markers) if markers else against_catenary(loaded)
     _give(found, as_json, out, "mismatch")
 
 
 @app.command(epilog="Example: anet-lumped report --out results/report")
 def report(
-    quick: Quick = False,
-    full: Annotated[bool, typer.Option("--full", help="All of the long studies too, not only a first look.")] = False,
+    full: Full = False,
     out: Annotated[Path, typer.Option(help="Folder for the page and its data.")] = REPORT,
 ):
-    """Run the studies and write one page. What the thesis found, why, and what cures it."""
-    from studies.shown.report import write_report
+    """Run the studies and write one page. What the thesis found, why, and what cures it.
 
-    failed = write_report(out, quick=quick, tell=_tell, full=full)
-    print(out / "report.html")
+    The page is there from the start and grows with every study. Without --full it takes some minutes, and a first look of the
+    studies that are long.
+    """
+    _announce_compiling("report")
+    from studies.report import PAGE, ReportInterrupt, write_report
+    from studies.shown.progress import report_progress
+
+    try:
+        with report_progress(_tell) as tell:
+            failed = write_report(out, full=full, tell=tell)
+    except ReportInterrupt as stopped:
+        _tell(str(stopped))
+        raise typer.Exit(130) from None
+    print(out / PAGE)
     if failed:
         raise typer.Exit(1)
 
@@ -283,12 +318,13 @@ def convert(
 
     if out.suffix.lower() not in (".toml", *MOORDYN):
         raise ValueError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}.")
-    save_scene(_load(scene), out)
+    save_scene(_load(scene, "equilibrium"), out)
     print(out)
 
 
-def _load(text):
-    """Scene of a file or, by its bare name, one that comes with the program."""
+def _load(text, compiles):
+    """Scene of a file or, by its bare name, one that comes with the program; `compiles` is one of FIRST_COMPILING."""
+    _announce_compiling(compiles)
     from anet_lumped.checks import SceneError, nearest
     from anet_lumped.files.scene_file import load_scene
 
@@ -331,6 +367,16 @@ def _amount(text, units, like):
         return float(number.removesuffix(unit)) * units.get(unit, 1.0)
     except ValueError:
         raise ValueError(f'Option `--error` must be {like}, but it is "{text}".') from None
+
+
+def _announce_compiling(what):
+    """Have one line say so, once, if Numba has to compile, here or in a worker."""
+    from studies.compiling import NOTICE
+
+    seconds = FIRST_COMPILING[what]
+    NOTICE.watch(
+        f"Compiling, which this machine has to do once and which takes about {seconds} s in all; later runs do without.", _tell
+    )
 
 
 def _give(result, as_json=False, out=None, stem=""):

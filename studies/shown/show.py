@@ -49,20 +49,21 @@ def column_head(name) -> str:
     return f"{' '.join(words)} [{last.replace('percent', '%')}]" if words and last in SUFFIXES else _words(name)
 
 
-def as_text(value) -> str:
-    """Text of a value: a number with four digits, and with a power of ten where they would be lost among zeros."""
+def as_text(value, digits: int = 4) -> str:
+    """Text of a value: a number with so many digits, and with a power of ten (1e-5) where they would be lost among zeros."""
     if isinstance(value, list | tuple):
-        return " ".join(map(as_text, value))
+        return " ".join(as_text(one, digits) for one in value)
     if isinstance(value, bool) or not isinstance(value, Real):
         return "" if value is None else str(value)
     if isinstance(value, Integral) or value == 0:
         return f"{value:.0f}"
     if not math.isfinite(value):
         return "–" if math.isnan(value) else f"{value}".replace("inf", "∞")
-    if not 1e-3 <= abs(value) < 1e6:
-        digits, power = f"{value:.3e}".split("e")
-        return f"{digits.rstrip('0').rstrip('.')}e{int(power)}"
-    text = f"{value:.{max(0, 3 - math.floor(math.log10(abs(value))))}f}"
+    rounded = float(f"{value:.{digits - 1}e}")
+    if not 1e-3 <= abs(rounded) < 1e6:
+        mantissa, power = f"{rounded:.{digits - 1}e}".split("e")
+        return f"{mantissa.rstrip('0').rstrip('.') if '.' in mantissa else mantissa}e{int(power)}"
+    text = f"{value:.{max(0, digits - 1 - math.floor(math.log10(abs(rounded))))}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
