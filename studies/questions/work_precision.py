@@ -8,6 +8,7 @@ motion of such springs.
 """
 
 import time
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -17,20 +18,35 @@ from anet_lumped.motion.gain import GAINED
 from anet_lumped.motion.stability import predict
 from studies.accuracy_cost import contestants, total_error
 from studies.accuracy_cost.cases import SHARED_LAW, carried, dropped, loose, stopped
-from studies.accuracy_cost.equal_error import time_at
+from studies.accuracy_cost.comparisons import equal_errors, own_choices, paired
 from studies.accuracy_cost.references import Reference, largest_distance, reference, track
 from studies.accuracy_cost.work_precision_answer import answer
 from studies.accuracy_cost.work_precision_figures import plot
+from studies.study import Part, Record
 
-__all__ = ["QUESTION", "answer", "compute", "plot"]
+__all__ = ["STUDY", "TABLES", "answer", "compute", "plot"]
 
-QUESTION = __doc__.splitlines()[0]
+STUDY = Record(
+    question=__doc__.splitlines()[0],
+    part=Part.COST,
+    first_look_leaves_out="two motions in place of twelve, five of the methods here and none of other engines.",
+)
+TABLES = {
+    "equal_error": "A line for each motion and error: the best method here and the best other engine at that error.",
+    "own_choice": "A line for each motion: what the library chooses by itself, and its best method at the same error.",
+    "pairs": "A line for each comparison of two times, from runs that took turns: the median of their ratios, and its interval.",
+    "references": "A line for each motion: the two methods that judge all others, and how far they are apart.",
+    "runs": "A line for each method and setting on each motion: its error and its time.",
+    "total_error": "A line for each run of the carried net: its error against the continuous inextensible net, in parts.",
+    "growth": "A line for each number of nodes: time and error of edmc at one step, and what verlet would need.",
+    "first_calls": "A line for each method: what its first run in a process takes beside the run itself.",
+    "refused": "A line for each motion and engine that does not take it, and why.",
+}
 
 STIFFNESSES = (1e4, 1e6, 1e8, np.inf)  # EA of the carried net [N]; infinite for cables that do not stretch
 LOOSE_STIFFNESSES = (1e4, 1e6)  # [N]
 SHOCK_EA = 1e6  # of the net that is stopped, and of that which drops its load [N]
 FINE_EA, FINE_SEGMENTS = 1e6, (80, 320)
-TARGETS_MM = (10.0, 1.0, 0.1, 0.01)
 LONGEST = 0.8  # [s] of wall time: after a run that took longer a method's finer settings are left out
 CHEAP, REPEATS = 0.1, 3  # [s] and runs of what takes less
 SOFT, COARSE = 1e4, 20  # [N] and segments, up to which solvers of other packages are run
@@ -52,25 +68,21 @@ def cases(quick=False):
 
 
 def compute(quick=False, executor=None, out=None):
-    """All runs, one process and one core: timings in parallel would measure each other.
-
-    Returns
-    -------
-    dict of DataFrame
-        "equal_error" (best of ours and best peer at the same errors), "own_choice" (and the best at its error),
-        "references", "runs", "total_error", "growth", "first_calls" (what a method's first run in a process
-        takes beside the run itself), "refused"
-    """
+    """All runs, one process and one core: timings in parallel would measure each other."""
     only = ("edmc", "verlet", contestants.ADAPTIVE, contestants.EXTRAPOLATED, contestants.OWN_CHOICE) if quick else None
     motions = cases(quick)
     first = first_calls(motions[0], only)
     judges = {case: reference(case) for case in motions}
     same = {case: not quick and (judges[case].taut or case.law == SHARED_LAW) for case in motions}  # other engines solve it too
-    runs = pd.concat([race(case, judges[case], only, same[case]) for case in motions], ignore_index=True)
+    raced = [race(case, judges[case], only, same[case]) for case in motions]
+    runs = pd.concat([table for table, _ in raced], ignore_index=True)
+    entries = [entry for _, of_case in raced for entry in of_case]
+    equal, own = equal_errors(runs), own_choices(runs)
     refused = [(case, *said) for case in motions if same[case] for said in contestants.refusals(case).items()]
     return {
-        "equal_error": equal_errors(runs),
-        "own_choice": own_choices(runs),
+        "equal_error": equal,
+        "own_choice": own,
+        "pairs": paired(runs, entries, equal, own),
         "references": pd.DataFrame([_about(case, judges[case]) for case in motions]),
         "runs": runs,
         "total_error": total_error.compute(quick),
@@ -87,19 +99,20 @@ def compute(quick=False, executor=None, out=None):
 
 
 def race(case, judge, only=None, with_peers=True):
-    """Every contestant at every setting of one motion, a row each.
+    """Every contestant at every setting of one motion, a row each; and for each row what runs it again, or None.
 
     Settings run from coarse to fine until one takes longer than LONGEST or would by the pace of a short run before it;
     then those that are cheap run again, in turns.
     """
     field = contestants.ours(case, only) + (contestants.peers(case) if with_peers else [])
     judges = {case.law: judge}
-    rows, again = [], []
+    rows, again, entries = [], [], []
     for one in field:
         too_long = _too_long(case, one)
         for setting in one.settings:
             row = {**_names(case), "engine": one.engine, "method": one.method, "setting": contestants.words(setting)}
             rows.append(row | {"step_ms": 1e3 * setting.get("dt", np.nan)})
+            entries.append(None if too_long else partial(_wall, one, case.t_end, setting))
             if too_long:
                 finer = " and finer" if setting is not one.settings[-1] else ""
                 rows[-1] |= {"status": "left out", "reason": too_long, "repeats": 0, "setting": row["setting"] + finer}
@@ -123,7 +136,12 @@ def race(case, judge, only=None, with_peers=True):
     names = [*_names(case), "engine", "method", "setting", "step_ms", "error_mm", "wall_s", "times_real_time", "setup_s"]
     table = pd.DataFrame(rows).reindex(columns=[*names, "repeats", "reference_mm", "status", "reason"])
     table["times_real_time"], table["reference_mm"] = case.t_end / table["wall_s"], 1e3 * judge.difference
-    return table
+    return table, entries
+
+
+def _wall(one, t_end, setting):
+    """Time of the march of a run [s]."""
+    return one.run(t_end, setting).wall
 
 
 def _names(case):
@@ -192,46 +210,6 @@ def growth(segments):
         "wall_s": float(np.median(walls)), "newton_per_step": run.work.newton_iterations / run.work.steps,
         "verlet_step_s": limit, "verlet_predicted_s": explicit.wall_time / few * GROWTH_END / limit,
     }  # fmt: skip
-
-
-# Equal error --------------------------------------------------------------------------------------------------------
-
-
-def equal_errors(runs):
-    """Best of ours and best peer for each motion and error asked for; a reference's own doubt counts as error."""
-    rows = []
-    for keys, part in runs.groupby(["motion", "EA_N", "segments"], sort=False):
-        for target in TARGETS_MM:
-            best = {}
-            for (engine, method), line in part[part["method"] != contestants.OWN_CHOICE].groupby(["engine", "method"], sort=False):
-                errors = np.maximum(line["error_mm"], line["reference_mm"])
-                time, error = time_at(errors, line["wall_s"], target)
-                side = "ours" if engine == contestants.OURS else "peer"
-                if time < best.get(side, (np.inf,))[0]:
-                    best[side] = time, error, method if side == "ours" else f"{engine} {method}".strip()
-            row = dict(zip(("motion", "EA_N", "segments"), keys, strict=True)) | {"target_mm": target}
-            for side in ("ours", "peer"):
-                time, error, who = best.get(side, (np.nan, np.nan, ""))
-                row |= {f"best_{side}": who, f"{side}_s": time, f"{side}_error_mm": error}
-            duration = (part["wall_s"] * part["times_real_time"]).median()
-            rows.append(row | {"ratio": row["peer_s"] / row["ours_s"], "ours_times_real_time": duration / row["ours_s"]})
-    return pd.DataFrame(rows)
-
-
-def own_choices(runs):
-    """What the library picks by itself against the best of its methods at the error that the choice had."""
-    rows, ours = [], runs[runs["engine"] == contestants.OURS]
-    for keys, part in ours.groupby(["motion", "EA_N", "segments"], sort=False):
-        judged = part["method"] == contestants.OWN_CHOICE
-        for own in part[judged & (part["status"] == "done")].itertuples():
-            target, best, who = max(own.error_mm, own.reference_mm), np.inf, ""
-            for method, line in part[~judged].groupby("method", sort=False):
-                seconds, _ = time_at(np.maximum(line["error_mm"], line["reference_mm"]), line["wall_s"], target)
-                if seconds < best:
-                    best, who = seconds, method
-            row = dict(zip(("motion", "EA_N", "segments"), keys, strict=True)) | {"choice": own.reason, "error_mm": own.error_mm}
-            rows.append(row | {"wall_s": own.wall_s, "best": who, "best_s": best, "ratio": own.wall_s / best})
-    return pd.DataFrame(rows)
 
 
 if __name__ == "__main__":

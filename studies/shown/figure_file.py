@@ -24,10 +24,17 @@ def save_figure(figure, stem: Path) -> Path:
 
 def _write_powers_of_ten(figure):
     """Have logarithmic axes say 1e-4, as the tables and sentences do."""
-    from matplotlib.ticker import FuncFormatter, LogFormatter
+    from matplotlib.ticker import LogFormatter, LogFormatterSciNotation
+
+    class PowerFormatter(LogFormatterSciNotation):
+        """The ticks that matplotlib would label, in our way."""
+
+        def __call__(self, value, position=None):
+            return power(value, 2) if super().__call__(value, position) else ""
 
     children = [child for axes in figure.axes for child in axes.child_axes]
-    for axes in [*figure.axes, *children]:
-        for axis in (axes.xaxis, axes.yaxis):
-            if axis.get_scale() in ("log", "symlog", "functionlog") and isinstance(axis.get_major_formatter(), LogFormatter):
-                axis.set_major_formatter(FuncFormatter(lambda value, position: power(value, 2)))
+    for axis in (axis for axes in [*figure.axes, *children] for axis in (axes.xaxis, axes.yaxis)):
+        if isinstance(axis.get_major_formatter(), LogFormatter):
+            axis.set_major_formatter(PowerFormatter())
+        if isinstance(axis.get_minor_formatter(), LogFormatter):
+            axis.set_minor_formatter(PowerFormatter(labelOnlyBase=False))
