@@ -91,12 +91,12 @@ def write_report(
 
 def _entry(name, full):
     record = module_of(name).STUDY
-    return Entry(name, record.question, record.part, first_look_leaves_out="" if full else record.first_look_leaves_out)
+    return Entry(name, record.question, record.part, first_look="" if full else record.first_look)
 
 
 def _run(entry, out, executor):
     try:
-        study = run_study(entry.name, out, quick=bool(entry.first_look_leaves_out), executor=executor)
+        study = run_study(entry.name, out, quick=bool(entry.first_look), executor=executor)
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
         return replace(entry, state=State.FAILED, reason=reason, traceback=traceback.format_exc())

@@ -1,6 +1,6 @@
 """What a study is, which studies there are, and how one is run. A study is a module or folder of `studies.questions` that provides
 
-    STUDY                                          a `Record`: question, part of the report, what a first look leaves out
+    STUDY                                          a `Record`: question, part of the report, what a first look takes
     TABLES                                         names of its tables, and a sentence on each: what a line is
     compute(quick=False, executor=None, out=None)  the rows: a dict of DataFrames by the names of TABLES; runs go through
                                                    `rows.run_rows`, with `executor` and a folder of its own under `out`
@@ -62,13 +62,13 @@ class Record:
     ----------
     question : one sentence
     part : of the report
-    first_look_leaves_out : what a first look has less of than the whole study, as the end of "A first look: ..."; empty for a
-        study that is short, of which the report takes the whole
+    first_look : what a first look takes of the study, as the end of "A first look: ..."; empty for a study that is short, of
+        which the report takes all
     """
 
     question: str
     part: Part
-    first_look_leaves_out: str = ""
+    first_look: str = ""
 
 
 class StudyError(ValueError):

@@ -32,7 +32,7 @@ def plot(rows):
         "work_against_precision": Drawing(
             _races(rows["runs"]),
             f"Largest error of p0 or of the tip over the time of the run, one panel a motion; errors below {power(SEEN)} mm are "
-            "drawn there. Where both references differ by more than a method's error (the grey band) nothing is said of the method.",
+            "drawn there. In the grey band the two references differ by more than the error, so that nothing is said of it.",
         ),
         "parts_of_the_error": Drawing(
             _parts(rows["total_error"]),
@@ -112,9 +112,8 @@ def _parts(table):
         for i, (step, line) in enumerate(part.groupby("step_ms", sort=False)):
             own = look(i)
             panel.loglog(line["segments"], line["time_mm"], lw=1.2, ms=4, label=f"time: edmc at {step:g} ms", **own)
-            panel.loglog(
-                line["segments"], line["total_mm"], **(own | {"linestyle": "none"}), mfc="none", ms=8, label=f"total at {step:g} ms"
-            )
+            total = own | {"linestyle": "none", "mfc": "none"}
+            panel.loglog(line["segments"], line["total_mm"], ms=8, label=f"total at {step:g} ms", **total)
         panel.set(title=stiffness(EA), xlabel="segments of a cable")
         panel.set_xticks(one.index, [str(n) for n in one.index])
         panel.minorticks_off()

@@ -1,11 +1,11 @@
-"""Cases that are hard for any method, each with the physical statement that must hold."""
+"""Cases that are hard for any method, each with the physical statements that must hold, and random trials of all methods."""
 
 from studies.catalogue import falls, flights, supports, surroundings, swings
 
 CASES = swings.CASES | supports.CASES | falls.CASES | flights.CASES | surroundings.CASES
 """Names of cases -> functions that make them."""
 
-ASKED = {
+REQUIRED = {
     "EA from 1e2 to 1e9 N and inf": ("swing, EA", "whip, EA", "net, EA"),
     "dampers from zeta 0 to 1e4": ("swing, zeta", "whip, zeta 10000"),
     "5 to 10,000 segments": ("swing, 5 segments", "swing, 100 segments", "swing, 1000 segments", "swing, 10000 segments"),
@@ -40,4 +40,4 @@ ASKED = {
     "pay-out to zero tension": ("paid out,",),
     "a cable that is joined to nothing": ("cable in free flight", "swing and a cable apart"),
 }  # fmt: skip
-"""What has to be in the catalogue -> how the names of its cases begin."""
+"""What the catalogue must cover -> how the names of the cases that cover it begin."""

@@ -10,8 +10,8 @@ from anet_lumped import Cable, Driven, Fixed, Free, Scene, equilibrium
 from anet_lumped.effects import Air, Bending, Gravity, Ground, LineChange, Load, Water
 from anet_lumped.effects.flow.wind import Gust
 from anet_lumped.prescribed import paths, signals
-from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, Case, Statement, at_time, strongest
-from studies.catalogue.supports import at_places
+from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, Case, Statement, at_time, largest_tension
+from studies.catalogue.supports import at_positions
 
 G, AIR, WATER = 9.81, 1.225, 1000.0  # [m/s^2], [kg/m^3]
 
@@ -29,7 +29,7 @@ def through_surface(v, height):
 
     def judge(run):
         # its corners bear it at a slope of one in two or more, two twines each
-        yield Statement(LOAD, "largest tension over the drag of the whole net", strongest(run) / drag, most=1.0)
+        yield Statement(LOAD, "largest tension over the drag of the whole net", largest_tension(run) / drag, most=1.0)
         z = run.q[:, :, 2]
         below = run.position("0,0")[-1, 2] - run.position("1,1")[-1, 2]
         yield Statement(LOAD, "depth of the middle below the corners at the end", below, -0.51, 0.51, unit="m")
@@ -38,7 +38,7 @@ def through_surface(v, height):
     way = "into" if v < 0.0 else "out of"
     scene = Scene(points, cables, [Gravity(G), Water(WATER)])
     return Case(f"A net is carried {way} water at {abs(v):g} m/s: no tension beyond its drag.", scene, 0.9, judge,
-                measure=lambda run: run.position("1,1")[-1], within=0.05)  # fmt: skip
+                measure=lambda run: run.position("1,1")[-1], tolerance=0.05)  # fmt: skip
 
 
 def gust():
@@ -53,13 +53,21 @@ def gust():
 
     def judge(run):
         aside = run.shape("a-b")[:, 10, 1]
-        yield Statement(LOAD, "largest tension over that of a snap at the speed of the wind", strongest(run) / snap, most=1.0)
+        yield Statement(LOAD, "largest tension over that of a snap at the speed of the wind", largest_tension(run) / snap, most=1.0)
         yield Statement(LOAD, "farthest the middle is blown aside", aside.max(), 0.15, 0.4, unit="m")  # its sag is 0.28 m
         above = run.shape("a-b")[run.t > 15.0, 10, 2].mean() - rest.shape("a-b")[10, 2]
         yield Statement(REST, "mean height of the middle in the end less that at rest", above, -0.01, 0.03, unit="m")
 
-    return Case("A gust of 20 m/s meets a slack cable: it is blown aside and comes back to its sag.", scene, 20.0, judge,
-                saved=0.02, measure=at_time(0.3, lambda run: run.shape("a-b")[:, 10]), within=0.01, fed=True)  # fmt: skip
+    return Case(
+        "A gust of 20 m/s meets a slack cable: it is blown aside and comes back to its sag.",
+        scene,
+        20.0,
+        judge,
+        save_every=0.02,
+        measure=at_time(0.3, lambda run: run.shape("a-b")[:, 10]),
+        tolerance=0.01,
+        energy_is_fed_in=True,
+    )
 
 
 def drag_beyond_weight():
@@ -82,8 +90,8 @@ def drag_beyond_weight():
         yield Statement(MOMENTUM, "way to the side", np.abs(run.q[:, :, 1]).max(), most=1e-9, unit="m")
 
     return Case("Drag a thousand times the weight at 1 m/s: a cable thrown down sinks at its terminal velocity.", scene, 1.0, judge,
-                start=lambda: at_places(scene, {"a-b": np.column_stack([s, 0 * s, 0 * s])}, speed=(0, 0, -5.0)),
-                measure=lambda run: run.q[-1], within=0.01)  # fmt: skip
+                start=lambda: at_positions(scene, {"a-b": np.column_stack([s, 0 * s, 0 * s])}, speed=(0, 0, -5.0)),
+                measure=lambda run: run.q[-1], tolerance=0.01)  # fmt: skip
 
 
 def bending_dominates():
@@ -100,7 +108,7 @@ def bending_dominates():
         yield Statement(LOAD, "stretch of the end", abs(run.position("b")[-1, 0] - 1.0), most=1e-3, unit="m")
 
     return Case("Bending so stiff that it dominates: a cantilever is let go and swings about its static deflection.", scene, 0.5,
-                judge, start="straight", measure=lambda run: -run.position("b")[run.t > 0.1, 2].mean() / static, within=0.05,
+                judge, start="straight", measure=lambda run: -run.position("b")[run.t > 0.1, 2].mean() / static, tolerance=0.05,
                 unit="")  # fmt: skip
 
 
@@ -122,8 +130,8 @@ def onto_the_ground():
         yield Statement(LOAD, "largest of them", ratio.max(), 0.9, 1.1)
 
     return Case("A chain falls onto the ground: the force is three times the weight that has landed.", scene, 0.9 * end, judge,
-                start=lambda: at_places(scene, {"a-b": np.column_stack([0 * s, 0 * s, s])}), dt=5e-4, saved=1e-3,
-                measure=lambda run: run.position("b")[-1], within=0.01)  # fmt: skip
+                start=lambda: at_positions(scene, {"a-b": np.column_stack([0 * s, 0 * s, s])}), dt=5e-4, save_every=1e-3,
+                measure=lambda run: run.position("b")[-1], tolerance=0.01)  # fmt: skip
 
 
 def breaks():
@@ -142,7 +150,7 @@ def breaks():
         yield Statement(LOAD, "way of the middle from the corner that let go", aside, 0.02, 0.6, unit="m")
 
     return Case("A cable of a net breaks under load: at its limit, and the others take the net over.", scene, 0.75, judge,
-                measure=at_time(0.5, lambda run: run.position("p0")), within=0.02, fed=True)  # fmt: skip
+                measure=at_time(0.5, lambda run: run.position("p0")), tolerance=0.02, energy_is_fed_in=True)  # fmt: skip
 
 
 def paid_out(taut):
@@ -166,8 +174,15 @@ def paid_out(taut):
             yield Statement(LOAD, "depth", -z.min(), 2.9, 3.1, unit="m")
 
     what = "a taut span comes to sag" if taut else "a payload falls freely until it is caught"
-    return Case(f"A line is paid out until it pulls no more: {what}.", scene, 1.0, judge,
-                measure=at_time(0.4, lambda run: run.shape("a-b")[:, -1 if not taut else 5]), within=0.02, fed=True)  # fmt: skip
+    return Case(
+        f"A line is paid out until it pulls no more: {what}.",
+        scene,
+        1.0,
+        judge,
+        measure=at_time(0.4, lambda run: run.shape("a-b")[:, -1 if not taut else 5]),
+        tolerance=0.02,
+        energy_is_fed_in=True,
+    )
 
 
 CASES = {

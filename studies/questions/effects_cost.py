@@ -27,7 +27,7 @@ from studies.study import Drawing, Part, Record, StudyError
 STUDY = Record(
     question=__doc__,
     part=Part.COST,
-    first_look_leaves_out="each step and iteration is timed in 6 turns in place of 60, and libraries are compared in 2 processes "
+    first_look="each step and iteration is timed in 6 turns in place of 60, and libraries are compared in 2 processes "
     "each in place of 10.",
 )
 TABLES = {

@@ -20,7 +20,7 @@ from studies.study import Drawing, Part, Record
 STUDY = Record(
     question="What does a step cost, does its cost grow with the size of the net, and how fast is the carried net?",
     part=Part.CURE,
-    first_look_leaves_out="the net has up to 800 segments in place of 100,000 and three stiffnesses in place of five, and all is "
+    first_look="the net has up to 800 segments in place of 100,000 and three stiffnesses in place of five, and all is "
     "timed in 6 turns in place of 12.",
 )
 TABLES = {

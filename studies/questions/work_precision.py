@@ -29,7 +29,7 @@ __all__ = ["STUDY", "TABLES", "answer", "compute", "plot"]
 STUDY = Record(
     question=__doc__.splitlines()[0],
     part=Part.COST,
-    first_look_leaves_out="two motions in place of twelve, five of the methods here and none of other engines.",
+    first_look="two motions in place of twelve, five of the methods here and none of other engines.",
 )
 TABLES = {
     "equal_error": "A line for each motion and error: the best method here and the best other engine at that error.",

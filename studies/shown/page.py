@@ -31,7 +31,7 @@ class Entry:
     name, question, part : of the study
     state : how far the study has come
     study : `Study`, once it is done
-    first_look_leaves_out : of a study that is shortened, what it has less of than the whole study; empty for a whole one
+    first_look : of a study that is shortened, what it takes of the whole; empty for a whole one
     reason, traceback : of a study that failed
     """
 
@@ -40,7 +40,7 @@ class Entry:
     part: str
     state: State = State.TO_COME
     study: Any = None
-    first_look_leaves_out: str = ""
+    first_look: str = ""
     reason: str = ""
     traceback: str = ""
 

@@ -15,7 +15,7 @@ __all__ = ["STUDY", "TABLES", "answer", "compute", "plot"]
 STUDY = Record(
     question=__doc__.splitlines()[0],
     part=Part.WHY,
-    first_look_leaves_out="every plane has 6 x 6 cells in place of 11 x 11, and the borders are measured at one stiffness in place "
+    first_look="every plane has 6 x 6 cells in place of 11 x 11, and the borders are measured at one stiffness in place "
     "of three and at two dampers in place of three.",
 )
 TABLES = {

@@ -19,7 +19,7 @@ def rows(tmp_path_factory):
 
 def test_every_pair_has_an_outcome(rows):
     runs = rows["runs"]
-    assert len(runs) == len(hard_cases.QUICK_CASES) * len(hard_cases.QUICK_WAYS)
+    assert len(runs) == len(hard_cases.QUICK_CASES) * len(hard_cases.QUICK_METHODS)
     assert {HELD, REFUSED} <= set(runs["outcome"]) <= {HELD, REFUSED, FAILED}
     assert (runs["status"] == "done").all() and not runs.loc[runs["outcome"] != HELD, "why"].eq("").any()
     table = rows["outcomes"].set_index("case")
