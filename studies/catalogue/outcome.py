@@ -18,6 +18,7 @@ from integrators import embedded_march, schemes, scipy_adapter
 from studies.catalogue.case import ACCURACY, LOAD, REST, SPIN, Case, Statement, account_statement, energy_statement
 
 HELD, REFUSED, FAILED = "held", "refused", "failed"
+GAINED = "gained"  # energy, by a random trial with a method that does not promise otherwise
 DEFAULT = "default"  # no method given
 EXTRAPOLATED = "edmc_extrapolated"  # method="edmc", extrapolate=True
 METHODS = (*schemes.EXPLICIT, *schemes.IMPLICIT, *SCIPY)  # without diffrax's, which are compiled for every scene

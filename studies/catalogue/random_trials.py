@@ -22,10 +22,9 @@ from anet_lumped.motion.stability import predict
 from anet_lumped.prescribed import paths
 from anet_lumped.results.run import segment_tensions
 from integrators import schemes
-from studies.catalogue.outcome import DEFAULT, METHODS, bounded_work
+from studies.catalogue.outcome import DEFAULT, FAILED, GAINED, HELD, METHODS, REFUSED, bounded_work
 
 TRIALS = 2000
-HELD, REFUSED, GAINED, FAILED = "held", "refused", "gained", "failed"
 IMBALANCE = 1e-4  # of the energy in play, what the exact balance of edmc may miss: Newton's tolerance over some ten steps
 RISE, GAIN = 1e-5, 0.1  # of the energy in play: of methods that never raise it; of the others, counted
 EVALUATIONS = 800  # of the force by one of scipy's solvers

@@ -11,14 +11,13 @@ import numpy as np
 import pandas as pd
 
 from anet_lumped import equilibrium, simulate
-from anet_lumped.effects import REGISTRY, node_energy
+from anet_lumped.effects import REGISTRY
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import signals
 from integrators.stage import BETWEEN, Stage
 from studies.accuracy_cost.cases import net
 from studies.accuracy_cost.paired_timing import in_words, ratio, take_turns
-from studies.questions.speed import newton_iterations
 from studies.shown.palette import BLUE, ORANGE
 from studies.shown.sentences import between, listed
 from studies.shown.show import as_text
@@ -90,6 +89,8 @@ def step_of_verlet(scene, start):
 
 def newton_iteration(scene, start):
     """Time of an iteration of Newton's method [s], repeated at one state: what an effect changes in the motion costs nothing."""
+    from studies.accuracy_cost.compiled_loops import newton_iterations
+
     h, arrays, q = DT["newton"], fresh_net(build(scene)), start.q.copy()
     arrays.tension[:] = start.segment_tension
     stage = Stage(BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
@@ -137,6 +138,7 @@ def entries(scene, effect):
 
 def own_weight():
     """Gravity as its user would write it."""
+    from anet_lumped.effects import node_energy
 
     @node_energy(dead=True)
     def weight(t, q, mass, g=9.81):

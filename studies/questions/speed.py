@@ -4,10 +4,8 @@ import time
 
 import numpy as np
 import pandas as pd
-from numba import njit
 
 from anet_lumped import equilibrium, simulate
-from anet_lumped.mechanics import newton_step, residual, settle
 from anet_lumped.mechanics.fresh_net import fresh_net
 from integrators.stage import BETWEEN, Stage
 from studies.accuracy_cost.cases import net
@@ -41,22 +39,6 @@ EXPLICIT_STEP = "{}, a step"
 STEP, ITERATION, ACCOUNT = "edmc, a step", "edmc, a Newton iteration", "edmc, energy account and calming of a step"
 
 
-@njit(cache=True)
-def newton_iterations(stage, base, target, q, place, times):
-    """What Newton's method does in an iteration, again and again at one place."""
-    for _ in range(times):
-        residual.residual(stage, base, target, q, place)
-        newton_step.direction(stage, place)
-        newton_step.correct(place, 0.0, q)
-
-
-@njit(cache=True)
-def accounts(stage, base, q, v, place, energy, times):
-    """What the energy balance adds to a step of edmc, and what calms its velocities."""
-    for _ in range(times):
-        settle.settle(stage, base, q, v, place, energy)
-
-
 def seconds(function, *arguments, times):
     """Time of one of a number of repetitions inside a compiled function [s]."""
     function(*arguments, 1)
@@ -73,6 +55,8 @@ def run_seconds(start, method, dt, steps):
 
 def costs(segments, repeats):
     """A row for each thing that costs, in nanoseconds a node, and a row for each turn in which all of them were timed."""
+    from studies.accuracy_cost.compiled_loops import accounts, newton_iterations
+
     held = net("net_held", segments=segments)
     rest = equilibrium(held)
     start, nodes, h = equilibrium(net("net_carried", segments=segments)), rest.model.n, 0.01

@@ -16,6 +16,7 @@ UNITS = {
 }
 UNIT = {word: unit for unit, words in UNITS.items() for word in words.split()}  # by the last such word of a name
 SUFFIXES = "m mm um cm kg g s ms us ns N J Hz percent degrees".split()  # that are the unit of a name that ends so
+COMPOUND_UNITS = {"_Ns_per_m": "N·s/m", "_N_per_m": "N/m", "_rad_per_s": "rad/s", "_m_per_s": "m/s", "_per_s": "1/s"}
 WIDE = 10  # columns; a wider table of few rows is shown on its side
 
 
@@ -43,8 +44,9 @@ def show(result: dict) -> None:
 def column_head(name) -> str:
     """Words of a column's name, its unit in brackets: "sag error [mm]" for sag_error_mm."""
     name = str(name)
-    if name.endswith("_N_per_m"):
-        return f"{_words(name.removesuffix('_N_per_m'))} [N/m]"
+    for ending, unit in COMPOUND_UNITS.items():
+        if name.endswith(ending):
+            return f"{_words(name.removesuffix(ending))} [{unit}]"
     *words, last = name.split("_")
     return f"{' '.join(words)} [{last.replace('percent', '%')}]" if words and last in SUFFIXES else _words(name)
 

@@ -5,9 +5,9 @@ number of segments; the springs that make it 1.1 m long; and the least stretch t
 predicted and measured.
 """
 
-from studies.questions.length_error.answer import answer
 from studies.questions.length_error.figures import plot
 from studies.questions.length_error.stretch import compute
+from studies.questions.length_error.words import answer
 from studies.study import Part, Record
 
 __all__ = ["STUDY", "TABLES", "answer", "compute", "plot"]

@@ -5,9 +5,9 @@ Two planes, (step, stiffness) and (step, damper), measured cell by cell for elev
 only fall: surviving to the end is not enough.
 """
 
-from studies.questions.stability_map.answer import answer
 from studies.questions.stability_map.figures import plot
 from studies.questions.stability_map.planes import compute
+from studies.questions.stability_map.words import answer
 from studies.study import Part, Record
 
 __all__ = ["STUDY", "TABLES", "answer", "compute", "plot"]

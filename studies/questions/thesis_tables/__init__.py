@@ -5,9 +5,9 @@ keeps the least. Here Table 5.1 is made again by that method, the cause of its e
 balance of forces, for the table's two cables and for the motion of section 5.1.5.
 """
 
-from studies.questions.thesis_tables.answer import answer
 from studies.questions.thesis_tables.figures import plot
 from studies.questions.thesis_tables.tables import compute
+from studies.questions.thesis_tables.words import answer
 from studies.study import Part, Record
 
 __all__ = ["STUDY", "TABLES", "answer", "compute", "plot"]
@@ -18,7 +18,7 @@ TABLES = {
     "bias": "A line for each number of points of a cable: the error of p0's height that the masses of the points alone make.",
     "energy": "A line for each height of p0: the mean height of a cable's points, which the thesis takes for its energy.",
     "force_balance": "A line for each way to find p0: its error and the median of its times.",
-    "turns": "A line for each turn in which sampling and the balances of forces were timed one after the other.",
+    "turns": "A line for each turn in which sampling and the balances of forces were timed one after the other, in s.",
     "motion": "A line for each net and way: the time of the 400 poses of section 5.1.5, by that of as many as were solved.",
 }
 

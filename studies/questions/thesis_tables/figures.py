@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from studies.questions.thesis_tables.answer import in_units
+from studies.questions.thesis_tables.words import in_units
 from studies.study import Drawing
 
 
@@ -50,9 +50,9 @@ def _plot_bias(energy, bias):
     figure = Figure(figsize=(9, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2)
     for column, label, color, dashes in (
-        ("equal_masses", "10 equal masses a cable", "#D55E00", "-"),
-        ("half_end_masses", "10 masses, half of one at the ends", "#0072B2", "-."),
-        ("cable", "the cable itself", "k", ":"),
+        ("equal_masses_m", "10 equal masses a cable", "#D55E00", "-"),
+        ("half_end_masses_m", "10 masses, half of one at the ends", "#0072B2", "-."),
+        ("cable_m", "the cable itself", "k", ":"),
     ):
         above = 100 * (energy[column] - energy[column].min())
         left.plot(100 * energy["p0_height_m"], above, color=color, label=label, ls=dashes)

@@ -204,9 +204,9 @@ def _energy():
     return pd.DataFrame(
         {
             "p0_height_m": z0,
-            "equal_masses": mean_height(z0, 10, "equal"),
-            "half_end_masses": mean_height(z0, 10, "trapezoid"),
-            "cable": mean_height(z0, 2001, "trapezoid"),
+            "equal_masses_m": mean_height(z0, 10, "equal"),
+            "half_end_masses_m": mean_height(z0, 10, "trapezoid"),
+            "cable_m": mean_height(z0, 2001, "trapezoid"),
         }
         for z0 in line
     )

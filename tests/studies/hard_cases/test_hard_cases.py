@@ -11,8 +11,8 @@ import pytest
 
 from anet_lumped.results.run import Run
 from integrators import schemes, scipy_adapter
-from studies.catalogue import CASES, REQUIRED
 from studies.catalogue.case import ACCURACY, ENERGY, LOAD, REST, Case, Statement, energy_rise, energy_statement
+from studies.catalogue.cases import CASES, REQUIRED
 from studies.catalogue.falls import _fall_time
 from studies.catalogue.outcome import (
     DEFAULT,
@@ -33,15 +33,15 @@ DEAR = ("swing, 10000 segments", "hour of swing", "net 10 x 10, held")  # the de
 
 
 @pytest.mark.parametrize(
-    ("case", "way"), [(case, way) for case in CASES for way in SURE if case not in DEAR or way in (DEFAULT, "edmc")]
+    ("case", "method"), [(case, method) for case in CASES for method in SURE if case not in DEAR or method in (DEFAULT, "edmc")]
 )
-def test_statement_holds(case, way):
+def test_statement_holds(case, method):
     """The default holds all; a method asked for by name holds, or refuses with a reason."""
-    found = try_case(CASES[case](), way)
+    found = try_case(CASES[case](), method)
     assert found.outcome != FAILED, found.reason
     if found.outcome == REFUSED:
-        assert way != DEFAULT and len(found.reason) > 20
-    if way == "edmc" or (way == "backward_euler" and "EA inf" not in case):
+        assert method != DEFAULT and len(found.reason) > 20
+    if method == "edmc" or (method == "backward_euler" and "EA inf" not in case):
         assert found.outcome == HELD, found.reason
 
 
@@ -54,30 +54,30 @@ def test_explicit_euler_never_claims_a_swing(case):
         assert any(words in found.reason for words in ("stable at no step", "steps of", "diverged", "EA=inf")), found.reason
 
 
-@pytest.mark.parametrize("way", PUMPS)
+@pytest.mark.parametrize("method", PUMPS)
 @pytest.mark.parametrize("case", ["span, taut by 1e-3", "yanked at 1 m/s", "stops dead at 10 m/s", "quadrotors apart, 1e6 N"])
-def test_linear_theory_holds_where_a_cable_stays_taut(case, way):
-    assert try_case(CASES[case](), way).outcome == HELD
+def test_linear_theory_holds_where_a_cable_stays_taut(case, method):
+    assert try_case(CASES[case](), method).outcome == HELD
 
 
-@pytest.mark.parametrize("way", PUMPS)
+@pytest.mark.parametrize("method", PUMPS)
 @pytest.mark.parametrize("case", ["whip, EA 1e+02 N", "cable in free flight", "payload dropped", "climber's fall"])
-def test_whatever_pumps_is_found_out(case, way):
+def test_whatever_pumps_is_found_out(case, method):
     """A scheme without an energy statement holds, or the library says with numbers why not; NaN is never measured."""
-    found = try_case(CASES[case](), way)
+    found = try_case(CASES[case](), method)
     assert not any(math.isnan(statement.value) for statement in found.statements)  # inf: half the step did not reach its end
     assert found.outcome in (HELD, REFUSED) and (found.outcome == HELD) == (not found.reason)
 
 
-@pytest.mark.parametrize(("case", "way", "words"), [
+@pytest.mark.parametrize(("case", "method", "words"), [
     ("swing, EA 1e+04 N", "midpoint", "longer than it is unstretched, where its tension stretches it by"),
     ("swing, EA 1e+07 N", EXTRAPOLATED, "longer than it is unstretched, where its tension stretches it by"),
     ("folded chain falls", "sdirk2", "were dissipated beyond what was there"),
     ("span, taut by 1e-3", EXTRAPOLATED, "which is far from a limit"),
 ])  # fmt: skip
-def test_a_run_that_says_what_is_wrong_with_it_is_refused(case, way, words):
+def test_a_run_that_says_what_is_wrong_with_it_is_refused(case, method, words):
     """What was measured is kept beside the reason: a statement of the kinds that a caveat excuses is broken."""
-    found = try_case(CASES[case](), way)
+    found = try_case(CASES[case](), method)
     assert found.outcome == REFUSED and words in found.reason
     assert {statement.kind for statement in found.statements if not statement.holds} <= {ACCURACY, REST, LOAD}
 
@@ -88,14 +88,14 @@ def test_what_a_caveat_does_not_excuse_fails():
     assert try_case(wrong, "midpoint").outcome == FAILED
 
 
-@pytest.mark.parametrize("way", ["DOP853", "Radau", "BDF", "LSODA"])
-def test_scipy_holds_the_quadrotors(way):
-    assert try_case(CASES["quadrotors apart, 1e3 N"](), way).outcome == HELD
+@pytest.mark.parametrize("method", ["DOP853", "Radau", "BDF", "LSODA"])
+def test_scipy_holds_the_quadrotors(method):
+    assert try_case(CASES["quadrotors apart, 1e3 N"](), method).outcome == HELD
 
 
-@pytest.mark.parametrize("way", ["RK45", "DOP853", "Radau", "BDF", "LSODA"])
-def test_scipy_refuses_what_takes_too_long(way):
-    found = try_case(CASES["swing, EA 1e+09 N"](), way)
+@pytest.mark.parametrize("method", ["RK45", "DOP853", "Radau", "BDF", "LSODA"])
+def test_scipy_refuses_what_takes_too_long(method):
+    found = try_case(CASES["swing, EA 1e+09 N"](), method)
     assert found.outcome == REFUSED
     assert "steps" in found.reason or "force evaluations were not enough" in found.reason
 
@@ -166,13 +166,13 @@ def test_all_methods_are_tried():
     assert {*schemes.EXPLICIT, *schemes.IMPLICIT, EXTRAPOLATED} == {"explicit_euler", *SURE[1:], *PUMPS}
 
 
-@pytest.mark.parametrize("way", ["Tsit5", "Kvaerno5"])
-def test_diffrax_holds_or_refuses(way, monkeypatch):
+@pytest.mark.parametrize("method", ["Tsit5", "Kvaerno5"])
+def test_diffrax_holds_or_refuses(method, monkeypatch):
     """One scene, for which JAX compiles; with too few steps it gives up and says so."""
     case = CASES["quadrotors apart, 1e3 N"]()
-    assert try_case(case, way).outcome == HELD
-    monkeypatch.setitem(NODE_TRIES, way, 100.0)
-    found = try_case(case, way)
+    assert try_case(case, method).outcome == HELD
+    monkeypatch.setitem(NODE_TRIES, method, 100.0)
+    found = try_case(case, method)
     said = ("would need", "steps tried were not enough", "too few steps to try")
     assert found.outcome == REFUSED and any(words in found.reason for words in said)
 

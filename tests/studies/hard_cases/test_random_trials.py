@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from studies.fuzz import FAILED, GAINED, HELD, REFUSED, Random, Trial, attempt, draw, try_many
 
 from anet_lumped import Cable, Fixed, Free, Scene, SceneError, simulate
 from anet_lumped.effects import Gravity
+from studies.catalogue import random_trials
+from studies.catalogue.random_trials import FAILED, GAINED, HELD, REFUSED, Random, Trial, attempt, draw, try_many
 
 
 class Drawn:
