@@ -30,7 +30,7 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
     memory[1] and memory[2] are the mean accelerations of the last step and the one before, from which the first guess of the
     places is extrapolated: Newton's method then needs one iteration where the motion is smooth.
     """
-    base, target, energy, rho = memory[3], memory[4], memory[5, 0, :2], options[SCHEME]
+    base, target, energy, rho = memory[3], memory[4], memory[5].ravel(), options[SCHEME]
     Q, V, a, b, Q_a, aim = q.ravel(), v.ravel(), memory[1].ravel(), memory[2].ravel(), base.ravel(), target.ravel()
     free, half = 3 * system.n_free, 0.5 * h * h
     for i in range(Q.shape[0]):
@@ -50,5 +50,5 @@ def step(system, net, t, h, q, v, memory, options, counts, balance):
         a[i] = change * per_h
     system.settle(stage, base, q, v, net, energy)
     balance[PUT_IN] += energy[0]
-    balance[DISSIPATED] += energy[1]
+    balance[DISSIPATED] += energy[1] + energy[2] + energy[3]
     return DONE

@@ -141,7 +141,15 @@ def run_study(name: str, out: str | Path, *, quick: bool = False, executor: Exec
     (out / "answer.txt").write_text(answer.strip() + "\n", encoding="utf-8")
     seconds = time.perf_counter() - begin
     parameters = _parameters(module)
-    meta = {"study": name, "quick": quick, "seconds": round(seconds, 1), "parameters": parameters, **provenance()}
+    about = {
+        "study": name,
+        "question": module.STUDY.question,
+        "part": module.STUDY.part,
+        "quick": quick,
+        "seconds": round(seconds, 1),
+    }
+    about["captions"] = {title: picture.caption for title, picture in pictures.items()}
+    meta = about | {"parameters": parameters, **provenance()}
     (out / "meta.json").write_text(json.dumps(meta, indent=1, default=str), encoding="utf-8")
     paragraphs = [" ".join(paragraph.split()) for paragraph in answer.strip().split("\n\n")]
     return Study(name, module.STUDY, quick, tables, module.TABLES, pictures, paragraphs, seconds)

@@ -169,10 +169,10 @@ def operator(model, net):
 
 def couplings(model, net):
     """Blocks (2, 3, 3) both ways between the nodes (i, j) of each pair that effects join."""
-    pairs = [(net.near[s], nodes) for s, nodes in enumerate(model.ends[: len(net.near)])]
-    for s in range(len(net.far) - 1):
+    pairs = [(net.near_blocks[s], nodes) for s, nodes in enumerate(model.ends[: len(net.near_blocks)])]
+    for s in range(len(net.far_blocks) - 1):
         if model.cable_of[s] == model.cable_of[s + 1]:
-            pairs.append((net.far[s], (model.ends[s, 0], model.ends[s + 1, 1])))
+            pairs.append((net.far_blocks[s], (model.ends[s, 0], model.ends[s + 1, 1])))
     return pairs
 
 
@@ -211,7 +211,7 @@ def dense(model, net, right):
 
 def out_of_balance(model, net):
     """(n_free, 3) force that `residual` left in the arrays of a net [N]."""
-    r = net.right.copy()
+    r = net.right_side.copy()
     for s, (i, j) in enumerate(model.ends):
         e, _, _, _, T = segment_law(net, s)
         r[i] += T * e

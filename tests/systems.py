@@ -266,7 +266,7 @@ def order_of_the_jacobian(model, q, v):
 
     def acceleration(h):
         f = np.zeros((model.n, 3))
-        compiled.force(0.3, q + h * moves[0], v + h * moves[1], net.place, f, np.zeros(2))
+        compiled.force(0.3, q + h * moves[0], v + h * moves[1], net.address, f, np.zeros(2))
         return (f[: model.n_free] / model.mass[: model.n_free, None]).ravel()
 
     steps = 2.0 ** -np.arange(12, 19)

@@ -2,9 +2,11 @@
 
 A node of a cable waits for the one before it, whatever a processor could do meanwhile; four cables do not wait for each other.
 A function that is given `LANES` instead of numbers works on four of them, if it is written in plain arithmetic, comparisons,
-``abs``, ``max``, ``min``, `math.sqrt` and `select`; a comparison of lanes has no truth value, `select` takes it. Where the
-numbers stand in memory is an integer for one cable and a tuple of four for four, which `index` counts on from, `at`, `four`,
-`put`, `put_four` and `of_table` read and write at, and `lane` and `largest` undo.
+``abs``, ``max``, ``min``, `math.sqrt` and `select`; a comparison of lanes has no truth value, `select` takes it.
+
+An address, the position of a number in a flat array or of a row in a table, is one integer for a cable and a tuple of four for a
+group of four; `shifted` advances it. `load`, `load_four`, `store`, `store_four` and `column` read and write at an address; `lane`,
+`max_of_lanes` and `sum_of_lanes` make one number of four.
 """
 
 import math
@@ -183,17 +185,17 @@ def _pack(builder, numbers):
 
 
 def _parts(builder, kind, value):
-    """The integers that a place stands for."""
+    """The integers of an address."""
     return [builder.extract_value(value, k) for k in range(WIDTH)] if kind == FOUR else [value]
 
 
-def _place(kind):
+def _kind_of(kind):
     return FOUR if kind == FOUR else types.int64
 
 
 @intrinsic
-def index(typing_context, place, j, stride, offset):
-    """Places (place + j) stride + offset."""
+def shifted(typing_context, address, j, stride, offset):
+    """Addresses (address + j) stride + offset."""
 
     def codegen(context, builder, signature, args):
         found = [
@@ -202,29 +204,29 @@ def index(typing_context, place, j, stride, offset):
         ]
         return context.make_tuple(builder, FOUR, found) if signature.return_type == FOUR else found[0]
 
-    kind = _place(place)
+    kind = _kind_of(address)
     return kind(kind, *(types.int64,) * 3), codegen
 
 
-def _address(context, builder, array, place):
-    return builder.gep(context.make_array(_f1)(context, builder, array).data, [place])
+def _address(context, builder, array, address):
+    return builder.gep(context.make_array(_f1)(context, builder, array).data, [address])
 
 
 @intrinsic
-def at(typing_context, array, place):
-    """Number, or lanes, at a place of a flat array; places are not checked."""
+def load(typing_context, array, address):
+    """Number, or lanes, at an address of a flat array; addresses are not checked."""
 
     def codegen(context, builder, signature, args):
         numbers = [builder.load(_address(context, builder, args[0], part)) for part in _parts(builder, signature.args[1], args[1])]
         return _pack(builder, numbers) if signature.return_type is LANES else numbers[0]
 
-    kind = _place(place)
+    kind = _kind_of(address)
     return (LANES if kind == FOUR else types.float64)(_f1, kind), codegen
 
 
 @intrinsic
-def put(typing_context, array, place, value):
-    """Write what `at` reads."""
+def store(typing_context, array, address, value):
+    """Write what `load` reads."""
 
     def codegen(context, builder, signature, args):
         parts = _parts(builder, signature.args[1], args[1])
@@ -233,7 +235,7 @@ def put(typing_context, array, place, value):
             builder.store(number, _address(context, builder, args[0], part))
         return context.get_dummy_value()
 
-    kind = _place(place)
+    kind = _kind_of(address)
     return types.void(_f1, kind, LANES if kind == FOUR else types.float64), codegen
 
 
@@ -247,13 +249,13 @@ def _turned(builder, a, b, c, d):
     )  # fmt: skip
 
 
-def _row(context, builder, array, place):
-    return builder.bitcast(_address(context, builder, array, place), _vector.as_pointer())
+def _row(context, builder, array, address):
+    return builder.bitcast(_address(context, builder, array, address), _vector.as_pointer())
 
 
 @intrinsic
-def four(typing_context, array, place):
-    """What stands at a place of a flat array and the three after it, a tuple."""
+def load_four(typing_context, array, address):
+    """The number at an address of a flat array and the three after it, a tuple."""
 
     def codegen(context, builder, signature, args):
         rows = []
@@ -263,13 +265,13 @@ def four(typing_context, array, place):
         found = _turned(builder, *rows) if len(rows) > 1 else [builder.extract_element(rows[0], _i32(k)) for k in range(WIDTH)]
         return context.make_tuple(builder, signature.return_type, found)
 
-    kind = _place(place)
+    kind = _kind_of(address)
     return types.UniTuple(LANES if kind == FOUR else types.float64, 4)(_f1, kind), codegen
 
 
 @intrinsic
-def put_four(typing_context, array, place, values):
-    """Write what `four` reads."""
+def store_four(typing_context, array, address, values):
+    """Write what `load_four` reads."""
 
     def codegen(context, builder, signature, args):
         values, parts = [builder.extract_value(args[2], k) for k in range(4)], _parts(builder, signature.args[1], args[1])
@@ -277,13 +279,13 @@ def put_four(typing_context, array, place, values):
             builder.store(row, _row(context, builder, args[0], part)).align = 8
         return context.get_dummy_value()
 
-    kind = _place(place)
+    kind = _kind_of(address)
     return types.void(_f1, kind, types.UniTuple(LANES if kind == FOUR else types.float64, 4)), codegen
 
 
 @intrinsic
-def of_table(typing_context, table, place, column):
-    """Column of a table in the row, or rows, of a place: numbers as `at` gives them, integers as a place."""
+def column(typing_context, table, address, column):
+    """Column of a table in the row, or rows, at an address: numbers as `load` gives them, integers as an address."""
 
     def codegen(context, builder, signature, args):
         found = []
@@ -295,14 +297,14 @@ def of_table(typing_context, table, place, column):
             return found[0]
         return _pack(builder, found) if signature.return_type is LANES else context.make_tuple(builder, FOUR, found)
 
-    kind = _place(place)
+    kind = _kind_of(address)
     answer = {(types.float64, True): LANES, (types.int64, True): FOUR}.get((table.dtype, kind == FOUR), table.dtype)
     return answer(types.Array(table.dtype, 2, "C"), kind, types.int64), codegen
 
 
 @intrinsic
-def members_of(typing_context, group, g):
-    """Place of the four cables of a row of ``Net.group``."""
+def group_members(typing_context, group, g):
+    """Address of the four cables of a row of ``Net.cable_groups``."""
 
     def codegen(context, builder, signature, args):
         of = context.make_array(_i2)(context, builder, args[0])
@@ -314,8 +316,8 @@ def members_of(typing_context, group, g):
 
 
 @intrinsic
-def below(typing_context, place, n):
-    """Whether a place is less than n, a choice for four."""
+def is_below(typing_context, address, n):
+    """Whether an address is less than n, a choice for four."""
 
     def codegen(context, builder, signature, args):
         found = [builder.icmp_signed("<", part, args[1]) for part in _parts(builder, signature.args[0], args[0])]
@@ -326,13 +328,13 @@ def below(typing_context, place, n):
             value = builder.insert_element(value, one, _i32(k))
         return value
 
-    kind = _place(place)
+    kind = _kind_of(address)
     return (CHOICE if kind == FOUR else types.boolean)(kind, types.int64), codegen
 
 
 @intrinsic
 def lane(typing_context, value, k):
-    """Number or integer ``k`` of lanes or of a place; what is one is each of them."""
+    """Number or integer ``k`` of lanes or of an address; of one number, that number."""
 
     def codegen(context, builder, signature, args):
         kind, value = signature.args[0], args[0]
@@ -348,12 +350,6 @@ def lane(typing_context, value, k):
 
     kind = value if value in (LANES, FOUR) else types.int64 if isinstance(value, types.Integer) else types.float64
     return {LANES: types.float64, FOUR: types.int64}.get(kind, kind)(kind, types.int64), codegen
-
-
-@intrinsic
-def together(typing_context, a, b, c, d):
-    """Lanes of four numbers."""
-    return LANES(*(types.float64,) * WIDTH), lambda context, builder, signature, args: _pack(builder, args)
 
 
 def _reduce(instruction):
@@ -376,4 +372,4 @@ def _larger(builder, a, b):
     return builder.select(builder.fcmp_ordered(">", b, a), b, a)
 
 
-largest, total = intrinsic(_reduce(_larger)), intrinsic(_reduce(ir.IRBuilder.fadd))
+max_of_lanes, sum_of_lanes = intrinsic(_reduce(_larger)), intrinsic(_reduce(ir.IRBuilder.fadd))

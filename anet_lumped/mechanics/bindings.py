@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from anet_lumped.mechanics import force, memory, newton_step, observe, residual, settle
+from anet_lumped.mechanics import force, memory, newton_step, observe, prescribe, residual, settle
 from integrators.system import System, first_class
 
 
@@ -14,7 +14,7 @@ def system(model):
     System
     """
     return System(
-        prescribe=first_class(force.prescribe),
+        prescribe=first_class(prescribe.prescribe),
         force=first_class(force.force),
         residual=first_class(residual.residual),
         direction=first_class(newton_step.direction),

@@ -1,44 +1,45 @@
 """Rows of the nodes of a cable, or of the four cables of a group at once, read and written in compiled code."""
 
-from numba import njit
-
-from anet_lumped.compiled.lanes import (
-    at,
-    index,
-    lane,
-    of_table,
-    put,
-)
-from anet_lumped.model.tables import (
-    CABLE_SEGMENTS,
-)
+from anet_lumped.compiled.jit import inlined
+from anet_lumped.compiled.lanes import column, lane, load, shifted, store
+from anet_lumped.model.tables import CABLE_SEGMENTS
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def segment_count(net, c):
     """Segments of a cable, or of each of a group."""
-    return lane(of_table(net.cable, c, CABLE_SEGMENTS), 0)
+    return lane(column(net.cable, c, CABLE_SEGMENTS), 0)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def row3(flat, node):
-    """Row of an (n, 3) array."""
-    i = index(node, 0, 3, 0)
-    return at(flat, i), at(flat, index(i, 0, 1, 1)), at(flat, index(i, 0, 1, 2))
+@inlined
+def row3(numbers, node):
+    """Row of an (n, 3) array, flat."""
+    i = shifted(node, 0, 3, 0)
+    return load(numbers, i), load(numbers, shifted(i, 0, 1, 1)), load(numbers, shifted(i, 0, 1, 2))
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def put_row3(flat, node, place):
-    i = index(node, 0, 3, 0)
-    put(flat, i, place[0])
-    put(flat, index(i, 0, 1, 1), place[1])
-    put(flat, index(i, 0, 1, 2), place[2])
+@inlined
+def put_row3(numbers, node, row):
+    """Write a row of an (n, 3) array, flat."""
+    i = shifted(node, 0, 3, 0)
+    store(numbers, i, row[0])
+    store(numbers, shifted(i, 0, 1, 1), row[1])
+    store(numbers, shifted(i, 0, 1, 2), row[2])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def add_to_points(array, base, nodes, members, force, sign):
-    """Add forces of the members of a group to the rows ``nodes - base`` of an array."""
+@inlined
+def add_to_points(array, first_node, nodes, members, force, sign):
+    """Add forces of the members of a group to the rows ``nodes - first_node`` of an array."""
     for k in range(members):
-        row = array[lane(nodes, k) - base]
+        row = array[lane(nodes, k) - first_node]
         row[0], row[1] = row[0] + sign * lane(force[0], k), row[1] + sign * lane(force[1], k)
         row[2] += sign * lane(force[2], k)
+
+
+@inlined
+def sum_of_members(value, members):
+    """Sum of a number of each cable over the members of a group."""
+    total = 0.0
+    for k in range(members):
+        total += lane(value, k)
+    return total

@@ -1,27 +1,19 @@
-"""Force on every node at one time, and the prescribed motion: all that an explicit method asks of a net."""
+"""Force on every node at one time: all that an explicit method asks of a net."""
 
 import math
 
-from numba import float64, int64, njit, void
+from numba import float64, int64, types
 
-from anet_lumped.compiled.lanes import (
-    WIDTH,
-    index,
-    lane,
-    members_of,
-    of_table,
-)
+from anet_lumped.compiled.flat_view import flat
+from anet_lumped.compiled.jit import inlined, kernel, on_demand
+from anet_lumped.compiled.lanes import WIDTH, column, group_members, shifted
 from anet_lumped.effects.laws.axial import tension_parts
 from anet_lumped.effects.signatures import as_force
-from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count
-from anet_lumped.mechanics.effect_forces import _share_with_fluid
-from anet_lumped.mechanics.length_work import _as_of_first_masses, power_of_lengths
-from anet_lumped.mechanics.segment_law import (
-    spring_of,
-    switch,
-)
-from anet_lumped.mechanics.set_lengths import set_lengths
-from anet_lumped.model.net import net_at
+from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
+from anet_lumped.mechanics.effect_forces import numbers_of, share_with_fluid
+from anet_lumped.mechanics.optional import as_cable_force, as_power_of_lengths, as_set_lengths
+from anet_lumped.mechanics.segment_law import group_constant, spring_of
+from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
     AXIAL_L0,
@@ -30,63 +22,65 @@ from anet_lumped.model.tables import (
     CABLE_END,
     CABLE_FIRST_NODE,
     CABLE_START,
+    KERNEL_FORCE_GROUPS,
+    KERNEL_FORCE_SINGLES,
+    KERNEL_POWER_OF_LENGTHS,
+    KERNEL_SET_LENGTHS,
     SLOT_FORCE,
 )
-from anet_lumped.prescribed.path_kernel import evaluate
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 
 
-@njit(void(float64, int64, _f2, _f2), cache=True, error_model="numpy", fastmath={"contract"})
-def prescribe(t, place, q, v):
-    """Write place and velocity of the driven nodes at time t; fixed ones keep what they hold."""
-    net = net_at(place)
-    if net.lengths.cable.shape[0] > 0:
-        set_lengths(place, t, t, t)
-    first = net.n_driven
-    if first < q.shape[0]:
-        evaluate(t, net.paths, q[first:], v[first:], net.step[first:])
-        net.step[first:] = 0.0
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _force_of(net, c, members, q, v, f):
-    """`force` of a cable, or of the cables of a group of which ``members`` count; returns the power that dampers dissipate."""
-    node, start, end = (
-        of_table(net.cable, c, CABLE_FIRST_NODE),
-        of_table(net.cable, c, CABLE_START),
-        of_table(net.cable, c, CABLE_END),
-    )
-    L0, spring, damper = of_table(net.axial, c, AXIAL_L0), spring_of(net, c), of_table(net.axial, c, AXIAL_DAMPER)
-    two_damper, count = switch(net, c, AXIAL_TWO_WAY_DAMPER), segment_count(net, c)
-    Q, V, F, lost, growth = q.ravel(), v.ravel(), f.ravel(), 0.0 * L0, of_table(net.axial, c, AXIAL_L0_RATE)
-    i, q0, v0, pull = start, row3(Q, start), row3(V, start), (lost, lost, lost)
+@inlined
+def _cable_force(net, c, members, q, v, f):
+    """Force of a cable, or of the cables of a group of which ``members`` count; returns the power that dampers dissipate."""
+    node, start, end = column(net.cable, c, CABLE_FIRST_NODE), column(net.cable, c, CABLE_START), column(net.cable, c, CABLE_END)
+    L0, spring, damper = column(net.axial, c, AXIAL_L0), spring_of(net, c), column(net.axial, c, AXIAL_DAMPER)
+    two_damper, count = group_constant(net, c, AXIAL_TWO_WAY_DAMPER), segment_count(net, c)
+    Q, V, F, dissipated, L0_rate = flat(q), flat(v), flat(f), 0.0 * L0, column(net.axial, c, AXIAL_L0_RATE)
+    i, q0, v0, behind = start, row3(Q, start), row3(V, start), (dissipated, dissipated, dissipated)
     for j in range(count):
-        after = index(node, j, 1, 0) if j < count - 1 else end
+        after = shifted(node, j, 1, 0) if j < count - 1 else end
         q1, v1 = row3(Q, after), row3(V, after)
         dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
         l = math.sqrt(dx * dx + dy * dy + dz * dz)
         per_l = 1.0 / max(l, 1e-12 * L0)
-        rate = (dx * (v1[0] - v0[0]) + dy * (v1[1] - v0[1]) + dz * (v1[2] - v0[2])) * per_l - growth
+        rate = (dx * (v1[0] - v0[0]) + dy * (v1[1] - v0[1]) + dz * (v1[2] - v0[2])) * per_l - L0_rate
         T, elastic = tension_parts(l - L0, rate, spring, damper, two_damper)
-        lost = lost + (T - elastic) * rate
+        dissipated = dissipated + (T - elastic) * rate
         along = T * per_l
         ahead = along * dx, along * dy, along * dz
-        here = ahead[0] - pull[0], ahead[1] - pull[1], ahead[2] - pull[2]
+        here = ahead[0] - behind[0], ahead[1] - behind[1], ahead[2] - behind[2]
         if j == 0:
             add_to_points(f, 0, start, members, here, 1.0)
         else:
             put_row3(F, i, here)
-        i, q0, v0, pull = after, q1, v1, ahead
-    add_to_points(f, 0, end, members, pull, -1.0)
-    power = 0.0
-    for x in range(members):
-        power += lane(lost, x)
-    return power
+        i, q0, v0, behind = after, q1, v1, ahead
+    add_to_points(f, 0, end, members, behind, -1.0)
+    return sum_of_members(dissipated, members)
 
 
-@njit(void(float64, _f2, _f2, int64, _f2, _f1), cache=True, error_model="numpy", fastmath={"contract"})
-def force(t, q, v, place, f, power):
+@on_demand
+def force_of_singles(net_address, q, v, f):
+    """Force of the cables that are in no group; returns the power that their dampers dissipate [W]."""
+    net, dissipated = view_net(net_address), 0.0
+    for c in net.single_cables:
+        dissipated += _cable_force(net, c, 1, q, v, f)
+    return dissipated
+
+
+@on_demand
+def force_of_groups(net_address, q, v, f):
+    """Force of the cables that are taken by fours; returns the power that their dampers dissipate [W]."""
+    net, dissipated = view_net(net_address), 0.0
+    for g in range(net.cable_groups.shape[0]):
+        dissipated += _cable_force(net, group_members(net.cable_groups, g), net.cable_groups[g, WIDTH], q, v, f)
+    return dissipated
+
+
+@kernel(types.void(float64, _f2, _f2, int64, _f2, _f1))
+def force(t, q, v, net_address, f, power):
     """Force on every node.
 
     f_i = external + sum over its segments of -+ T n, T = EA eps + BA (dl/dt)/L0 by the cable's compression law.
@@ -95,32 +89,32 @@ def force(t, q, v, place, f, power):
     ----------
     t : float64 [s]
     q, v : (n, 3) float64 [m], [m/s]
-    place : int64, address of the net
-    f : (n, 3) float64 [N], overwritten; on a node with added mass A the share m (m I + A)^-1 that accelerates its own
+    net_address : int64
+    f : (n, 3) float64 [N], overwritten; on a node with added mass A the share m (m I + A)^-1 that accelerates its own mass. Where
+        masses change, f is multiplied by m0/m(t), so that f/m0 is the acceleration for the masses m0 of the model
     power : (2,) float64 [W], overwritten: dissipated by dampers and effects; put in by prescribed nodes and by what changes the
-        rest lengths. Masses that change share the force on moving nodes like added ones, so that f/m is the acceleration for
-        the masses m of the model
+        rest lengths
     """
-    net = net_at(place)
+    net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:
-        set_lengths(place, t, t, t)
-    f[net.n_interior :] = 0.0
+        as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)
+    for i in range(net.n_interior, f.shape[0]):
+        for x in range(3):
+            f[i, x] = 0.0
     dissipated = 0.0
-    for g in range(net.group.shape[0]):
-        dissipated += _force_of(net, members_of(net.group, g), net.group[g, WIDTH], q, v, f)
-    for c in net.alone:
-        dissipated += _force_of(net, c, 1, q, v, f)
+    if net.cable_groups.shape[0] > 0:
+        dissipated += as_cable_force(net.kernels[KERNEL_FORCE_GROUPS])(net_address, q, v, f)
+    if net.single_cables.shape[0] > 0:
+        dissipated += as_cable_force(net.kernels[KERNEL_FORCE_SINGLES])(net_address, q, v, f)
     effects = net.effects
     for e in range(effects.address.shape[0]):
-        i, j = effects.index_at[e], effects.index_at[e + 1]
-        a, b = effects.params_at[e], effects.params_at[e + 1]
-        dissipated += as_force(effects.address[e, SLOT_FORCE])(t, q, v, effects.index[i:j], effects.params[a:b], f)
-    if net.added.shape[0] > 0:
-        dissipated += _share_with_fluid(net, t, q, v, f)
+        index, params = numbers_of(effects, e)
+        dissipated += as_force(effects.address[e, SLOT_FORCE])(t, q, v, index, params, f)
+    if net.added_mass.shape[0] > 0:
+        dissipated += share_with_fluid(net, t, q, v, f)
     put_in = 0.0
     if net.lengths.cable.shape[0] > 0:
-        put_in = power_of_lengths(place, t, q, v)
-        _as_of_first_masses(net, f)
+        put_in = as_power_of_lengths(net.kernels[KERNEL_POWER_OF_LENGTHS])(net_address, t, q, v, f)
     for i in range(net.n_driven, q.shape[0]):
         put_in -= f[i, 0] * v[i, 0] + f[i, 1] * v[i, 1] + f[i, 2] * v[i, 2]
     power[0], power[1] = dissipated, put_in

@@ -3,13 +3,14 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types, void
+from numba import types, void
 from scipy.sparse import csc_array
 
+from anet_lumped.compiled.jit import internal, kernel
 from anet_lumped.effects.laws.axial import tension_slopes
 from anet_lumped.effects.signatures import as_tangent
-from anet_lumped.mechanics.effect_forces import add_masses, clear
-from anet_lumped.model.net import net_at
+from anet_lumped.mechanics.effect_forces import add_masses, clear, numbers_of
+from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
     AXIAL_L0,
@@ -77,31 +78,33 @@ def pattern(model):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def _add_couplings(net, slot, far_slot, of):
-    """Add what effects left in ``net.near`` and ``net.far`` to the blocks of the pairs of moving nodes."""
-    for s in range(net.near.shape[0]):
+    """Add what effects left in ``net.near_blocks`` and ``net.far_blocks`` to the blocks of the pairs of moving nodes."""
+    for s in range(net.near_blocks.shape[0]):
         for way in range(2):
-            if slot[s, way] >= 0:
-                of[slot[s, way]] += net.near[s, way]
-            if net.far.shape[0] > 0 and far_slot[s, way] >= 0:
-                of[far_slot[s, way]] += net.far[s, way]
-    clear(net.near)
-    clear(net.far)
+            for x in range(3):
+                for y in range(3):
+                    if slot[s, way] >= 0:
+                        of[slot[s, way], x, y] += net.near_blocks[s, way, x, y]
+                    if net.far_blocks.shape[0] > 0 and far_slot[s, way] >= 0:
+                        of[far_slot[s, way], x, y] += net.far_blocks[s, way, x, y]
+    clear(net.near_blocks)
+    clear(net.far_blocks)
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def _with_fluid(net, row, of):
     """Multiply blocks of a force by m (m I + A)^-1, what added masses A of its node leave to the node's own."""
     for b in range(of.shape[0]):
-        m, A = net.mass[row[b]], net.added[row[b]]
+        m, A = net.mass[row[b]], net.added_mass[row[b]]
         inverse = elimination.inverse((m + A[0, 0], A[0, 1], A[0, 2], A[1, 0], m + A[1, 1], A[1, 2], A[2, 0], A[2, 1], m + A[2, 2]))
         for y in range(3):
             of[b, 0, y], of[b, 1, y], of[b, 2, y] = elimination.times(inverse, m * of[b, 0, y], m * of[b, 1, y], m * of[b, 2, y])
 
 
-@njit(void(types.float64, _f2, _f2, types.int64, _i2, _i2, _i1, _f3, _f3), cache=True, error_model="numpy")
-def blocks(t, q, v, place, slot, far_slot, row, of_q, of_v):
+@kernel(void(types.float64, _f2, _f2, types.int64, _i2, _i2, _i1, _f3, _f3))
+def blocks(t, q, v, net_address, slot, far_slot, row, of_q, of_v):
     """Blocks of df/dq and df/dv.
 
     A segment from node a to node b, d = q_b - q_a of length l and n = d/l, u = v_b - v_a, pulls a with T n, where
@@ -115,23 +118,21 @@ def blocks(t, q, v, place, slot, far_slot, row, of_q, of_v):
     ----------
     t : float [s]
     q, v : (n, 3) float64 [m], [m/s]; prescribed rows hold the prescribed motion
-    place : int, address of the net
+    net_address : int, address of the net
     slot, far_slot, row : see `Pattern`
     of_q, of_v : (blocks, 3, 3) float64 [N/m], [N s/m], overwritten
     """
-    net = net_at(place)
+    net = view_net(net_address)
     n_free, effects = net.n_free, net.effects
-    of_q[:] = 0.0
-    of_v[:] = 0.0
+    clear(of_q)
+    clear(of_v)
     for e in range(effects.address.shape[0]):
         if effects.address[e, SLOT_TANGENT] == 0:
             continue
-        i, j = effects.index_at[e], effects.index_at[e + 1]
-        a, b = effects.params_at[e], effects.params_at[e + 1]
-        index, params, tangent = effects.index[i:j], effects.params[a:b], as_tangent(effects.address[e, SLOT_TANGENT])
-        tangent(t, q, v, index, params, -1.0, 0.0, of_q[:n_free], net.near, net.far)
+        (index, params), tangent = numbers_of(effects, e), as_tangent(effects.address[e, SLOT_TANGENT])
+        tangent(t, q, v, index, params, -1.0, 0.0, of_q[:n_free], net.near_blocks, net.far_blocks)
         _add_couplings(net, slot, far_slot, of_q)
-        tangent(t, q, v, index, params, 0.0, -1.0, of_v[:n_free], net.near, net.far)
+        tangent(t, q, v, index, params, 0.0, -1.0, of_v[:n_free], net.near_blocks, net.far_blocks)
         _add_couplings(net, slot, far_slot, of_v)
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
@@ -172,7 +173,7 @@ def blocks(t, q, v, place, slot, far_slot, row, of_q, of_v):
                         of_q[ba, x, y] += K
                         of_v[ba, x, y] += C
             a = b
-    if net.added.shape[0] > 0:
+    if net.added_mass.shape[0] > 0:
         add_masses(net, t, q)
         _with_fluid(net, row, of_q)
         _with_fluid(net, row, of_v)
@@ -197,7 +198,7 @@ def sparse_jacobian(model, net):
     of_q, of_v = values[:-1].reshape(2, p.blocks, 3, 3)
 
     def jacobian(t, q, v):
-        blocks(t, q, v, net.place, p.slot, p.far_slot, p.row, of_q, of_v)
+        blocks(t, q, v, net.address, p.slot, p.far_slot, p.row, of_q, of_v)
         return csc_array((values[p.source] * p.scale, p.indices, p.indptr), shape=(size, size))
 
     return jacobian

@@ -2,32 +2,26 @@
 
 import math
 
-from numba import float64, int64, njit, types, void
+from numba import float64, int64, types, void
 
-from anet_lumped.compiled.lanes import (
-    at,
-    four,
-    index,
-    lane,
-    largest,
-    members_of,
-    of_table,
-    put,
-    select,
-)
+from anet_lumped.compiled.flat_view import flat
+from anet_lumped.compiled.jit import inlined, kernel, on_demand
+from anet_lumped.compiled.lanes import column, group_members, lane, load, load_four, max_of_lanes, select, shifted, store
 from anet_lumped.mechanics.cable_rows import row3, segment_count
-from anet_lumped.mechanics.linear import chain
+from anet_lumped.mechanics.effect_forces import clear
+from anet_lumped.mechanics.linear import solve
+from anet_lumped.mechanics.optional import as_finish
 from anet_lumped.mechanics.residual import EPS
 from anet_lumped.mechanics.segment_law import (
     AFRESH,
-    law_of,
-    less,
+    group_constant,
     penalty,
+    reduced_slope,
     spring_of,
-    switch,
+    tension_law,
     weights,
 )
-from anet_lumped.model.net import net_at
+from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
     AXIAL_INEXTENSIBLE,
@@ -42,6 +36,8 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_SEGMENT,
     CABLE_SEGMENTS,
     CABLE_START,
+    KERNEL_FINISH_GROUPS,
+    KERNEL_FINISH_SINGLES,
     LINEARISED_BEGINNING,
     LINEARISED_LAW,
     SEGMENT_COLUMNS,
@@ -61,65 +57,75 @@ _f2 = float64[:, ::1]
 ROUNDS = 4  # eliminations a Newton step may spend on finding which segments are slack
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _finish_tensions(stage, net):
-    """Give the tensions what `less` has left to the end; returns a bound of the force that the step leaves out of balance [N].
+@inlined
+def _cable_finish(stage, net, c):
+    """Complete the tensions of a cable, or of a group, which `reduced_slope` has left to the end.
+
+    Returns a bound of the force out of balance [N].
 
     Of second order in the step d of a segment's ends against each other: its force turns by up to |d|/(l_a + l), of which
     the tangent has the part that the guessed tension makes, and its length by up to |d|^2/(2 l), which counts as in `weights`.
     No bound (1e300) where a segment that cannot push was not linearised as taut, or ends short: a tension can be positive
     there, as the secant from a taut length to a short one is, and yet the law is not straight; nor is a tension-strain curve.
     """
-    left = 0.0
-    for g in range(net.group.shape[0]):
-        left = max(left, _finish_tensions_of(stage, net, members_of(net.group, g)))
-    for c in net.alone:
-        left = max(left, _finish_tensions_of(stage, net, c))
-    return 2.0 * left
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _finish_tensions_of(stage, net, c):
-    """`_finish_tensions` of a cable, or of a group."""
     first, node, end = (
-        of_table(net.cable, c, CABLE_FIRST_SEGMENT),
-        of_table(net.cable, c, CABLE_FIRST_NODE),
-        of_table(net.cable, c, CABLE_END),
+        column(net.cable, c, CABLE_FIRST_SEGMENT),
+        column(net.cable, c, CABLE_FIRST_NODE),
+        column(net.cable, c, CABLE_END),
     )
-    L0, step, segment, count = of_table(net.axial, c, AXIAL_L0), net.step.ravel(), net.segment.ravel(), segment_count(net, c)
+    L0, step, segment, count = column(net.axial, c, AXIAL_L0), flat(net.newton_step), flat(net.segment), segment_count(net, c)
     _, _, soft, taut, _, share = weights(stage, net, c)
-    one_way = switch(net, c, AXIAL_PUSH_SHARE) < 1.0 and switch(net, c, AXIAL_INEXTENSIBLE) == 0.0
-    curved = lane(of_table(net.cable, c, CABLE_CURVE), 0) < lane(of_table(net.cable, c, CABLE_CURVE_END), 0)
+    one_way = group_constant(net, c, AXIAL_PUSH_SHARE) < 1.0 and group_constant(net, c, AXIAL_INEXTENSIBLE) == 0.0
+    curved = lane(column(net.cable, c, CABLE_CURVE), 0) < lane(column(net.cable, c, CABLE_CURVE_END), 0)
     per_sum, strain = (0.5 if stage.law == BETWEEN else 1.0) / L0, share * taut / (2.0 * L0)
     most, longest = 0.0 * L0, 0.0 * L0
-    x0, y0, z0 = row3(step, of_table(net.cable, c, CABLE_START))
+    x0, y0, z0 = row3(step, column(net.cable, c, CABLE_START))
     for j in range(count):
-        i = index(node, j, 1, 0) if j < count - 1 else end
-        s = index(first, j, 1, 0)
+        i = shifted(node, j, 1, 0) if j < count - 1 else end
+        s = shifted(first, j, 1, 0)
         x1, y1, z1 = row3(step, i)
-        gx, gy, gz, a = four(segment, index(s, 0, SEGMENT_COLUMNS, SEGMENT_GRADIENT))
-        dx, dy, dz, T = x1 - x0, y1 - y0, z1 - z0, at(net.tension, s)
+        gx, gy, gz, a = load_four(segment, shifted(s, 0, SEGMENT_COLUMNS, SEGMENT_GRADIENT))
+        dx, dy, dz, T = x1 - x0, y1 - y0, z1 - z0, load(net.tension, s)
         x0, y0, z0 = x1, y1, z1
         square = dx * dx + dy * dy + dz * dz
-        stiffness, longer = at(segment, index(s, 0, SEGMENT_COLUMNS, SEGMENT_STIFFNESS)), gx * dx + gy * dy + gz * dz
+        stiffness, longer = load(segment, shifted(s, 0, SEGMENT_COLUMNS, SEGMENT_STIFFNESS)), gx * dx + gy * dy + gz * dz
         if one_way:
-            stretch, _, _, numerical = four(segment, index(s, 0, SEGMENT_COLUMNS, SEGMENT_STRETCH))
+            stretch, _, _, numerical = load_four(segment, shifted(s, 0, SEGMENT_COLUMNS, SEGMENT_STRETCH))
             straight = soft + numerical if stage.law == BETWEEN else soft
             as_taut = (stretch > 0.0) | (stiffness + a > (1.0 - 1e-9) * straight)
             most = max(most, select(as_taut & (stretch + longer > 0.0), 0.0, 1e300))
         T = select(stiffness != 0.0, T + a * longer, T)
-        put(net.tension, s, T)
+        store(net.tension, s, T)
         turned = abs(T * per_sum - a) * math.sqrt(square) + T * per_sum * per_sum * square
         most, longest = max(most, turned), max(longest, square)
-    return 1e300 if curved else largest(max(2.0 * most, strain * longest))
+    return 1e300 if curved else max_of_lanes(max(2.0 * most, strain * longest))
 
 
-@njit(types.Tuple((int64, float64))(STAGE, int64), cache=True, error_model="numpy", fastmath={"contract"})
-def direction(stage, place):
-    """Newton step of the stage that `residual` linearised last, for ``net.step`` and ``net.tension``.
+@on_demand
+def finish_of_singles(stage, net_address):
+    """`_cable_finish` of the cables that are in no group."""
+    net, worst = view_net(net_address), 0.0
+    for c in net.single_cables:
+        worst = max(worst, _cable_finish(stage, net, c))
+    return worst
+
+
+@on_demand
+def finish_of_groups(stage, net_address):
+    """`_cable_finish` of the cables that are taken by fours."""
+    net, worst = view_net(net_address), 0.0
+    for g in range(net.cable_groups.shape[0]):
+        worst = max(worst, _cable_finish(stage, net, group_members(net.cable_groups, g)))
+    return worst
+
+
+@kernel(types.Tuple((int64, float64))(STAGE, int64))
+def direction(stage, net_address):
+    """Newton step of the stage that `residual` linearised last, for ``net.newton_step`` and ``net.tension``.
 
     A segment that the step would make slack or taut leaves the piece of its law that was linearised: its law is replaced by
-    the tangent at the predicted length and the step is solved again, until no segment changes. Source: DESIGN, numerics 3.
+    the tangent at the predicted length and the step is solved again, until no segment changes.
+    See ARCHITECTURE.md, *Slack and taut*.
 
     Returns
     -------
@@ -128,14 +134,14 @@ def direction(stage, place):
     left : float64 [N]
         What a whole step leaves out of balance at most; 1e300 if that is not known without looking.
     """
-    net = net_at(place)
-    right, kept, step = net.right, net.pull, net.step
+    net = view_net(net_address)
+    right, kept, step = net.right_side, net.law_force, net.newton_step
     for i in range(net.n_interior, net.n_free):
         for x in range(3):
             kept[i, x] = right[i, x]
     length_direction, taut = SEGMENT_GRADIENT if stage.law == BETWEEN else SEGMENT_DIRECTION, False
     for solves in range(1, ROUNDS + 1):
-        smallest = chain.solve(place)
+        smallest = solve.solve(net_address)
         taut = smallest > 0.0  # all are taut and stay so: a slack segment has no tension
         if taut or solves == ROUNDS:
             break
@@ -168,18 +174,18 @@ def direction(stage, place):
                         row[SEGMENT_STIFFNESS], row[SEGMENT_TENSION], changed = 0.0, 0.0, True
                     elif row[SEGMENT_STIFFNESS] == 0.0 and stretch > 0.0:
                         row[SEGMENT_STIFFNESS], row[SEGMENT_TENSION], changed = (
-                            less(stage, rigid, row[SEGMENT_GEOMETRIC]),
+                            reduced_slope(stage, rigid, row[SEGMENT_GEOMETRIC]),
                             rigid * row[SEGMENT_STRETCH],
                             True,
                         )
                     continue
                 if not curved and ((T_linear > 0.0) if stretch > 0.0 else row[SEGMENT_TENSION] == 0.0):
                     continue
-                T, slope, _ = law_of(
+                T, slope, _ = tension_law(
                     stage, max(stretch, -L0), row[SEGMENT_STRETCH_BEFORE], spring, damper, two_damper, row[SEGMENT_NUMERICAL_DAMPER]
                 )
                 if curved and longer != 0.0:
-                    here, _, _ = law_of(
+                    here, _, _ = tension_law(
                         stage,
                         row[SEGMENT_STRETCH],
                         row[SEGMENT_STRETCH_BEFORE],
@@ -194,30 +200,39 @@ def direction(stage, place):
                         turn = row[SEGMENT_STIFFNESS] / slope  # the part of the gradient that turns has no slope in it
                         for x in range(3):
                             row[SEGMENT_GRADIENT + x] = n[x] + (row[SEGMENT_GRADIENT + x] - n[x]) * turn
-                    row[SEGMENT_STIFFNESS], row[SEGMENT_TENSION] = less(stage, slope, row[SEGMENT_GEOMETRIC]), T - slope * longer
+                    row[SEGMENT_STIFFNESS], row[SEGMENT_TENSION] = (
+                        reduced_slope(stage, slope, row[SEGMENT_GEOMETRIC]),
+                        T - slope * longer,
+                    )
                     changed = True
         if not changed:
             break
         for i in range(net.n_interior, net.n_free):
             for x in range(3):
                 right[i, x] = kept[i, x]
-    left = _finish_tensions(stage, net) if stage.law != STATE else 1e300
-    return solves, left if taut and net.effects.linear == 1 else 1e300
+    left = 0.0 if taut and net.effects.linear == 1 else 1e300
+    if stage.law == STATE:
+        return solves, 1e300
+    if net.cable_groups.shape[0] > 0:
+        left = max(left, 2.0 * as_finish(net.kernels[KERNEL_FINISH_GROUPS])(stage, net_address))
+    if net.single_cables.shape[0] > 0:
+        left = max(left, 2.0 * as_finish(net.kernels[KERNEL_FINISH_SINGLES])(stage, net_address))
+    return solves, left
 
 
-@njit(void(int64, float64, _f2), cache=True, error_model="numpy", fastmath={"contract"})
-def correct(place, length, q):
+@kernel(void(int64, float64, _f2))
+def correct(net_address, length, q):
     """q += length times the Newton step, for the moving nodes."""
-    net = net_at(place)
+    net = view_net(net_address)
     for i in range(net.n_free):
         for x in range(3):
-            q[i, x] += length * net.step[i, x]
+            q[i, x] += length * net.newton_step[i, x]
 
 
-@njit(void(int64), cache=True, error_model="numpy", fastmath={"contract"})
-def adopt(place):
+@kernel(void(int64))
+def adopt(net_address):
     """Let the tensions of the net be those of the law, where `residual` was last: they balance the forces there."""
-    net = net_at(place)
+    net = view_net(net_address)
     for c in range(net.cable.shape[0]):
         first = net.cable[c, CABLE_FIRST_SEGMENT]
         for s in range(first, first + net.cable[c, CABLE_SEGMENTS]):
@@ -226,14 +241,14 @@ def adopt(place):
                 if net.axial[c, AXIAL_TWO_WAY_DAMPER] == 0.0
                 else net.segment[s, SEGMENT_TENSION]
             )
-    for i in range(net.kept.shape[0]):
+    for i in range(net.predicted_force.shape[0]):
         for x in range(3):
-            net.kept[i, x] = net.pull[net.n_interior + i, x]
+            net.predicted_force[i, x] = net.law_force[net.n_interior + i, x]
 
 
-@njit(void(int64), cache=True, error_model="numpy", fastmath={"contract"})
-def forget(place):
+@kernel(void(int64))
+def forget(net_address):
     """Drop the predicted tensions, so that what a failed iteration left does not shape the next tangent."""
-    net = net_at(place)
-    net.tension[:] = 0.0
+    net = view_net(net_address)
+    clear(net.tension)
     net.linearised[LINEARISED_LAW], net.linearised[LINEARISED_BEGINNING] = -1.0, AFRESH

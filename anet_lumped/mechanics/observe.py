@@ -2,15 +2,17 @@
 
 import math
 
-from numba import float64, int64, njit, void
+from numba import float64, int64, void
 
+from anet_lumped.compiled.jit import kernel
 from anet_lumped.effects.laws.axial import elastic_energy, tension_parts
 from anet_lumped.effects.signatures import as_energy
+from anet_lumped.mechanics.effect_forces import numbers_of
+from anet_lumped.mechanics.optional import as_set_lengths
 from anet_lumped.mechanics.segment_law import (
     spring_of,
 )
-from anet_lumped.mechanics.set_lengths import set_lengths
-from anet_lumped.model.net import net_at
+from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
     AXIAL_INEXTENSIBLE,
@@ -24,6 +26,7 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_SEGMENT,
     CABLE_SEGMENTS,
     CABLE_START,
+    KERNEL_SET_LENGTHS,
     LINEARISED_LAW,
     LINEARISED_MEAN_STEP,
     LINEARISED_TAU,
@@ -38,8 +41,8 @@ from integrators.system import NEVER
 _f1, _f2 = float64[::1], float64[:, ::1]
 
 
-@njit(void(_f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})
-def observe(q, v, place, tension):
+@kernel(void(_f2, _f2, int64, _f1))
+def observe(q, v, net_address, tension):
     """Tension of every segment in a state (n_segments,) [N], overwritten.
 
     By the law at one time; after a step of law ``BETWEEN`` by the tension that acted over it and what the law says of the
@@ -48,7 +51,7 @@ def observe(q, v, place, tension):
     that of the step. After the stages of a Runge-Kutta step whose mean was taken, by the law where the step resolves the
     stretching, and by that mean where it does not.
     """
-    net = net_at(place)
+    net = view_net(net_address)
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
         L0, k, damper, two_damper, spring = (
@@ -82,17 +85,17 @@ def observe(q, v, place, tension):
                 elif net.linearised[LINEARISED_LAW] == STATE and net.linearised[LINEARISED_MEAN_STEP] > 0.0:
                     h = net.linearised[LINEARISED_MEAN_STEP]
                     stiff = (0.25 * h + 0.5 * damper / k) * h * net.axial[c, AXIAL_OMEGA_SQUARED]
-                    T = net.mean[s] + (T - net.mean[s]) / (1.0 + stiff * stiff)
+                    T = net.mean_tension[s] + (T - net.mean_tension[s]) / (1.0 + stiff * stiff)
                 tension[s] = T
             before = i
 
 
-@njit(void(float64, _f2, _f2, int64, _f1), cache=True, error_model="numpy", fastmath={"contract"})
-def energies(t, q, v, place, energy):
+@kernel(void(float64, _f2, _f2, int64, _f1))
+def energies(t, q, v, net_address, energy):
     """Kinetic energy of the moving nodes, spring energy, and potential energy of the effects: (3,) [J], overwritten."""
-    net = net_at(place)
+    net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:
-        set_lengths(place, t, t, t)
+        as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)
     kinetic, elastic, potential = 0.0, 0.0, 0.0
     for i in range(net.n_free):
         kinetic += 0.5 * net.mass[i] * (v[i, 0] * v[i, 0] + v[i, 1] * v[i, 1] + v[i, 2] * v[i, 2])
@@ -107,19 +110,18 @@ def energies(t, q, v, place, energy):
             before = i
     effects = net.effects
     for e in range(effects.address.shape[0]):
-        i, j = effects.index_at[e], effects.index_at[e + 1]
-        a, b = effects.params_at[e], effects.params_at[e + 1]
-        potential += as_energy(effects.address[e, SLOT_ENERGY])(t, q, effects.index[i:j], effects.params[a:b])
+        index, params = numbers_of(effects, e)
+        potential += as_energy(effects.address[e, SLOT_ENERGY])(t, q, index, params)
     energy[0], energy[1], energy[2] = kinetic, elastic, potential
 
 
-@njit(float64(_f2, _f2, int64), cache=True, error_model="numpy", fastmath={"contract"})
-def margin(q, v, place):
+@kernel(float64(_f2, _f2, int64))
+def margin(q, v, net_address):
     """Largest of T/T_max - 1 over the segments of cables that may break, T as in `observe`; `NEVER` if there are none."""
-    net = net_at(place)
+    net = view_net(net_address)
     largest = NEVER
-    if net.strength.shape[0] > 0:
-        observe(q, v, place, net.observed)
-        for s in range(net.strength.shape[0]):
-            largest = max(largest, net.observed[s] / net.strength[s] - 1.0)
+    if net.breaking_tension.shape[0] > 0:
+        observe(q, v, net_address, net.observed_tension)
+        for s in range(net.breaking_tension.shape[0]):
+            largest = max(largest, net.observed_tension[s] / net.breaking_tension[s] - 1.0)
     return largest

@@ -5,9 +5,8 @@ All of it is written for one cable or for four that are alike, see `lanes`; the 
 
 import math
 
-from numba import njit
-
-from anet_lumped.compiled.lanes import at, below, lane, of_table, select
+from anet_lumped.compiled.jit import inlined
+from anet_lumped.compiled.lanes import column, is_below, lane, load, select
 from anet_lumped.effects.laws.axial import tension_between, tension_slopes
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
@@ -30,64 +29,64 @@ PENALTY = 1e7  # of a length that must not change, over the inertia of a node
 BEGINS, AFRESH = 1.0, 2.0  # of `linearise`: the stage begins a step, and does so without one before it
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def switch(net, c, column):
+@inlined
+def group_constant(net, c, axial_column):
     """Number of `Net.axial` that is the same in all cables of a group."""
-    return lane(of_table(net.axial, c, column), 0)
+    return lane(column(net.axial, c, axial_column), 0)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def spring_of(net, c):
     """What the laws in `effects.axial` take as ``spring``."""
-    first, last, share = lane(of_table(net.cable, c, CABLE_CURVE), 0), lane(of_table(net.cable, c, CABLE_CURVE_END), 0), 1.0
+    first, last, share = lane(column(net.cable, c, CABLE_CURVE), 0), lane(column(net.cable, c, CABLE_CURVE_END), 0), 1.0
     if first < last:
         share, first = net.springs[first, 1], first + 1
     return (
-        share * of_table(net.axial, c, AXIAL_STIFFNESS), switch(net, c, AXIAL_PUSH_SHARE), of_table(net.axial, c, AXIAL_L0),
+        share * column(net.axial, c, AXIAL_STIFFNESS), group_constant(net, c, AXIAL_PUSH_SHARE), column(net.axial, c, AXIAL_L0),
         net.springs, first, last
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def moving(net, node):
+@inlined
+def moving_mass(net, node):
     """Mass of a node if it moves [kg]."""
-    return select(below(node, net.n_free), at(net.mass, node), 0.0)
+    return select(is_below(node, net.n_free), load(net.mass, node), 0.0)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _heaviest(net, c):
+@inlined
+def _largest_moving_mass(net, c):
     """Largest mass that moves of a cable's nodes [kg]."""
-    ends = max(moving(net, of_table(net.cable, c, CABLE_START)), moving(net, of_table(net.cable, c, CABLE_END)))
-    if lane(of_table(net.cable, c, CABLE_SEGMENTS), 0) > 1:
-        return max(ends, at(net.mass, of_table(net.cable, c, CABLE_FIRST_NODE)))
+    ends = max(moving_mass(net, column(net.cable, c, CABLE_START)), moving_mass(net, column(net.cable, c, CABLE_END)))
+    if lane(column(net.cable, c, CABLE_SEGMENTS), 0) > 1:
+        return max(ends, load(net.mass, column(net.cable, c, CABLE_FIRST_NODE)))
     return ends
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def penalty(stage, net, c):
     """Penalty of a cable that does not stretch [N/m], 0 for one that does.
 
     Its tension is a multiplier: each Newton step adds the penalty times the length that is too much, whatever the penalty,
     until none is left (augmented Lagrangian); a large one leaves next to nothing after the first.
     """
-    if switch(net, c, AXIAL_INEXTENSIBLE) == 0.0:
-        return 0.0 * of_table(net.axial, c, AXIAL_L0)
-    if lane(of_table(net.cable, c, CABLE_SEGMENTS), 0) > 1:
-        return PENALTY * stage.W * at(net.mass, of_table(net.cable, c, CABLE_FIRST_NODE))
-    return PENALTY * stage.W * _heaviest(net, c)
+    if group_constant(net, c, AXIAL_INEXTENSIBLE) == 0.0:
+        return 0.0 * column(net.axial, c, AXIAL_L0)
+    if lane(column(net.cable, c, CABLE_SEGMENTS), 0) > 1:
+        return PENALTY * stage.W * load(net.mass, column(net.cable, c, CABLE_FIRST_NODE))
+    return PENALTY * stage.W * _largest_moving_mass(net, c)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def numerical_damper(stage, net, c):
     """Most that the numerical damper of a cable's segments may be [N/m]: alpha k s^2/(1 + s^2), s = omega h/2.
 
     In full where the step does not resolve the highest frequency omega of a segment; of third order in the step where it does.
     """
-    square = 0.25 * stage.tau * stage.tau * of_table(net.axial, c, AXIAL_OMEGA_SQUARED)
-    return stage.dissipation * of_table(net.axial, c, AXIAL_STIFFNESS) * (square / (1.0 + square))
+    square = 0.25 * stage.tau * stage.tau * column(net.axial, c, AXIAL_OMEGA_SQUARED)
+    return stage.dissipation * column(net.axial, c, AXIAL_STIFFNESS) * (square / (1.0 + square))
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _unsteady(change, last):
     """Square of |dl - dl'|/(|dl| + |dl'|) for the changes dl and dl' of a segment's length in the last two steps.
 
@@ -98,7 +97,7 @@ def _unsteady(change, last):
     return share * share
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def weights(stage, net, c):
     """What lengths of cable c count for in a stage.
 
@@ -110,9 +109,9 @@ def weights(stage, net, c):
     share : of the error of a tension by the law that counts: a length that is off costs k/2 of its square; where the length is
         not allowed to be off it must be small by itself
     """
-    k, damper, per_tau = of_table(net.axial, c, AXIAL_STIFFNESS), of_table(net.axial, c, AXIAL_DAMPER), 1.0 / stage.tau
+    k, damper, per_tau = column(net.axial, c, AXIAL_STIFFNESS), column(net.axial, c, AXIAL_DAMPER), 1.0 / stage.tau
     numerical, rigid = numerical_damper(stage, net, c), penalty(stage, net, c)
-    inertia = stage.W * _heaviest(net, c)
+    inertia = stage.W * _largest_moving_mass(net, c)
     if stage.law == BETWEEN:
         soft = rigid + damper * per_tau + 0.5 * k
         taut, old = soft + numerical, abs(0.5 * k - numerical - damper * per_tau)
@@ -120,7 +119,7 @@ def weights(stage, net, c):
         soft = rigid + damper * per_tau + k
         taut, old = soft, damper * per_tau
     light = max(old, inertia)
-    if switch(net, c, AXIAL_INEXTENSIBLE) > 0.0:
+    if group_constant(net, c, AXIAL_INEXTENSIBLE) > 0.0:
         share = STRICT * inertia / rigid
     else:
         per_taut = 1.0 / max(taut, 1e-300)
@@ -128,8 +127,8 @@ def weights(stage, net, c):
     return numerical, rigid, soft, taut, light, min(share, 1.0)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def law_of(stage, stretch, before, spring, c, two_damper, numerical):
+@inlined
+def tension_law(stage, stretch, before, spring, c, two_damper, numerical):
     """Tension, its slope in the length, and its conservative part, for the law that the stage asks for.
 
     ``before`` is the stretch that belongs to the start of the stage. Where a segment cannot push, the damper acts on the
@@ -146,8 +145,8 @@ def law_of(stage, stretch, before, spring, c, two_damper, numerical):
     return T, of_stretch + of_rate / stage.tau, 0.0 * T
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def less(stage, slope, a):
+@inlined
+def reduced_slope(stage, slope, a):
     """Slope of a tension less the geometric stiffness.
 
     A tension T that acts along e = (d_a + d)/(l_a + l) changes its force by a (I - e n^T) dd + e dT, and `chain` has a dd + e dT':
@@ -156,7 +155,7 @@ def less(stage, slope, a):
     return select(slope > 0.0, slope - a, slope) if stage.law != STATE else slope
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def linearise(stage, q0, q1, a0, a1, law, guess, old):
     """Linearised tension of a segment.
 
@@ -215,7 +214,7 @@ def linearise(stage, q0, q1, a0, a1, law, guess, old):
             slack = guess + light * stretch <= 0.0
             T, slope = select(slack, 0.0, T), select(slack, 0.0, slope)
     else:
-        T, slope, secant = law_of(stage, stretch, before, spring, damper, two_damper, numerical)
+        T, slope, secant = tension_law(stage, stretch, before, spring, damper, two_damper, numerical)
     if stage.law == STATE:
         # dT = slope n.dd - (c/tau)(I - n n^T) d_hat . dd / l: the damper sees the segment turn
         turns = (slope > 0.0) & ((before > 0.0) | (two_damper > 0.0))
@@ -223,7 +222,7 @@ def linearise(stage, q0, q1, a0, a1, law, guess, old):
         along = before + L_a
         gx, gy, gz = nx - turn * (ax - along * nx), ny - turn * (ay - along * ny), nz - turn * (az - along * nz)
     a = max(guess, 0.0) * per_sum
-    stiffness, of_row = less(stage, slope, a), T
+    stiffness, of_row = reduced_slope(stage, slope, a), T
     if two_damper == 0.0:
         if inextensible > 0.0:
             T = max(T, 0.0)
@@ -231,5 +230,5 @@ def linearise(stage, q0, q1, a0, a1, law, guess, old):
             again = (T == 0.0) & (guess > 0.0) & (guess + light * min(stretch, before) > 0.0)
             linear = spring[0], 1.0, L0, spring[3], 0, 0
             of_taut, slope, _ = tension_between(before, stretch, linear, damper / stage.tau + numerical, 1.0)
-            of_row, stiffness = select(again, of_taut, of_row), select(again, less(stage, slope, a), stiffness)
+            of_row, stiffness = select(again, of_taut, of_row), select(again, reduced_slope(stage, slope, a), stiffness)
     return T, (ex, ey, ez, gx, gy, gz, a, stiffness, of_row, before, stretch, secant, last, numerical)

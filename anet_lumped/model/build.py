@@ -83,7 +83,7 @@ def build(scene):
         of = mobility[np.r_[start, node : node + count - 1, end]]
         axial[c, AXIAL_OMEGA_SQUARED] = axial[c, AXIAL_STIFFNESS] * (of[1:] + of[:-1]).max()
     springs = _curves(scene.cables, cable)
-    group, alone = _groups(cable, axial)
+    groups, single, kinds = _groups(cable, axial)
     model = Model(
         scene=scene,
         n=n,
@@ -94,8 +94,9 @@ def build(scene):
         cable=cable,
         axial=axial,
         springs=springs,
-        group=group,
-        alone=alone,
+        cable_groups=groups,
+        single_cables=single,
+        single_kinds=kinds,
         flipped=flipped,
         node_of=node_of,
         symbolic=symbolic,
@@ -118,16 +119,23 @@ def _curves(cables, table):
 
 
 def _groups(cable, axial):
-    """Cables that hang on a prescribed point and are alike but for their numbers, by fours; the tables of `Net`."""
+    """Cables that hang on a prescribed point and are alike but for their numbers, by fours, and all others; the tables of `Net`.
+
+    Returns
+    -------
+    cable_groups, single_cables, single_kinds : int64
+    """
+    short, bordered = cable[:, CABLE_SEGMENTS] == 1, cable[:, CABLE_JOINS_FREE_POINTS] == 1
     alike = {}
-    for c, (row, of) in enumerate(zip(cable, axial, strict=True)):
+    for c in np.flatnonzero(~(short | bordered)):
+        row, of = cable[c], axial[c]
         same = row[CABLE_SEGMENTS], row[CABLE_CURVE_END], of[AXIAL_PUSH_SHARE], of[AXIAL_TWO_WAY_DAMPER], of[AXIAL_INEXTENSIBLE]
-        alone = row[CABLE_SEGMENTS] == 1 or row[CABLE_JOINS_FREE_POINTS] == 1
-        alike.setdefault(c if alone else same, []).append(c)
+        alike.setdefault(same, []).append(c)
     fours = [cables[i : i + WIDTH] for cables in alike.values() for i in range(0, len(cables), WIDTH)]
     groups = [[*four, *[four[-1]] * (WIDTH - len(four)), len(four)] for four in fours if len(four) > 1]
-    alone = sorted(four[0] for four in fours if len(four) == 1)
-    return np.array(groups, np.int64).reshape(-1, WIDTH + 1), np.array(alone, np.int64)
+    kinds = np.flatnonzero(short), np.flatnonzero(bordered & ~short), sorted(four[0] for four in fours if len(four) == 1)
+    single = np.concatenate(kinds).astype(np.int64)
+    return np.array(groups, np.int64).reshape(-1, WIDTH + 1), single, np.cumsum([len(kind) for kind in kinds[:2]]).astype(np.int64)
 
 
 def _effect_tables(effects, model):

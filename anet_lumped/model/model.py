@@ -23,7 +23,8 @@ class Model:
     """A scene cut into nodes and segments.
 
     Nodes are numbered: interior nodes cable by cable, free points, fixed points, driven points; segments cable by cable,
-    from the end that is eliminated first. ``cable``, ``axial``, ``springs``, ``group`` and ``alone`` are the tables of `Net`.
+    from the end that is eliminated first. ``cable``, ``axial``, ``springs``, ``cable_groups``,
+    ``single_cables`` and ``single_kinds`` are the tables of `Net`.
 
     Parameters
     ----------
@@ -50,8 +51,9 @@ class Model:
     cable: np.ndarray
     axial: np.ndarray
     springs: np.ndarray
-    group: np.ndarray
-    alone: np.ndarray
+    cable_groups: np.ndarray
+    single_cables: np.ndarray
+    single_kinds: np.ndarray
     flipped: np.ndarray
     node_of: dict
     symbolic: Points
@@ -62,6 +64,11 @@ class Model:
     def forces(self):
         """Effects that exert forces, in the order of ``effects``."""
         return tuple(effect for effect in self.scene.effects if not hasattr(effect, "lengths"))
+
+    @property
+    def coupled_neighbours(self):
+        """How many segments away effects join a node with others along its cable: 0, 1 or 2."""
+        return max((getattr(effect, "couples", 0) for effect in self.forces), default=0)
 
     @property
     def n_segments(self):
@@ -77,7 +84,7 @@ class Model:
         return np.repeat(np.arange(len(self.cable)), self.cable[:, CABLE_SEGMENTS])
 
     @cached_property
-    def strength(self):
+    def breaking_tension(self):
         """(n_segments,) float64: tension at which each segment breaks [N], inf for never; empty if no cable breaks."""
         limits = [np.inf if cable.breaking_tension is None else cable.breaking_tension for cable in self.scene.cables]
         return np.array(limits)[self.cable_of] if np.isfinite(limits).any() else np.empty(0)

@@ -88,10 +88,10 @@ def table(scene, model, cut):
         param_at=_starts(places),
         param=_flat(places, np.int64),
         param_slope=_flat(slopes, float),
-        at=np.full(3, np.nan),
+        times=np.full(3, np.nan),
         paid=np.zeros((4, rows)),
         trial=np.zeros((2, rows)),
-        place=np.zeros((3, 2 * rows, 3)),
+        path_values=np.zeros((3, 2 * rows, 3)),
     )
 
 
@@ -126,7 +126,7 @@ def _flat(rows, kind):
 
 def of_a_run(lengths):
     """`Lengths` with scratch space of their own."""
-    fresh = {name: np.array(getattr(lengths, name)) for name in ("at", "paid", "trial", "place")}
+    fresh = {name: np.array(getattr(lengths, name)) for name in ("times", "paid", "trial", "path_values")}
     return lengths._replace(**fresh)
 
 

@@ -107,7 +107,7 @@ class _Legs:
         from anet_lumped.mechanics.bindings import system  # compiled on first use
 
         own, net, energy = self.left, fresh_net(self.left.model), np.zeros(BALANCE)
-        system(own.model).energy(self.t, self.q[own.node], self.v[own.node], net.place, energy)
+        system(own.model).energy(self.t, self.q[own.node], self.v[own.node], net.address, energy)
         return energy[:5] + self.carried
 
     def change_payloads(self, t):
@@ -147,7 +147,7 @@ class _Legs:
         -------
         segments : list of int, of the whole scene's model
         """
-        model, strength = self.left.model, self.left.model.strength
+        model, strength = self.left.model, self.left.model.breaking_tension
         if len(strength) == 0:
             return []
         over = self.tension[self.left.segment] / strength - 1.0

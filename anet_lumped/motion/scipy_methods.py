@@ -37,12 +37,12 @@ def march(model, choice, leg, q, v, tension, adaptive, tolerances, rho_inf):
 
     net, compiled = fresh_net(model), system(model)
     motion = scipy_adapter.Motion(
-        prescribe=lambda t, q, v: compiled.prescribe(t, net.place, q, v),
-        force=lambda t, q, v, f, power: compiled.force(t, q, v, net.place, f, power),
-        energy=lambda t, q, v, energy: compiled.energy(t, q, v, net.place, energy),
+        prescribe=lambda t, q, v: compiled.prescribe(t, net.address, q, v),
+        force=lambda t, q, v, f, power: compiled.force(t, q, v, net.address, f, power),
+        energy=lambda t, q, v, energy: compiled.energy(t, q, v, net.address, energy),
         jacobian=sparse_jacobian(model, net),
         mass=model.mass[: model.n_free],
-        margin=(lambda q, v: compiled.margin(q, v, net.place)) if len(net.strength) else None,
+        margin=(lambda q, v: compiled.margin(q, v, net.address)) if len(net.breaking_tension) else None,
     )
     times = leg.times()
     rtol, atol = scaled(model, q, tolerances)

@@ -160,19 +160,19 @@ def _march(model, choice, leg, q, v, tension, adaptive, tolerances, rho_inf):
     began, error, stiff = time.perf_counter(), None, ()
     if embedding:
         (status, saved, t, node, error, *held), interrupted = interruptible(
-            stepping, scheme.step, words.ctypes.data, net.place, leg.begin, leg.end, choice.dt, scheme.order, *tolerances,
+            stepping, scheme.step, words.ctypes.data, net.address, leg.begin, leg.end, choice.dt, scheme.order, *tolerances,
             scheme.stiff, embedded.MOST, stops(model.scene), q, v, memory, options, counts, balance, *out
         )  # fmt: skip
         stiff = stiff_for(choice, tolerances, counts, *held)
     elif adaptive:
         (status, saved, t, node, error), interrupted = interruptible(
-            stepping, scheme.step, words.ctypes.data, net.place, leg.begin, leg.end, choice.dt, scheme.order, *tolerances,
+            stepping, scheme.step, words.ctypes.data, net.address, leg.begin, leg.end, choice.dt, scheme.order, *tolerances,
             scheme.kept, stops(model.scene), q, v, memory, options, counts, balance, *out
         )  # fmt: skip
     else:
         (status, saved, t, node), interrupted = interruptible(
-            stepping, scheme.step, words.ctypes.data, net.place, leg.begin, leg.end, leg.run_begin, choice.dt, stride, scheme.kept,
-            q, v, memory, options, counts, balance, *out
+            stepping, scheme.step, words.ctypes.data, net.address, leg.begin, leg.end, leg.run_begin, choice.dt, stride,
+            scheme.kept, q, v, memory, options, counts, balance, *out
         )  # fmt: skip
     run = Run(
         model, *(rows[:saved] for rows in out[:4]), choice.method, choice.dt, choice.reason,

@@ -16,11 +16,12 @@ idea of Andersen, Christiansen, Conn & Overton, SIAM J. Sci. Comput. 22 (2000) 2
 import numpy as np
 from numba import float64, int64, njit, types
 
+from anet_lumped.compiled.jit import inlined, internal, kernel
 from anet_lumped.mechanics.fresh_net import fresh_net
-from anet_lumped.mechanics.linear import chain
+from anet_lumped.mechanics.linear import junctions
 from anet_lumped.mechanics.linear import node_elimination as elimination
 from anet_lumped.model.build import build
-from anet_lumped.model.net import net_at
+from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_INEXTENSIBLE,
     AXIAL_L0,
@@ -49,7 +50,7 @@ class EquilibriumError(RuntimeError):
     """A scene that has no static shape, or whose static shape was not found."""
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _cable_end(net, load, EA, c, H, delta, u, C):
     """End of cable c relative to its start for a force H at its start, with the directions u of its segments.
 
@@ -88,7 +89,7 @@ def _cable_end(net, load, EA, c, H, delta, u, C):
     return L0 * x, L0 * y, L0 * z, L0 * xf, L0 * yf, L0 * zf, fx, fy, fz, off
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _turn(net, load, c, H, change, length, delta, u):
     """Newton step of the directions of cable c's segments, which goes with a change of its forces."""
     count, node, first = net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_FIRST_SEGMENT]
@@ -109,14 +110,14 @@ def _turn(net, load, c, H, change, length, delta, u):
             fx, fy, fz = fx - load[node + j, 0], fy - load[node + j, 1], fz - load[node + j, 2]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@internal
 def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
     """Linearise at forces H: closing gaps, stiffness of each cable, out-of-balance force of the free points in ``right``.
 
     Returns the largest gap over a cable's length, the largest out-of-balance force, by how much |F| u is not F, and the
     largest force and length that occur, which rounding is relative to.
     """
-    block, right = net.points.block, net.right
+    block, right = net.points.block, net.right_side
     block[:] = 0.0
     for i in range(net.n_interior, net.n_free):
         for x in range(3):
@@ -151,29 +152,28 @@ def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
         K = (k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7], k[8])
         kr = elimination.times(K, r[0], r[1], r[2])
         if start < net.n_free:
-            chain._add(block[start - net.n_interior], K, 1.0)
+            junctions.add_block(block[start - net.n_interior], K, 1.0)
             for x in range(3):
                 right[start, x] -= kr[x]
         if end < net.n_free:
-            chain._add(block[end - net.n_interior], K, 1.0)
+            junctions.add_block(block[end - net.n_interior], K, 1.0)
             for x in range(3):
                 right[end, x] += kr[x]
         if net.cable[c, CABLE_JOINS_FREE_POINTS] == 1:
-            chain._add(block[net.cable[c, CABLE_BLOCK_START_END]], K, -1.0)
-            chain._add(block[net.cable[c, CABLE_BLOCK_END_START]], K, -1.0)
+            junctions.add_block(block[net.cable[c, CABLE_BLOCK_START_END]], K, -1.0)
+            junctions.add_block(block[net.cable[c, CABLE_BLOCK_END_START]], K, -1.0)
     return closing, balance, off, force, reach
 
 
 @njit(
-    types.UniTuple(float64, 4)(int64, _f2, _f1, float64, float64, _f2, _f2),
-    cache=True, error_model="numpy", fastmath={"contract"},
-)  # fmt: skip
-def solve(place, load, EA, scale, tolerance, H, q):
+    types.UniTuple(float64, 4)(int64, _f2, _f1, float64, float64, _f2, _f2), cache=True, error_model="numpy", fastmath={"contract"}
+)
+def solve(net_address, load, EA, scale, tolerance, H, q):
     """Forces at the cables' starts and places of the free points, in place.
 
     Parameters
     ----------
-    place : int, address of the net
+    net_address : int, address of the net
     load : (n, 3) float64 [N], force on every node
     EA : (n_cables,) float64 [N]
     scale : float64 [N], the load that tolerances are relative to
@@ -187,7 +187,7 @@ def solve(place, load, EA, scale, tolerance, H, q):
         Largest gap relative to a cable's length, largest force on a free point relative to scale, what rounding of the
         largest tension may leave in that, Newton iterations.
     """
-    net = net_at(place)
+    net = view_net(net_address)
     cables = net.cable.shape[0]
     stiffness, gap, change, flat = np.zeros((cables, 9)), np.zeros((cables, 3)), np.zeros((cables, 3)), np.zeros(9)
     trial, u = np.zeros(3), net.factor[:, :3]
@@ -208,17 +208,17 @@ def solve(place, load, EA, scale, tolerance, H, q):
                     break
                 polished = True  # one step more costs little and takes a quadratic iteration to rounding
             iterations += 1
-            chain.solve_points(place)
+            junctions.solve_points(net_address)
             for i in range(net.n_interior, net.n_free):
                 for x in range(3):
-                    q[i, x] += net.step[i, x]
+                    q[i, x] += net.newton_step[i, x]
             slope, size = 0.0, 0.0
             for c in range(cables):
                 start, end, k = net.cable[c, CABLE_START], net.cable[c, CABLE_END], stiffness[c]
                 dx, dy, dz = (
-                    net.step[end, 0] - net.step[start, 0] - gap[c, 0],
-                    net.step[end, 1] - net.step[start, 1] - gap[c, 1],
-                    net.step[end, 2] - net.step[start, 2] - gap[c, 2],
+                    net.newton_step[end, 0] - net.newton_step[start, 0] - gap[c, 0],
+                    net.newton_step[end, 1] - net.newton_step[start, 1] - gap[c, 1],
+                    net.newton_step[end, 2] - net.newton_step[start, 2] - gap[c, 2],
                 )
                 change[c, 0], change[c, 1], change[c, 2] = elimination.times(
                     (k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7], k[8]), dx, dy, dz
@@ -249,10 +249,10 @@ def solve(place, load, EA, scale, tolerance, H, q):
     return closing, balance, noise, float64(iterations)
 
 
-@njit(types.void(int64, _f2, _f1, _f2, _f2, _f1), cache=True, error_model="numpy", fastmath={"contract"})
-def unroll(place, load, EA, H, q, tension):
+@kernel(types.void(int64, _f2, _f1, _f2, _f2, _f1))
+def unroll(net_address, load, EA, H, q, tension):
     """Places of the interior nodes and tensions of the segments that belong to the forces H, right after `solve`."""
-    net = net_at(place)
+    net = view_net(net_address)
     for c in range(net.cable.shape[0]):
         first, count, node, L0 = (
             net.cable[c, CABLE_FIRST_SEGMENT],
@@ -300,7 +300,7 @@ def equilibrium(scene, tolerance=1e-12):
     for point in scene.points:
         if isinstance(point, Fixed):
             q[model.node(point.name)] = point.at
-    net = fresh_net(model)
+    net = fresh_net(model, force=False, newton=False)
     v = np.zeros_like(q)
     if model.n_driven < model.n:
         evaluate(0.0, net.paths, q[model.n_driven :], v[model.n_driven :], np.zeros((model.n - model.n_driven, 3)))
@@ -316,7 +316,7 @@ def equilibrium(scene, tolerance=1e-12):
     H = _first_guess(model, load, q, scale)
     for name in (point.name for point in scene.points if isinstance(point, Free)):
         q[model.node(name)] = q[model.n_free :].mean(axis=0)
-    closing, balance, noise, iterations = solve(net.place, load, EA, scale, tolerance, H, q)
+    closing, balance, noise, iterations = solve(net.address, load, EA, scale, tolerance, H, q)
     if not (closing <= 10 * tolerance and balance <= 1e-10 + noise):
         raise EquilibriumError(
             f"No equilibrium was found in {iterations:.0f} iterations: forces balance to {balance:.1e} of the load and the "
@@ -324,9 +324,13 @@ def equilibrium(scene, tolerance=1e-12):
             "try a moderate EA or `simulate` with damping."
         )
     tension = np.empty(model.n_segments)
-    unroll(net.place, load, EA, H, q, tension)
+    unroll(net.address, load, EA, H, q, tension)
     if len(model.springs) or not all(map(_is_dead, model.forces)):
+        from anet_lumped.mechanics.required_kernels import require
+
         from .relaxation import relaxed  # compiles what moves, of which dead loads need nothing
+
+        require(net, model, newton=True)
 
         net.tension[:] = tension
         balance = relaxed(model, net, q, scale)

@@ -44,7 +44,7 @@ def relaxed(model, net, q, load):
     )  # at rest, lengths that change in time are those of t = 0
     moving = max(model.n_free, 1)
     mass = np.where(np.arange(model.n) < model.n_free, load / moving, 0.0)
-    net = net._replace(mass=mass, axial=axial, lengths=net.lengths._replace(cable=np.empty(0, np.int64))).placed()
+    net = net._replace(mass=mass, axial=axial, lengths=net.lengths._replace(cable=np.empty(0, np.int64))).addressed()
     first = tau = SHORT * math.sqrt(length)  # all nodes alike weigh the load at 1 m/s2
     best, growth = math.inf, GROWTH
     for _ in range(STEPS):
@@ -70,17 +70,17 @@ def _step(net, q, tau, load):
     """One pseudo-step; returns the force out of balance at its end [N] and the Newton iterations that it took."""
     base = q.copy()
     stage = Stage(BACKWARD, 0.0, 1.0 / tau**2, 1.0, tau, 0.0)
-    norm, _, noise, predicted = residual.residual(stage, base, base, q, net.place)
+    norm, _, noise, predicted = residual.residual(stage, base, base, q, net.address)
     for iteration in range(ITERATIONS):
         # tensions as predicted balance far better than those of stiff cables by their lengths, down to their own rounding
         if predicted <= 1e-14 * load or (iteration > 2 and norm <= noise):
             return min(predicted, max(norm - noise, 0.0)), iteration
-        newton_step.direction(stage, net.place)
-        newton_step.correct(net.place, 1.0, q)
+        newton_step.direction(stage, net.address)
+        newton_step.correct(net.address, 1.0, q)
         before, length = norm, 1.0
-        norm, _, noise, predicted = residual.residual(stage, base, base, q, net.place)
+        norm, _, noise, predicted = residual.residual(stage, base, base, q, net.address)
         while iteration > 3 and norm > before and predicted > 1e-10 * load and length > 1e-3:
             length *= 0.5
-            newton_step.correct(net.place, -length, q)
-            norm, _, noise, predicted = residual.residual(stage, base, base, q, net.place)
+            newton_step.correct(net.address, -length, q)
+            norm, _, noise, predicted = residual.residual(stage, base, base, q, net.address)
     return min(predicted, max(norm - noise, 0.0)), ITERATIONS

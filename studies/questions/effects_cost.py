@@ -95,7 +95,7 @@ def newton_iteration(scene, start):
     arrays.tension[:] = start.segment_tension
     stage = Stage(BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
     began = time.perf_counter()
-    newton_iterations(stage, start.q, start.q, q, arrays.place, TIMES["newton"])
+    newton_iterations(stage, start.q, start.q, q, arrays.address, TIMES["newton"])
     return (time.perf_counter() - began) / TIMES["newton"]
 
 

@@ -60,7 +60,7 @@ def costs(segments, repeats):
     held = net("net_held", segments=segments)
     rest = equilibrium(held)
     start, nodes, h = equilibrium(net("net_carried", segments=segments)), rest.model.n, 0.01
-    arrays, q, v, energy = fresh_net(rest.model), rest.q.copy(), np.zeros_like(rest.q), np.zeros(2)
+    arrays, q, v, energy = fresh_net(rest.model), rest.q.copy(), np.zeros_like(rest.q), np.zeros(4)
     arrays.tension[:] = rest.segment_tension
     stage = Stage(BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
     steps, iterations = max(10, int(2e6 / nodes)), max(5, int(1e6 / nodes))
@@ -69,8 +69,8 @@ def costs(segments, repeats):
     }
     timed |= {
         STEP: lambda: run_seconds(start, "edmc", h, max(10, steps // 10)),
-        ITERATION: lambda: seconds(newton_iterations, stage, rest.q, rest.q, q, arrays.place, times=iterations),
-        ACCOUNT: lambda: seconds(accounts, stage, rest.q, q, v, arrays.place, energy, times=iterations),
+        ITERATION: lambda: seconds(newton_iterations, stage, rest.q, rest.q, q, arrays.address, times=iterations),
+        ACCOUNT: lambda: seconds(accounts, stage, rest.q, q, v, arrays.address, energy, times=iterations),
         "equilibrium": lambda: seconds_of(lambda: equilibrium(held)),
     }
     turns = pd.DataFrame(take_turns(timed, repeats))

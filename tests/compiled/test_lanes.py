@@ -30,11 +30,11 @@ def _formula(a, b):
 
 @njit
 def _by_lanes(x, y, out):
-    a, b = lanes.four(x, (0, 4, 8, 12)), lanes.four(y, (0, 4, 8, 12))
-    lanes.put_four(out, (0, 4, 8, 12), (_formula(a[0], b[0]), _formula(a[1], b[1]), _formula(a[2], b[2]), _formula(a[3], b[3])))
-    d = lanes.at(out, (3, 7, 11, 15))
-    lanes.put(x, lanes.index((0, 1, 2, 3), 2, 2, 1), d)
-    return lanes.largest(d), lanes.total(d), lanes.lane(d, 2)
+    a, b = lanes.load_four(x, (0, 4, 8, 12)), lanes.load_four(y, (0, 4, 8, 12))
+    lanes.store_four(out, (0, 4, 8, 12), (_formula(a[0], b[0]), _formula(a[1], b[1]), _formula(a[2], b[2]), _formula(a[3], b[3])))
+    d = lanes.load(out, (3, 7, 11, 15))
+    lanes.store(x, lanes.shifted((0, 1, 2, 3), 2, 2, 1), d)
+    return lanes.max_of_lanes(d), lanes.sum_of_lanes(d), lanes.lane(d, 2)
 
 
 @njit
@@ -73,8 +73,10 @@ def _net(count, segments=(6,), **kwargs):
 def _both(scene):
     """A net that takes its cables by fours, and the same that takes one at a time."""
     model = build(scene)
-    single = replace(model, group=model.group[:0], alone=np.arange(len(model.cable)))
-    assert len(model.group) > 0
+    single = replace(
+        model, cable_groups=model.cable_groups[:0], single_cables=np.arange(len(model.cable)), single_kinds=np.zeros(2, int)
+    )
+    assert len(model.cable_groups) > 0
     return model, fresh_net(model), fresh_net(single)
 
 
@@ -93,10 +95,10 @@ NETS = {
 
 def test_cables_alike_are_taken_by_fours():
     model = build(_net(7))
-    np.testing.assert_array_equal(model.group, [[0, 1, 2, 3, 4], [4, 5, 6, 6, 3]])
-    assert len(model.alone) == 0
-    assert list(build(NETS["of two lengths"]).alone) == []
-    assert len(build(NETS["one segment"]).group) == 0
+    np.testing.assert_array_equal(model.cable_groups, [[0, 1, 2, 3, 4], [4, 5, 6, 6, 3]])
+    assert len(model.single_cables) == 0
+    assert list(build(NETS["of two lengths"]).single_cables) == []
+    assert len(build(NETS["one segment"]).cable_groups) == 0
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -112,13 +114,13 @@ def test_a_stage_is_the_same_by_fours_and_one_by_one(net, law):
     target, stage = base + h * v, Stage(LAWS[law], 0.0, 2 / h**2, 0.5, h, 0.5)
     for one in nets:
         one.tension[:] = rest.segment_tension
-        parts = [residual.residual(stage, base, target, q, one.place)]
-        solves, left = newton_step.direction(stage, one.place)
-        f, power, at_end, energy = np.zeros((model.n, 3)), np.zeros(2), v.copy(), np.zeros(2)
-        force.force(0.0, q, v, one.place, f, power)
-        parts += [one.step.copy(), one.tension.copy(), f, power, [left if left < 1e300 else 0.0], [solves]]
+        parts = [residual.residual(stage, base, target, q, one.address)]
+        solves, left = newton_step.direction(stage, one.address)
+        f, power, at_end, energy = np.zeros((model.n, 3)), np.zeros(2), v.copy(), np.zeros(4)
+        force.force(0.0, q, v, one.address, f, power)
+        parts += [one.newton_step.copy(), one.tension.copy(), f, power, [left if left < 1e300 else 0.0], [solves]]
         if law == "between":
-            settle.settle(stage, base, q, at_end, one.place, energy)
+            settle.settle(stage, base, q, at_end, one.address, energy)
             parts += [at_end, energy, one.tension.copy(), one.linearised.copy()]
         found.append(parts)
     for by_fours, one_by_one in zip(*found, strict=True):

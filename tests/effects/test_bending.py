@@ -46,7 +46,14 @@ def arrays(model):
     net = fresh_net(model)
     effect = next(e for e in model.scene.effects if isinstance(e, Bending))
     index, params = effect.table(model)
-    return index, params, np.zeros((model.n, 3)), np.zeros_like(net.diagonal), np.zeros_like(net.near), np.zeros_like(net.far)
+    return (
+        index,
+        params,
+        np.zeros((model.n, 3)),
+        np.zeros_like(net.diagonal),
+        np.zeros_like(net.near_blocks),
+        np.zeros_like(net.far_blocks),
+    )
 
 
 def matrix(model, D, near, far):

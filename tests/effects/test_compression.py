@@ -63,7 +63,7 @@ def test_ends_of_its_range_are_the_other_laws(part):
     scene = bouncer(part, zeta=0.3)
     law = {0.0: "damped", 1.0: "linear"}[part]
     other = Cable("a", "b", length=1.0, mass_per_length=1e-9, EA=EA, BA=0.3, segments=1, compression=law)
-    np.testing.assert_array_equal(build(scene).law, build(Scene(scene.points, [other])).law)
+    np.testing.assert_array_equal(build(scene).axial, build(Scene(scene.points, [other])).axial)
 
 
 @pytest.mark.parametrize("method", STABLE)

@@ -167,8 +167,8 @@ def test_forces_energies_and_tensions_of_nets(compression):
         np.testing.assert_allclose(model.mass, naive.masses(model), rtol=1e-15)
         q, v = scatter(model, rng), rng.normal(size=(model.n, 3))
         f, power, energy = np.full((model.n, 3), np.nan), np.full(2, np.nan), np.zeros(5)
-        compiled.force(0.0, q, v, net.place, f, power)
-        compiled.energy(0.0, q, v, net.place, energy)
+        compiled.force(0.0, q, v, net.address, f, power)
+        compiled.energy(0.0, q, v, net.address, energy)
         expected, dissipated, put_in = naive.force(model, q, v)
         prescribed_moves = model.n_driven < model.n
         # sums of a few dozen rounded forces of up to 1e4 N
@@ -195,10 +195,10 @@ def test_force_is_the_slope_of_the_energy():
 
         def energy(x):
             out = np.zeros(3)
-            compiled.energy(0.0, q + x * d, v, net.place, out)  # noqa: B023
+            compiled.energy(0.0, q + x * d, v, net.address, out)  # noqa: B023
             return out[1] + out[2]
 
-        compiled.force(0.0, q, v, net.place, f, power)
+        compiled.force(0.0, q, v, net.address, f, power)
         h = 1e-5  # m; energies of 1e3 J leave 1e-13/h = 1e-8, a cubic remainder of k h^2 = 1e-6 of the slope
         assert -(energy(h) - energy(-h)) / (2 * h) == pytest.approx(np.sum(f * d), rel=1e-5)
 

@@ -8,9 +8,10 @@ import pytest
 from anet_lumped import Cable, Fixed, Free, Scene, SceneError, State, equilibrium, load_run, simulate
 from anet_lumped.effects import Air, AxialDamping, Bending, Gravity, LineChange, ViscousDamping
 from anet_lumped.files.scene_file import load_scene, save_scene
+from anet_lumped.mechanics.changing_lengths import set_lengths
 from anet_lumped.mechanics.fresh_net import fresh_net
-from anet_lumped.mechanics.set_lengths import set_lengths
 from anet_lumped.model.build import build
+from anet_lumped.model.tables import AXIAL_L0, AXIAL_L0_BEFORE, AXIAL_L0_RATE
 from anet_lumped.prescribed import signals
 from integrators import schemes
 
@@ -45,15 +46,17 @@ def test_tables_are_those_of_a_longer_cable(zeta):
         return fresh_net(build(Scene(points, cables, effects)))
 
     changed = net(LENGTH, [LineChange({"a-b": signals.line(0.0, -0.25, 0.0)})])
-    set_lengths(changed.place, 2.0, 2.0, 2.0)
+    set_lengths(changed.address, 2.0, 2.0, 2.0)
     shorter = net(LENGTH - 0.5)
     np.testing.assert_allclose(changed.mass, shorter.mass, rtol=1e-12)
-    np.testing.assert_allclose(changed.law[:, :7], shorter.law[:, :7], rtol=1e-12)
+    np.testing.assert_allclose(changed.axial[:, :AXIAL_L0_RATE], shorter.axial[:, :AXIAL_L0_RATE], rtol=1e-12)
     np.testing.assert_allclose(changed.effects.params, shorter.effects.params, rtol=1e-12)
-    np.testing.assert_allclose(changed.law[:, 7], [-0.25 / 6, 0.0])
-    set_lengths(changed.place, 1.0, 2.0, 3.0)
+    np.testing.assert_allclose(changed.axial[:, AXIAL_L0_RATE], [-0.25 / 6, 0.0])
+    set_lengths(changed.address, 1.0, 2.0, 3.0)
     np.testing.assert_allclose(changed.mass, shorter.mass, rtol=1e-12)
-    np.testing.assert_allclose(changed.law[0, [8, 0]], [(LENGTH - 0.25) / 6, (LENGTH - 0.75) / 6], rtol=1e-14)
+    np.testing.assert_allclose(
+        changed.axial[0, [AXIAL_L0_BEFORE, AXIAL_L0]], [(LENGTH - 0.25) / 6, (LENGTH - 0.75) / 6], rtol=1e-14
+    )
 
 
 @pytest.mark.parametrize("rate", [0.3, -0.3])

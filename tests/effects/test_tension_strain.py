@@ -191,7 +191,7 @@ def test_breaks_and_alike_cables():
     ]
     scene = Scene([*ends, Free("p", 20.0)], cables, [Gravity()])
     model = build(scene)
-    assert model.group.tolist() == [[0, 1, 1, 1, 2]] and len(model.springs) == 4
+    assert model.cable_groups.tolist() == [[0, 1, 1, 1, 2]] and len(model.springs) == 4
     rest = equilibrium(scene)
     for one in cables:
         strain = np.linalg.norm(np.diff(rest.shape(one.name), axis=0), axis=1) / one.L0 - 1.0

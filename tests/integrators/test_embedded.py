@@ -68,8 +68,8 @@ def test_a_step_is_that_of_the_textbook():
     def rates(t, y):
         a, b = q.copy(), v.copy()
         a[: kernel.n], b[: kernel.n] = y[:-2].reshape(2, kernel.n, 3)
-        kernel.bound.prescribe(t, kernel.net.place, a, b)
-        kernel.bound.force(t, a, b, kernel.net.place, f, power)
+        kernel.bound.prescribe(t, kernel.net.address, a, b)
+        kernel.bound.force(t, a, b, kernel.net.address, f, power)
         return np.concatenate([b[: kernel.n].ravel(), (kernel.bound.per_mass * f)[: kernel.n].ravel(), power])
 
     y0 = np.append(kernel.state(q, v), [0.0, 0.0])
@@ -112,17 +112,17 @@ class Kernel:
 
     def begin(self, t):
         """Force and powers at t."""
-        embedded.begin(self.bound, self.net.place, t, self.q, self.v, self.memory, self.counts, self.balance)
+        embedded.begin(self.bound, self.net.address, t, self.q, self.v, self.memory, self.counts, self.balance)
 
     def step(self, t, h):
         """A step."""
         assert pair.step(
-            self.bound, self.net.place, t, h, self.q, self.v, self.memory, self.options, self.counts, self.balance
+            self.bound, self.net.address, t, h, self.q, self.v, self.memory, self.options, self.counts, self.balance
         ) == DONE  # fmt: skip
 
     def between(self, t, h, theta, q, v):
         """Dense output of the step that began at t with q, v: places, velocities and the work since."""
-        pair.prepare(self.bound, self.net.place, t, h, q, v, self.memory, self.options, self.counts)
+        pair.prepare(self.bound, self.net.address, t, h, q, v, self.memory, self.options, self.counts)
         a, b, balance = np.zeros_like(q), np.zeros_like(v), np.zeros(BALANCE)
         pair.between(theta, h, q, v, self.memory, self.options, self.n, a, b, balance)
         return a, b, balance

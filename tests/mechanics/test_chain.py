@@ -11,8 +11,8 @@ from anet_lumped import Cable, Fixed, Free, Scene
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.mechanics import residual
 from anet_lumped.mechanics.fresh_net import fresh_net
-from anet_lumped.mechanics.linear import chain
-from anet_lumped.mechanics.linear.coupled import solver
+from anet_lumped.mechanics.linear import solve
+from anet_lumped.mechanics.required_kernels import require_elimination
 from anet_lumped.model import tables
 from anet_lumped.model.build import build
 from integrators.stage import BACKWARD, BETWEEN, STATE, Stage
@@ -33,7 +33,7 @@ def random_system(model, rng, stiffness, slack=0.2, turn=0.4):
     net.segment[:, tables.SEGMENT_STIFFNESS] = stiffness * (rng.uniform(size=S) >= slack)
     net.segment[:, tables.SEGMENT_TENSION] = rng.normal(size=S) * (net.segment[:, tables.SEGMENT_STIFFNESS] > 0)
     net.diagonal[:] = INERTIA * (np.eye(3) + rng.uniform(-0.1, 0.1, (model.n_free, 3, 3)))
-    net.right[: model.n_free] = rng.normal(size=(model.n_free, 3))
+    net.right_side[: model.n_free] = rng.normal(size=(model.n_free, 3))
     return net
 
 
@@ -43,11 +43,11 @@ def check(model, net, stiffness):
     An elimination that puts k into a block with the inertia W loses k/W of its digits, so the error may be eps times the
     condition number times 1 + k/W. Measured: at most half of that; four times is allowed.
     """
-    right = net.right.copy()
-    smallest = chain.solve(net.place)
+    right = net.right_side.copy()
+    smallest = solve.solve(net.address)
     d, T, condition = naive.dense(model, net, right)
     bound = 4 * EPS * condition * (1 + stiffness / INERTIA)
-    np.testing.assert_allclose(net.step, d, rtol=0, atol=bound * np.abs(d).max())
+    np.testing.assert_allclose(net.newton_step, d, rtol=0, atol=bound * np.abs(d).max())
     # a tension is k times a difference of displacements
     np.testing.assert_allclose(net.tension, T, rtol=0, atol=bound * (np.abs(T).max() + stiffness * np.abs(d).max()))
     assert smallest == net.tension.min()
@@ -57,7 +57,10 @@ def coupled(model, net, rng, couples, size=3.0):
     """The same system with random blocks [N/m] between nodes that effects join, small against the inertia."""
     S = model.n_segments
     blocks = [size * rng.uniform(-1, 1, (S if couples > reach else 0, 2, 3, 3)) for reach in (0, 1)]
-    return net._replace(near=blocks[0], far=blocks[1], further=np.zeros((len(blocks[1]), 12)), solver=solver(couples)).placed()
+    more = dict(near_blocks=blocks[0], far_blocks=blocks[1], far_factor=np.zeros((len(blocks[1]), 12)))
+    net = net._replace(**more, kernels=net.kernels.copy()).addressed()
+    require_elimination(net, couples)
+    return net
 
 
 @pytest.mark.parametrize("couples", [1, 2])
@@ -75,10 +78,12 @@ def test_solution_with_couplings(name, stiffness, couples):
 def test_couplings_of_nothing_change_nothing(name):
     model, rng = build(NETS[name]), np.random.default_rng(0)
     net = random_system(model, rng, 1e4)
-    wide = coupled(model, net._replace(right=net.right.copy(), step=net.step.copy(), tension=net.tension.copy()), rng, 2, 0.0)
-    assert chain.solve(net.place) == pytest.approx(chain.solve(wide.place), rel=1e-9, abs=1e-9)
+    wide = coupled(
+        model, net._replace(right=net.right_side.copy(), step=net.newton_step.copy(), tension=net.tension.copy()), rng, 2, 0.0
+    )
+    assert solve.solve(net.address) == pytest.approx(solve.solve(wide.address), rel=1e-9, abs=1e-9)
     # both keep what is as large as inertia and tension: 1e-16 times their condition, some 1e3
-    np.testing.assert_allclose(wide.step, net.step, atol=1e-11 * np.abs(net.step).max())
+    np.testing.assert_allclose(wide.newton_step, net.newton_step, atol=1e-11 * np.abs(net.newton_step).max())
     np.testing.assert_allclose(wide.tension, net.tension, atol=1e-10 * np.abs(net.tension).max())
 
 
@@ -95,9 +100,9 @@ def test_all_segments_slack():
     model = build(NETS["wheel"])
     net = random_system(model, np.random.default_rng(0), 1.0, slack=1.0)
     net.segment[:, tables.SEGMENT_GEOMETRIC] = 0.0
-    d = np.linalg.solve(net.diagonal, net.right[: model.n_free, :, None])[..., 0]
-    chain.solve(net.place)
-    np.testing.assert_allclose(net.step[: model.n_free], d, rtol=1e-13)  # 3x3 systems of condition below 2
+    d = np.linalg.solve(net.diagonal, net.right_side[: model.n_free, :, None])[..., 0]
+    solve.solve(net.address)
+    np.testing.assert_allclose(net.newton_step[: model.n_free], d, rtol=1e-13)  # 3x3 systems of condition below 2
     assert np.all(net.tension == 0.0)
 
 
@@ -143,7 +148,7 @@ def test_residual(law, compression):
         model = build(scene)
         net = fresh_net(model)
         stage, base, target, q = random_stage(model, law, np.random.default_rng(len(name)))
-        norm, scale, noise, _ = residual.residual(stage, base, target, q, net.place)
+        norm, scale, noise, _ = residual.residual(stage, base, target, q, net.address)
         r = naive.residual(model, stage, base, target, q)
         # round-off of a sum of forces of up to k L0 and m W L0, a few hundred newtons each
         np.testing.assert_allclose(naive.out_of_balance(model, net), r, atol=1e-12 * 1e3, err_msg=name)
@@ -185,9 +190,9 @@ def test_tangent(law, compression):
             if compression != "none":  # taut, so that no tension is negative where the damper is two-way
                 base, q = 3.5 * base, 3.5 * q
             d = rng.normal(size=(model.n_free, 3))
-            residual.residual(stage, base, target, q, net.place)
+            residual.residual(stage, base, target, q, net.address)
             net.tension[:] = net.segment[:, tables.SEGMENT_TENSION]
-            residual.residual(stage, base, target, q, net.place)
+            residual.residual(stage, base, target, q, net.address)
             r, K = naive.out_of_balance(model, net), exact_tangent(model, net, law)
             if compression != "none" and net.tension.min() < 0:
                 continue
@@ -199,7 +204,7 @@ def test_tangent(law, compression):
             for x in h:
                 moved = q.copy()
                 moved[: model.n_free] += x * d
-                residual.residual(stage, base, target, moved, net.place)
+                residual.residual(stage, base, target, moved, net.address)
                 if not np.array_equal(before, state()):
                     break
                 r_x = naive.out_of_balance(model, net)

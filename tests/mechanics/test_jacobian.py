@@ -7,7 +7,7 @@ import pytest
 
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.effects.laws.axial import SWITCHES, one_spring, tension_parts, tension_slopes, with_select
-from anet_lumped.mechanics import force
+from anet_lumped.mechanics import force, prescribe
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.mechanics.jacobian import sparse_jacobian
 from anet_lumped.model.build import build
@@ -51,7 +51,7 @@ def state(model, net, seed, scatter):
     q = straight(model) + scatter * rng.standard_normal((model.n, 3))
     v = 0.3 * rng.standard_normal((model.n, 3))
     q[model.n_free :], v[model.n_free :] = straight(model)[model.n_free :], 0.0
-    force.prescribe(0.3, net.place, q, v)
+    prescribe.prescribe(0.3, net.address, q, v)
     return q, v
 
 
@@ -67,7 +67,7 @@ def pieces(model, q, v):
 def rates(model, net, q, v):
     """dy/dt of y = (q, v) of the moving nodes."""
     f, power, n = np.empty_like(q), np.empty(2), model.n_free
-    force.force(0.3, q, v, net.place, f, power)
+    force.force(0.3, q, v, net.address, f, power)
     return np.concatenate([v[:n].ravel(), (f[:n] / model.mass[:n, None]).ravel()])
 
 

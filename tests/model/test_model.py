@@ -134,8 +134,8 @@ def test_names_that_do_not_exist():
 def test_a_net_has_scratch_of_its_own():
     model = build(everything())
     one, other = fresh_net(model), fresh_net(model)
-    one.points.block[:] = one.step[:] = 1.0
-    assert not other.points.block.any() and not other.step.any() and one.mass is other.mass
+    one.points.block[:] = one.newton_step[:] = 1.0
+    assert not other.points.block.any() and not other.newton_step.any() and one.mass is other.mass
 
 
 def test_effects_that_a_scene_lacks_take_no_room():

@@ -57,7 +57,7 @@ def test_force_and_structured_solve(name):
             if isinstance(point, Fixed):
                 q[model.node(point.name)], v[model.node(point.name)] = point.at, 0.0
         f, power = np.zeros((model.n, 3)), np.zeros(2)
-        compiled.force(t, q, v, net.place, f, power)
+        compiled.force(t, q, v, net.address, f, power)
         traced, traced_power, x = forced_and_solved(jax_net(model), t, q[:n], v[:n], tau, r)
         # sums of rounded forces of up to 1e4 N
         np.testing.assert_allclose(traced, f[:n], rtol=0, atol=1e-11)

@@ -201,7 +201,7 @@ def test_band_for_lsoda_is_narrow_and_holds_the_whole_jacobian():
     net, q = fresh_net(model), equilibrium(carried_net()).q.copy()
     compiled = scipy_methods.system(model)
     motion = Motion(
-        lambda t, q, v: compiled.prescribe(t, net.place, q, v), None, None, scipy_methods.sparse_jacobian(model, net),
+        lambda t, q, v: compiled.prescribe(t, net.address, q, v), None, None, scipy_methods.sparse_jacobian(model, net),
         model.mass[: model.n_free],
     )  # fmt: skip
     equations = scipy_adapter._Equations(motion, q, np.zeros_like(q))

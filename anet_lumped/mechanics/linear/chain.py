@@ -12,23 +12,23 @@ number that occurs as large as inertia and tension, not as large as the stiffnes
     S = a I - a^2 M^-1 + rho k (e - a y)(g - a z)^T        is what the part behind looks like to the next node,
 
 which is (G^-1 + D^-1)^-1 for the segment stiffness G = a I + k e g^T, after Sherman and Morrison. Effects that join neighbours
-along a cable, or next-but-one neighbours, add their blocks ``net.near`` and ``net.far``; `elimination` has the formulas.
+along a cable, or next-but-one neighbours, add their blocks ``net.near_blocks`` and ``net.far_blocks``;
+`node_elimination` has the formulas.
 """
 
 import numpy as np
-from numba import njit, types
 
-from anet_lumped.compiled.addresses import callable_at
-from anet_lumped.compiled.lanes import WIDTH, at, four, index, lane, largest, members_of, of_table, put, put_four
+from anet_lumped.compiled.flat_view import flat
+from anet_lumped.compiled.jit import inlined, internal, on_demand
+from anet_lumped.compiled.lanes import WIDTH, column, group_members, lane, load, load_four, max_of_lanes, shifted, store, store_four
 from anet_lumped.mechanics.linear.node_elimination import eliminate, eliminate_far, eliminate_near, less, minus, times
-from anet_lumped.model.net import net_at
+from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     CABLE_BLOCK_END_START,
     CABLE_BLOCK_START_END,
     CABLE_END,
     CABLE_FIRST_NODE,
     CABLE_FIRST_SEGMENT,
-    CABLE_JOINS_FREE_POINTS,
     CABLE_SEGMENTS,
     CABLE_START,
     SEGMENT_COLUMNS,
@@ -39,19 +39,9 @@ from anet_lumped.model.tables import (
     SEGMENT_TENSION,
 )
 
-SOLVE = types.float64(types.int64)  # signature of `solve`, and of what takes its place for some nets
-as_solver = callable_at(SOLVE)
 
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _add(block, m, sign):
-    for x in range(3):
-        for y in range(3):
-            block[x, y] += sign * m[3 * x + y]
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _stiffness(row):
+@inlined
+def segment_stiffness(row):
     """Stiffness a I + k e g^T of a segment, by rows."""
     a, k = row[SEGMENT_GEOMETRIC], row[SEGMENT_STIFFNESS]
     ex, ey, ez = k * row[0], k * row[1], k * row[2]
@@ -61,57 +51,62 @@ def _stiffness(row):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _linearised(segment, first, j):
     """e, g, a, k, T_0 of a segment, as `eliminate` takes them."""
-    ex, ey, ez, gx = four(segment, index(first, j, SEGMENT_COLUMNS, SEGMENT_DIRECTION))
-    gy, gz, a, k = four(segment, index(first, j, SEGMENT_COLUMNS, SEGMENT_GRADIENT + 1))
-    return ex, ey, ez, gx, gy, gz, a, k, at(segment, index(first, j, SEGMENT_COLUMNS, SEGMENT_TENSION))
+    ex, ey, ez, gx = load_four(segment, shifted(first, j, SEGMENT_COLUMNS, SEGMENT_DIRECTION))
+    gy, gz, a, k = load_four(segment, shifted(first, j, SEGMENT_COLUMNS, SEGMENT_GRADIENT + 1))
+    return ex, ey, ez, gx, gy, gz, a, k, load(segment, shifted(first, j, SEGMENT_COLUMNS, SEGMENT_TENSION))
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _pair(flat, s):
+@inlined
+def _pair(numbers, s):
     """The two blocks of a segment, by rows, 18 numbers."""
-    row = index(s, 0, 18, 0)
-    first, second = four(flat, row) + four(flat, index(row, 0, 1, 4)), four(flat, index(row, 0, 1, 8))
-    return first + second + four(flat, index(row, 0, 1, 12)) + (at(flat, index(row, 0, 1, 16)), at(flat, index(row, 0, 1, 17)))
+    row = shifted(s, 0, 18, 0)
+    first, second = load_four(numbers, row) + load_four(numbers, shifted(row, 0, 1, 4)), load_four(numbers, shifted(row, 0, 1, 8))
+    return (
+        first
+        + second
+        + load_four(numbers, shifted(row, 0, 1, 12))
+        + (load(numbers, shifted(row, 0, 1, 16)), load(numbers, shifted(row, 0, 1, 17)))
+    )
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _pass(state, flat, blocks, node, first, j):
+@inlined
+def _pass(state, views, blocks, node, first, j):
     """`eliminate` interior node j, through segment j + 1; writes ``net.factor``, and returns what is not written there."""
-    diagonal, right, segment, factor, further = flat
-    at_D, at_r, at_f = index(node, j, 9, 0), index(node, j, 3, 0), index(first, j + 1, 16, 0)
-    D = (*four(diagonal, at_D), *four(diagonal, index(at_D, 0, 1, 4)), at(diagonal, index(at_D, 0, 1, 8)))
-    r = (at(right, at_r), at(right, index(at_r, 0, 1, 1)), at(right, index(at_r, 0, 1, 2)))
-    row, s = _linearised(segment, first, j + 1), index(first, j, 1, 1)
+    diagonal, right, segment, factor, further = views
+    at_D, at_r, at_f = shifted(node, j, 9, 0), shifted(node, j, 3, 0), shifted(first, j + 1, 16, 0)
+    D = (*load_four(diagonal, at_D), *load_four(diagonal, shifted(at_D, 0, 1, 4)), load(diagonal, shifted(at_D, 0, 1, 8)))
+    r = (load(right, at_r), load(right, shifted(at_r, 0, 1, 1)), load(right, shifted(at_r, 0, 1, 2)))
+    row, s = _linearised(segment, first, j + 1), shifted(first, j, 1, 1)
     if len(blocks) == 0:
         ahead, follows, M, y, z, rho = eliminate(state, D, r, row)
     elif len(blocks) == 1:
         ahead, follows, M, y, z, rho = eliminate_near(state, D, r, row, _pair(blocks[0], s))
     else:
         ahead, follows, M, y, z, rho = eliminate_far(state, D, r, row, _pair(blocks[0], s), _pair(blocks[1], s))
-        at_more = index(s, 0, 12, 0)
-        put_four(further, at_more, follows[16:20])
-        put_four(further, index(at_more, 0, 1, 4), follows[20:24])
-        put_four(further, index(at_more, 0, 1, 8), follows[24:])
-    put_four(factor, at_f, follows[:4])
-    put_four(factor, index(at_f, 0, 1, 4), follows[4:8])
-    put_four(factor, index(at_f, 0, 1, 8), follows[8:12])
-    put_four(factor, index(at_f, 0, 1, 12), follows[12:16])
+        at_more = shifted(s, 0, 12, 0)
+        store_four(further, at_more, follows[16:20])
+        store_four(further, shifted(at_more, 0, 1, 4), follows[20:24])
+        store_four(further, shifted(at_more, 0, 1, 8), follows[24:])
+    store_four(factor, at_f, follows[:4])
+    store_four(factor, shifted(at_f, 0, 1, 4), follows[4:8])
+    store_four(factor, shifted(at_f, 0, 1, 8), follows[8:12])
+    store_four(factor, shifted(at_f, 0, 1, 12), follows[12:16])
     return ahead, M, y, z, rho
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _flat(net):
-    return net.diagonal.ravel(), net.right.ravel(), net.segment.ravel(), net.factor.ravel(), net.further.ravel()
+@inlined
+def _views(net):
+    return flat(net.diagonal), flat(net.right_side), flat(net.segment), flat(net.factor), flat(net.far_factor)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _eliminate(net, blocks, c, members):
     """Eliminate the interior of a cable, or of the cables of a group of which ``members`` count, that hangs on a fixed start."""
-    first, node = of_table(net.cable, c, CABLE_FIRST_SEGMENT), of_table(net.cable, c, CABLE_FIRST_NODE)
-    ex, ey, ez, gx, gy, gz, a, k, T = _linearised(net.segment.ravel(), first, 0)
+    first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
+    ex, ey, ez, gx, gy, gz, a, k, T = _linearised(flat(net.segment), first, 0)
     kx, ky, kz = k * ex, k * ey, k * ez
     state = (
         a + kx * gx, kx * gy, kx * gz, ky * gx, a + ky * gy, ky * gz, kz * gx, kz * gy, a + kz * gz, -ex * T, -ey * T, -ez * T
@@ -122,91 +117,80 @@ def _eliminate(net, blocks, c, members):
         o = 0.0 * a  # nothing behind acts beyond the first node
         six = (o, o, o, o, o, o)
         beyond = state + six + six + six + six + six
-    flat = _flat(net)
-    for j in range(lane(of_table(net.cable, c, CABLE_SEGMENTS), 0) - 1):
-        beyond = _pass(beyond, flat, blocks, node, first, j)[0]
+    views = _views(net)
+    for j in range(lane(column(net.cable, c, CABLE_SEGMENTS), 0) - 1):
+        beyond = _pass(beyond, views, blocks, node, first, j)[0]
     _finish(net, c, members, beyond)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _finish(net, c, members, state):
     """Hand what a cable looks like from its end to its end point, if that is free."""
-    ends = of_table(net.cable, c, CABLE_END)
+    ends = column(net.cable, c, CABLE_END)
     for k in range(members):
         end = lane(ends, k)
         if end < net.n_free:
-            S, b = net.points.block[end - net.n_interior].ravel(), net.right[end]
+            S, b = flat(net.points.block[end - net.n_interior]), net.right_side[end]
             S[0], S[1], S[2] = S[0] + lane(state[0], k), S[1] + lane(state[1], k), S[2] + lane(state[2], k)
             S[3], S[4], S[5] = S[3] + lane(state[3], k), S[4] + lane(state[4], k), S[5] + lane(state[5], k)
             S[6], S[7], S[8] = S[6] + lane(state[6], k), S[7] + lane(state[7], k), S[8] + lane(state[8], k)
             b[0], b[1], b[2] = b[0] + lane(state[9], k), b[1] + lane(state[10], k), b[2] + lane(state[11], k)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def eliminate_cables(place, blocks):
-    """Eliminate the interior of every cable; adds what each looks like to ``net.points.block`` and ``net.right``.
+@inlined
+def eliminate_all_groups(net_address, blocks):
+    """Eliminate the interior of the cables that are taken by fours, see `eliminate_cables`.
 
-    ``blocks`` are those of `Net.near` and `Net.far` that there are, flat, a tuple whose length the compiler knows.
-
-    Reads ``net.segment``, ``net.diagonal`` and ``net.right``; writes ``net.factor``, ``net.further`` and ``net.border``. A node
-    waits for the one before it and little else does, so four cables of one length are eliminated side by side.
+    ``blocks`` are those of `Net.near_blocks` and `Net.far_blocks` that there are, flat, a tuple whose length the compiler knows.
     """
-    net = net_at(place)
-    diagonal, block = net.diagonal, net.points.block
-    P = net.n_free - net.n_interior
-    block[P:] = 0.0
-    for p in range(P):
-        for x in range(3):
-            for y in range(3):
-                block[p, x, y] = diagonal[net.n_interior + p, x, y]
-    for g in range(net.group.shape[0]):
-        _eliminate(net, blocks, members_of(net.group, g), net.group[g, WIDTH])
-    for c in net.alone:
-        if net.cable[c, CABLE_SEGMENTS] == 1:
-            _single(place, c)
-        elif net.cable[c, CABLE_JOINS_FREE_POINTS] == 1:
-            _eliminate_bordered(place, blocks, c)
-        else:
-            _eliminate(net, blocks, c, 1)
+    net = view_net(net_address)
+    for g in range(net.cable_groups.shape[0]):
+        _eliminate(net, blocks, group_members(net.cable_groups, g), net.cable_groups[g, WIDTH])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _single(place, c):
-    """A cable of one segment has no interior: its stiffness goes straight to its end points."""
-    net = net_at(place)
-    start, end, block, e = (
-        net.cable[c, CABLE_START],
-        net.cable[c, CABLE_END],
-        net.points.block,
-        net.segment[net.cable[c, CABLE_FIRST_SEGMENT]],
-    )
-    G, T = _stiffness(e), e[SEGMENT_TENSION]
-    if start < net.n_free:
-        _add(block[start - net.n_interior], G, 1.0)
-        for x in range(3):
-            net.right[start, x] += e[x] * T
-    if end < net.n_free:
-        _add(block[end - net.n_interior], G, 1.0)
-        for x in range(3):
-            net.right[end, x] -= e[x] * T
-    if net.cable[c, CABLE_JOINS_FREE_POINTS] == 1:
-        _add(block[net.cable[c, CABLE_BLOCK_START_END]], G, -1.0)
-        _add(block[net.cable[c, CABLE_BLOCK_END_START]], G, -1.0)
-        if net.near.shape[0] > 0:
-            near = net.near[net.cable[c, CABLE_FIRST_SEGMENT]]
-            _add(block[net.cable[c, CABLE_BLOCK_START_END]], near[0].ravel(), 1.0)
-            _add(block[net.cable[c, CABLE_BLOCK_END_START]], near[1].ravel(), 1.0)
+@inlined
+def eliminate_all_singles(net_address, blocks):
+    """Eliminate the interior of the cables that are in no group and hang on a held start."""
+    net = view_net(net_address)
+    for i in range(net.single_kinds[1], net.single_cables.shape[0]):
+        _eliminate(net, blocks, net.single_cables[i], 1)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
+def eliminate_all_bordered(net_address, blocks):
+    """Eliminate the interior of the cables between two free points."""
+    net = view_net(net_address)
+    for i in range(net.single_kinds[0], net.single_kinds[1]):
+        _eliminate_bordered(net_address, blocks, net.single_cables[i])
+
+
+@on_demand
+def eliminate_groups(net_address):
+    """`eliminate_all_groups` where effects join no neighbours."""
+    eliminate_all_groups(net_address, ())
+
+
+@on_demand
+def eliminate_singles(net_address):
+    """`eliminate_all_singles` where effects join no neighbours."""
+    eliminate_all_singles(net_address, ())
+
+
+@on_demand
+def eliminate_bordered(net_address):
+    """`eliminate_all_bordered` where effects join no neighbours."""
+    eliminate_all_bordered(net_address, ())
+
+
+@inlined
 def _take(table, m):
     for x in range(3):
         for y in range(3):
             table[x, y] -= m[x, y]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _eliminate_bordered(place, blocks, c):
+@internal
+def _eliminate_bordered(net_address, blocks, c):
     """Eliminate a cable whose start is a free point too.
 
     The displacement of the start and the tension T of the first segment are carried along as four unknowns u = (d_start, T):
@@ -215,36 +199,38 @@ def _eliminate_bordered(place, blocks, c):
     start and T see of the interior, (B_0 d_first - F_0 d_second, g_0 . d_first), is Y d + Y_next d_next + p + P u in terms of the
     two nodes whose turn comes.
     """
-    net = net_at(place)
+    net = view_net(net_address)
     start, end, s = net.cable[c, CABLE_START], net.cable[c, CABLE_END], net.cable[c, CABLE_FIRST_SEGMENT]
     block, first = net.points.block, net.segment[s]
     a0, k0, e0, g0 = first[SEGMENT_GEOMETRIC], first[SEGMENT_STIFFNESS], first[:3], first[3:6]
-    net.carried[:] = 0.0
-    C, C_next, Y, Y_next, P = net.carried[0], net.carried[1], net.carried[2], net.carried[3], net.carried[4]
-    p = net.carried[5, 0]
+    work = flat(net.border_work)
+    for i in range(work.shape[0]):
+        work[i] = 0.0
+    C, C_next, Y, Y_next, P = net.border_work[0], net.border_work[1], net.border_work[2], net.border_work[3], net.border_work[4]
+    p = net.border_work[5, 0]
     for x in range(3):
         C[x, x], C[x, 3], Y[x, x], Y[3, x] = a0, -e0[x], a0, g0[x]
     if len(blocks) > 0:
-        _take(C, net.near[s, 1])
-        _take(Y, net.near[s, 0])
+        _take(C, net.near_blocks[s, 1])
+        _take(Y, net.near_blocks[s, 0])
     behind = (a0, 0.0, 0.0, 0.0, a0, 0.0, 0.0, 0.0, a0, 0.0, 0.0, 0.0)
     if len(blocks) < 2:
         state = behind
     else:
         six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         state = behind + six + six + six + six + six
-        _take(C_next, net.far[s, 1])
-        _take(Y_next, net.far[s, 0])
-    flat = _flat(net)
+        _take(C_next, net.far_blocks[s, 1])
+        _take(Y_next, net.far_blocks[s, 0])
+    views = _views(net)
     for j in range(net.cable[c, CABLE_SEGMENTS] - 1):
         s += 1
-        row, border, H, h = net.segment[s], net.border[s], net.factor[s, :9].reshape(3, 3), net.factor[s, 9:12]
+        row, border, H, h = net.segment[s], net.border[s], net.factor[s, :9], net.factor[s, 9:12]
         a = row[SEGMENT_GEOMETRIC]
         if len(blocks) > 0:
             B = less(a, _pair(blocks[0], s)[9:])
             if len(blocks) > 1:
                 B = minus(B, state[21:30])
-        state, M, y, z, rho = _pass(state, flat, blocks, net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_FIRST_SEGMENT], j)
+        state, M, y, z, rho = _pass(state, views, blocks, net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_FIRST_SEGMENT], j)
         for u in range(4):
             of_T = rho * (z[0] * C[0, u] + z[1] * C[1, u] + z[2] * C[2, u])
             b = times(M, C[0, u], C[1, u], C[2, u])
@@ -258,16 +244,18 @@ def _eliminate_bordered(place, blocks, c):
                 C[x, u] = ahead[x] + row[x] * of_T + C_next[x, u]
             if len(blocks) > 1:
                 for x in range(3):
-                    C_next[x, u] = -(net.far[s, 1, x, 0] * bx + net.far[s, 1, x, 1] * by + net.far[s, 1, x, 2] * bz)
+                    C_next[x, u] = -(
+                        net.far_blocks[s, 1, x, 0] * bx + net.far_blocks[s, 1, x, 1] * by + net.far_blocks[s, 1, x, 2] * bz
+                    )
         for x in range(4):
             Yx, Yy, Yz = Y[x, 0], Y[x, 1], Y[x, 2]
             p[x] += Yx * h[0] + Yy * h[1] + Yz * h[2]
             for u in range(4):
                 P[x, u] += Yx * border[u] + Yy * border[4 + u] + Yz * border[8 + u]
             for i in range(3):
-                Y[x, i] = Yx * H[0, i] + Yy * H[1, i] + Yz * H[2, i] + Y_next[x, i]
+                Y[x, i] = Yx * H[i] + Yy * H[3 + i] + Yz * H[6 + i] + Y_next[x, i]
             if len(blocks) > 1:
-                J = net.further[s, :9]
+                J = net.far_factor[s, :9]
                 for i in range(3):
                     Y_next[x, i] = Yx * J[i] + Yy * J[3 + i] + Yz * J[6 + i]
     # T = T_0 + k_0 g_0 . (d_first - d_start), solved for T: = tie . (d_end, d_start) + constant
@@ -278,7 +266,7 @@ def _eliminate_bordered(place, blocks, c):
         tie[3 + i] = rho * k0 * (P[3, i] - g0[i])
     tie[6] = rho * (first[SEGMENT_TENSION] + k0 * p[3])
     _finish(net, c, 1, state)
-    of_start, of_end, right = block[start - net.n_interior], block[end - net.n_interior], net.right
+    of_start, of_end, right = block[start - net.n_interior], block[end - net.n_interior], net.right_side
     to_end, to_start = block[net.cable[c, CABLE_BLOCK_START_END]], block[net.cable[c, CABLE_BLOCK_END_START]]
     for x in range(3):
         # force on the start: what it sees of the interior, less a_0 d_start, and e_0 T; on the end: what `_finish` gave it, and C u
@@ -293,83 +281,23 @@ def _eliminate_bordered(place, blocks, c):
             of_end[x, i] -= C[x, 3] * tie[i]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _factor(M):
-    """LU of a 3x3 block in place, unit lower, the inverse of the diagonal kept."""
-    M[0, 0] = 1.0 / M[0, 0]
-    M[1, 0] *= M[0, 0]
-    M[2, 0] *= M[0, 0]
-    M[1, 1] = 1.0 / (M[1, 1] - M[1, 0] * M[0, 1])
-    M[1, 2] -= M[1, 0] * M[0, 2]
-    M[2, 1] = (M[2, 1] - M[2, 0] * M[0, 1]) * M[1, 1]
-    M[2, 2] = 1.0 / (M[2, 2] - M[2, 0] * M[0, 2] - M[2, 1] * M[1, 2])
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
-def _solved(M, x, y, z):
-    """M^-1 (x, y, z) for a factored block."""
-    y -= M[1, 0] * x
-    z -= M[2, 0] * x + M[2, 1] * y
-    z *= M[2, 2]
-    y = (y - M[1, 2] * z) * M[1, 1]
-    return (x - M[0, 1] * y - M[0, 2] * z) * M[0, 0], y, z
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def solve_points(place):
-    """Block LU of the free points in their elimination order; their displacements go to ``net.step``.
-
-    By solves with factored blocks, never by their inverses: two points tied by a stiff cable share a block whose condition is
-    that of the stiffness over the inertia, and an inverse would lose it three times over.
-    """
-    net = net_at(place)
-    points, right, step, base = net.points, net.right, net.step, net.n_interior
-    block, P = points.block, net.n_free - net.n_interior
-    for p in range(P):
-        M, rp = block[p], right[base + p]
-        _factor(M)
-        rp[0], rp[1], rp[2] = _solved(M, rp[0], rp[1], rp[2])
-        first, last, at = points.later_at[p], points.later_at[p + 1], points.target_at[p]
-        for j in range(first, last):
-            U = block[points.upper[j]]
-            for i in range(3):
-                U[0, i], U[1, i], U[2, i] = _solved(M, U[0, i], U[1, i], U[2, i])
-        for i in range(first, last):
-            L, rq = block[points.lower[i]], right[base + points.later[i]]
-            for x in range(3):
-                rq[x] -= L[x, 0] * rp[0] + L[x, 1] * rp[1] + L[x, 2] * rp[2]
-            for j in range(first, last):
-                S, U = block[points.target[at]], block[points.upper[j]]
-                for x in range(3):
-                    for y in range(3):
-                        S[x, y] -= L[x, 0] * U[0, y] + L[x, 1] * U[1, y] + L[x, 2] * U[2, y]
-                at += 1
-    for p in range(P - 1, -1, -1):
-        d = step[base + p]
-        d[0], d[1], d[2] = right[base + p, 0], right[base + p, 1], right[base + p, 2]
-        for j in range(points.later_at[p], points.later_at[p + 1]):
-            U, after = block[points.upper[j]], step[base + points.later[j]]
-            for x in range(3):
-                d[x] -= U[x, 0] * after[0] + U[x, 1] * after[1] + U[x, 2] * after[2]
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _follow(factor, more, s, x, y, z, before):
     """Displacement of the node before segment s, and the tension of that, from the displacement of the one behind it.
 
-    ``more`` is (`Net.further`,) where that depends on the one ``before`` that, too, and else ().
+    ``more`` is (`Net.far_factor`,) where that depends on the one ``before`` that, too, and else ().
     """
-    row = index(s, 0, 16, 0)
-    h00, h01, h02, h10 = four(factor, row)
-    h11, h12, h20, h21 = four(factor, index(row, 0, 1, 4))
-    h22, hx, hy, hz = four(factor, index(row, 0, 1, 8))
-    wx, wy, wz, T = four(factor, index(row, 0, 1, 12))
+    row = shifted(s, 0, 16, 0)
+    h00, h01, h02, h10 = load_four(factor, row)
+    h11, h12, h20, h21 = load_four(factor, shifted(row, 0, 1, 4))
+    h22, hx, hy, hz = load_four(factor, shifted(row, 0, 1, 8))
+    wx, wy, wz, T = load_four(factor, shifted(row, 0, 1, 12))
     if len(more) == 1:
         u, v, w = before
-        row = index(s, 0, 12, 0)
-        j00, j01, j02, j10 = four(more[0], row)
-        j11, j12, j20, j21 = four(more[0], index(row, 0, 1, 4))
-        j22, ox, oy, oz = four(more[0], index(row, 0, 1, 8))
+        row = shifted(s, 0, 12, 0)
+        j00, j01, j02, j10 = load_four(more[0], row)
+        j11, j12, j20, j21 = load_four(more[0], shifted(row, 0, 1, 4))
+        j22, ox, oy, oz = load_four(more[0], shifted(row, 0, 1, 8))
         hx = hx + j00 * u + j01 * v + j02 * w
         hy = hy + j10 * u + j11 * v + j12 * w
         hz = hz + j20 * u + j21 * v + j22 * w
@@ -380,39 +308,39 @@ def _follow(factor, more, s, x, y, z, before):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _substitute(net, more, c):
     """`substitute_cables` of a cable, or of a group, that hangs on a fixed start or has no interior."""
     first, node, end = (
-        of_table(net.cable, c, CABLE_FIRST_SEGMENT),
-        of_table(net.cable, c, CABLE_FIRST_NODE),
-        of_table(net.cable, c, CABLE_END),
+        column(net.cable, c, CABLE_FIRST_SEGMENT),
+        column(net.cable, c, CABLE_FIRST_NODE),
+        column(net.cable, c, CABLE_END),
     )
-    step, factor, segment = net.step.ravel(), net.factor.ravel(), net.segment.ravel()
-    at_end, at_start = index(end, 0, 3, 0), index(of_table(net.cable, c, CABLE_START), 0, 3, 0)
-    x, y, z = at(step, at_end), at(step, index(at_end, 0, 1, 1)), at(step, index(at_end, 0, 1, 2))
+    step, factor, segment = flat(net.newton_step), flat(net.factor), flat(net.segment)
+    at_end, at_start = shifted(end, 0, 3, 0), shifted(column(net.cable, c, CABLE_START), 0, 3, 0)
+    x, y, z = load(step, at_end), load(step, shifted(at_end, 0, 1, 1)), load(step, shifted(at_end, 0, 1, 2))
     most, before = -np.inf + 0.0 * x, (0.0 * x, 0.0 * x, 0.0 * x)
-    for j in range(lane(of_table(net.cable, c, CABLE_SEGMENTS), 0) - 1, 0, -1):
-        s = index(first, j, 1, 0)
+    for j in range(lane(column(net.cable, c, CABLE_SEGMENTS), 0) - 1, 0, -1):
+        s = shifted(first, j, 1, 0)
         (x, y, z, T), before = _follow(factor, more, s, x, y, z, before), (x, y, z)
-        put(net.tension, s, T)
-        i = index(node, j - 1, 3, 0)
-        put(step, i, x)
-        put(step, index(i, 0, 1, 1), y)
-        put(step, index(i, 0, 1, 2), z)
+        store(net.tension, s, T)
+        i = shifted(node, j - 1, 3, 0)
+        store(step, i, x)
+        store(step, shifted(i, 0, 1, 1), y)
+        store(step, shifted(i, 0, 1, 2), z)
         most = max(most, -T)
     _, _, _, gx, gy, gz, _, k, T = _linearised(segment, first, 0)
-    x, y, z = x - at(step, at_start), y - at(step, index(at_start, 0, 1, 1)), z - at(step, index(at_start, 0, 1, 2))
+    x, y, z = x - load(step, at_start), y - load(step, shifted(at_start, 0, 1, 1)), z - load(step, shifted(at_start, 0, 1, 2))
     T = T + k * (gx * x + gy * y + gz * z)
-    put(net.tension, first, T)
-    return -largest(max(most, -T))
+    store(net.tension, first, T)
+    return -max_of_lanes(max(most, -T))
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _substitute_bordered(net, more, c):
     """`substitute_cables` of a cable whose start is a free point too."""
     first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
-    step, factor, tension, start, end = net.step, net.factor, net.tension, net.cable[c, CABLE_START], net.cable[c, CABLE_END]
+    step, factor, tension, start, end = net.newton_step, net.factor, net.tension, net.cable[c, CABLE_START], net.cable[c, CABLE_END]
     x, y, z = step[end, 0], step[end, 1], step[end, 2]
     sx, sy, sz = step[start, 0], step[start, 1], step[start, 2]
     tie = factor[first]
@@ -420,7 +348,7 @@ def _substitute_bordered(net, more, c):
     tension[first], smallest, before = T0, T0, (0.0, 0.0, 0.0)
     for j in range(count - 1, 0, -1):
         b, i = net.border[first + j], node + j - 1
-        (x, y, z, T), before = _follow(factor.ravel(), more, first + j, x, y, z, before), (x, y, z)
+        (x, y, z, T), before = _follow(flat(factor), more, first + j, x, y, z, before), (x, y, z)
         x += b[0] * sx + b[1] * sy + b[2] * sz + b[3] * T0
         y += b[4] * sx + b[5] * sy + b[6] * sz + b[7] * T0
         z += b[8] * sx + b[9] * sy + b[10] * sz + b[11] * T0
@@ -430,30 +358,47 @@ def _substitute_bordered(net, more, c):
     return smallest
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def substitute_cables(place, more):
-    """From the free points back along each cable: displacements to ``net.step``, tensions to ``net.tension``.
-
-    Returns the smallest tension [N].
-    """
-    net, smallest = net_at(place), np.inf
-    for g in range(net.group.shape[0]):
-        smallest = min(smallest, _substitute(net, more, members_of(net.group, g)))
-    for c in net.alone:
-        bordered = net.cable[c, CABLE_JOINS_FREE_POINTS] == 1 and net.cable[c, CABLE_SEGMENTS] > 1
-        smallest = min(smallest, _substitute_bordered(net, more, c) if bordered else _substitute(net, more, c))
+@inlined
+def substitute_all_groups(net_address, more):
+    """`substitute_cables` of the cables that are taken by fours; returns their smallest tension [N]."""
+    net, smallest = view_net(net_address), np.inf
+    for g in range(net.cable_groups.shape[0]):
+        smallest = min(smallest, _substitute(net, more, group_members(net.cable_groups, g)))
     return smallest
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def solve(place):
-    """Solve the linear system of the module's docstring for ``net.step`` and ``net.tension``; overwrites ``net.right``.
+@inlined
+def substitute_all_singles(net_address, more):
+    """`substitute_cables` of the cables in no group, but for those between two free points; returns their smallest tension [N]."""
+    net, smallest = view_net(net_address), np.inf
+    for i in range(net.single_cables.shape[0]):
+        if i < net.single_kinds[0] or i >= net.single_kinds[1]:
+            smallest = min(smallest, _substitute(net, more, net.single_cables[i]))
+    return smallest
 
-    Returns the smallest tension [N].
-    """
-    solver = net_at(place).solver
-    if solver != 0:  # effects join neighbours
-        return as_solver(solver)(place)
-    eliminate_cables(place, ())
-    solve_points(place)
-    return substitute_cables(place, ())
+
+@inlined
+def substitute_all_bordered(net_address, more):
+    """`substitute_cables` of the cables between two free points; returns their smallest tension [N]."""
+    net, smallest = view_net(net_address), np.inf
+    for i in range(net.single_kinds[0], net.single_kinds[1]):
+        smallest = min(smallest, _substitute_bordered(net, more, net.single_cables[i]))
+    return smallest
+
+
+@on_demand
+def substitute_groups(net_address):
+    """`substitute_all_groups` where effects join no next-but-one neighbours."""
+    return substitute_all_groups(net_address, ())
+
+
+@on_demand
+def substitute_singles(net_address):
+    """`substitute_all_singles` where effects join no next-but-one neighbours."""
+    return substitute_all_singles(net_address, ())
+
+
+@on_demand
+def substitute_bordered(net_address):
+    """`substitute_all_bordered` where effects join no next-but-one neighbours."""
+    return substitute_all_bordered(net_address, ())

@@ -4,10 +4,10 @@
 and `eliminate_far` that of one whose next-but-one neighbours they join too. Matrices are tuples by rows.
 """
 
-from numba import njit
+from anet_lumped.compiled.jit import inlined
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def inverse(m):
     """Inverse of a 3x3 matrix, a tuple by rows, by LU without pivoting: backward stable for what is nearly symmetric
     positive definite, where the adjugate would lose twice the digits of the condition number.
@@ -32,7 +32,7 @@ def inverse(m):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def times(m, x, y, z):
     return (
         m[0] * x + m[1] * y + m[2] * z,
@@ -41,7 +41,7 @@ def times(m, x, y, z):
     )
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def times_transposed(m, x, y, z):
     return (
         m[0] * x + m[3] * y + m[6] * z,
@@ -50,40 +50,40 @@ def times_transposed(m, x, y, z):
     )
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _product(a, b):
     first, second = times_transposed(b, a[0], a[1], a[2]), times_transposed(b, a[3], a[4], a[5])
     return first + second + times_transposed(b, a[6], a[7], a[8])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _outer(x, y):
     return (
         x[0] * y[0], x[0] * y[1], x[0] * y[2], x[1] * y[0], x[1] * y[1], x[1] * y[2], x[2] * y[0], x[2] * y[1], x[2] * y[2]
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _plus(a, b):
     return (
         a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5], a[6] + b[6], a[7] + b[7], a[8] + b[8]
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def minus(a, b):
     return (
         a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3], a[4] - b[4], a[5] - b[5], a[6] - b[6], a[7] - b[7], a[8] - b[8]
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def less(a, m):
     """a I - m."""
     return a - m[0], -m[1], -m[2], -m[3], a - m[4], -m[5], -m[6], -m[7], a - m[8]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def _condense(state, D, r, row):
     """M, y, z, u = M^-1 r, rho k and the constant part of T, as in the docstring of `chain`; M the inverse."""
     s00, m01, m02, m10, s11, m12, m20, m21, s22, r0, r1, r2 = state
@@ -116,7 +116,7 @@ def _condense(state, D, r, row):
     return M, times(M, ex, ey, ez), z, times(M, r0, r1, r2), rho, T
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def eliminate(state, D, r, row):
     """Eliminate a node, with stiffness D and right-hand side r of its own, through the segment ahead of it; also of `LANES`.
 
@@ -150,7 +150,7 @@ def eliminate(state, D, r, row):
     return ahead, (H00, H01, H02, H10, H11, H12, H20, H21, H22, hx, hy, hz, wx, wy, wz, T), M, y, z, rho
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def eliminate_near(state, D, r, row, near):
     """The same where effects join the node and the next one: ``near`` (18,), the blocks of the one's row and of the other's.
 
@@ -170,7 +170,7 @@ def eliminate_near(state, D, r, row, near):
     return S + s, (*H, *h, *w, T), M, y, z, rho
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+@inlined
 def eliminate_far(state, D, r, row, near, far):
     """The same where effects join the node and the next but one too, by ``far`` (18,).
 

@@ -48,6 +48,6 @@ def march(model, choice, leg, q, v, tension, adaptive, tolerances, rho_inf):
     whole_q[:, :free], whole_v[:, :free] = out.q, out.v
     energy[:, 3], energy[:, 4] = out.put_in, out.dissipated
     for k, t in enumerate(out.t):
-        compiled.prescribe(t, net.place, whole_q[k], whole_v[k])
-        compiled.energy(t, whole_q[k], whole_v[k], net.place, energy[k])
+        compiled.prescribe(t, net.address, whole_q[k], whole_v[k])
+        compiled.energy(t, whole_q[k], whole_v[k], net.address, energy[k])
     return finished(model, choice, tolerances, out, whole_q, whole_v, energy, out.wall_time)

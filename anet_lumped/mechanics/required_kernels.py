@@ -1,0 +1,64 @@
+"""Which of the optional kernels a run needs, and their addresses."""
+
+from anet_lumped.compiled.addresses import address_of
+from anet_lumped.mechanics.optional import SIGNATURES
+from anet_lumped.model import tables
+
+
+def require(net, model, force=False, newton=False):
+    """Write the addresses of the kernels that a run needs to ``net.kernels``, compiling those that never were.
+
+    Parameters
+    ----------
+    net : Net
+    model : Model
+    force, newton : bool
+        Whether forces at one time, and stages of an implicit method, are asked of it.
+    """
+    groups, singles = len(net.cable_groups) > 0, len(net.single_cables) > 0
+    if model.n_driven < model.n:
+        from anet_lumped.mechanics import drive
+
+        _write(net, "DRIVE", "drive", drive.drive)
+    if len(net.lengths.cable):
+        from anet_lumped.mechanics import changing_lengths
+
+        for name in ("set_lengths", "power_of_lengths", "work_of_lengths", "energy_of_paid_out"):
+            _write(net, name.upper(), name, getattr(changing_lengths, name))
+    if force:
+        from anet_lumped.mechanics import force as forces
+
+        _write_both(net, "force", forces.force_of_singles if singles else None, forces.force_of_groups if groups else None)
+    if newton:
+        from anet_lumped.mechanics import newton_step, residual, settle
+
+        for name, module in (("residual", residual), ("finish", newton_step), ("settle", settle)):
+            one, four = (getattr(module, f"{name}_of_{kind}") for kind in ("singles", "groups"))
+            _write_both(net, name, one if singles else None, four if groups else None)
+        require_elimination(net, model.coupled_neighbours)
+
+
+def require_elimination(net, reach):
+    """The elimination of cables whose effects join nodes up to ``reach`` segments away."""
+    if reach == 0:
+        from anet_lumped.mechanics.linear import chain as linear
+    elif reach == 1:
+        from anet_lumped.mechanics.linear import coupled_near as linear
+    else:
+        from anet_lumped.mechanics.linear import coupled_far as linear
+    short, bordered = net.single_kinds
+    kinds = {"SINGLES": len(net.single_cables) > bordered, "GROUPS": len(net.cable_groups) > 0, "BORDERED": bordered > short}
+    for name in ("eliminate", "substitute"):
+        for kind, present in kinds.items():
+            if present or (name == "substitute" and kind == "SINGLES" and short):
+                _write(net, f"{name.upper()}_{kind}", name, getattr(linear, f"{name}_{kind.lower()}"))
+
+
+def _write_both(net, name, of_singles, of_groups):
+    for kind, function in (("SINGLES", of_singles), ("GROUPS", of_groups)):
+        if function is not None:
+            _write(net, f"{name.upper()}_{kind}", name, function)
+
+
+def _write(net, slot, signature, function):
+    net.kernels[getattr(tables, f"KERNEL_{slot}")] = address_of(function, SIGNATURES[signature])
