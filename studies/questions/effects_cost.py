@@ -321,9 +321,3 @@ LEFT_OUT = (
     "Left out: compile time, which a machine spends once for the library's effects and a process once for those of one's own; what "
     "an effect changes in the motion, and so in the number of Newton iterations."
 )
-
-
-if __name__ == "__main__":
-    from studies.command_line import main
-
-    main(["study", "effects_cost"])

@@ -373,9 +373,3 @@ LEFT_OUT = (
     "Left out: two-way springs, which hold no promise for any scheme; nets, where nothing else happens; and the accuracy of what "
     "does not blow up, which the study work_precision measures."
 )
-
-
-if __name__ == "__main__":
-    from studies.command_line import main
-
-    main(["study", "energy_rise"])

@@ -279,9 +279,3 @@ LEFT_OUT = (
     "undamped. Backward Euler is judged neither by accuracy nor by angular momentum, which its own note denies. Left out: how "
     "accurate a method is at equal cost, which the study work_precision measures."
 )
-
-
-if __name__ == "__main__":
-    from studies.command_line import main
-
-    main(["study", "hard_cases"])

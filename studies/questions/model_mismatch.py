@@ -429,9 +429,3 @@ LEFT_OUT = f"""Left out: the thesis's rows themselves cannot be computed again, 
 which coordinate Y is. The square of {SIDE} m and the corner raised by {RAISED} m are chosen. 83 g is read as the mass of both
 cables together, as the thesis's 8.4 % for 7 g implies; were it that of each, only tensions would change in cases I and II, and
 the loads of case III would weigh half as much against the cables. Bending stiffness, which real cords have, is in neither model."""
-
-
-if __name__ == "__main__":
-    from studies.command_line import main
-
-    main(["study", "model_mismatch"])

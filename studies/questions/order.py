@@ -169,9 +169,3 @@ def answer(rows):
 
 def _named(rows, what):
     return listed(f"{row.method} ({row.problem}, {getattr(row, f'{what}_slope'):.2f} for {row.order})" for row in rows.itertuples())
-
-
-if __name__ == "__main__":
-    from studies.command_line import main
-
-    main(["study", "order"])

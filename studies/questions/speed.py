@@ -197,9 +197,3 @@ def _ratios(turns):
         f"{counted(len(turns) // turns['nodes'].nunique(), 'pair')} each. An explicit step has its balance from the force at two "
         "additions a segment."
     )
-
-
-if __name__ == "__main__":
-    from studies.command_line import main
-
-    main(["study", "speed"])

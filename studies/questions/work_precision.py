@@ -210,9 +210,3 @@ def growth(segments):
         "wall_s": float(np.median(walls)), "newton_per_step": run.work.newton_iterations / run.work.steps,
         "verlet_step_s": limit, "verlet_predicted_s": explicit.wall_time / few * GROWTH_END / limit,
     }  # fmt: skip
-
-
-if __name__ == "__main__":
-    from studies.command_line import main
-
-    main(["study", "work_precision"])

@@ -20,9 +20,3 @@ TABLES = {
     "floor": "A line for each arrangement, scheme, step and number of segments: least stretch, predicted and measured.",
     "cure": "A line for each scheme, step and stiffness: how far the hung cable stretches as it swings, and what its energy does.",
 }
-
-
-if __name__ == "__main__":
-    from studies.command_line import main
-
-    main(["study", "length_error"])

@@ -24,9 +24,3 @@ TABLES = {
     "long_whip": "A line for each scheme, share of its limit and damping ratio: the rise of energy in a longer whip.",
     "thesis": "A line for each scheme and each change that the thesis tried: the limit, and what the energy about rest did.",
 }
-
-
-if __name__ == "__main__":
-    from studies.command_line import main
-
-    main(["study", "stability_map"])

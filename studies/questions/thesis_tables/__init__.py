@@ -21,9 +21,3 @@ TABLES = {
     "turns": "A line for each turn in which sampling and the balances of forces were timed one after the other, in s.",
     "motion": "A line for each net and way: the time of the 400 poses of section 5.1.5, by that of as many as were solved.",
 }
-
-
-if __name__ == "__main__":
-    from studies.command_line import main
-
-    main(["study", "thesis_tables"])
