@@ -61,12 +61,12 @@ def _about():
 
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
 def equilibrium(scene: Scene, out: Out = None, as_json: Json = False):
-    """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, place [m] of each free point."""
+    """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point."""
     from anet_lumped.statics.equilibrium import equilibrium
-    from studies.shown.summary import of_rest, write_nodes
+    from studies.shown.summary import rest_summary, write_nodes
 
     state = equilibrium(_load(scene, "equilibrium"))
-    _give(of_rest(state), as_json, out, "equilibrium")
+    _give(rest_summary(state), as_json, out, "equilibrium")
     if out:
         write_nodes(state, out / "nodes.csv")
 
@@ -86,13 +86,13 @@ def simulate(
     out: Out = None,
     as_json: Json = False,
 ):
-    """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, places at the end [m].
+    """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, positions at the end [m].
 
     With --out the run is saved there (run.nc), with its account (run.json) and a picture (run.png). A run that does not reach
     its end, gains energy or fails its audit exits with 1, and says so in all of them.
     """
     from anet_lumped.motion.simulate import RunInterrupt, simulate
-    from studies.shown.summary import of_run
+    from studies.shown.summary import run_summary
 
     try:
         run = simulate(
@@ -101,7 +101,7 @@ def simulate(
         )  # fmt: skip
     except RunInterrupt as stopped:
         run = stopped.run
-    _give(of_run(run), as_json, out, "run")
+    _give(run_summary(run), as_json, out, "run")
     if out:
         from studies.shown.run_figure import plot
 
@@ -114,21 +114,21 @@ def simulate(
 @app.command(epilog="Example: anet-lumped recommend net_carried --error 1mm --at p0 --realtime 5")
 def recommend(
     scene: Scene,
-    error: Annotated[str, typer.Option(help="Largest error of a place, as in 1mm, 0.05 cm or 0.001 (m).")],
-    at: Annotated[str | None, typer.Option(help="The free point that counts; all if not given.")] = None,
+    error: Annotated[str, typer.Option(help="Largest error of a position, as in 1mm, 0.05 cm or 0.001 (m).")],
+    at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
     t_end: Annotated[float | None, typer.Option(help="Motion to look at [s]; two swings if not given.")] = None,
     start: Start = None,
     realtime: Annotated[float | None, typer.Option(help="How many times faster than real time it must run.")] = None,
     as_json: Json = False,
 ):
-    """Find the cheapest segments, method and step that keep an error. Its parts, the runner-up, and the command to run."""
+    """Find the cheapest segments, method and step for an error. Its parts, the runner-up, and the command to run."""
     from anet_lumped.advice.recommend import recommend
-    from studies.shown.summary import of_recommendation
+    from studies.shown.summary import recommendation_summary
 
     found = recommend(
         _load(scene, "recommend"), _metres(error), at=at, t_end=t_end, start=start or "equilibrium", realtime=realtime
     )
-    _give(of_recommendation(found, scene), as_json)
+    _give(recommendation_summary(found, scene), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
         _tell(f"within {error} it runs {pace:.3g} times faster than real time, and not {realtime:g} times; allow a larger error.")
@@ -138,8 +138,8 @@ def recommend(
 @app.command(epilog="Example: anet-lumped effects net_flown --error 1mm --at p0   (or --error 0.05N --tension s0-p0)")
 def effects(
     scene: Scene,
-    error: Annotated[str, typer.Option(help="What matters: of a place, as in 1mm; of a tension, as in 0.1N.")] = "1mm",
-    at: Annotated[str | None, typer.Option(help="The free point whose place counts; all if not given.")] = None,
+    error: Annotated[str, typer.Option(help="Change that matters: of a position, as in 1mm; of a tension, as in 0.1N.")] = "1mm",
+    at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
     tension: Annotated[str | None, typer.Option(metavar="CABLE", help="The cable whose tension counts instead.")] = None,
     t_end: Annotated[float | None, typer.Option(help="Motion to look at [s]; two swings if not given.")] = None,
     start: Start = None,
@@ -153,13 +153,13 @@ def effects(
     What the scene has is taken away, what it lacks but could have is put in, one at a time; with --out also as effects.csv.
     """
     from anet_lumped.advice.effect_audit import audit_effects
-    from studies.shown.summary import of_effects, write_effects
+    from studies.shown.summary import effects_summary, write_effects
 
     limit = _newtons(error) if tension else _metres(error)
     start = start or "equilibrium"
     loaded = _changed(_load(scene, "effects"), change)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
-    _give(of_effects(found), as_json, out, "effects")
+    _give(effects_summary(found), as_json, out, "effects")
     if out:
         write_effects(found, out / "effects.csv")
 
@@ -171,9 +171,9 @@ def check(
     as_json: Json = False,
 ):
     """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
-    from studies.shown.summary import before_run
+    from studies.shown.summary import prediction_summary
 
-    _give(before_run(_load(scene, "equilibrium"), dt), as_json)
+    _give(prediction_summary(_load(scene, "equilibrium"), dt), as_json)
 
 
 @app.command(epilog="Example: anet-lumped sweep net_held --vary EA=1e2:1e6:9log --vary segments=5,10  (EA in N)")
@@ -206,14 +206,14 @@ def sweep(
 
     out = out or Path("results") / f"sweep-{Path(scene).stem}"
     settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
-    kept = {"out": out, "resume": resume}
+    where = {"out": out, "resume": resume}
     try:
         table = sweep(
             _load(scene, "simulate" if t_end else "equilibrium"),
             parse_vary(vary),
             measure,
             **settings,
-            **kept,
+            **where,
             workers=workers,
             label="sweep",
         )
@@ -265,10 +265,10 @@ def mismatch(
     as_json: Json = False,
 ):
     """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable."""
-    from studies.shown.summary import against_catenary, against_markers
+    from studies.shown.summary import catenary_comparison, marker_comparison
 
     loaded = _load(scene, "equilibrium")
-    found = against_markers(loaded, markers) if markers else against_catenary(loaded)
+    found = marker_comparison(loaded, markers) if markers else catenary_comparison(loaded)
     _give(found, as_json, out, "mismatch")
 
 
@@ -303,9 +303,9 @@ def ropes(
     as_json: Json = False,
 ):
     """List the ropes that a cable may be made of. Mass, stiffness, strength at one diameter, and where the numbers are from."""
-    from studies.shown.summary import of_ropes
+    from studies.shown.summary import ropes_summary
 
-    _give(of_ropes(diameter), as_json)
+    _give(ropes_summary(diameter), as_json)
 
 
 @app.command(epilog="Example: anet-lumped convert mooring.txt mooring.toml   (lengths in m, forces in N)")

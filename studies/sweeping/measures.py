@@ -153,16 +153,14 @@ MEASURES = {
     "sag": Measure(_sag, Source.REST, Target.CABLE, "m", "largest distance below the chord, along gravity, at rest"),
     "tension": Measure(_tension, Source.REST, Target.CABLE_OR_POINT, "N", "largest tension at rest, in a cable or at a point"),
     "slack": Measure(_slack, Source.REST, Target.CABLE, "-", "number of slack segments at rest"),
-    "shape_error": Measure(
-        _shape_error, Source.REST, Target.CABLE, "m", "root mean square distance of the nodes from the elastic catenary, at rest"
-    ),
+    "shape_error": Measure(_shape_error, Source.REST, Target.CABLE, "m", "RMS distance from the elastic catenary at rest"),
     "x": Measure(_x, Source.REST, Target.POINT, "m", "x of a point at rest"),
     "y": Measure(_y, Source.REST, Target.POINT, "m", "y of a point at rest"),
     "height": Measure(_z, Source.REST, Target.POINT, "m", "z of a point at rest"),
     "end_stretch": Measure(
-        partial(_stretch, choose=_last), Source.RUN, Target.CABLE, "-", "stretched length / length - 1 at the end of the run"
+        partial(_stretch, choose=_last), Source.RUN, Target.CABLE, "-", "stretched length / length - 1 at the end"
     ),
-    "peak_stretch": Measure(_stretch, Source.RUN, Target.CABLE, "-", "stretched length / length - 1, largest at a saved time"),
+    "peak_stretch": Measure(_stretch, Source.RUN, Target.CABLE, "-", "largest stretched length / length - 1"),
     "peak_tension": Measure(_tension, Source.RUN, Target.CABLE_OR_POINT, "N", "largest tension at a saved time"),
     "end_x": Measure(_x, Source.RUN, Target.POINT, "m", "x of a point at the end"),
     "end_y": Measure(_y, Source.RUN, Target.POINT, "m", "y of a point at the end"),
