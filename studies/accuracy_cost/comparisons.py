@@ -100,7 +100,7 @@ def _side(runs, row, who, target):
 
 def _compare(entries, first, second):
     """Ratio of the times of two sides, from runs that take turns."""
-    numbers = list({*first.weights, *second.weights})
+    numbers = list(dict.fromkeys([*first.weights, *second.weights]))
     times = take_turns({number: entries[number] for number in numbers}, PAIRS, warm_up=0)
 
     def at_error(side):

@@ -13,8 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, Scene, SceneError, State
-from anet_lumped.effects import Air, AxialDamping, Bending, Gravity, Ground, ViscousDamping, Water
+from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, Scene, SceneError, State, effects
 from anet_lumped.model.build import build
 from anet_lumped.model.tables import AXIAL_STIFFNESS
 from anet_lumped.motion.simulate import SCIPY, StabilityWarning, simulate, straight
@@ -135,10 +134,10 @@ def _scene(pick, surroundings):
         for c, (a, b) in enumerate(links)
     ]  # fmt: skip
     g = pick.one_of((9.81, 9.81, 9.81, 0.0, -9.81))
-    effects = [Gravity(abs(g), (0.0, 0.0, -1.0 if g > 0 else 1.0))] if g else []
+    acting = [effects.Gravity(abs(g), (0.0, 0.0, -1.0 if g > 0 else 1.0))] if g else []
     rate = pick.one_of((0.0, 0.0, 0.5, 50.0))
-    effects += [ViscousDamping(rate)] if rate else []
-    return Scene(points, cables, effects + (_surroundings(pick) if surroundings else []))
+    acting += [effects.ViscousDamping(rate)] if rate else []
+    return Scene(points, cables, acting + (_surroundings(pick) if surroundings else []))
 
 
 def _curve(pick, EA):
@@ -152,17 +151,18 @@ def _curve(pick, EA):
 
 
 def _surroundings(pick):
-    """Effects that put no energy in."""
+    """Effects that put no energy in; one that is not drawn is not even imported."""
     which = pick.one_of(("none",) * 4 + ("air", "water", "ground", "bending", "axial damping", "all"))
     level = pick.one_of((-2.0, -0.5, 0.0, 3.0))
+    friction, rate = pick.one_of((0.0, 0.5)), pick.one_of((0.5, 50.0))
     known = {
-        "air": Air(),
-        "water": Water(level=level, g=9.81),
-        "ground": Ground(height=level - 1.0, friction=pick.one_of((0.0, 0.5))),
-        "bending": Bending(),
-        "axial damping": AxialDamping(rate=pick.one_of((0.5, 50.0))),
+        "air": lambda: effects.Air(),
+        "water": lambda: effects.Water(level=level, g=9.81),
+        "ground": lambda: effects.Ground(height=level - 1.0, friction=friction),
+        "bending": lambda: effects.Bending(),
+        "axial damping": lambda: effects.AxialDamping(rate=rate),
     }
-    return list(known.values()) if which == "all" else [known[which]] if which in known else []
+    return [make() for name, make in known.items() if which in (name, "all")]
 
 
 def _path(pick, at):
@@ -231,7 +231,7 @@ def _audit(trial, run):
         if off > IMBALANCE:
             return FAILED, f"edmc's balance of energy is off by {off:.2g} of the energy in play"
         # states between adaptive steps are interpolated, their energies too rough; added mass that turns gives energy of the water
-        if rise > RISE and trial.rtol is None and not any(isinstance(effect, Water) for effect in scene.effects):
+        if rise > RISE and trial.rtol is None and not any(isinstance(effect, effects.Water) for effect in scene.effects):
             return FAILED, f"edmc raises the energy by {rise:.2g} of the energy in play"
         return HELD, ""
     if driven or trial.rtol is not None:  # of work, other methods' accounts are rough where a point jumps

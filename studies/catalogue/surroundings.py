@@ -6,9 +6,7 @@ import math
 
 import numpy as np
 
-from anet_lumped import Cable, Driven, Fixed, Free, Scene, equilibrium
-from anet_lumped.effects import Air, Bending, Gravity, Ground, LineChange, Load, Water
-from anet_lumped.effects.flow.wind import Gust
+from anet_lumped import Cable, Driven, Fixed, Free, Scene, effects, equilibrium
 from anet_lumped.prescribed import paths, signals
 from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, Case, Statement, at_time, largest_tension
 from studies.catalogue.supports import at_positions
@@ -36,7 +34,7 @@ def through_surface(v, height):
         yield Statement(ACCURACY, "way through the surface", np.ptp(z), least=0.6, unit="m")
 
     way = "into" if v < 0.0 else "out of"
-    scene = Scene(points, cables, [Gravity(G), Water(WATER)])
+    scene = Scene(points, cables, [effects.Gravity(G), effects.Water(WATER)])
     return Case(f"A net is carried {way} water at {abs(v):g} m/s: no tension beyond its drag.", scene, 0.9, judge,
                 measure=lambda run: run.position("1,1")[-1], tolerance=0.05)  # fmt: skip
 
@@ -47,8 +45,10 @@ def gust():
     No more pull than a snap at the speed of the wind, v sqrt(EA mu).
     """
     cable = Cable("a", "b", length=1.2, mass_per_length=0.05, EA=1e4, zeta=0.1, diameter=0.01, segments=20)
+    from anet_lumped.effects.flow.wind import Gust
+
     winds = Gust((0.0, 20.0, 0.0), 0.1, 0.2)
-    scene = Scene([Fixed("a", (0, 0, 0)), Fixed("b", (1, 0, 0))], [cable], [Gravity(G), Air(AIR, wind=winds)])
+    scene = Scene([Fixed("a", (0, 0, 0)), Fixed("b", (1, 0, 0))], [cable], [effects.Gravity(G), effects.Air(AIR, wind=winds)])
     rest, snap = equilibrium(scene), 20.0 * math.sqrt(1e4 * 0.05)
 
     def judge(run):
@@ -77,7 +77,7 @@ def drag_beyond_weight():
     """
     mu, Cd, d = 0.1, 1600.0, 1.0
     cable = Cable("a", "b", length=1.0, mass_per_length=mu, EA=1e4, zeta=0.05, diameter=d, Cdn=Cd, Cdt=500.0, segments=20)
-    scene = Scene([Free("a", at=(0, 0, 0)), Free("b", at=(1, 0, 0))], [cable], [Gravity(G), Air(AIR)])
+    scene = Scene([Free("a", at=(0, 0, 0)), Free("b", at=(1, 0, 0))], [cable], [effects.Gravity(G), effects.Air(AIR)])
     s = np.linspace(0.0, 1.0, 21)
     v = math.sqrt(2.0 * mu * G / (AIR * Cd * d))
 
@@ -98,7 +98,9 @@ def bending_dominates():
     """A cantilever of EI = 1 kN m^2 is let go under its weight: it swings about mu g L^4/(8 EI), to twice that and no farther."""
     EI, mu = 1e3, 0.1
     cable = Cable("a", "b", length=1.0, mass_per_length=mu, EA=1e4, EI=EI, zeta=0.05, segments=20, compression="linear")
-    scene = Scene([Fixed("a", (0, 0, 0)), Free("b", at=(1, 0, 0))], [cable], [Gravity(G), Bending({"a": (1, 0, 0)})])
+    scene = Scene(
+        [Fixed("a", (0, 0, 0)), Free("b", at=(1, 0, 0))], [cable], [effects.Gravity(G), effects.Bending({"a": (1, 0, 0)})]
+    )
     static = mu * G / (8.0 * EI)
 
     def judge(run):
@@ -119,7 +121,7 @@ def onto_the_ground():
     """
     mu, segments, end = 0.1, 100, math.sqrt(2.0 / G)
     cable = Cable("a", "b", length=1.0, mass_per_length=mu, EA=1e3, zeta=0.5, diameter=1e-3, segments=segments)
-    scene = Scene([Free("a"), Free("b")], [cable], [Gravity(G), Ground(0.0, 1e6, 3e4)])
+    scene = Scene([Free("a"), Free("b")], [cable], [effects.Gravity(G), effects.Ground(0.0, 1e6, 3e4)])
     s = np.linspace(0.0, 1.0, segments + 1)
 
     def judge(run):
@@ -140,7 +142,7 @@ def breaks():
     made = dict(length=1.0, mass_per_length=0.1, EA=1e4, zeta=0.05, segments=20)
     cables = [Cable(f"s{i}", "p0", breaking_tension=None if i else 4.0, **made) for i in range(4)]
     points = [*(Fixed(f"s{i}", at) for i, at in enumerate(corners)), Free("p0", mass=0.036)]
-    scene = Scene(points, cables, [Gravity(G), Load((0.0, 0.0, -5.0), ramp=1.0)])
+    scene = Scene(points, cables, [effects.Gravity(G), effects.Load((0.0, 0.0, -5.0), ramp=1.0)])
 
     def judge(run):
         yield Statement(ACCURACY, "breaks of a cable", float(bool(run.events)), 1.0, 1.0)
@@ -159,7 +161,7 @@ def paid_out(taut):
     far = Fixed("b", (2.01, 0, 0)) if taut else Free("b", 1.0)
     by = signals.samples((0.0, 1.0), (0.0, 0.5)) if taut else signals.samples((0.0, 0.25), (0.0, 1.0))
     cable = Cable("a", "b", zeta=0.5 if taut else 0.2, **made)
-    scene = Scene([Fixed("a", (0, 0, 0)), far], [cable], [Gravity(G), LineChange({"a-b": by})])
+    scene = Scene([Fixed("a", (0, 0, 0)), far], [cable], [effects.Gravity(G), effects.LineChange({"a-b": by})])
 
     def judge(run):
         if taut:

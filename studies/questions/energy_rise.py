@@ -18,7 +18,7 @@ from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
 from integrators.schemes import IMPLICIT
 from studies.questions.stability_map.planes import NAMES
 from studies.shown.palette import look
-from studies.shown.sentences import between, counted, listed, power, share
+from studies.shown.sentences import between, counted, listed, percent, power, share
 from studies.shown.show import as_text
 from studies.study import Drawing, Part, Record
 from studies.sweeping.rows import run_rows
@@ -238,7 +238,7 @@ def _plot_rise(runs):
     panels[0].set_ylabel("largest rise of energy over that in play [-]")
     handles = {label: line for axes in panels for line, label in zip(*axes.get_legend_handles_labels(), strict=True)}
     handles["some run did not reach its end"] = panels[0].plot([], [], "o", mfc="none", mec="k", ms=11, mew=0.8)[0]
-    handles[f"rise of {GAIN:.0%}"] = panels[0].plot([], [], "k:", lw=0.8)[0]
+    handles[f"rise of {percent(GAIN)}"] = panels[0].plot([], [], "k:", lw=0.8)[0]
     figure.legend(handles.values(), handles, loc="outside lower center", ncols=5, frameon=False, fontsize=9)
     return figure
 
@@ -278,21 +278,21 @@ def _implicit(rows):
 
 def _finding(rows):
     table, quiet = _implicit(rows)
-    held = listed(f"{name} ({power(row['worst_rise'], 1)} at worst)" for name, row in table[quiet].iterrows())
-    gained = table[~quiet]
-    words = "Every implicit scheme gains energy in some run. "
+    gained, words = table[~quiet], "Every implicit scheme gains energy in some run."
     if quiet.any():
+        rises = listed(f"{power(row['worst_rise'], 1)} with {name}" for name, row in table[quiet].iterrows())
         small = table.loc[quiet, "worst_rise"].max() < TOLERANCE
         words = (
-            f"Of {len(table)} implicit schemes {quiet.sum()} never {'gains' if quiet.sum() == 1 else 'gain'} energy, whatever the "
-            f"start, stiffness, damper and step: the rise over the energy in play is {held}, which is "
-            f"{'no more than round-off' if small else f'below {GAIN:.0%}, yet more than round-off'} and Newton's tolerance leave. "
+            f"Of {len(table)} implicit schemes {listed(table.index[quiet])} never {'gains' if quiet.sum() == 1 else 'gain'} "
+            f"energy, whatever the start, stiffness, damper and step: the worst rise over the energy in play is {rises}, which is "
+            f"{'no more than round-off' if small else f'below {percent(GAIN)}, yet more than round-off'} and Newton's tolerance "
+            f"leave."
         )
     if not len(gained):
-        return words.strip()
-    return words + (
-        f"The worst rise of {listed(gained.index)} is {power(gained['worst_rise'].min(), 2)} times the energy in play or more, up "
-        f"to {power(gained['worst_rise'].max(), 2)} times, although linear theory promises stability at every step."
+        return words
+    return (
+        f"{words} The worst rise with {listed(gained.index)} is {between(gained['worst_rise'], 'times', 2)} the energy in play, "
+        "although linear theory promises stability at every step."
     )
 
 
@@ -308,7 +308,7 @@ def _gains(rows):
     return (
         f"Largest rise at damping ratios up to {ZETAS[1]:g}, and at all of them: {worst or 'none'}. A rise is that above the least "
         f"energy before, over the weight times the length of the cable ({MASS * GRAVITY * LENGTH:.3g} J) or the elastic energy of "
-        f"the start if that is more; a run has gained if it is above {GAIN:.0%}. Of {counted(all_gained, 'run')} that gained, "
+        f"the start if that is more; a run has gained if it is above {percent(GAIN)}. Of {counted(all_gained, 'run')} that gained, "
         f"{said} did not "
         'end as "done" but say what is wrong with them; a run does so from a tenth of the energy in play on.'
     )

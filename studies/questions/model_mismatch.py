@@ -390,7 +390,7 @@ def _refined(table):
         f"{n[-1]:.0f} segments p0 is off by {as_text(finest.p0_error_mm, 2)} mm and the tension by "
         f"{as_text(finest.tension_error_percent, 2)} %. R² of the height is {table['r_squared_vertical'].min():.5f} or more, and "
         f"no branch is stretched by more than {power(table['stretch'].max(), 2)} at EA = {power(EA)} N. The error of the sag jumps "
-        "with N, as the lowest place of a branch is a node or lies between two."
+        "with N, as the lowest point of a branch is a node or lies between two."
     )
 
 

@@ -12,7 +12,7 @@ from anet_lumped.effects import Gravity
 from anet_lumped.model.tables import AXIAL_STIFFNESS
 from integrators import schemes
 from studies.shown.palette import look
-from studies.shown.sentences import counted, listed
+from studies.shown.sentences import counted, listed, percent, power
 from studies.study import Drawing, Part, Record
 from studies.sweeping.rows import run_rows
 
@@ -143,28 +143,38 @@ def _plot_errors(table):
 def answer(rows):
     """The answer in words, every number and claim from `rows`."""
     orders = rows["orders"]
-    words = []
-    for what in ("position", "velocity"):
-        off = (orders[f"{what}_slope"] - orders["order"]).dropna()
-        below = orders.loc[off.index[off < -TOLERANCE]]
-        above = orders.loc[off.index[off > TOLERANCE]]
-        text = f"Of {counted(len(off), f'slope of {what} errors', f'slopes of {what} errors')}, {(off.abs() <= TOLERANCE).sum()} "
-        text += f"lie within {TOLERANCE:g} of the order of their scheme, the median {off.abs().median():.3f} from it"
-        text += f"; {_named(below, what)} fall short of it" if len(below) else ""
-        text += f"; {_named(above, what)} exceed it" if len(above) else ""
-        words.append(text + ".")
-    unseen = orders[orders["position_slope"].isna()]
-    symplectic = orders[(orders["method"] == "symplectic_euler") & (orders["position_slope"] > 1.5)]
+    off = {what: (orders[f"{what}_slope"] - orders["order"]).dropna() for what in ("position", "velocity")}
+    both = pd.concat(off.values())
+    words = [
+        f"Of {counted(len(both), 'slope')} of errors over the step, for positions and for velocities, "
+        f"{(both.abs() <= TOLERANCE).sum()} lie within {TOLERANCE:g} of the order of their scheme, and half of them within "
+        f"{both.abs().median():.3f}.",
+        " ".join(_exceptions(orders, what, of_what) for what, of_what in off.items()),
+    ]
     text = ""
-    if len(symplectic):
+    if len(orders[(orders["method"] == "symplectic_euler") & (orders["position_slope"] > 1.5)]):
         text = (
             "Symplectic Euler reaches order 2 in the positions of an undamped motion that starts from rest in position, because "
             "it is verlet seen half a step apart. "
         )
-    text += f"Left out: errors above {ROUGH:.0%}, and errors below {NOISE:g}, which Newton's tolerance and round-off leave"
+    text += (
+        f"Left out: errors above {percent(ROUGH)}, and errors below {power(NOISE)}, which Newton's tolerance and round-off leave"
+    )
+    unseen = orders[orders["position_slope"].isna()]
     if len(unseen):
         text += f": all of {listed(f'{row.method} in the {row.problem}' for row in unseen.itertuples())}"
-    return " ".join(words) + "\n\n" + text + "."
+    return "\n\n".join([*words, text + "."])
+
+
+def _exceptions(orders, what, off):
+    """Slopes that miss their order, by name."""
+    below, above = orders.loc[off.index[off < -TOLERANCE]], orders.loc[off.index[off > TOLERANCE]]
+    if not len(below) + len(above):
+        return f"No slope of {what} errors misses its order by more."
+    text = f"Slopes of {what} errors"
+    text += f" that fall short of the order: {_named(below, what)}" if len(below) else ""
+    text += ";" * bool(len(below) and len(above))
+    return text + (f" that exceed it: {_named(above, what)}" if len(above) else "") + "."
 
 
 def _named(rows, what):

@@ -1,6 +1,7 @@
 """The report's page: every study's question, figures, tables and answer in one file that needs nothing but itself."""
 
 import base64
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -67,7 +68,7 @@ def write_page(file: Path, entries: Iterable[Entry], parts: Iterable[str], *, ma
         undefined=jinja2.StrictUndefined,
     )
     environment.filters |= {"inline": _inline, "words": _words, "informative": _informative}
-    environment.filters |= {"text": as_text, "head": column_head, "first_sentence": _first_sentence}
+    environment.filters |= {"text": as_text, "head": column_head, "first_sentence": _first_sentence, "prose": _prose}
     entries = list(entries)
     sections = {part: [entry for entry in entries if entry.part == part] for part in parts}
     page = environment.get_template("report.html").render(
@@ -97,6 +98,11 @@ def _words(name):
 def _first_sentence(caption):
     """The first sentence of a caption, which is the picture's alternative text."""
     return caption.split(". ")[0].rstrip(".") + "."
+
+
+def _prose(text):
+    """The text whose equations and units stay on one line: EA = 1e4 N, 10 ms."""
+    return re.sub(r"(?<=[\d∞]) (?=(?:N|m|mm|cm|s|ms|ns|J|kg|g|%|times|N/m)\b|%)", "\u00a0", text.replace(" = ", "\u00a0=\u00a0"))
 
 
 def _informative(table):

@@ -33,16 +33,21 @@ def between(values, unit: str = "", digits: int = 3) -> str:
     finite = [float(value) for value in values if math.isfinite(float(value))]
     if not finite:
         return "not known"
-    low, high = as_text(min(finite), digits), as_text(max(finite), digits)
+    low, high = power(min(finite), digits), power(max(finite), digits)
     return f"{low if low == high else f'{low} to {high}'}{f' {unit}' if unit else ''}"
 
 
 def power(value: float, digits: int = 3) -> str:
-    """A number whose size counts: with a power of ten from a thousand on and below a thousandth, as in 1e4, 2.5e-4, 9e3, 98.1."""
-    if value == 0 or 1e-3 <= abs(value) < 1e3 or not math.isfinite(value):
+    """A number whose size counts: with a power of ten from 1e4 on and below a thousandth, as in 2.5e-4, 98.1, 9000, 1e4."""
+    if value == 0 or 1e-3 <= abs(value) < 9999.5 or not math.isfinite(value):
         return as_text(float(value), digits)
     mantissa, exponent = f"{float(value):.{digits - 1}e}".split("e")
     return f"{mantissa.rstrip('0').rstrip('.') if '.' in mantissa else mantissa}e{int(exponent)}"
+
+
+def percent(part: float, digits: int = 2) -> str:
+    """A share in per cent: "98 %"."""
+    return f"{as_text(100.0 * part, digits)} %"
 
 
 def stiffness(EA: float) -> str:

@@ -146,11 +146,18 @@ def test_the_page_stands_alone_and_tells_a_failure(monkeypatch, tmp_path):
     assert re.findall(r'(?:src|href)="(?!data:|#|order/)', page) == []
     for link in re.findall(r'href="(order/[^"]*)"', page):
         assert (tmp_path / link).exists()
-    assert "the first 40 of 60 rows" in page and "A line for each run." in page
+    assert "(the first 40 of 60 rows)" in page and "A line for each run." in page
     assert page.count("<th>status</th>") == 1  # the table that is "done" throughout does not show it
     assert '<img src="data:image/svg+xml' in page and 'alt="Steps of the best run."' in page
     assert "<figcaption>Steps of the best run. They grow.</figcaption>" in page
     assert "still being made" not in page and "to come" not in page
+
+
+def test_equations_and_units_are_not_torn_apart():
+    from studies.shown.page import _prose
+
+    text = "at EA = 1e4 N and 10 ms it is 98 % of 3 months"
+    assert _prose(text).replace("\u00a0", "~") == "at EA~=~1e4~N and 10~ms it is 98~% of 3 months"
 
 
 def test_the_page_is_there_from_the_start_and_grows(monkeypatch, tmp_path):

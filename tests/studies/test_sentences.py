@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studies.shown.sentences import between, counted, listed, power, share, stiffness
+from studies.shown.sentences import between, counted, listed, percent, power, share, stiffness
 
 
 @pytest.mark.parametrize(
@@ -26,11 +26,12 @@ def test_lists_counts_and_shares():
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(1e4, "1e4"), (9e3, "9e3"), (2.5e-4, "2.5e-4"), (98.1, "98.1"), (0.0, "0"), (1e-9, "1e-9"), (-1e6, "-1e6"), (np.inf, "∞")],
+    [(1e4, "1e4"), (9e3, "9000"), (2.5e-4, "2.5e-4"), (98.1, "98.1"), (0.0, "0"), (1e-9, "1e-9"), (-1e6, "-1e6"), (np.inf, "∞")],
 )
 def test_powers_of_ten(value, text):
     assert power(value) == text
 
 
 def test_a_stiffness():
+    assert percent(0.98) == "98 %" and percent(0.001) == "0.1 %"
     assert stiffness(1e4) == "EA = 1e4 N" and stiffness(np.inf) == "EA = ∞"

@@ -8,9 +8,9 @@ import pandas as pd
 import pytest
 
 from anet_lumped import simulate
-from studies.accuracy_cost import contestants, references, total_error
+from studies.accuracy_cost import comparisons, contestants, references, total_error
 from studies.accuracy_cost.cases import carried, dropped, loose, stopped
-from studies.accuracy_cost.equal_error import on_front, time_at
+from studies.accuracy_cost.equal_error import on_front, time_at, weights_at
 from studies.questions import work_precision
 
 
@@ -141,7 +141,7 @@ def test_every_method_of_the_library_runs_at_some_setting(short):
 def test_a_run_beyond_the_bound_is_left_out_and_said_so(short, tmp_path, monkeypatch):
     judge = references.reference(short, tmp_path)
     monkeypatch.setattr(work_precision, "LONGEST", 0.0)
-    table = work_precision.race(short, judge, only=("edmc",), with_peers=False)
+    table, _ = work_precision.race(short, judge, only=("edmc",), with_peers=False)
     assert (table["status"] == "left out").all() and table["reason"].str.contains("it would take about").all()
     assert table["error_mm"].isna().all()
 
@@ -149,7 +149,7 @@ def test_a_run_beyond_the_bound_is_left_out_and_said_so(short, tmp_path, monkeyp
 def test_errors_in_the_table_are_those_of_the_runs(short, tmp_path):
     """Second order: a quarter at half the step, within 10 % at the two finest steps."""
     judge = references.reference(short, tmp_path)
-    table = work_precision.race(short, judge, only=("edmc",), with_peers=False)
+    table, _ = work_precision.race(short, judge, only=("edmc",), with_peers=False)
     assert (table["status"] == "done").all() and (table["repeats"] == work_precision.REPEATS).all()
     coarse, fine = table["error_mm"].iloc[-2:]
     assert coarse / fine == pytest.approx(4.0, rel=0.1)
@@ -163,7 +163,7 @@ def test_the_best_of_ours_beside_the_best_peer():
     other = [("A", "x", 5.0, 2.0), ("A", "x", 0.5, 20.0), ("B", "", 0.04, 7.0)]
     runs = pd.DataFrame(own + other, columns=["engine", "method", "error_mm", "wall_s"])
     runs = runs.assign(motion="m", EA_N=1e4, segments=20, reference_mm=0.02, times_real_time=4.0 / runs["wall_s"])
-    found = work_precision.equal_errors(runs).set_index("target_mm")
+    found = comparisons.equal_errors(runs).set_index("target_mm")
     assert found.loc[1.0, "best_ours"] == "edmc" and found.loc[1.0, "ours_s"] == pytest.approx(0.1)
     assert found.loc[0.1, "ours_s"] == pytest.approx(0.1 * 10**0.5) and found.loc[0.1, "ours_error_mm"] == pytest.approx(0.1)
     assert found.loc[10.0, "best_peer"] == "A x" and found.loc[10.0, "peer_error_mm"] == 5.0
@@ -226,12 +226,49 @@ def test_the_quick_study_answers(study, tmp_path):
     assert {"loose cable", "carried net"} == set(study["equal_error"]["motion"]) and study["equal_error"]["ratio"].isna().all()
     assert (study["references"]["difference_mm"] < 0.01).all()
     assert study["growth"]["error_mm"].max() < 0.1
-    for figure in work_precision.plot(study).values():
-        figure.savefig("/dev/null", format="png")
-        assert all(axes.lines or axes.collections for axes in figure.axes if axes.axison)
+    for drawing in work_precision.plot(study).values():
+        drawing.figure.draw_without_rendering()
+        assert all(axes.lines or axes.collections for axes in drawing.figure.axes if axes.axison)
+        assert drawing.caption.endswith(".") and "`" not in drawing.caption
     words = work_precision.answer(study)
-    assert "nan" not in words and "{" not in words and "not installed" in words
+    assert "nan" not in words and "{" not in words and "Other engines were not run" in words
+    assert set(study) == set(work_precision.TABLES)
     for name, table in study.items():
         table.to_parquet(tmp_path / f"{name}.parquet")
     json.dumps({k: v for k, v in vars(work_precision).items() if k.isupper()}, default=str)
     assert isinstance(pd.read_parquet(tmp_path / "runs.parquet"), pd.DataFrame)
+
+
+def test_the_quick_study_compares_in_pairs(study):
+    """The library's own choice beside its best method, at the error of the choice, on both motions."""
+    pairs = study["pairs"]
+    assert set(pairs["compared"]) == {comparisons.CHOICE_OVER_BEST} and len(pairs) == 2
+    assert (pairs["pairs"] == comparisons.PAIRS).all() and (pairs["low"] <= pairs["median_ratio"]).all()
+    assert (pairs["median_ratio"] <= pairs["high"]).all() and (pairs["error_mm"] > 0.0).all()
+
+
+def test_sides_are_timed_in_turns_at_the_same_error():
+    """Made up: ours takes 1/error^(1/2), the peer twice as long at each of its runs; a third turn is slow for both."""
+    own = [("anet-lumped", "edmc", e, 0.1 * e**-0.5) for e in (10.0, 1.0, 0.1)]
+    runs = pd.DataFrame([*own, ("A", "x", 1.0, 0.2)], columns=["engine", "method", "error_mm", "wall_s"])
+    runs = runs.assign(motion="m", EA_N=1e4, segments=20, reference_mm=0.0, times_real_time=4.0 / runs["wall_s"])
+    calls = []
+
+    def timed(number):
+        calls.append(number)
+        slow = 3.0 if 4 < len(calls) < 8 else 1.0
+        return slow * runs["wall_s"][number]
+
+    entries = [lambda number=number: timed(number) for number in range(4)]
+    equal = comparisons.equal_errors(runs)
+    pairs = comparisons.paired(runs, entries, equal, pd.DataFrame(columns=["best"]))
+    line = pairs[pairs["error_mm"] == 1.0].iloc[0]
+    assert line["compared"] == comparisons.PEER_OVER_OURS and line["median_ratio"] == pytest.approx(2.0)
+    assert (line["first"], line["second"]) == ("A x", "edmc") and calls[:4] == [3, 0, 3, 0]
+
+
+def test_weights_are_those_of_a_line_in_both_logarithms():
+    errors, times = [1.0, 0.1, 0.2, np.nan, 0.01], [1.0, 2.0, 3.0, 3.5, 4.0]
+    assert weights_at(errors, times, 0.1) == {1: pytest.approx(1.0)} | weights_at(errors, times, 0.1)
+    assert weights_at(errors, times, 0.1**1.5) == {1: pytest.approx(0.5), 4: pytest.approx(0.5)}
+    assert weights_at(errors, times, 2.0) == {0: 1.0} and weights_at(errors, times, 1e-3) == {}

@@ -57,7 +57,9 @@ def _plot_plane(cells, ordinate, thesis):
         here = cells[cells["scheme"] == scheme]
         grid = here.pivot(index=ordinate, columns="dt_s", values="verdict")
         steps, ordinates = 1e3 * grid.columns.to_numpy(float), grid.index.to_numpy(float)
-        axes.pcolormesh(_edges(steps), _edges(ordinates), grid, cmap=ListedColormap(list(COLOURS.values())), vmin=0, vmax=2)
+        colours = ListedColormap(list(COLOURS.values()))
+        shade = {"cmap": colours, "vmin": 0, "vmax": 2, "edgecolors": "face", "linewidth": 0.2}
+        axes.pcolormesh(_edges(steps), _edges(ordinates), grid, **shade)
         alive = here[survived(here)]
         axes.plot(1e3 * alive["dt_s"], alive[ordinate], ".", ms=3, color="w")
         axes.set(xscale="log", yscale="log", title=NAMES[scheme])

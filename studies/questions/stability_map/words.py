@@ -17,7 +17,7 @@ from studies.questions.stability_map.planes import (
     survived,
     verdict,
 )  # fmt: skip
-from studies.shown.sentences import between, counted, listed, power, share
+from studies.shown.sentences import between, counted, listed, percent, power, share
 from studies.thesis_cable import DISTURBANCE, FOUND_K, REST_GROWTH, REST_STEPS, REST_TIME, WEIGHT_ENERGY, WHIP_RISE, WHIP_TIME
 
 TRIED = ("symplectic_euler", "verlet", "rk4")  # explicit schemes that the thesis's failures are repeated with
@@ -84,12 +84,12 @@ def _finding(cells, failures):
 def _stiffer(failures):
     stiffer = failures.unstable("k × 1.2")
     return (
-        f"First failure, k raised: at {failures.step_ms['rk4']:.1f} ms with RK4 ({CLOSE:.0%} of its limit) the cable as found is "
-        f"{'stable' if 'rk4' not in failures.unstable('as found') else 'unstable'}; springs 1.2 times as stiff have a limit of "
+        f"First failure, k raised: at {failures.step_ms['rk4']:.1f} ms with RK4 ({percent(CLOSE)} of its limit) the cable as found "
+        f"is {'stable' if 'rk4' not in failures.unstable('as found') else 'unstable'}; springs 1.2 times as stiff have a limit of "
         f"{failures.limit('rk4', 'k × 1.2')}, ten times as stiff {failures.limit('rk4', 'k × 10')}, since the limit falls as 1/√k. "
-        f"With symplectic Euler, Verlet and RK4, each at {CLOSE:.0%} of its own limit, {share(len(stiffer), len(TRIED))} runs blow "
-        "up at 1.2 k. Damping by the environment hardly moves the limit, as the top mode has turned many times before the damping "
-        f"acts: with 2 /s it is {failures.limit('rk4', 'k × 10 and environment 2 /s')} at 10 k."
+        f"With symplectic Euler, Verlet and RK4, each at {percent(CLOSE)} of its own limit, {share(len(stiffer), len(TRIED))} runs "
+        "blow up at 1.2 k. Damping by the environment hardly moves the limit, as the top mode has turned many times before the "
+        f"damping acts: with 2 /s it is {failures.limit('rk4', 'k × 10 and environment 2 /s')} at 10 k."
     )
 
 
@@ -131,7 +131,7 @@ def _whip(borders, longer):
     words = (
         f"In the whip (released from the horizontal) the border lies at {between(damped, 'times')} the prediction with dampers of "
         f"{between(BORDER_DAMPERS, 'N·s/m')}, as a cable that cannot push lets go of its damper, and at "
-        f"{between(undamped, 'times')} without. In {LONG_TIME:g} s at EA = {power(LONG_EA)} N and {LONG_SHARES[1]:.0%} of the "
+        f"{between(undamped, 'times')} without. In {LONG_TIME:g} s at EA = {power(LONG_EA)} N and {percent(LONG_SHARES[1])} of the "
         f"predicted limit the energy rises, over what the swing is worth, by {told[0]}; with a damping ratio of {LONG_ZETAS[1]:g} "
         f"in each segment by {told[1]}."
     )
@@ -154,12 +154,12 @@ def _implicit(cells):
             most, lost = bad["whip_rise"].replace(np.inf, np.nan).max(), int(np.isinf(bad["whip_rise"]).sum())
             known = f" by up to {power(most, 2)} times the swing's worth" if np.isfinite(most) else ""
             without = f"{' and' if known else ''} without bound in {lost}" if lost else ""
-            lines.append(f"{NAMES[scheme]} in {k} cells of the first plane and {c} of the second,{known}{without}")
+            lines.append(f"{NAMES[scheme]} in {counted(k, 'cell')} of the first plane and {c} of the second,{known}{without}")
     quiet = [scheme for scheme in IMPLICIT if (cells[cells["scheme"] == scheme]["verdict"] == STABLE).all()]
     quietest = listed(f"{NAMES[s]} ({power(max(cells[cells['scheme'] == s]['whip_rise'].max(), 0.0), 1)} at most)" for s in quiet)
     words = (
         f"None of the implicit schemes has a border in linear theory. With {quietest} the energy of the whip never rises by more "
-        f"than the judge's {WHIP_RISE:.0%} of the swing's worth of {WEIGHT_ENERGY / 2:.2f} J"
+        f"than the judge's {percent(WHIP_RISE)} of the swing's worth of {WEIGHT_ENERGY / 2:.2f} J"
     )
     words += f"; it rises with {'; '.join(lines)}." if lines else "."
     start = cells[cells["scheme"].isin(IMPLICIT) & (cells["rest_growth"] > REST_GROWTH) & cells["rest_at_once"].astype(bool)]
@@ -180,8 +180,8 @@ def _judge():
     return (
         f"The judge: nothing puts energy in, so that it may only fall. A cell is unstable if the energy of a disturbance of "
         f"{DISTURBANCE:g} m g L about rest grows by more than {REST_GROWTH:g} times within {REST_TIME:g} s or {REST_STEPS} steps, "
-        f"or if that of the whip, in {WHIP_TIME:g} s, rises by more than {WHIP_RISE:.0%} of what the swing is worth. The bounded "
-        "oscillation of energy that a symplectic step shows about rest just within its border is below that."
+        f"or if that of the whip, in {WHIP_TIME:g} s, rises by more than {percent(WHIP_RISE)} of what the swing is worth. The "
+        "bounded oscillation of energy that a symplectic step shows about rest just within its border is below that."
     )
 
 
