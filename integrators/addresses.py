@@ -1,6 +1,8 @@
-"""Tuples of arrays, numbers and functions that compiled code looks at by their address.
+"""Named tuples of arrays, numbers and functions that compiled code reads through their address.
 
-Handing over some thirty arrays by value, or a function to be unpacked, would cost as much as a step of eighty nodes.
+An address is one integer: where in memory the words of a named tuple begin (`words_of`). Compiled code makes a view of it
+(`view_at`), which is as light as the integer and reads a field where the field is used. To hand over some thirty arrays and
+functions by value instead would cost as much as a step of eighty nodes.
 """
 
 import numpy as np
@@ -10,71 +12,76 @@ from numba.core import cgutils
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
 
+WORD = 8  # bytes
 
-def words(value):
-    """A tuple as Numba lays it out in memory, a word each: of an array no owner, no parent, then size, item size, address, shape
-    and strides; of a first-class function its address, and none for Python."""
+
+def words_of(value):
+    """The words by which Numba lays a value out in memory, as a list.
+
+    Of an array: no owner, no parent, number of items, bytes of an item, address of the first, shape, strides. Of a first-class
+    function: its address, and two zeros in place of Python's. Of a tuple: those of its fields, one after the other.
+    """
     if isinstance(value, np.ndarray):
         return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
     if isinstance(value, types.WrapperAddressProtocol):
         return [value.__wrapper_address__(), 0, 0]
     if isinstance(value, tuple):
-        return [word for part in value for word in words(part)]
+        return [word for part in value for word in words_of(part)]
     return [value]
 
 
-def size(kind):
-    """Words that a value of a Numba type takes."""
+def count_words(kind):
+    """Number of words that a value of a Numba type takes."""
     if isinstance(kind, types.Array):
         return 5 + 2 * kind.ndim
     if isinstance(kind, types.FunctionType):
         return 3
-    return sum(map(size, kind)) if isinstance(kind, types.BaseTuple) else 1
+    return sum(map(count_words, kind)) if isinstance(kind, types.BaseTuple) else 1
 
 
-class _At(types.Type):
+class _View(types.Type):
     """A named tuple of Numba type ``kind`` at an address."""
 
     def __init__(self, kind):
         self.kind = kind
-        super().__init__(f"At({kind})")
+        super().__init__(f"View({kind})")
 
 
-@register_model(_At)
-class _AtModel(models.PrimitiveModel):
+@register_model(_View)
+class _ViewModel(models.PrimitiveModel):
     def __init__(self, manager, kind):
         super().__init__(manager, kind, ir.IntType(64))
 
 
 @infer_getattr
-class _AtAttributes(AttributeTemplate):
-    key = _At
+class _ViewAttributes(AttributeTemplate):
+    key = _View
 
-    def generic_resolve(self, at, name):
-        if name in at.kind.fields:
-            return at.kind.types[at.kind.fields.index(name)]
+    def generic_resolve(self, view, name):
+        if name in view.kind.fields:
+            return view.kind.types[view.kind.fields.index(name)]
         return None
 
 
-@lower_getattr_generic(_At)
-def _load_field(context, builder, at, value, name):
-    position = at.kind.fields.index(name)
-    before = sum(map(size, at.kind.types[:position]))
-    return _load(context, builder, at.kind.types[position], builder.add(value, ir.Constant(ir.IntType(64), 8 * before)))
+@lower_getattr_generic(_View)
+def _load_field(context, builder, view, address, name):
+    position = view.kind.fields.index(name)
+    before = sum(map(count_words, view.kind.types[:position]))
+    return _load(context, builder, view.kind.types[position], builder.add(address, ir.Constant(ir.IntType(64), WORD * before)))
 
 
-def _load(context, builder, kind, place):
-    """A value from an address; nothing there changes while anyone looks, so that a loop need not load it twice."""
+def _load(context, builder, kind, address):
+    """A value of a Numba type at an address; the words there never change while it is used, so that a loop loads them once."""
     if isinstance(kind, types.BaseTuple):
         parts = []
         for part in kind:
-            parts.append(_load(context, builder, part, place))
-            place = builder.add(place, ir.Constant(ir.IntType(64), 8 * size(part)))
+            parts.append(_load(context, builder, part, address))
+            address = builder.add(address, ir.Constant(ir.IntType(64), WORD * count_words(part)))
         return context.make_tuple(builder, kind, parts)
 
     def word(k, of=None):
         of = of or ir.IntType(64)
-        loaded = builder.load(builder.inttoptr(builder.add(place, ir.Constant(ir.IntType(64), 8 * k)), of.as_pointer()))
+        loaded = builder.load(builder.inttoptr(builder.add(address, ir.Constant(ir.IntType(64), WORD * k)), of.as_pointer()))
         loaded.set_metadata("invariant.load", builder.module.add_metadata([]))
         return loaded
 
@@ -88,29 +95,15 @@ def _load(context, builder, kind, place):
     return word(0, context.get_value_type(kind))
 
 
-def at_address(kind):
-    """A function of an address for compiled code: a look at the named tuple of a Numba type there.
+def view_at(kind):
+    """A function for compiled code that turns an address into a view of the named tuple of a Numba type there.
 
-    It is as light as the address, whatever it is handed to; a field is read where it is used, and its arrays own nothing.
+    A field of the view is read where it is used; its arrays own nothing.
     """
-    light = _At(kind)
+    view = _View(kind)
 
     @intrinsic
-    def at(typing_context, place):
-        return light(types.int64), lambda context, builder, signature, args: args[0]
-
-    return at
-
-
-def value_at(kind):
-    """A function of an address for compiled code: the tuple of a Numba type there, by value."""
-
-    @intrinsic
-    def at(typing_context, place):
-        def codegen(context, builder, signature, args):
-            model = context.data_model_manager[kind]
-            return model.load_from_data_pointer(builder, builder.inttoptr(args[0], model.get_data_type().as_pointer()))
-
-        return kind(types.int64), codegen
+    def at(typing_context, address):
+        return view(types.int64), lambda context, builder, signature, args: args[0]
 
     return at

@@ -2,17 +2,18 @@
 
 from numba import njit
 
-from .system import FACTORISATIONS, FORCES, ITERATIONS, NEWTON, TOLERANCE
+from .system import FACTORISATIONS, FORCES, ITERATIONS, NEWTON, TOLERANCE, system_at
 
-FULL_STEPS = 8  # the force may rise for a while on the way of a stiff net through its full steps, and converge all the same
+FULL_STEPS = 8  # the force may rise for a while on the way of a stiff system through its full steps, and converge all the same
 SHORTEST = 1.0 / 64.0
+HOPELESS = 1e300  # [N] force out of balance where it is not finite, or that is not known
 
 
 @njit(cache=True, error_model="numpy")
-def newton(system, net, stage, base, target, q, options, counts):
-    """Solve a stage for q in place.
+def newton(system_address, data_address, stage, base, target, q, parameters, counts):
+    """Solve a stage for q, in the array given.
 
-    Converged when the largest out-of-balance force is at most ``options[TOLERANCE]`` times the largest force on a node, plus
+    Converged when the largest out-of-balance force is at most ``parameters[TOLERANCE]`` times the largest force on a node, plus
     what rounding leaves; the internal forces may be those that the last full step predicted. After `FULL_STEPS` iterations a
     step must lower the force, or is halved until it does.
 
@@ -20,30 +21,31 @@ def newton(system, net, stage, base, target, q, options, counts):
     -------
     converged : bool
     """
-    norm, scale, noise, predicted = system.residual(stage, base, target, q, net)
+    system, tolerance = system_at(system_address), parameters[TOLERANCE]
+    norm, scale, noise, predicted = system.residual(stage, base, target, q, data_address)
     counts[FORCES] += 1
-    for iteration in range(int(options[ITERATIONS]) + 1):
-        if predicted <= options[TOLERANCE] * scale:
+    for iteration in range(int(parameters[ITERATIONS]) + 1):
+        if predicted <= tolerance * scale:
             return True
-        if norm <= options[TOLERANCE] * scale + noise:
-            system.adopt(net)
+        if norm <= tolerance * scale + noise:
+            system.adopt(data_address)
             return True
-        if norm == 1e300 or iteration == int(options[ITERATIONS]):
+        if norm == HOPELESS or iteration == int(parameters[ITERATIONS]):
             break
-        solves, left = system.direction(stage, net)
+        solves, left = system.direction(stage, data_address)
         counts[FACTORISATIONS] += solves
         counts[NEWTON] += 1
         length, before = 1.0, norm
-        system.correct(net, 1.0, q)
-        if left <= options[TOLERANCE] * scale:
+        system.correct(data_address, 1.0, q)
+        if left <= tolerance * scale:
             return True
-        norm, scale, noise, predicted = system.residual(stage, base, target, q, net)
+        norm, scale, noise, predicted = system.residual(stage, base, target, q, data_address)
         counts[FORCES] += 1
-        while iteration >= FULL_STEPS and not norm < before and predicted > options[TOLERANCE] * scale and length > SHORTEST:
+        while iteration >= FULL_STEPS and not norm < before and predicted > tolerance * scale and length > SHORTEST:
             length *= 0.5
-            system.correct(net, -length, q)
-            norm, scale, noise, predicted = system.residual(stage, base, target, q, net)
-            predicted = 1e300
+            system.correct(data_address, -length, q)
+            norm, scale, noise, predicted = system.residual(stage, base, target, q, data_address)
+            predicted = HOPELESS
             counts[FORCES] += 1
-    system.forget(net)
+    system.forget(data_address)
     return False

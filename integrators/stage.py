@@ -5,8 +5,8 @@ Find the places q of the moving nodes with
     m W (target - q) + f(t, q_m, v_m) + internal(q; base) = 0 ,    q_m = base + theta (q - base),   v_m = (q - base)/tau ,
 
 where external forces f are taken at (q_m, v_m) and the internal ones follow `law`: at the time of q itself, with its rate
-of length (``STATE``); the same with the rate that belongs to the whole change of length since base (``BACKWARD``); or
-between base and q (``BETWEEN``). A stage q = base + gamma h v, M (v - v_hat) = gamma h f of a Runge-Kutta or multistep scheme
+of length (``LAW_AT_END``); the same with the rate that belongs to the whole change of length since base (``LAW_BACKWARD``); or
+between base and q (``LAW_BETWEEN``). A stage q = base + gamma h v, M (v - v_hat) = gamma h f of a Runge-Kutta or multistep scheme
 has W = 1/(gamma h)^2, target = base + gamma h v_hat, theta = 1, tau = gamma h.
 """
 
@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from numba import types
 
-STATE, BACKWARD, BETWEEN = 0, 1, 2
+LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN = 0, 1, 2
 
 
 class Stage(NamedTuple):

@@ -14,6 +14,7 @@ from anet_lumped.motion.simulate import simulate
 from anet_lumped.motion.stability import step_limit, top_modes
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
 from anet_lumped.statics.equilibrium import equilibrium
+from integrators import schemes
 
 LENGTH, MASS, SEGMENTS, GRAVITY = 1.0, 0.1, 20, 9.81  # the thesis's cable [m], [kg], -, [m/s^2]
 SEGMENT_MASS = MASS / SEGMENTS  # [kg]
@@ -102,6 +103,21 @@ def quietly(scene, t_end, **settings):
     """`simulate` without its warning that the step is too long, which is what is asked here."""
     with warnings.catch_warnings(action="ignore", category=UserWarning):
         return simulate(scene, t_end, **settings)
+
+
+def explicit_schemes(**wanted):
+    """Names of the explicit schemes of this package."""
+    return schemes.names(own=True, explicit=True, **wanted)
+
+
+def implicit_schemes():
+    """Names of the implicit schemes of this package."""
+    return schemes.names(own=True, explicit=False)
+
+
+def label(scheme):
+    """What figures and texts call a scheme."""
+    return schemes.scheme(scheme).label
 
 
 def predicted_step(scheme, scene):

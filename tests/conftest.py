@@ -5,7 +5,7 @@ from functools import partialmethod
 
 import pytest
 
-from integrators import schemes
+from integrators.schemes.record import Scheme
 
 
 @pytest.fixture
@@ -19,9 +19,9 @@ def ctrl_c():
 @pytest.fixture
 def solve_to(monkeypatch):
     """Set Newton's tolerance, relative to the largest force on a node, so that a motion does not depend on when it stops."""
-    original = schemes.Scheme.options
+    original = Scheme.parameters
 
     def solve_to(tolerance):
-        monkeypatch.setattr(schemes.Scheme, "options", partialmethod(original, tolerance=tolerance))
+        monkeypatch.setattr(Scheme, "parameters", partialmethod(original, tolerance=tolerance))
 
     return solve_to

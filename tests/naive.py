@@ -8,7 +8,7 @@ import numpy as np
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model.tables import SEGMENT_DIRECTION, SEGMENT_GEOMETRIC, SEGMENT_GRADIENT, SEGMENT_STIFFNESS, SEGMENT_TENSION
 from anet_lumped.scene.scene import Free
-from integrators.stage import BACKWARD, BETWEEN
+from integrators.stage import LAW_BACKWARD, LAW_BETWEEN
 
 
 def masses(model):
@@ -124,13 +124,13 @@ def residual(model, stage, base, target, q):
         d, before, L0 = q[b] - q[a], base[b] - base[a], cable.L0
         l, l_a = np.linalg.norm(d), np.linalg.norm(before)
         e = d / l
-        if stage.law == BETWEEN:
+        if stage.law == LAW_BETWEEN:
             e = (before + d) / (l_a + l)
             omega = max(top_frequency(model, *two, cable) for one, *two in segments(model) if one is cable)
             s = omega * stage.tau / 2
             T, _ = tension_between(cable, l_a, l, stage.tau, stage.dissipation * s**2 / (1 + s**2))
         else:
-            then = l_a if stage.law == BACKWARD else e @ before
+            then = l_a if stage.law == LAW_BACKWARD else e @ before
             if cable.compression == "none":  # the damper acts on the change of the taut part of the length
                 T = tension(cable, l, (max(l, L0) - max(then, L0)) / stage.tau)
             else:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anet_lumped.motion.choice import OF_TIME_SCALE, time_scale
+from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE, time_scale
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.motion.times import stops
 from anet_lumped.results.run import State
@@ -119,7 +119,7 @@ def audit_effects(scene, error, *, at=None, tension=None, t_end=None, start="equ
         scene.cable(tension)
     swing = 2.0 * math.pi * time_scale(scene)
     t_end = t_end or float(max(stops(scene).max(initial=0.0), 0.0) + 2.0 * swing)
-    runs = _Runs(error, at, tension, t_end, start, OF_TIME_SCALE * time_scale(scene))
+    runs = _Runs(error, at, tension, t_end, start, SHARE_OF_TIME_SCALE * time_scale(scene))
     reference, known_to = runs.reference(scene)
     sizes = scales(reference, swing)
     found = [

@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from anet_lumped.model.build import build
-from anet_lumped.motion import extrapolation
-from anet_lumped.motion.choice import EXPLICIT_COST, OF_LIMIT, OF_TIME_SCALE, time_scale
+from anet_lumped.motion.choice import EXPLICIT_COST, SHARE_OF_LIMIT, SHARE_OF_TIME_SCALE, time_scale
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.motion.stability import predict
 from anet_lumped.motion.times import stops
 from anet_lumped.scene.scene import Free, SceneError
+from integrators import schemes
 
 SAVES = 40  # times at which places are compared
 MOST_SEGMENTS = 3000  # of the longest cable
@@ -157,7 +157,7 @@ class _Search:
         self.scene, self.points, self.t_end, self.start = scene, points, t_end, start
         most = max(cable.segments for cable in scene.cables)
         self.shares = [cable.segments / most for cable in scene.cables]
-        self.first_step = OF_TIME_SCALE * time_scale(scene)
+        self.first_step = SHARE_OF_TIME_SCALE * time_scale(scene)
         self.runs = {}
 
     def divided(self, count):
@@ -217,7 +217,7 @@ class _Search:
             found.append(self.fixed(scene, share, extrapolate=True))
         if not any(cable.inextensible for cable in scene.cables):
             limit = predict(scene, schemes=("verlet",)).limits["verlet"].step
-            dt, implicit = self.step(OF_LIMIT * limit), self.t_end / found[0].times_real_time
+            dt, implicit = self.step(SHARE_OF_LIMIT * limit), self.t_end / found[0].times_real_time
             if EXPLICIT_COST * build(scene).n * self.t_end / dt < PATIENCE * implicit:
                 found.append(self.candidate(scene, "verlet", self.halves(scene, "verlet", dt), dt=dt))
         return sorted((c for c in found if c and c.error <= share), key=lambda c: -c.times_real_time)
@@ -229,7 +229,8 @@ class _Search:
 
     def fixed(self, scene, share, extrapolate=False):
         """The largest step of edmc whose error is within a share; None if extrapolation does not get there."""
-        dt, order = self.step(self.first_step), extrapolation.ORDER if extrapolate else 2
+        dt, edmc = self.step(self.first_step), schemes.scheme("edmc")
+        order = edmc.extrapolated_order if extrapolate else edmc.order
         options = {"extrapolate": True} if extrapolate else {}
         for _ in range(2 * ATTEMPTS):
             error = self.halves(scene, "edmc", dt, order, **options)

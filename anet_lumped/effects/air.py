@@ -61,8 +61,8 @@ class Air:
         index : int64
             Number of segments; both nodes of each; nodes of the points with a CdA.
         params : float64
-            Surface [m]; how many numbers the winds take, and those; unstretched length [m], diameter [m] and the coefficients
-            normal and along [kg/m] of each segment; diameter [m] and coefficient [kg/m] of each point.
+            Surface [m]; how many numbers `pack` makes of the winds, and those; unstretched length [m], diameter [m] and the
+            coefficients normal and along [kg/m] of each segment; diameter [m] and coefficient [kg/m] of each point.
 
         Raises
         ------

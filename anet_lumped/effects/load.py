@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 
 from anet_lumped.checks import SceneError, check_name, check_number, check_vector
+from anet_lumped.prescribed.smoothstep import ramped
 
 from .signatures import ENERGY, FORCE, TANGENT, names_left
 
@@ -70,17 +71,10 @@ class Load:
         return Load(self.per_length, tuple(names), self.ramp) if names else None
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _share(t, ramp):
-    """Of the load, at t."""
-    s = min(max(t / ramp, 0.0), 1.0) if ramp > 0.0 else 1.0
-    return s * s * s * (s * (6.0 * s - 15.0) + 10.0)
-
-
 @njit(FORCE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
     """f_i += p_i; returns what a load that grows takes out [W], -sum p_i . v_i."""
-    share, power = _share(t, params[0]), 0.0
+    (share, _, _), power = ramped(t, params[0]), 0.0
     for i in range((params.shape[0] - 1) // 3):
         for x in range(3):
             p = share * params[1 + 3 * i + x]

@@ -19,7 +19,7 @@ tangent(t, q, v, index, params, c_q, c_v, D, near, far)
     energy.
 
 between(t, h, base, q, index, params, f, D, near, far) -> dissipated
-    adds the force that acts over a whole step of law ``BETWEEN`` from places ``base`` to ``q``, so that with the dissipated
+    adds the force that acts over a whole step of law ``LAW_BETWEEN`` from places ``base`` to ``q``, so that with the dissipated
     energy [J] >= 0 that it returns the step can not raise the energy, and subtracts its derivative in q from the blocks. Effects
     without it are taken at the middle of the step.
 inertia(t, q, index, params, A)

@@ -107,9 +107,9 @@ class Water:
         index : int64
             Number of segments; both nodes of each; nodes of the points with a volume or a CdA.
         params : float64
-            Level [m]; how many numbers current and wave take, and those; of each segment L0 and d [m], the coefficients of drag
-            normal and along [kg/m], buoyancy under water [N], displaced mass [kg], Can, Cat; of each point the diameter of its
-            sphere [m], its coefficient of drag [kg/m], buoyancy [N], displaced mass [kg], Ca.
+            Level [m]; how many numbers current (by `pack`) and wave take, and those; of each segment L0 and d [m], the
+            coefficients of drag normal and along [kg/m], buoyancy under water [N], displaced mass [kg], Can, Cat; of each point
+            the diameter of its sphere [m], its coefficient of drag [kg/m], buoyancy [N], displaced mass [kg], Ca.
 
         Raises
         ------

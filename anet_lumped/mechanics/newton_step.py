@@ -50,7 +50,7 @@ from anet_lumped.model.tables import (
     SEGMENT_STRETCH_BEFORE,
     SEGMENT_TENSION,
 )
-from integrators.stage import BETWEEN, STAGE, STATE
+from integrators.stage import LAW_AT_END, LAW_BETWEEN, STAGE
 
 _f2 = float64[:, ::1]
 
@@ -77,7 +77,7 @@ def _cable_finish(stage, net, c):
     _, _, soft, taut, _, share = weights(stage, net, c)
     one_way = group_constant(net, c, AXIAL_PUSH_SHARE) < 1.0 and group_constant(net, c, AXIAL_INEXTENSIBLE) == 0.0
     curved = lane(column(net.cable, c, CABLE_CURVE), 0) < lane(column(net.cable, c, CABLE_CURVE_END), 0)
-    per_sum, strain = (0.5 if stage.law == BETWEEN else 1.0) / L0, share * taut / (2.0 * L0)
+    per_sum, strain = (0.5 if stage.law == LAW_BETWEEN else 1.0) / L0, share * taut / (2.0 * L0)
     most, longest = 0.0 * L0, 0.0 * L0
     x0, y0, z0 = row3(step, column(net.cable, c, CABLE_START))
     for j in range(count):
@@ -91,7 +91,7 @@ def _cable_finish(stage, net, c):
         stiffness, longer = load(segment, shifted(s, 0, SEGMENT_COLUMNS, SEGMENT_STIFFNESS)), gx * dx + gy * dy + gz * dz
         if one_way:
             stretch, _, _, numerical = load_four(segment, shifted(s, 0, SEGMENT_COLUMNS, SEGMENT_STRETCH))
-            straight = soft + numerical if stage.law == BETWEEN else soft
+            straight = soft + numerical if stage.law == LAW_BETWEEN else soft
             as_taut = (stretch > 0.0) | (stiffness + a > (1.0 - 1e-9) * straight)
             most = max(most, select(as_taut & (stretch + longer > 0.0), 0.0, 1e300))
         T = select(stiffness != 0.0, T + a * longer, T)
@@ -139,7 +139,7 @@ def direction(stage, net_address):
     for i in range(net.n_interior, net.n_free):
         for x in range(3):
             kept[i, x] = right[i, x]
-    length_direction, taut = SEGMENT_GRADIENT if stage.law == BETWEEN else SEGMENT_DIRECTION, False
+    length_direction, taut = SEGMENT_GRADIENT if stage.law == LAW_BETWEEN else SEGMENT_DIRECTION, False
     for solves in range(1, ROUNDS + 1):
         smallest = solve.solve(net_address)
         taut = smallest > 0.0  # all are taut and stay so: a slack segment has no tension
@@ -211,7 +211,7 @@ def direction(stage, net_address):
             for x in range(3):
                 right[i, x] = kept[i, x]
     left = 0.0 if taut and net.effects.linear == 1 else 1e300
-    if stage.law == STATE:
+    if stage.law == LAW_AT_END:
         return solves, 1e300
     if net.cable_groups.shape[0] > 0:
         left = max(left, 2.0 * as_finish(net.kernels[KERNEL_FINISH_GROUPS])(stage, net_address))

@@ -35,8 +35,8 @@ from anet_lumped.model.tables import (
     SEGMENT_TENSION,
     SLOT_ENERGY,
 )
-from integrators.stage import BACKWARD, BETWEEN, STATE
-from integrators.system import NEVER
+from integrators.stage import LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN
+from integrators.system import NO_EVENTS
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 
@@ -45,7 +45,7 @@ _f1, _f2 = float64[::1], float64[:, ::1]
 def observe(q, v, net_address, tension):
     """Tension of every segment in a state (n_segments,) [N], overwritten.
 
-    By the law at one time; after a step of law ``BETWEEN`` by the tension that acted over it and what the law says of the
+    By the law at one time; after a step of law ``LAW_BETWEEN`` by the tension that acted over it and what the law says of the
     difference between the end and the mean of the step, in which an error of the places is not multiplied by the stiffness.
     Nor is one of the rates by the damper: where the step does not resolve the stretching, or how it is damped, the rate is
     that of the step. After the stages of a Runge-Kutta step whose mean was taken, by the law where the step resolves the
@@ -65,7 +65,7 @@ def observe(q, v, net_address, tension):
         for j in range(count):
             i, s = node + j if j < count - 1 else net.cable[c, CABLE_END], first + j
             acting = net.tension[s] if two_damper > 0.0 else max(net.tension[s], 0.0)
-            if net.linearised[LINEARISED_LAW] == BACKWARD or net.axial[c, AXIAL_INEXTENSIBLE] > 0.0:
+            if net.linearised[LINEARISED_LAW] == LAW_BACKWARD or net.axial[c, AXIAL_INEXTENSIBLE] > 0.0:
                 tension[s] = acting
             else:
                 dx, dy, dz = q[i, 0] - q[before, 0], q[i, 1] - q[before, 1], q[i, 2] - q[before, 2]
@@ -73,7 +73,7 @@ def observe(q, v, net_address, tension):
                 rate = dx * (v[i, 0] - v[before, 0]) + dy * (v[i, 1] - v[before, 1]) + dz * (v[i, 2] - v[before, 2])
                 rate = rate / max(l, 1e-12 * L0) - net.axial[c, AXIAL_L0_RATE]
                 T, elastic = tension_parts(l - L0, rate, spring, damper, two_damper)
-                if net.linearised[LINEARISED_LAW] == BETWEEN and (elastic != 0.0 or two_damper > 0.0):
+                if net.linearised[LINEARISED_LAW] == LAW_BETWEEN and (elastic != 0.0 or two_damper > 0.0):
                     h, row = net.linearised[LINEARISED_TAU], net.segment[s]
                     mean = row[SEGMENT_STRETCH] - row[SEGMENT_STRETCH_BEFORE]
                     if two_damper == 0.0:
@@ -82,7 +82,7 @@ def observe(q, v, net_address, tension):
                     resolved = 1.0 / (1.0 + (0.25 * h + 0.5 * damper / k) * h * net.axial[c, AXIAL_OMEGA_SQUARED])
                     T = acting + (elastic - row[SEGMENT_TENSION] + damper * mean) + damper * resolved * (rate - mean)
                     T = T if two_damper > 0.0 else max(T, 0.0)
-                elif net.linearised[LINEARISED_LAW] == STATE and net.linearised[LINEARISED_MEAN_STEP] > 0.0:
+                elif net.linearised[LINEARISED_LAW] == LAW_AT_END and net.linearised[LINEARISED_MEAN_STEP] > 0.0:
                     h = net.linearised[LINEARISED_MEAN_STEP]
                     stiff = (0.25 * h + 0.5 * damper / k) * h * net.axial[c, AXIAL_OMEGA_SQUARED]
                     T = net.mean_tension[s] + (T - net.mean_tension[s]) / (1.0 + stiff * stiff)
@@ -117,9 +117,9 @@ def energies(t, q, v, net_address, energy):
 
 @kernel(float64(_f2, _f2, int64))
 def margin(q, v, net_address):
-    """Largest of T/T_max - 1 over the segments of cables that may break, T as in `observe`; `NEVER` if there are none."""
+    """Largest of T/T_max - 1 over the segments of cables that may break, T as in `observe`; `NO_EVENTS` if there are none."""
     net = view_net(net_address)
-    largest = NEVER
+    largest = NO_EVENTS
     if net.breaking_tension.shape[0] > 0:
         observe(q, v, net_address, net.observed_tension)
         for s in range(net.breaking_tension.shape[0]):

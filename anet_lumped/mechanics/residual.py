@@ -58,7 +58,7 @@ from anet_lumped.model.tables import (
     SLOT_TANGENT,
     SLOT_WHOLE_STEP,
 )
-from integrators.stage import BETWEEN, STAGE, STATE
+from integrators.stage import LAW_AT_END, LAW_BETWEEN, STAGE
 
 _f2 = float64[:, ::1]
 
@@ -68,11 +68,11 @@ EPS = 2.220446049250313e-16
 @internal
 def set_stage_lengths(stage, net_address):
     """Rest lengths at the end and the start of a stage, and what else follows from them where external forces are taken."""
-    begins = stage.t - (stage.theta * stage.tau if stage.law != STATE else 0.0)
+    begins = stage.t - (stage.theta * stage.tau if stage.law != LAW_AT_END else 0.0)
     net = view_net(net_address)
-    ends = begins + stage.tau if stage.law != STATE else stage.t
+    ends = begins + stage.tau if stage.law != LAW_AT_END else stage.t
     as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, begins, stage.t, ends)
-    if stage.law == STATE:
+    if stage.law == LAW_AT_END:
         for c in net.lengths.cable:
             net.axial[c, AXIAL_L0_BEFORE] = net.axial[c, AXIAL_L0] - stage.tau * net.axial[c, AXIAL_L0_RATE]
 
@@ -211,7 +211,7 @@ def residual(stage, base, target, q, net_address):
         clear(net.far_blocks)
     for e in range(effects.address.shape[0]):
         (index, params), of = numbers_of(effects, e), effects.address[e]
-        if of[SLOT_WHOLE_STEP] != 0 and stage.law == BETWEEN:
+        if of[SLOT_WHOLE_STEP] != 0 and stage.law == LAW_BETWEEN:
             as_between(of[SLOT_WHOLE_STEP])(
                 stage.t, stage.tau, base, q, index, params, right, diagonal, net.near_blocks, net.far_blocks
             )
@@ -254,6 +254,6 @@ def residual(stage, base, target, q, net_address):
         predicted = max(predicted, abs(kept[p, 0]), abs(kept[p, 1]), abs(kept[p, 2]))
     if not finite - finite == 0.0:
         norm = 1e300
-    if stage.law == STATE or not finite - finite == 0.0:
+    if stage.law == LAW_AT_END or not finite - finite == 0.0:
         predicted = 1e300
     return norm, scale, noise, max(0.0, predicted - floor)

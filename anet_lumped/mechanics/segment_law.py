@@ -22,7 +22,7 @@ from anet_lumped.model.tables import (
     CABLE_SEGMENTS,
     CABLE_START,
 )
-from integrators.stage import BETWEEN, STATE
+from integrators.stage import LAW_AT_END, LAW_BETWEEN
 
 STRICT = 300.0  # times its inertia is what a length that must not change counts for
 PENALTY = 1e7  # of a length that must not change, over the inertia of a node
@@ -112,7 +112,7 @@ def weights(stage, net, c):
     k, damper, per_tau = column(net.axial, c, AXIAL_STIFFNESS), column(net.axial, c, AXIAL_DAMPER), 1.0 / stage.tau
     numerical, rigid = numerical_damper(stage, net, c), penalty(stage, net, c)
     inertia = stage.W * _largest_moving_mass(net, c)
-    if stage.law == BETWEEN:
+    if stage.law == LAW_BETWEEN:
         soft = rigid + damper * per_tau + 0.5 * k
         taut, old = soft + numerical, abs(0.5 * k - numerical - damper * per_tau)
     else:
@@ -135,7 +135,7 @@ def tension_law(stage, stretch, before, spring, c, two_damper, numerical):
     change of the taut part of the length, so that the tension is continuous in the length when a slack segment turns taut.
     ``numerical`` is the damper that the scheme adds [N/m], see `numerical_damper`.
     """
-    if stage.law == BETWEEN:
+    if stage.law == LAW_BETWEEN:
         return tension_between(before, stretch, spring, c / stage.tau + numerical, two_damper)
     if two_damper > 0.0:
         rate = (stretch - before) / stage.tau
@@ -152,7 +152,7 @@ def reduced_slope(stage, slope, a):
     A tension T that acts along e = (d_a + d)/(l_a + l) changes its force by a (I - e n^T) dd + e dT, and `chain` has a dd + e dT':
     with T' = T - a n . dd the tangent is exact. `newton_step._finish_tensions` gives T. A slack segment, of slope 0, keeps that.
     """
-    return select(slope > 0.0, slope - a, slope) if stage.law != STATE else slope
+    return select(slope > 0.0, slope - a, slope) if stage.law != LAW_AT_END else slope
 
 
 @inlined
@@ -188,12 +188,12 @@ def linearise(stage, q0, q1, a0, a1, law, guess, old):
     nx, ny, nz = dx * per_l, dy * per_l, dz * per_l
     ex, ey, ez, gx, gy, gz = nx, ny, nz, nx, ny, nz
     per_sum = min(per_l, largest_per)
-    if stage.law == STATE:
+    if stage.law == LAW_AT_END:
         before = nx * ax + ny * ay + nz * az - L_a
     else:
         l_a = math.sqrt(ax * ax + ay * ay + az * az)
         before = l_a - L_a
-        if stage.law == BETWEEN:
+        if stage.law == LAW_BETWEEN:
             if beginning > 0.0:
                 change = old[1] - old[0]
                 if beginning == BEGINS:  # a slack segment may snap taut
@@ -215,7 +215,7 @@ def linearise(stage, q0, q1, a0, a1, law, guess, old):
             T, slope = select(slack, 0.0, T), select(slack, 0.0, slope)
     else:
         T, slope, secant = tension_law(stage, stretch, before, spring, damper, two_damper, numerical)
-    if stage.law == STATE:
+    if stage.law == LAW_AT_END:
         # dT = slope n.dd - (c/tau)(I - n n^T) d_hat . dd / l: the damper sees the segment turn
         turns = (slope > 0.0) & ((before > 0.0) | (two_damper > 0.0))
         turn = select(turns, damper / (slope * stage.tau * max(l, 0.01 * L0)), 0.0)
@@ -226,7 +226,7 @@ def linearise(stage, q0, q1, a0, a1, law, guess, old):
     if two_damper == 0.0:
         if inextensible > 0.0:
             T = max(T, 0.0)
-        elif stage.law == BETWEEN:
+        elif stage.law == LAW_BETWEEN:
             again = (T == 0.0) & (guess > 0.0) & (guess + light * min(stretch, before) > 0.0)
             linear = spring[0], 1.0, L0, spring[3], 0, 0
             of_taut, slope, _ = tension_between(before, stretch, linear, damper / stage.tau + numerical, 1.0)

@@ -158,7 +158,7 @@ def settle_of_groups(stage, net_address, base, q, v):
 
 @kernel(types.void(STAGE, _f2, _f2, _f2, int64, _f1))
 def settle(stage, base, q, v, net_address, energy):
-    """Account for a step of law ``BETWEEN`` from base to q, and take out of the velocities at its end what rings.
+    """Account for a step of law ``LAW_BETWEEN`` from base to q, and take out of the velocities at its end what rings.
 
     The energy put in by driven nodes and dissipated is that of the very forces that acted in the step; what changes the rest
     lengths puts in -T (L_b - L_a), so that dampers dissipate by the change of l - L0.

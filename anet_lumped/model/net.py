@@ -12,7 +12,7 @@ import numpy as np
 from numba import types
 
 from anet_lumped.prescribed.path_kernel import TABLE
-from integrators.addresses import at_address, size, words
+from integrators.addresses import count_words, view_at, words_of
 
 _f1, _f2, _f3, _f4 = (types.Array(types.float64, d, "C") for d in (1, 2, 3, 4))
 _i1, _i2 = (types.Array(types.int64, d, "C") for d in (1, 2))
@@ -123,7 +123,7 @@ class Net(NamedTuple):
         """The same net with its address; it and its arrays must outlive every use of the address."""
         held = np.empty(WORDS, np.int64)
         net = self._replace(words=held, address=held.ctypes.data)
-        held[:] = words(net)
+        held[:] = words_of(net)
         return net
 
 
@@ -141,5 +141,5 @@ NET = types.NamedTuple(
 )
 
 
-WORDS = size(NET)
-view_net = at_address(NET)
+WORDS = count_words(NET)
+view_net = view_at(NET)

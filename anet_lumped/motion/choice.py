@@ -7,20 +7,21 @@ from functools import lru_cache
 import numpy as np
 
 from integrators import schemes
+from integrators.schemes.record import EnergyPromise
 
 from . import stability
 
 # Cost of a node and step, measured on the four-cable net (study `speed`): an explicit step, and an implicit one of one Newton
 # iteration.
 EXPLICIT_COST, IMPLICIT_COST = 14e-9, 130e-9  # [s]
-OF_LIMIT = 0.5  # of the predicted limit for an explicit step
-SWINGS_ABOUT = ("symplectic_euler", "verlet")  # no step is damped: the energy swings about one that the scheme keeps
-# Of the limit for these two where a cable may go slack undamped. Of free flight, whip and crumple at EA = 1e4 and 1e6 N the energy
-# rises by up to 1.6 of that in play at 1/2 of the limit, 0.8 at 0.35, 0.24 at 1/4, 0.11 at 0.18 and 0.06 at 1/8; with rk4, which
-# damps the fastest motion, by 0.01 at any.
-OF_LIMIT_SLACK = 0.125
-CALM = 0.01  # damping ratio from which on a cable that goes slack and snaps taut does not pump an explicit step
-OF_TIME_SCALE = 1.0 / 32.0  # of the motion's time scale for an implicit one: 10 ms for a metre of hanging cable
+DEFAULT_IMPLICIT, DEFAULT_EXPLICIT = "edmc", "verlet"
+SHARE_OF_LIMIT = 0.5  # of the predicted limit for an explicit step
+# Of the limit for the schemes whose energy swings about one that they keep, where a cable may go slack undamped. In free flight,
+# whip and crumple at EA = 1e4 and 1e6 N the energy rises by up to 1.6 of that in play at 1/2 of the limit, 0.8 at 0.35, 0.24 at
+# 1/4, 0.11 at 0.18 and 0.06 at 1/8; with rk4, which damps the fastest motion, by 0.01 at any.
+SHARE_OF_LIMIT_SLACK = 0.125
+CALM_DAMPING_RATIO = 0.01  # from which on a cable that goes slack and snaps taut gains no energy in explicit steps
+SHARE_OF_TIME_SCALE = 1.0 / 32.0  # of the motion's time scale for an implicit one: 10 ms for a metre of hanging cable
 
 
 @dataclass(frozen=True)
@@ -60,8 +61,8 @@ def _path_scales(path):
 
 
 @lru_cache(maxsize=32)
-def _predict(scene, names):
-    return stability.predict(scene, schemes=names)
+def _predict(scene, schemes):
+    return stability.predict(scene, schemes=schemes)
 
 
 def choose(scene, method=None, dt=None, adaptive=False):
@@ -75,45 +76,53 @@ def choose(scene, method=None, dt=None, adaptive=False):
     -------
     Choice
     """
-    stiff = [cable.name for cable in scene.cables if cable.inextensible]
-    if stiff and method not in (None, "edmc"):
+    rigid = next((cable.name for cable in scene.cables if cable.inextensible), None)
+    able = schemes.names(takes_rigid_springs=True)
+    if rigid is not None and method not in (None, *able):
+        needed = " or ".join(f'method="{name}"' for name in able)
         raise ValueError(
-            f'A cable that does not stretch needs method="edmc", but cable "{stiff[0]}" has EA=inf and the method is {method}.'
+            f'A cable that does not stretch needs {needed}, but cable "{rigid}" has EA=inf and the method is {method}.'
         )
-    if stiff and method is None:
-        method = "edmc"
-    prediction = _predict(scene, tuple(sorted({"verlet", "edmc" if method is None else method})))
-    limit = prediction.limits["verlet"].step
-    motion = OF_TIME_SCALE * time_scale(scene)
-    explicit = OF_LIMIT * limit
-    whips = next((c.name for c in scene.cables if c.compression != "linear" and c.damping_ratio < CALM), None)
-    stiffens = next((type(effect).__name__ for effect in scene.effects if getattr(effect, "stiff", False)), None)
-    never = whips is not None or stiffens is not None
-    if method is None and adaptive:
-        method, why = "edmc", "adaptive steps: no limit of stability, and no energy gained"
-    elif method is None and dt is not None:
-        method = "edmc" if never or dt > explicit else "verlet"
-        why = f"dt={dt:.3g} s is {'within' if dt <= explicit else 'beyond'} the stable step of verlet, {limit:.3g} s"
-    elif method is None:
-        cost = EXPLICIT_COST / explicit if explicit > 0 else math.inf, IMPLICIT_COST / motion
-        method = "edmc" if never or cost[0] > cost[1] else "verlet"
-        why = (
-            f"a second of motion costs {cost[0] * 1e6:.3g} µs a node with verlet at {explicit:.3g} s (stable to {limit:.3g} s) and "
-            f"{cost[1] * 1e6:.3g} µs with edmc at {motion:.3g} s (1/{1 / OF_TIME_SCALE:.0f} of the motion's time scale)"
-        )
-    else:
+    chosen_by_user = method is not None
+    prediction = _predict(scene, tuple(sorted({DEFAULT_EXPLICIT, method if chosen_by_user else DEFAULT_IMPLICIT})))
+    limit = prediction.limits[DEFAULT_EXPLICIT].step
+    motion = SHARE_OF_TIME_SCALE * time_scale(scene)
+    explicit_step = SHARE_OF_LIMIT * limit
+    undamped_slack_cable = next(
+        (c.name for c in scene.cables if c.compression != "linear" and c.damping_ratio < CALM_DAMPING_RATIO), None
+    )
+    stiff_effect = next((type(effect).__name__ for effect in scene.effects if getattr(effect, "stiff", False)), None)
+    needs_implicit = undamped_slack_cable is not None or stiff_effect is not None
+    if chosen_by_user:
         why = "asked for"
-    if whips is not None and why != "asked for":
-        why += f'; cable "{whips}" may go slack undamped, where an explicit step gains energy'
-    if stiffens is not None and why != "asked for":
-        why += f"; no limit of an explicit step is known before the run for the forces of {stiffens}"
-    of_method = prediction.limits[method].step
-    if dt is None:
-        if method in schemes.EXPLICIT:
-            share = OF_LIMIT_SLACK if whips is not None and method in SWINGS_ABOUT else OF_LIMIT
-            dt = min(share * of_method, motion) if of_method > 0 else motion / 32.0
-        else:
-            dt = motion / 8.0 if adaptive else motion
-        why += f"; dt={dt:.3g} s from the {'predicted limit' if method in schemes.EXPLICIT else 'time scale of the motion'}"
+    elif rigid is not None:
+        method, why = DEFAULT_IMPLICIT, f'cable "{rigid}" does not stretch'
+    elif adaptive:
+        method, why = DEFAULT_IMPLICIT, "adaptive steps: no limit of stability, and no energy gained"
+    elif dt is not None:
+        method = DEFAULT_IMPLICIT if needs_implicit or dt > explicit_step else DEFAULT_EXPLICIT
+        within = "within" if dt <= explicit_step else "beyond"
+        why = f"dt={dt:.3g} s is {within} the stable step of {DEFAULT_EXPLICIT}, {limit:.3g} s"
+    else:
+        explicit_cost = EXPLICIT_COST / explicit_step if explicit_step > 0 else math.inf
+        implicit_cost = IMPLICIT_COST / motion
+        method = DEFAULT_IMPLICIT if needs_implicit or explicit_cost > implicit_cost else DEFAULT_EXPLICIT
+        why = (
+            f"a second of motion costs {explicit_cost * 1e6:.3g} µs a node with {DEFAULT_EXPLICIT} at {explicit_step:.3g} s "
+            f"(stable to {limit:.3g} s) and {implicit_cost * 1e6:.3g} µs with {DEFAULT_IMPLICIT} at {motion:.3g} s "
+            f"(1/{1 / SHARE_OF_TIME_SCALE:.0f} of the motion's time scale)"
+        )
+    if undamped_slack_cable is not None and not chosen_by_user and rigid is None:
+        why += f'; cable "{undamped_slack_cable}" may go slack undamped, where an explicit step gains energy'
+    if stiff_effect is not None and not chosen_by_user and rigid is None:
+        why += f"; no limit of an explicit step is known before the run for the forces of {stiff_effect}"
+    scheme, limit = schemes.scheme(method), prediction.limits[method].step
+    if dt is None and scheme.explicit and scheme.own:
+        pumps = undamped_slack_cable is not None and scheme.energy is EnergyPromise.SWINGS_ABOUT
+        dt = min((SHARE_OF_LIMIT_SLACK if pumps else SHARE_OF_LIMIT) * limit, motion) if limit > 0 else motion / 32.0
+        why += f"; dt={dt:.3g} s from the predicted limit"
+    elif dt is None:
+        dt = motion / 8.0 if adaptive else motion
+        why += f"; dt={dt:.3g} s from the time scale of the motion"
     warning = "" if adaptive else prediction.warning(method, dt)
-    return Choice(method, dt, f"{method}: {why}", of_method, (warning,) if warning else ())
+    return Choice(method, dt, f"{method}: {why}", limit, (warning,) if warning else ())

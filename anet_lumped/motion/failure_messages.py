@@ -1,4 +1,4 @@
-"""What a run of our own schemes says of how it went: one sentence with when, where, why and what to try."""
+"""Messages of runs with the schemes of this package: one sentence with when, where, why and what to try."""
 
 import math
 
@@ -8,15 +8,15 @@ STIFF_SHARE = 0.1  # of the steps: where stability holds more of them, a motion 
 
 
 def why_it_stopped(model, choice, status, t, node, tolerances, counts):
-    """Why a run did not reach its end, or "".
+    """Message of a run that did not reach its end; empty for one that did.
 
     Parameters
     ----------
     model : Model
     choice : Choice
-    status : int64, see `integrators.system`
+    status : int, see `integrators.system`
     t : float [s], time reached
-    node : int64, where it went wrong, or -1
+    node : int, where it went wrong, or -1
     tolerances : (rtol, atol) of an embedded pair that chose its steps, else None
     counts : (6,) int64, work counts
 
@@ -29,7 +29,7 @@ def why_it_stopped(model, choice, status, t, node, tolerances, counts):
     if status == INTERRUPTED:
         return f"{choice.method} with dt={choice.dt:.3g} s was stopped by the user at t={t:.4g} s."
     if tolerances is not None:
-        return _of_a_pair(model, choice, status, t, node, tolerances, int(counts[STEPS]), int(counts[REJECTED]))
+        return _of_embedded_pair(model, choice, status, t, node, tolerances, int(counts[STEPS]), int(counts[REJECTED]))
     if status == DIVERGED:
         limit = f", whose predicted limit is {choice.limit:.3g} s" if math.isfinite(choice.limit) else ""
         return (
@@ -44,8 +44,8 @@ def why_it_stopped(model, choice, status, t, node, tolerances, counts):
     )
 
 
-def _of_a_pair(model, choice, status, t, node, tolerances, steps, rejected):
-    head = f"{choice.method} with {_words(tolerances)}"
+def _of_embedded_pair(model, choice, status, t, node, tolerances, steps, rejected):
+    head = f"{choice.method} with {_in_words(tolerances)}"
     if status == OUT_OF_STEPS:
         return (
             f"{head} was at t={t:.4g} s when it had tried all {steps + rejected} steps that a run may take ({rejected} rejected; "
@@ -60,14 +60,14 @@ def _of_a_pair(model, choice, status, t, node, tolerances, steps, rejected):
 
 
 def stiff_for(choice, tolerances, counts, held, held_for):
-    """A sentence in a tuple if stability held steps that the tolerance would let grow, else an empty one.
+    """Warning in a tuple if stability held steps that the tolerance would let grow, else an empty tuple.
 
     Parameters
     ----------
     choice : Choice
     tolerances : (rtol, atol)
     counts : (6,) int64, work counts
-    held, held_for : int64, float64 [s]
+    held, held_for : int, float [s]
         Steps that stability held, and their time.
 
     Returns
@@ -78,10 +78,10 @@ def stiff_for(choice, tolerances, counts, held, held_for):
         return ()
     return (
         f"The motion is stiff for {choice.method}: stability, whose predicted limit is {choice.limit:.3g} s, held at least {held} "
-        f"of {counts[STEPS]} steps to {held_for / held:.3g} s, where {_words(tolerances)} allows longer ones; "
+        f"of {counts[STEPS]} steps to {held_for / held:.3g} s, where {_in_words(tolerances)} allows longer ones; "
         'method="edmc" has no such limit.',
     )
 
 
-def _words(tolerances):
+def _in_words(tolerances):
     return ", ".join(f"{name}={x:.3g}{unit}" for name, x, unit in zip(("rtol", "atol"), tolerances, ("", " m"), strict=True) if x)

@@ -1,49 +1,70 @@
-"""A run from event to event: each leg marches what is left of the scene, and all of them come back as one Run.
+"""A run in legs, from one event to the next: each leg marches what is left of the scene, and all legs are joined to one Run.
 
-Rows saved at the time of an event show the state before it. The account of energy runs on: what was lost in it is dissipated (what
-a fluid was given included), the kinetic energy that a payload brings or takes with it is work. Potential energy is counted from
-where a payload was when it changed, so that nothing depends on where heights are counted from.
+Rows saved at the time of an event show the state before it. The energy balance is carried through the events: energy lost in one is
+dissipated (what a fluid was given included), and the kinetic energy that a payload brings or takes with it is work. The potential
+energy does not jump where a payload changes, so that the balance does not depend on the height that is called zero.
 """
 
 from dataclasses import astuple, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
-from anet_lumped.model.remainder import remainder
+from anet_lumped.model.remainder import Remainder, remainder
 from anet_lumped.model.tables import CABLE_SEGMENTS
 from anet_lumped.results.events import BREAK, PAYLOAD, Event, broken
 from anet_lumped.results.run import STATUS, RunInterrupt, Work
-from integrators.march import SAME
-from integrators.system import BALANCE, DONE, EVENT
+from integrators.system import BALANCE, DONE, EVENT, SAME_TIME
 
 from .times import Leg
 
 POTENTIAL, WORK, DISSIPATED = 2, 3, 4  # of the energies
 
 
-def in_legs(march, scene, choice, start, t_end, save_every, stepped, settings):
+class Start(NamedTuple):
+    """State that a leg starts from: q, v (n, 3) [m], [m/s] and the tension of every segment (n_segments,) [N]; all its own."""
+
+    q: np.ndarray
+    v: np.ndarray
+    tension: np.ndarray
+
+
+class Settings(NamedTuple):
+    """How a run is marched.
+
+    Parameters
+    ----------
+    adaptive : bool, whether its steps are chosen by a tolerance
+    tolerances : (rtol, atol), of the largest coordinate and [m]
+    rho_inf : float or None, see `simulate`
+    """
+
+    adaptive: bool
+    tolerances: tuple[float, float]
+    rho_inf: float | None
+
+
+def march_legs(march, scene, choice, start, t_end, save_every, settings):
     """March a scene from a State to t_end, through its events and the breaks of its cables.
 
     Parameters
     ----------
-    march : callable(model, choice, leg, q, v, tension, *settings) -> Run
+    march : callable(model, choice, leg, start, settings) -> Run
         Its last row is the state that it reached; its status is that of `EVENT` if a segment is to break there.
     scene : Scene
     choice : Choice
     start : State of the scene
     t_end : float [s]
     save_every : float or None [s]
-    stepped : bool
-        Whether steps are those of the choice, and not the method's own.
-    settings : what else the march takes
+    settings : Settings
 
     Returns
     -------
     Run
     """
-    made = _Legs(scene, start, Leg(start.t, t_end, start.t, t_end, save_every), choice.dt if stepped else None)
+    made = _Legs(scene, start, Leg(start.t, t_end, start.t, t_end, save_every), None if settings.adaptive else choice.dt)
     due = sorted({event.t for event in scene.events if start.t <= event.t < t_end})
     overloaded = made.overloaded()
     if overloaded or due[:1] == [start.t]:
@@ -54,8 +75,9 @@ def in_legs(march, scene, choice, start, t_end, save_every, stepped, settings):
             made.change_payloads(due.pop(0))
         end, own = due[0] if due else t_end, made.left
         leg = made.leg._replace(begin=made.t, end=end)
+        begin = Start(made.q[own.node], made.v[own.node], made.tension[own.segment])
         try:
-            run = march(own.model, choice, leg, made.q[own.node], made.v[own.node], made.tension[own.segment], *settings)
+            run = march(own.model, choice, leg, begin, settings)
         except RunInterrupt as stopped:
             made.add(stopped.run)
             raise RunInterrupt(made.joined()) from None
@@ -68,8 +90,19 @@ def in_legs(march, scene, choice, start, t_end, save_every, stepped, settings):
             return made.joined()
 
 
+class _Rows(NamedTuple):
+    """Rows that a leg has saved: what was left of the scene, times, places, velocities, energies and tensions of what was left."""
+
+    left: Remainder
+    t: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    energy: np.ndarray
+    tension: np.ndarray
+
+
 class _Legs:
-    """A run in the making: the state that it has come to, what is left of the scene, and the rows so far."""
+    """A run in the making: the state that it has reached, what is left of the scene, and the rows saved so far."""
 
     def __init__(self, scene, start, leg, dt):
         self.scene, self.model, self.leg, self.dt = scene, build(scene), leg, dt
@@ -84,23 +117,23 @@ class _Legs:
         self.left = remainder(self.model, self.masses, self.broken)
 
     def add(self, run):
-        """Take over what a leg has saved and where it ended."""
+        """Add the rows that a leg has saved; its last state is where the next leg starts."""
         own, first, count, energy = self.left, 1 if self.rows else 0, len(run.t), run.energy + self.carried
-        again = self.dt is not None and count > 1 and run.t[-1] - run.t[-2] <= SAME * self.dt
+        again = self.dt is not None and count > 1 and run.t[-1] - run.t[-2] <= SAME_TIME * self.dt
         if run.status in (STATUS[DONE], STATUS[EVENT]) and (again or not self.leg.saves(float(run.t[-1]), self.dt)):
             count -= 1
-        kept = slice(first, count)
-        self.rows.append((own, run.t[kept], run.q[kept], run.v[kept], energy[kept], run.segment_tension[kept]))
+        new = slice(first, count)
+        self.rows.append(_Rows(own, run.t[new], run.q[new], run.v[new], energy[new], run.segment_tension[new]))
         self.t = float(run.t[-1])
         self.q[own.node], self.v[own.node], self.tension[own.segment] = run.q[-1], run.v[-1], run.segment_tension[-1]
         self.carried[WORK:] = energy[-1, WORK:]
         self.runs.append(run)
 
     def add_row(self):
-        """Save the state as it is."""
+        """Save the current state."""
         own = self.left
-        row = np.array([self.t]), self.q[own.node], self.v[own.node], self.energies(), self.tension[own.segment]
-        self.rows.append((own, row[0], *(part[None] for part in row[1:])))
+        row = self.t, self.q[own.node], self.v[own.node], self.energies(), self.tension[own.segment]
+        self.rows.append(_Rows(own, *(np.array([part]) for part in row)))
 
     def energies(self):
         """Kinetic, elastic and potential energy now, work and dissipated energy so far, (5,) [J]."""
@@ -111,7 +144,7 @@ class _Legs:
         return energy[:5] + self.carried
 
     def change_payloads(self, t):
-        """Change the payloads that are to at t."""
+        """Change the payloads whose events are at t."""
         for change in (event for event in self.scene.events if event.t == t):
             node, potential = self.model.node_of[change.point], self.energies()[POTENTIAL]
             more = change.mass - self.masses.get(change.point, self.scene.point(change.point).mass)
@@ -141,7 +174,9 @@ class _Legs:
         return float(model.mass[at]), added[at]
 
     def overloaded(self, at_least=0):
-        """Of each cable left the segment that is farthest beyond its strength, and the farthest ones of all in any case.
+        """Segments that must fail: of each cable left the one farthest beyond its strength, if any is.
+
+        The ``at_least`` segments that are nearest to failing, or farthest beyond, are among them in any case.
 
         Returns
         -------
@@ -159,33 +194,32 @@ class _Legs:
         """Let segments fail: their masses stay with their nodes, the energy that they hold is lost."""
         for segment in segments:
             cable = self.scene.cables[self.model.cable_of[segment]]
-            place = int(np.flatnonzero(np.arange(self.model.n_segments)[self.model.segments(cable.name)] == segment)[0])
+            number = int(np.flatnonzero(np.arange(self.model.n_segments)[self.model.segments(cable.name)] == segment)[0])
             before = self.energies()
-            self.broken[cable.name] = tuple(sorted((*self.broken.get(cable.name, ()), place)))
+            self.broken[cable.name] = tuple(sorted((*self.broken.get(cable.name, ()), number)))
             self._reduce()
             lost = float(np.sum((before - self.energies())[: POTENTIAL + 1]))
             self.carried[DISSIPATED] += lost
             tension = float(self.tension[segment])
             self.tension[segment] = 0.0
-            self.events.append(Event(self.t, BREAK, cable.name, lost, segment=place, tension=tension))
+            self.events.append(Event(self.t, BREAK, cable.name, lost, segment=number, tension=tension))
 
     def joined(self):
         """All legs as one Run."""
         last, errors = self.runs[-1], [run.error_estimate for run in self.runs]
         if len(self.rows) == 1 and not self.events and last.model is self.model:
             return last
-        counts = [len(row[1]) for row in self.rows]
-        q, v = np.empty((2, sum(counts), self.model.n, 3))
-        tension, at = np.zeros((sum(counts), self.model.n_segments)), 0
-        for (own, _, of_q, of_v, _, of_tension), count in zip(self.rows, counts, strict=True):
-            rows = slice(at, at + count)
-            q[rows, own.node], v[rows, own.node], tension[rows, own.segment] = of_q, of_v, of_tension
-            at += count
+        t = np.concatenate([leg.t for leg in self.rows])
+        q, v = np.empty((2, len(t), self.model.n, 3))
+        tension, begin = np.zeros((len(t), self.model.n_segments)), 0
+        for leg in self.rows:
+            rows = slice(begin, begin + len(leg.t))
+            q[rows, leg.left.node], v[rows, leg.left.node], tension[rows, leg.left.segment] = leg.q, leg.v, leg.tension
+            begin = rows.stop
         return replace(
             last,
-            model=self.model, q=q, v=v, segment_tension=tension,
-            t=np.concatenate([row[1] for row in self.rows]),
-            energy=np.concatenate([row[4] for row in self.rows]),
+            model=self.model, t=t, q=q, v=v, segment_tension=tension,
+            energy=np.concatenate([leg.energy for leg in self.rows]),
             status=STATUS[DONE] if last.status == STATUS[EVENT] else last.status,
             work=Work(*np.sum([astuple(run.work) for run in self.runs], axis=0).tolist()),
             error_estimate=None if None in errors else sum(errors),

@@ -1,52 +1,86 @@
-"""What the marches of other packages' solvers share: how tolerances are meant, and the Run that comes back."""
+"""A leg of a run with a solver of another package: what all of them are given, and the Run that comes back."""
+
+from typing import NamedTuple
 
 import numpy as np
 
+from anet_lumped.mechanics.bindings import system
+from anet_lumped.mechanics.fresh_net import fresh_net
+from anet_lumped.model.net import Net
 from anet_lumped.results.run import STATUS, Run, Work
-from integrators.system import DIVERGED, DONE
+from integrators.adapters.outcome import Outcome, Task
+from integrators.system import DISSIPATED, DIVERGED, DONE, ENERGIES, PUT_IN, System
+
+from .times import stops
 
 
-def scaled(model, q, tolerances):
-    """Relative and absolute tolerance for a solver that scales with each component, not with the largest coordinate.
+class Prepared(NamedTuple):
+    """A net and its compiled functions, and what a solver is asked to do."""
 
-    Parameters
-    ----------
-    model : Model
-    q : (n, 3) float64 [m]
-    tolerances : (rtol, atol), of the largest coordinate and [m]
-
-    Returns
-    -------
-    rtol, atol : float
-    """
-    rtol, atol = tolerances
-    reach = np.abs(q).max() or max(cable.length for cable in model.scene.cables)
-    return max(0.5 * rtol, 1e-13), atol + 0.5 * rtol * reach
+    net: Net
+    system: System
+    task: Task
 
 
-def finished(model, choice, tolerances, out, q, v, energy, wall_time):
-    """The Run of a march.
+def prepare(model, choice, leg, start, settings):
+    """What a solver of another package is given.
+
+    Its tolerances scale with each component, not with the largest coordinate: half of rtol remains theirs, and the other half,
+    of the largest coordinate, goes into atol.
 
     Parameters
     ----------
     model : Model
     choice : Choice
-    tolerances : (rtol, atol) as they were asked for
-    out : outcome with status, reason, node, t and counts, as the adapters return it
-    q, v, energy : (k, n, 3), (k, n, 3), (k, 5) float64 [m], [m/s], [J], at the times ``out.t``
-    wall_time : float [s]
+        ``dt`` is the first step.
+    leg : Leg
+    start : Start
+    settings : Settings
+
+    Returns
+    -------
+    Prepared
+    """
+    rtol, atol = settings.tolerances
+    reach = np.abs(start.q).max() or max(cable.length for cable in model.scene.cables)
+    task = Task(
+        choice.method, leg.begin, leg.end, stops(model.scene), start.q, start.v, leg.times(), choice.dt,
+        rtol=max(0.5 * rtol, 1e-13), atol=atol + 0.5 * rtol * reach,
+    )  # fmt: skip
+    return Prepared(fresh_net(model), system(model), task)
+
+
+def run_of(model, choice, settings, prepared: Prepared, out: Outcome):
+    """The Run of what a solver leaves.
+
+    Prescribed nodes and energies are those of the compiled system at the saved times.
+
+    Parameters
+    ----------
+    model : Model
+    choice : Choice
+    settings : Settings
+    prepared : Prepared
+    out : Outcome
 
     Returns
     -------
     Run
     """
+    k, free, address, bound = len(out.t), model.n_free, prepared.net.address, prepared.system
+    q, v, energy = np.tile(prepared.task.q, (k, 1, 1)), np.zeros((k, model.n, 3)), np.zeros((k, ENERGIES))
+    q[:, :free], v[:, :free] = out.q, out.v
+    energy[:, PUT_IN], energy[:, DISSIPATED] = out.put_in, out.dissipated
+    for row, t in enumerate(out.t):
+        bound.prescribe(t, address, q[row], v[row])
+        bound.energy(t, q[row], v[row], address, energy[row])
     message = ""
     if out.status != DONE:
-        rtol, atol = tolerances
-        at = f" at {model.where(out.node)}" if out.node >= 0 else ""
+        rtol, atol = settings.tolerances
+        where = f" at {model.where(out.node)}" if out.node >= 0 else ""
         how = "diverged" if out.status == DIVERGED else "gave up"
         message = (
-            f"{choice.method} with rtol={rtol:.3g}, atol={atol:.3g} m {how} at t={out.t[-1]:.4g} s{at}: "
+            f"{choice.method} with rtol={rtol:.3g}, atol={atol:.3g} m {how} at t={out.t[-1]:.4g} s{where}: "
             f'{out.reason.strip().rstrip(".")}; try other tolerances or method="edmc".'
         )
     return Run(
@@ -54,6 +88,6 @@ def finished(model, choice, tolerances, out, q, v, energy, wall_time):
         status=STATUS[out.status],
         message=message,
         work=Work(*map(int, out.counts)),
-        wall_time=wall_time,
+        wall_time=out.wall_time,
         warnings=choice.warnings,
     )  # fmt: skip

@@ -1,7 +1,6 @@
-"""The one place where a Model meets an integrator: method and step, the march, and the account of it."""
+"""Simulate a scene: method and step, the march through its events, and the verdicts on the run."""
 
 import math
-import time
 import warnings
 from dataclasses import replace
 from functools import partial
@@ -9,32 +8,24 @@ from functools import partial
 import numpy as np
 
 from anet_lumped.checks import nearest
-from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
-from anet_lumped.results.run import STATUS, Run, RunInterrupt, State, Work
+from anet_lumped.results.run import RunInterrupt, State
 from anet_lumped.scene.scene import Driven, Fixed, SceneError
 from anet_lumped.statics.equilibrium import equilibrium
-from integrators import embedded_march as embedded
 from integrators import schemes
-from integrators.interruptible import interruptible
-from integrators.march import adaptive_march, fixed_march
-from integrators.system import BALANCE, placed
+from integrators.schemes.record import Origin
 
-from . import extrapolation
-from .caveats import caveats
 from .choice import choose
-from .extrapolation import extrapolated
-from .failure_messages import stiff_for, why_it_stopped
-from .gain import weighed
-from .legs import in_legs
-from .times import stops
+from .energy_gain import flag_energy_gain
+from .extrapolation import extrapolated, method_to_extrapolate
+from .legs import Settings, march_legs
+from .run_warnings import warnings_of
 
-SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
-DIFFRAX = ("Tsit5", "Kvaerno3", "Kvaerno5")
-METHODS = schemes.EXPLICIT + schemes.IMPLICIT + SCIPY + DIFFRAX
+DEFAULT_RTOL, DEFAULT_ATOL = 1e-6, 1e-9  # [m]; of the largest coordinate where no tolerance is given
+__all__ = ["RunError", "RunInterrupt", "StabilityWarning", "simulate", "straight"]
 
 
 class StabilityWarning(UserWarning):
@@ -60,7 +51,7 @@ def simulate(
     scene : Scene
     t_end : float [s]
     method : str or None
-        One of `METHODS`; None picks one from the predicted limits and the motion's time scale, see ``Run.reason``.
+        A scheme of `integrators.schemes`; None picks one from the predicted limits and the motion's time scale, see ``Run.reason``.
     dt : float or None [s]
         Step; None picks it. With rtol or atol, the first step of an adaptive march; `dop853` without dt is adaptive at
         rtol=1e-6, as the solvers of other packages are.
@@ -95,116 +86,67 @@ def simulate(
     """
     _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit)
     if extrapolate:
-        method = extrapolation.check(method, rtol, atol)
+        method = method_to_extrapolate(method, rtol, atol)
     begin = _start(build(scene), start)
-    of_itself = method in SCIPY + DIFFRAX or (method in schemes.EMBEDDED and dt is None)
-    adaptive = of_itself or rtol is not None or atol is not None
-    if rest_lengths.changes(scene) and method in SCIPY + DIFFRAX:
-        raise ValueError(
-            f"Lengths that change in time need a method of this package, {', '.join(schemes.EXPLICIT + schemes.IMPLICIT)}, but the "
-            f"method is {method}."
-        )
+    scheme = None if method is None else schemes.scheme(method)
+    adaptive = rtol is not None or atol is not None or (scheme is not None and scheme.chooses_steps(dt))
+    if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
+        able = ", ".join(schemes.names(takes_changing_rest_lengths=True))
+        raise ValueError(f"Lengths that change in time need a method of this package, {able}, but the method is {method}.")
     choice = choose(lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end)), method, dt, adaptive)
-    _check_breaks(scene, choice.method, extrapolate)
+    scheme = schemes.scheme(choice.method)
+    _check_breaks(scene, scheme, extrapolate)
     if dt is None and not adaptive:
         whole = save_every or t_end
         choice = replace(choice, dt=whole / math.ceil(whole / choice.dt))  # steps that end on what is saved
-    tolerances = (1e-6 if rtol is None and atol is None else rtol or 0.0, atol or 0.0 if rtol else atol or 1e-9)
     for text in choice.warnings:
         warnings.warn(text, StabilityWarning, stacklevel=2)
-    if choice.method in SCIPY:
-        from .scipy_methods import march
-    elif choice.method in DIFFRAX:
-        march = _of_diffrax(choice.method)
-    else:
-        march = _march
-    whole = partial(in_legs, march, scene, start=begin, t_end=begin.t + t_end, stepped=not adaptive)
-    run = whole(choice, save_every=save_every, settings=(adaptive, tolerances, rho_inf))
+    settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
+    whole = partial(march_legs, _march_of(scheme), scene, start=begin, t_end=begin.t + t_end, settings=settings)
+    run = whole(choice, save_every=save_every)
     if extrapolate:
         every = run.t[1] - run.t[0] if len(run.t) > 2 else t_end
-        half = replace(choice, dt=0.5 * choice.dt)
-        run = extrapolated(run, whole(half, save_every=every, settings=(adaptive, tolerances, rho_inf)))
+        run = extrapolated(run, whole(replace(choice, dt=0.5 * choice.dt), save_every=every))
     if audit and run.ok:
-        finer = dict(rtol=0.1 * tolerances[0] or None, atol=0.1 * tolerances[1] or None) if adaptive else dict(dt=0.5 * choice.dt)
+        if adaptive:
+            finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), settings.tolerances, strict=True)}
+        else:
+            finer = {"dt": 0.5 * choice.dt}
         finer["save_every"] = save_every if adaptive or len(run.t) < 3 else run.t[1] - run.t[0]
         again = partial(simulate, scene, t_end, method=run.method, start=start, rho_inf=rho_inf, extrapolate=extrapolate, **finer)
-        order = None if adaptive else extrapolation.ORDER if extrapolate else schemes.order(run.method)
+        order = None if adaptive else scheme.extrapolated_order if extrapolate else scheme.order
         run = audited(run, again, order, None if audit is True else audit)
     if run.ok:
-        run = weighed(run, choice.limit, adaptive)
+        run = flag_energy_gain(run, choice.limit, adaptive)
     if run.ok:
-        run = replace(run, warnings=run.warnings + caveats(run, adaptive))
-    return _finish(run, check)
-
-
-def _march(model, choice, leg, q, v, tension, adaptive, tolerances, rho_inf):
-    """March a leg with a scheme of our own; returns a Run."""
-    from anet_lumped.mechanics.bindings import system  # compiled on first use: a scene or its equilibrium need none of it
-
-    scheme = schemes.scheme(choice.method)
-    embedding = adaptive and choice.method in schemes.EMBEDDED
-    stepping = embedded.embedded_march() if embedding else adaptive_march() if adaptive else fixed_march()
-    net, bound = fresh_net(model), system(model)
-    words = placed(bound)
-    net.tension[:] = tension
-    memory = np.zeros((scheme.memory, model.n, 3))
-    options = scheme.options(rho_inf)
-    counts, balance = np.zeros(6, np.int64), np.zeros(BALANCE)
-    if adaptive:
-        saves = leg.times()
-    else:
-        stride, rows = leg.stride(choice.dt)
-        saves = np.empty(rows)
-    k = len(saves)
-    out = saves, np.empty((k, model.n, 3)), np.empty((k, model.n, 3)), np.zeros((k, 5)), np.empty((k, model.n_segments))
-    began, error, stiff = time.perf_counter(), None, ()
-    if embedding:
-        (status, saved, t, node, error, *held), interrupted = interruptible(
-            stepping, scheme.step, words.ctypes.data, net.address, leg.begin, leg.end, choice.dt, scheme.order, *tolerances,
-            scheme.stiff, embedded.MOST, stops(model.scene), q, v, memory, options, counts, balance, *out
-        )  # fmt: skip
-        stiff = stiff_for(choice, tolerances, counts, *held)
-    elif adaptive:
-        (status, saved, t, node, error), interrupted = interruptible(
-            stepping, scheme.step, words.ctypes.data, net.address, leg.begin, leg.end, choice.dt, scheme.order, *tolerances,
-            scheme.kept, stops(model.scene), q, v, memory, options, counts, balance, *out
-        )  # fmt: skip
-    else:
-        (status, saved, t, node), interrupted = interruptible(
-            stepping, scheme.step, words.ctypes.data, net.address, leg.begin, leg.end, leg.run_begin, choice.dt, stride,
-            scheme.kept, q, v, memory, options, counts, balance, *out
-        )  # fmt: skip
-    run = Run(
-        model, *(rows[:saved] for rows in out[:4]), choice.method, choice.dt, choice.reason,
-        status=STATUS[status],
-        message=why_it_stopped(model, choice, status, t, node, tolerances if embedding else None, counts),
-        work=Work(*map(int, counts)),
-        error_estimate=error,
-        wall_time=time.perf_counter() - began,
-        warnings=(*choice.warnings, *stiff),
-        segment_tension=out[4][:saved],
-    )  # fmt: skip
-    if interrupted:
-        raise RunInterrupt(run)
-    return run
-
-
-def _of_diffrax(method):
-    """The march of diffrax's solvers; has JAX compute in float64 from here on."""
-    try:
-        from anet_lumped.motion.jax.diffrax_methods import march
-    except ModuleNotFoundError as missing:
-        raise ModuleNotFoundError(
-            f'Method "{method}" needs the packages jax and diffrax, but there is no {missing.name}; '
-            'pip install "anet-lumped[diffrax]" brings them.'
-        ) from missing
-    return march
-
-
-def _finish(run, check):
+        run = replace(run, warnings=run.warnings + warnings_of(run, adaptive))
     if check and not run.ok:
         raise RunError(run)
     return run
+
+
+def _tolerances(rtol, atol):
+    """Relative and absolute tolerance [m] with their defaults: one that is given alone stands alone."""
+    if rtol is None and atol is None:
+        return DEFAULT_RTOL, DEFAULT_ATOL
+    return rtol or 0.0, atol or 0.0
+
+
+def _march_of(scheme):
+    """What marches a leg with a scheme; JAX is imported, and computes in float64 from then on, for the solvers of diffrax."""
+    if scheme.origin is Origin.OWN:
+        from .own_methods import march
+    elif scheme.origin is Origin.SCIPY:
+        from .scipy_methods import march
+    else:
+        try:
+            from .jax.diffrax_methods import march
+        except ModuleNotFoundError as missing:
+            raise ModuleNotFoundError(
+                f'Method "{scheme.name}" needs the packages jax and diffrax, but there is no {missing.name}; '
+                'pip install "anet-lumped[diffrax]" brings them.'
+            ) from missing
+    return march
 
 
 def _start(model, start):
@@ -254,13 +196,14 @@ def _adopt(model, state):
     return State(model, float(state.t), q, v, tension, events=state.events)
 
 
-def _check_breaks(scene, method, extrapolate):
+def _check_breaks(scene, scheme, extrapolate):
     """Cables that may break need a march that looks for it, and one motion."""
     brittle = next((cable.name for cable in scene.cables if cable.breaking_tension is not None), None)
-    if brittle is not None and (method in DIFFRAX or extrapolate):
-        given = "`extrapolate` is set" if extrapolate else f"the method is {method}"
+    if brittle is not None and (extrapolate or not scheme.stops_at_events):
+        unable = ", ".join(schemes.names(stops_at_events=False))
+        given = "`extrapolate` is set" if extrapolate else f"the method is {scheme.name}"
         raise ValueError(
-            f'A cable with a `breaking_tension` needs a method other than {", ".join(DIFFRAX)} and one run, but cable "{brittle}" '
+            f'A cable with a `breaking_tension` needs a method other than {unable} and one run, but cable "{brittle}" '
             f"has one and {given}."
         )
 
@@ -271,11 +214,12 @@ def _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit):
         if value is not None and not (isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0):
             unit = "" if name == "rtol" else " [m]" if name in ("atol", "audit") else " [s]"
             raise ValueError(f"Argument `{name}` must be positive and finite{unit}, but it is {value!r}.")
-    if method is not None and method not in METHODS:
-        known = ", ".join(METHODS)
-        raise ValueError(f"Argument `method` must be one of {known}, but it is {method!r}" + (nearest(str(method), METHODS) or "."))
+    if method is not None and method not in tuple(schemes.MODULES):
+        known, near = ", ".join(schemes.MODULES), nearest(str(method), schemes.MODULES)
+        raise ValueError(f"Argument `method` must be one of {known}, but it is {method!r}" + (near or "."))
     if rho_inf is not None:
-        if method not in (None, *schemes.RHO_INF):
-            raise ValueError(f"Argument `rho_inf` belongs to {' and '.join(schemes.RHO_INF)}, but the method is {method}.")
+        if method is not None and "rho_inf" not in schemes.scheme(method).options:
+            able = " and ".join(name for name in schemes.MODULES if "rho_inf" in schemes.scheme(name).options)
+            raise ValueError(f"Argument `rho_inf` belongs to {able}, but the method is {method}.")
         if not 0 <= rho_inf <= 1:
             raise ValueError(f"Argument `rho_inf` must lie between 0 and 1, but it is {rho_inf!r}.")

@@ -5,45 +5,17 @@ mode: in one cable with damping in proportion to its stiffness every lower mode 
 (transverse motion) are slower than the axial modes, but no axial damper acts on them. A rate [1/s] of mass-proportional
 damping adds to 2 zeta omega for every mode. Limits are functions of arrays, so that borders can be drawn.
 
-Implicit schemes have no limit of the step (`inf`); what this linear statement leaves open is in `NOTES`.
+A scheme's limit is that of its record (`integrators.schemes`); implicit schemes have none, and the record's note says what this
+linear statement leaves open.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
 from anet_lumped.checks import nearest
-
-EXPLICIT = {
-    "explicit_euler": "never stable for swings without mass-proportional damping: no axial damper acts on them",
-    "symplectic_euler": "(h omega)^2 + 4 zeta h omega <= 4",
-    "verlet": "(h omega)^2 + 8 zeta h omega <= 4; damping at the predicted velocity halves the dashpot it tolerates",
-    "rk4": "undamped modes to h omega = 2.828, overdamped ones to 2.785",
-    "dop853": "undamped modes to h omega = 5.960, overdamped ones to 6.394; error control is driven to it",
-    "RK45": "adaptive: the step that error control is driven to; undamped modes only to h omega = 0.997",
-    "DOP853": "adaptive: the step that error control is driven to; undamped modes to h omega = 5.960",
-    "Tsit5": "adaptive: the step that error control is driven to; undamped modes only to h omega = 0.478",
-}
-IMPLICIT = {
-    "edmc": "energy never rises at any step, slack or taut",
-    "backward_euler": "energy never rises at any step; damps the motion itself strongly",
-    "midpoint": "linear statement only: energy can grow without bound in nonlinear motion",
-    "sdirk2": "linear statement (L-stable); a slackening cable may gain some energy",
-    "tr_bdf2": "linear statement (L-stable); its explicit first stage pumps energy into a slackening cable",
-    "generalised_alpha": "linear statement only: energy can grow without bound in nonlinear motion",
-    "Radau": "linear statement (L-stable), adaptive",
-    "BDF": "adaptive; orders 1 and 2 have no limit, orders 3 to 5 are unstable for weakly damped modes at some steps",
-    "Kvaerno3": "linear statement (L-stable), adaptive; its explicit first stage pumps energy into a slackening cable",
-    "Kvaerno5": "linear statement (L-stable), adaptive; its explicit first stage pumps energy into a slackening cable",
-    "LSODA": "adaptive; its Adams half is limited like an explicit scheme, its BDF half as BDF is",
-}
-NOTES = EXPLICIT | IMPLICIT
-
-_TSIT5 = 0.0014322113248073478  # coefficient of z^6 in its R(z), from its tableau; the lower ones are those of exp(z)
-_DELAY = {"symplectic_euler": 1.0, "verlet": 2.0}  # half steps by which the damping force lags
-_SCAN = np.arange(0.0, 10.0, 0.25)  # finer than any feature of the three Runge-Kutta regions, wider than all of them
+from integrators.schemes import MODULES, names
+from integrators.schemes import scheme as record_of
 
 
 @dataclass(frozen=True)
@@ -102,34 +74,20 @@ def step_limit(scheme: str, omega, zeta=0.0, rate=0.0):
 
     Spectral radius of the amplification matrix <= 1, with d = 2 zeta omega + rate: explicit Euler h omega^2 <= d and
     h <= 4/(d + sqrt(d^2 - 4 omega^2)) if overdamped; symplectic Euler h^2 omega^2 + 2 d h <= 4; Verlet
-    h^2 omega^2 + 4 d h <= 4, from l^3 - (2 - W - 3D/2) l^2 + (1 - 2D) l + D/2 with W = h^2 omega^2 and D = h d, all
-    three by Jury's criterion; Runge-Kutta |R(h lambda)| <= 1 by bisection.
+    h^2 omega^2 + 4 d h <= 4, all three by Jury's criterion; Runge-Kutta |R(h lambda)| <= 1 by bisection.
 
     Parameters
     ----------
-    scheme : name of the scheme, a key of `NOTES`; ValueError if it does not exist
+    scheme : name of the scheme; ValueError if it does not exist
     omega, zeta, rate : float or array_like, frequency [rad/s], damping ratio and mass-proportional damping [1/s]
 
     Returns
     -------
     h : float or array [s]; 0 if no step is stable, inf if every step is
     """
-    omega, zeta, rate = _checked(scheme, omega=omega, zeta=zeta, rate=rate)
-    d = 2.0 * zeta * omega + rate
+    limit, omega, zeta, rate = _checked(scheme, omega=omega, zeta=zeta, rate=rate)
     with np.errstate(divide="ignore", invalid="ignore"):
-        if scheme in IMPLICIT:
-            h = np.full(d.shape, np.inf)
-        elif scheme == "explicit_euler":
-            # fmin: a mode without spring and damper (0/0) is merely free
-            h = np.fmin(d / omega**2, 4.0 / (d + np.sqrt(np.maximum(d**2 - 4.0 * omega**2, 0.0))))
-        elif scheme in _DELAY:
-            d = _DELAY[scheme] * d
-            h = 4.0 / (d + np.sqrt(d**2 + 4.0 * omega**2))
-        else:
-            fastest = np.abs(d + np.sqrt((d**2 - 4.0 * omega**2).astype(complex))) / 2.0
-            scale = np.where(fastest > 0.0, fastest, 1.0)
-            h = np.where(fastest > 0.0, _first_edge(scheme, omega / scale, d / scale) / scale, np.inf)
-    return h[()]
+        return limit.largest_step(omega, 2.0 * zeta * omega + rate)[()]
 
 
 def damping_limit(scheme: str, omega, dt, rate=0.0):
@@ -141,35 +99,17 @@ def damping_limit(scheme: str, omega, dt, rate=0.0):
 
     Arguments in [rad/s], [s], [1/s], floats or arrays. Returns -inf if no damping is stable, inf if any is.
     """
-    omega, dt, rate = _checked(scheme, omega=omega, dt=dt, rate=rate)
-    x = omega * dt
+    limit, omega, dt, rate = _checked(scheme, omega=omega, dt=dt, rate=rate)
     with np.errstate(divide="ignore", invalid="ignore"):
-        if scheme in IMPLICIT:
-            zeta = np.full(x.shape, np.inf)
-        elif scheme in _DELAY:
-            zeta = (4.0 - x**2) / (4.0 * _DELAY[scheme] * x)
-        else:
-            real = step_limit(scheme, 1.0, 1.0)
-            zeta = np.where(x <= real, (real / x + x / real) / 2.0, -np.inf)
-            if (x > real).any():  # beyond the real axis: the last stable zeta < 1, where the region is taller than wide
-                beyond, grid = x[x > real], np.linspace(0.0, 1.0, 401)
-                stable = step_limit(scheme, 1.0, grid)[:, None] >= beyond
-                last = np.max(np.arange(401)[:, None] * stable, axis=0)
-                edge = _bisect(lambda z: _stable(scheme, beyond, 2.0 * z * beyond), grid[last], grid[last + 1])
-                zeta[x > real] = np.where(stable.any(axis=0), edge, -np.inf)
-        zeta = zeta - np.where(rate > 0.0, rate / (2.0 * omega), 0.0)
+        zeta = limit.largest_damping_ratio(omega * dt) - np.where(rate > 0.0, rate / (2.0 * omega), 0.0)
     return np.where(zeta >= 0.0, zeta, -np.inf)[()]
 
 
 def frequency_limit(scheme: str, dt, zeta=0.0, rate=0.0):
     """Highest frequency [rad/s] that is stable at a step dt [s]: the inverse of `step_limit`; inf if every one is."""
-    dt, zeta, rate = _checked(scheme, dt=dt, zeta=zeta, rate=rate)
-    with np.errstate(divide="ignore"):
-        if scheme in IMPLICIT:
-            return np.full(dt.shape, np.inf)[()]
-        if scheme == "explicit_euler" or scheme in _DELAY:
-            return _bisect(lambda x: step_limit(scheme, x, zeta, rate * dt) >= 1.0, 0.0 * dt, 10.0) / dt
-        return _first_edge(scheme, 1.0, 2.0 * zeta, rate * dt) / dt
+    limit, dt, zeta, rate = _checked(scheme, dt=dt, zeta=zeta, rate=rate)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return (limit.highest_frequency(zeta, rate * dt) / dt)[()]
 
 
 def stretch_floor(scheme: str, dt, omega, strain, zeta=0.0, rate=0.0):
@@ -238,76 +178,39 @@ def top_modes(scene) -> dict[str, TopMode]:
     return modes | {c.name: top_mode(c, c.stiffness * share[c.start], c.stiffness * share[c.end]) for c in elastic}
 
 
-def predict(scene, strain: float = 0.1, schemes: tuple[str, ...] = tuple(NOTES)) -> Prediction:
-    """Predict the stability of every scheme, or of some, for a scene, without a run.
+def predict(scene, strain: float = 0.1, schemes: tuple[str, ...] | None = None) -> Prediction:
+    """Predict the stability of some schemes for a scene, without a run; None: of all of them, explicit ones first.
 
     `strain` is the largest stretch expected in the motion: swings stay below omega sqrt(strain/(1 + strain)).
     """
+    wanted = names(explicit=True) + names(explicit=False) if schemes is None else schemes
     # by name: importing the class would load the compiled effects for a scene that has none
     rate = float(sum(effect.rate for effect in scene.effects if type(effect).__name__ == "ViscousDamping"))
     modes, limits = top_modes(scene), {}
     rigid = next((mode.cable for mode in modes.values() if mode.omega == np.inf), None)
     if rigid is not None:
-        note = f'only edmc takes a cable that does not stretch, such as "{rigid}" with EA=inf'
-        none, any_step = SchemeLimit(0.0, 0.0, 0.0, rigid, note), SchemeLimit(np.inf, np.inf, np.inf, "", NOTES["edmc"])
-        return Prediction(modes, rate, {scheme: any_step if scheme == "edmc" else none for scheme in schemes})
+        able = " and ".join(names(takes_rigid_springs=True))
+        note = f'only {able} takes a cable that does not stretch, such as "{rigid}" with EA=inf'
+        none = SchemeLimit(0.0, 0.0, 0.0, rigid, note)
+        for one in map(record_of, wanted):
+            limits[one.name] = SchemeLimit(np.inf, np.inf, np.inf, "", one.note) if one.takes_rigid_springs else none
+        return Prediction(modes, rate, limits)
     omega, zeta = np.array([(mode.omega, mode.zeta) for mode in modes.values()]).T
-    for scheme in schemes:
-        axial = step_limit(scheme, omega, zeta, rate)
-        swing = step_limit(scheme, omega * np.sqrt(strain / (1.0 + strain)), 0.0, rate)
+    for one in map(record_of, wanted):
+        axial = step_limit(one.name, omega, zeta, rate)
+        swing = step_limit(one.name, omega * np.sqrt(strain / (1.0 + strain)), 0.0, rate)
         step = np.minimum(axial, swing)
         cable = list(modes)[step.argmin()] if np.isfinite(step.min()) else ""
-        limits[scheme] = SchemeLimit(*(float(x.min()) for x in (step, axial, swing)), cable, NOTES[scheme])
+        limits[one.name] = SchemeLimit(*(float(x.min()) for x in (step, axial, swing)), cable, one.note)
     return Prediction(modes, rate, limits)
 
 
-@cache
-def _polynomial(scheme: str) -> np.ndarray:
-    """Coefficients of R(z) = 1 + sum b'A^(j-1)1 z^j, lowest first: those of the solution that the pair propagates."""
-    if scheme in ("explicit_euler", "rk4"):
-        return np.array([1.0, 1.0, 1 / 2, 1 / 6, 1 / 24][: 2 if scheme == "explicit_euler" else 5])
-    if scheme == "Tsit5":
-        return np.array([1.0, 1.0, 1 / 2, 1 / 6, 1 / 24, 1 / 120, _TSIT5])
-    import scipy.integrate
-
-    pair = getattr(scipy.integrate, "DOP853" if scheme == "dop853" else scheme)
-    A = np.pad(pair.A, ((0, 0), (0, len(pair.B) - pair.A.shape[1])))
-    powers = (np.linalg.matrix_power(A, j).sum(axis=1) for j in range(len(pair.B)))
-    return np.array([1.0, *(pair.B @ power for power in powers)])
-
-
-def _stable(scheme: str, x, damping) -> np.ndarray:
-    """Whether |R(z)| <= 1, round-off allowed for, at both roots of z^2 + damping z + x^2."""
-    root = np.sqrt(np.asarray(damping**2 - 4.0 * x**2, complex))
-    z = np.stack([-damping - root, -damping + root]) / 2.0
-    return (np.abs(np.polyval(_polynomial(scheme)[::-1], z)) <= 1.0 + 1e-13).all(axis=0)
-
-
-def _first_edge(scheme: str, omega, d, d0=0.0) -> np.ndarray:
-    """Smallest x beyond which a Runge-Kutta scheme is unstable at frequency x omega and damping x d + d0."""
-
-    def stable(x):
-        return _stable(scheme, x * omega, x * d + d0)
-
-    first = np.argmin([stable(x) for x in _SCAN], axis=0)
-    return _bisect(stable, _SCAN[np.maximum(first - 1, 0)], _SCAN[first])
-
-
-def _bisect(stable: Callable, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Last stable value between a stable `low` and an unstable `high`, element by element, to round-off."""
-    for _ in range(54):
-        middle = 0.5 * (low + high)
-        good = stable(middle)
-        low, high = np.where(good, middle, low), np.where(good, high, middle)
-    return low
-
-
-def _checked(scheme: str, **values) -> list[np.ndarray]:
-    """Return `values` as float arrays of one shape; raise ValueError for an unknown scheme or a negative value."""
-    if scheme not in NOTES:
-        hint = nearest(str(scheme), NOTES) or ", known are " + ", ".join(NOTES) + "."
+def _checked(scheme: str, **values) -> list:
+    """The limit of a scheme, and values as float arrays of one shape; ValueError for an unknown scheme or a negative value."""
+    if scheme not in MODULES:
+        hint = nearest(str(scheme), MODULES) or ", known are " + ", ".join(MODULES) + "."
         raise ValueError(f'Argument `scheme` must name a scheme, but is "{scheme}"{hint}')
     for name, value in values.items():
         if not np.all(np.asarray(value) >= 0.0):
             raise ValueError(f"Argument `{name}` must not be negative or NaN, but is {value}.")
-    return np.broadcast_arrays(*(np.asarray(value, float) for value in values.values()))
+    return [record_of(scheme).limit, *np.broadcast_arrays(*(np.asarray(value, float) for value in values.values()))]

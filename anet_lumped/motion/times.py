@@ -1,24 +1,25 @@
-"""Times that a run must meet: those it saves, those of its legs, and those that no step may cross."""
+"""Times of a run: those at which it saves, those of its legs, and those that no step may cross."""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from integrators.march import SAME
+from integrators.system import SAME_TIME
 
 SAVES = 400  # states that come back when nothing else is asked for
-RESTING = 1e-6  # of a path's whole way: what a driven point may move within a piece and still be called at rest
+RESTING = 1e-6  # of the length of a path: a driven point that moves by less within a piece is at rest there
 
 
 class Leg(NamedTuple):
-    """A part of a run between two events, on whose steps and saved times it keeps.
+    """A part of a run between two events; its steps and saved times are those of the whole run.
 
     Parameters
     ----------
-    begin, end : float [s]
-    run_begin, run_end : float [s]
+    begin, end : float [s], of the leg
+    run_begin, run_end : float [s], of the whole run
     save_every : float or None [s]
+        Time between saved states; None saves about `SAVES` of them.
     """
 
     begin: float
@@ -28,7 +29,12 @@ class Leg(NamedTuple):
     save_every: float | None
 
     def stride(self, dt):
-        """Steps of the run between saved states, and the most states that this leg may save."""
+        """Number of steps dt [s] between two saved states, and the largest number of states that this leg may save.
+
+        Raises
+        ------
+        ValueError : ``save_every`` is no multiple of the step
+        """
         steps = max(1, math.ceil((self.run_end - self.run_begin) / dt * (1 - 1e-12) - 1e-12))
         if self.save_every is None:
             stride = max(1, round(steps / SAVES))
@@ -41,22 +47,22 @@ class Leg(NamedTuple):
         return stride, math.ceil((self.end - self.begin) / (stride * dt)) + 4
 
     def times(self):
-        """Times at which this leg saves if steps do not tell: those of the run, its own begin and its end; increasing (k,) [s]."""
+        """Times at which a leg saves that chooses its steps: its begin, the run's saved times within it, its end; (k,) [s]."""
         every = save_times(self.run_begin, self.run_end, self.save_every)
         return np.concatenate([[self.begin], every[(every > self.begin) & (every < self.end)], [self.end]])
 
     def saves(self, t, dt):
-        """Whether a state at t [s] is one that the run saves, with a step dt [s], or without one."""
+        """Whether the run saves a state at t [s]; dt [s] is its fixed step, None if it chooses its steps."""
         if t == self.run_end:
             return True
         if dt is None:
             return bool(np.any(save_times(self.run_begin, self.run_end, self.save_every) == t))
         rows = (t - self.run_begin) / (self.stride(dt)[0] * dt)
-        return abs(rows - round(rows)) * self.stride(dt)[0] <= SAME
+        return abs(rows - round(rows)) * self.stride(dt)[0] <= SAME_TIME
 
 
 def save_times(t0, t_end, save_every):
-    """Times at which a run with steps of its own saves: every ``save_every``, or `SAVES` of them, and the end.
+    """Times at which a run saves that chooses its steps: every ``save_every`` [s], or `SAVES` times, and the end.
 
     Returns
     -------
@@ -69,10 +75,10 @@ def save_times(t0, t_end, save_every):
 
 
 def stops(scene):
-    """Times that no step may cross: the corners of prescribed motions, and where one sets out after a rest.
+    """Times that no step may cross: where the velocity of a driven point jumps, and where it sets out after a rest.
 
-    At rest an adaptive step grows without bound and could pass over a short motion altogether; a solver that starts
-    afresh where the motion sets out cannot.
+    During a rest a chosen step grows without bound and could pass over a short motion; a solver that starts anew where
+    the motion sets out cannot.
 
     Returns
     -------

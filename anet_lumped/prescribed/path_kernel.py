@@ -5,6 +5,7 @@ import math
 from numba import float64, int64, njit, types, void
 
 from .paths import DEGREE, PathTable
+from .smoothstep import ramped
 
 TABLE = types.NamedTuple((int64[::1], float64[::1], float64[:, :, ::1], int64[::1], float64[:, ::1], float64[:, ::1]), PathTable)
 _DEGREE = int(DEGREE)
@@ -45,15 +46,7 @@ def evaluate(t, table, q, v, a):
     for h in range(table.harmonic_path.shape[0]):
         p = table.harmonic_path[h]
         omega, phase, ramp = table.wave[h, 0], table.wave[h, 1], table.wave[h, 2]
-        if ramp == 0.0 or t >= ramp:
-            e, de, dde = 1.0, 0.0, 0.0
-        elif t <= 0.0:
-            continue
-        else:
-            s = t / ramp
-            e = s * s * s * (10.0 + s * (6.0 * s - 15.0))
-            de = 30.0 * (s * (1.0 - s)) ** 2 / ramp
-            dde = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (ramp * ramp)
+        e, de, dde = ramped(t, ramp)
         sine, cosine = math.sin(omega * t + phase), math.cos(omega * t + phase)
         for axis in range(3):
             amplitude = table.amplitude[h, axis]

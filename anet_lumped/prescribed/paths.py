@@ -13,6 +13,8 @@ import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_number, check_vector
 
+from .smoothstep import ramped
+
 DEGREE = 6  # the integral of the quintic smoothstep; a spline needs 3
 SHORTEST_RAMP = 1e-6  # [s]; far below, the coefficients velocity/ramp⁵ overflow
 
@@ -70,7 +72,7 @@ class Path:
             a = (i[2:] * i[1:-1] * tau ** i[:-2]) @ c[2:]
         if self.sine is not None:
             amplitude, omega, phase, ramp = self.sine
-            e, de, dde = _smoothstep(t, ramp)
+            e, de, dde = ramped(t, ramp)
             s, c = math.sin(omega * t + phase), math.cos(omega * t + phase)
             amplitude = np.array(amplitude)
             q += amplitude * (e * s)
@@ -218,20 +220,6 @@ def pack(paths: Sequence[Path]) -> PathTable:
         harmonic_path=np.array([p for p, _ in waving], dtype=np.int64),
         amplitude=np.array([sine.amplitude for _, sine in waving], dtype=float).reshape(-1, 3),
         wave=np.array([sine[1:] for _, sine in waving], dtype=float).reshape(-1, 3),
-    )
-
-
-def _smoothstep(t: float, ramp: float) -> tuple[float, float, float]:
-    """Return S(t/ramp) and its first two derivatives in time [1, 1/s, 1/s²]."""
-    if ramp == 0.0 or t >= ramp:
-        return 1.0, 0.0, 0.0
-    if t <= 0.0:
-        return 0.0, 0.0, 0.0
-    s = t / ramp
-    return (
-        s**3 * (10.0 + s * (6.0 * s - 15.0)),
-        30.0 * (s * (1.0 - s)) ** 2 / ramp,
-        (60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / ramp**2),
     )
 
 

@@ -64,7 +64,16 @@ def samples(t: Sequence[float], values: Sequence[float]) -> Signal:
 
 
 def harmonic(center: float, amplitude: float, frequency: float, phase: float = 0.0, ramp: float = 0.0) -> Signal:
-    """Return center + S(t/ramp) amplitude sin(2 pi frequency t + phase); see `paths.harmonic`."""
+    """Return center + S(t/ramp) amplitude sin(2 pi frequency t + phase); see `paths.harmonic`.
+
+    Parameters
+    ----------
+    center : float, value about which it swings
+    amplitude : float
+    frequency : float [Hz]
+    phase : float [rad]
+    ramp : float [s], time in which the swing grows from nothing; 0: full swing for ever
+    """
     center, amplitude = check_number("center", center, "", "harmonic"), check_number("amplitude", amplitude, "", "harmonic")
     path = paths.harmonic(_along_x(center), _along_x(amplitude), frequency, phase, ramp)
     return _signal("harmonic", path, center=center, amplitude=amplitude)

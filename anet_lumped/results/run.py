@@ -160,17 +160,18 @@ class Run:
     dt : float [s], the fixed or the first step
     reason : str, why this method and step
     status : "done", "diverged", "unconverged", "interrupted", "out of steps", "energy gained" or "audit failed"
-        The last two are of runs that reached their end: see `gain` and `audit`.
+        The last two are of runs that reached their end: see `motion.energy_gain` and `audit`.
     message : str, one sentence that says when, where, why and what to try, if it is not done
     work : Work
     error_estimate : float or None [m], sum of the estimated errors of the steps, where the scheme has one
     wall_time : float [s], of the march alone
-    warnings : tuple of str, before the run (see `choice`) and of what it has to say against itself (see `caveats`)
+    warnings : tuple of str, from before the run (see `motion.choice`) and of the completed run (see `motion.run_warnings`)
     segment_tension : (k, n_segments) float64 [N]; None takes the law at every saved time
     audit : Audit or None, what an audit found, if one was asked for
     events : tuple of Event
         What happened, in order: payloads that changed, segments that broke; with what its start had behind it. Rows saved at the
         very time show the state before it.
+    extrapolated : bool, whether it is the limit of two runs, with a step and with its half
     """
 
     model: Model
@@ -190,6 +191,7 @@ class Run:
     segment_tension: np.ndarray | None = None
     audit: Audit | None = None
     events: tuple[Event, ...] = ()
+    extrapolated: bool = False
 
     @property
     def scene(self):

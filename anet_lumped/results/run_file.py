@@ -27,6 +27,7 @@ def write(run, path):
         "wall_time": run.wall_time,
         "audit": json.dumps(asdict(run.audit) if run.audit else None),
         "events": json.dumps([asdict(event) for event in run.events]),
+        "extrapolated": int(run.extrapolated),
     }
     xr.Dataset(
         {
@@ -67,4 +68,5 @@ def read(path):
             "warnings": tuple(json.loads(account["warnings"])),
             "audit": json.loads(account["audit"]),
             "events": json.loads(account["events"]),
+            "extrapolated": bool(account.get("extrapolated", False)),  # a file of version 0.1 does not say
         }

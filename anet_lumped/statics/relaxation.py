@@ -12,7 +12,7 @@ import numpy as np
 
 from anet_lumped.mechanics import newton_step, residual
 from anet_lumped.model.tables import AXIAL_L0, AXIAL_L0_BEFORE, AXIAL_L0_RATE
-from integrators.stage import BACKWARD, Stage
+from integrators.stage import LAW_BACKWARD, Stage
 
 SHORT, GROWTH, LONGEST = 0.1, 4.0, 1e4  # of tau: the first one over sqrt(L/g), its growth, and the last one over the first
 STEPS, ITERATIONS = 400, 20  # most pseudo-steps, and Newton iterations of one
@@ -69,7 +69,7 @@ def relaxed(model, net, q, load):
 def _step(net, q, tau, load):
     """One pseudo-step; returns the force out of balance at its end [N] and the Newton iterations that it took."""
     base = q.copy()
-    stage = Stage(BACKWARD, 0.0, 1.0 / tau**2, 1.0, tau, 0.0)
+    stage = Stage(LAW_BACKWARD, 0.0, 1.0 / tau**2, 1.0, tau, 0.0)
     norm, _, noise, predicted = residual.residual(stage, base, base, q, net.address)
     for iteration in range(ITERATIONS):
         # tensions as predicted balance far better than those of stiff cables by their lengths, down to their own rounding

@@ -8,9 +8,9 @@ from functools import partial
 import numpy as np
 
 from anet_lumped import simulate
-from anet_lumped.motion.simulate import METHODS, StabilityWarning
+from anet_lumped.motion.simulate import StabilityWarning
 from anet_lumped.motion.stability import predict
-from integrators.schemes import EMBEDDED, EXPLICIT, IMPLICIT
+from integrators import schemes
 from studies.accuracy_cost.cases import fitting
 from studies.peers import installed
 
@@ -18,7 +18,7 @@ OURS = "anet-lumped"
 OWN_CHOICE = "own choice"  # method and step that the library picks
 ADAPTIVE, EXTRAPOLATED = "edmc, adaptive", "edmc, extrapolated"
 SHARES = (0.9, 0.3)  # of an explicit method's predicted limit
-GROWING, GROWING_SHARES = "explicit_euler", (0.1, 0.02)  # never stable, so of verlet's limit, and still it grows
+GROWING_SHARES = (0.1, 0.02)  # of verlet's limit, for a method that is stable at no step: it still grows
 EDMC_RTOL = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 EMBEDDED_RTOL = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 RTOL = (1e-3, 1e-5, 1e-7)  # of solvers that choose their steps
@@ -55,12 +55,12 @@ class Contestant:
 
 def from_elsewhere(method):
     """Whether a method is a solver of another package, which pays for each step what a compiled march does not."""
-    return method not in (*EXPLICIT, *IMPLICIT, ADAPTIVE, EXTRAPOLATED, OWN_CHOICE)
+    return method in schemes.MODULES and not schemes.scheme(method).own
 
 
 def ours(case, only=None):
     """Contestants of this package; ``only`` some methods."""
-    found = [_own(case, method, _settings(case, method)) for method in METHODS]
+    found = [_own(case, method, _settings(case, method)) for method in schemes.names()]
     found += [_own(case, ADAPTIVE, [{"rtol": rtol} for rtol in EDMC_RTOL]), _own(case, OWN_CHOICE, [{}])]
     found += [_own(case, EXTRAPOLATED, [{"dt": dt, "extrapolate": True} for dt in case.steps])]
     return [one for one in found if only is None or one.method in only]
@@ -73,10 +73,10 @@ def peers(case):
     for module in installed():
         if module.NAME in refused:
             continue
-        schemes = {}
+        by_scheme = {}
         for setting in (*ALSO.get(module.NAME, ()), *module.settings(case.scene)):
-            schemes.setdefault(_scheme(setting), []).append(setting)
-        for (scheme, law), settings in schemes.items():
+            by_scheme.setdefault(_scheme(setting), []).append(setting)
+        for (scheme, law), settings in by_scheme.items():
             run = partial(_run_peer, module, case)
             found.append(Contestant(module.NAME, scheme, tuple(settings), run, law or LIKE.get(module.NAME, "damped")))
     return found
@@ -102,11 +102,12 @@ def _own(case, method, settings):
 def _settings(case, method):
     if from_elsewhere(method):
         return [{"rtol": rtol} for rtol in RTOL]
-    if method in EMBEDDED and np.isfinite(case.EA):
+    scheme = schemes.scheme(method)
+    if scheme.embedded and np.isfinite(case.EA):
         return [{"rtol": rtol} for rtol in EMBEDDED_RTOL]
-    if method in IMPLICIT or np.isinf(case.EA):
+    if not scheme.explicit or np.isinf(case.EA):
         return [{"dt": dt} for dt in case.steps]
-    of, shares = ("verlet", GROWING_SHARES) if method == GROWING else (method, SHARES)
+    of, shares = (method, SHARES) if scheme.stable_undamped else ("verlet", GROWING_SHARES)
     limit = predict(case.scene, schemes=(of,)).limits[of].step
     return [{"dt": fitting(share * limit, case.save_every)} for share in shares]
 

@@ -21,6 +21,7 @@ from anet_lumped import simulate
 from anet_lumped.motion.simulate import StabilityWarning
 from anet_lumped.motion.stability import predict
 from anet_lumped.scene.as_dict import scene_to_dict
+from integrators import schemes
 from studies.accuracy_cost.cases import fitting
 
 EXPLICIT_PAIR, IMPLICIT_PAIR = ("rk4", "verlet"), ("generalised_alpha", "midpoint")
@@ -116,7 +117,7 @@ def plan(case):
 
 
 def track(case, method, steps, folder=None):
-    """A track, computed or read; from two steps it is extrapolated, all implicit methods being of order 2.
+    """A track, computed or read; from two steps it is extrapolated by the method's order.
 
     Raises
     ------
@@ -133,7 +134,7 @@ def track(case, method, steps, folder=None):
             run = simulate(case.scene, case.t_end, method=method, dt=dt, start=case.start, save_every=case.save_every, check=True)
             places.append(run.position(case.point))
             tensions.append(min(run.tension(cable.name).min() for cable in case.scene.cables))
-    place = places[-1] if len(places) == 1 else extrapolated(*places, (steps[0] / steps[1]) ** 2)
+    place = places[-1] if len(places) == 1 else extrapolated(*places, (steps[0] / steps[1]) ** schemes.scheme(method).order)
     table = pd.DataFrame(place, columns=["x_m", "y_m", "z_m"])
     table["t_s"], table["least_tension_N"] = run.t, min(tensions)
     file.parent.mkdir(parents=True, exist_ok=True)

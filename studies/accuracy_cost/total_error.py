@@ -13,7 +13,8 @@ import pandas as pd
 
 from anet_lumped import simulate
 from anet_lumped.motion.stability import predict
-from integrators.schemes import EXPLICIT
+from integrators import schemes
+from integrators.schemes.record import Stepping
 from studies.accuracy_cost.cases import carried, fitting
 from studies.accuracy_cost.equal_error import on_front
 from studies.accuracy_cost.references import FINE_STEP, IMPLICIT_PAIR, extrapolated, largest_distance, track
@@ -22,11 +23,10 @@ STIFFNESSES = (1e2, 1e4, 1e6, 1e8)  # EA [N]; the last two make the inextensible
 INEXTENSIBLE = np.inf  # cables that do not stretch at all, by edmc
 SEGMENTS = (5, 10, 20, 40, 80)
 STEPS = (40e-3, 20e-3, 10e-3, 5e-3, 2.5e-3)  # [s]
-METHODS = ("edmc", "generalised_alpha", "midpoint", "sdirk2", "verlet", "symplectic_euler", "rk4")
 SHARES = (0.9,)  # of an explicit method's predicted limit: its error in time is far below that of the segments
 FRONT_STIFFNESSES = (1e4, 1e6, INEXTENSIBLE)
 LONGEST = 0.5  # [s] of wall time that a run on the way to the front may take
-COST = {"verlet": 20e-9, "symplectic_euler": 20e-9, "rk4": 70e-9}  # [s] about, of a node and step
+COST = 18e-9  # [s] about, of a node and force evaluation of an explicit step
 CHEAP, REPEATS = 0.1, 3  # [s] and runs of what takes less
 
 
@@ -57,20 +57,27 @@ class Limits:
         }
 
 
+def methods():
+    """Schemes of this package that are raced, edmc first: those with fixed steps that hold a swing and do not damp it strongly."""
+    raced = schemes.names(own=True, stepping=Stepping.FIXED, stable_undamped=True, damps_the_motion=False)
+    return ("edmc", *(name for name in raced if name != "edmc"))
+
+
 def runs_of(quick=False):
     """Stiffnesses, numbers of segments, and (case, method, step) of every run that can be afforded."""
-    stiffnesses, segments, methods, steps = STIFFNESSES, SEGMENTS, METHODS, STEPS
+    stiffnesses, segments, raced, steps = STIFFNESSES, SEGMENTS, methods(), STEPS
     if quick:
-        stiffnesses, segments, methods, steps = stiffnesses[1:3], segments[:3], ("edmc", "verlet"), steps[1:3]
+        stiffnesses, segments, raced, steps = stiffnesses[1:3], segments[:3], ("edmc", "verlet"), steps[1:3]
     found = []
     for EA in (*stiffnesses, INEXTENSIBLE):
         for N in segments:
             case = carried(EA, N)
-            for method in methods if np.isfinite(EA) else methods[:1]:
-                if method in EXPLICIT:
+            for method in raced if np.isfinite(EA) else schemes.names(takes_rigid_springs=True):
+                scheme = schemes.scheme(method)
+                if scheme.explicit:
                     limit = predict(case.scene, schemes=(method,)).limits[method].step
                     own = [fitting(share * limit, case.save_every) for share in SHARES]
-                    own = [dt for dt in own if case.t_end / dt * case.nodes * COST[method] <= LONGEST]
+                    own = [dt for dt in own if case.t_end / dt * case.nodes * scheme.force_evaluations * COST <= LONGEST]
                 else:
                     own = steps
                 if EA in FRONT_STIFFNESSES or method == "edmc":

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from anet_lumped.motion.gain import GAINED
+from anet_lumped.motion.energy_gain import GAINED
 from studies.accuracy_cost.comparisons import CHOICE_OVER_BEST, DEAREST_OVER_CHEAPEST, NET, NET_TARGET, PEER_OVER_OURS, SEGMENTS
 from studies.accuracy_cost.contestants import OURS, OWN_CHOICE
 from studies.accuracy_cost.paired_timing import Ratio, in_words

@@ -3,26 +3,19 @@
 import numpy as np
 
 from studies.accuracy_cost.contestants import ADAPTIVE, EXTRAPOLATED, OURS, OWN_CHOICE
-from studies.shown.palette import BLUE, COLOURS, GREEN, look
+from studies.shown.palette import BLUE, COLOURS, GREEN, ORANGE, PURPLE, SKY, VERMILION, look
+from studies.shown.scheme_styles import style
 from studies.shown.sentences import power, stiffness
 from studies.study import Drawing
 
-STYLES = {  # of our methods: colour, marker
-    "edmc": ("C0", "o"), ADAPTIVE: ("C0", "*"), EXTRAPOLATED: ("C0", "4"),
-    "verlet": ("k", "v"), "symplectic_euler": ("0.5", "<"), "rk4": ("C7", "^"),
-    "dop853": ("k", "^"),
-    "explicit_euler": ("0.75", ">"), "backward_euler": ("C2", "s"), "midpoint": ("C3", "D"), "sdirk2": ("C1", "p"),
-    "tr_bdf2": ("C4", "P"), "generalised_alpha": ("C5", "X"), "RK45": ("C6", "1"), "DOP853": ("C8", "2"), "Radau": ("C9", "3"),
-    "BDF": ("tan", "4"),
-    "LSODA": ("olive", "+"), "Tsit5": ("navy", "x"), "Kvaerno3": ("darkgoldenrod", "d"), "Kvaerno5": ("firebrick", "h"),
-    OWN_CHOICE: ("r", "$A$"),
-}  # fmt: skip
-OTHER = ("0.6", "x")
-PEER_COLOURS = ("deeppink", "darkviolet", "limegreen", "saddlebrown", "teal")
+VARIANTS = {ADAPTIVE: ("edmc", "*"), EXTRAPOLATED: ("edmc", "4")}  # of our methods: the scheme whose colour they have, and a mark
+CHOSEN = (VERMILION, "$A$")  # colour and mark of the library's own choice
+PEER_COLOURS = (VERMILION, GREEN, ORANGE, PURPLE, SKY)  # with dashes and empty marks
 SEEN = 1e-7  # [mm] that smaller errors are drawn at
 LOST = 1e3  # [mm] as far as the axes go: whoever is a metre off is lost
 MARKS = "osv^D"
 COLUMNS = 4
+DOUBT = "both references differ by this"
 FILLS = ("none", "left", "full")  # of marks, by stiffness
 
 
@@ -51,6 +44,14 @@ def plot(rows):
     }
 
 
+def own_look(method):
+    """Colour and mark of one of our methods."""
+    if method == OWN_CHOICE:
+        return CHOSEN
+    scheme, mark = VARIANTS.get(method, (method, None))
+    return style(scheme).color, mark or style(scheme).marker
+
+
 def _figure(width, height):
     from matplotlib.figure import Figure
 
@@ -66,21 +67,23 @@ def _races(runs):
     figure = _figure(3.4 * columns + 0.6, 3.1 * lines + 1.4)
     panels = figure.subplots(lines, columns, squeeze=False).ravel()
     engines = [engine for engine in runs["engine"].unique() if engine != OURS]
-    handles = {}
+    handles, ours = {}, set()
     for panel, ((motion, EA, segments), part) in zip(panels, motions, strict=False):
         done = part.dropna(subset=["error_mm"])
         done = done[done["error_mm"] < LOST]
         floor = part["reference_mm"].iloc[0]
         for (engine, method), line in done.groupby(["engine", "method"], sort=False):
             if engine == OURS:
-                colour, mark = STYLES.get(method, OTHER)
-                look = {"color": colour, "marker": mark, "lw": 1.8 if method == "edmc" else 0.9, "ms": 5}
+                colour, mark = own_look(method)
+                ours.add(method)
+                drawn = {"color": colour, "marker": mark, "lw": 1.8 if method == "edmc" else 0.9, "ms": 5}
                 label = method
             else:
                 mark = MARKS[list(done[done["engine"] == engine]["method"].unique()).index(method)]
-                look = {"color": PEER_COLOURS[engines.index(engine)], "marker": mark, "ls": "--", "lw": 1.2, "ms": 4, "mfc": "none"}
+                colour = PEER_COLOURS[engines.index(engine)]
+                drawn = {"color": colour, "marker": mark, "ls": "--", "lw": 1.2, "ms": 4, "mfc": "none"}
                 label = f"{engine} {method}".strip()
-            handles.setdefault(label, panel.loglog(line["wall_s"], line["error_mm"].clip(lower=SEEN), **look)[0])
+            handles.setdefault(label, panel.loglog(line["wall_s"], line["error_mm"].clip(lower=SEEN), **drawn)[0])
         panel.set_ylim(max(done["error_mm"].min(), SEEN) / 2, LOST)
         panel.set_xlim(10 ** np.floor(np.log10(done["wall_s"].min())), 10 ** np.ceil(np.log10(done["wall_s"].max())))
         panel.axhspan(1e-12, floor, color="0.9", lw=0)
@@ -93,8 +96,8 @@ def _races(runs):
     for panel in panels[len(motions) :]:
         panel.axis("off")
     figure.supylabel("largest error of p0 or of the tip [mm]", fontsize=10)
-    handles["both references differ by this"] = panels[0].fill_between([], [], color="0.9")
-    order = sorted(handles, key=lambda name: (name not in STYLES, name.startswith("both")))
+    handles[DOUBT] = panels[0].fill_between([], [], color="0.9")
+    order = sorted(handles, key=lambda name: (name not in ours, name == DOUBT))
     figure.legend([handles[name] for name in order], order, loc="outside lower center", ncols=6, frameon=False, fontsize=8)
     return figure
 
@@ -133,7 +136,7 @@ def _front(table):
     for (method, N, EA), part in raced.groupby(["method", "segments", "EA_N"], sort=False):
         colour = COLOURS[segments.index(N)]
         fill = FILLS[stiffnesses.index(EA)]
-        mark = STYLES.get(method, OTHER)[1]
+        mark = own_look(method)[1]
         axes.loglog(part["wall_s"], part["total_mm"], ls="none", marker=mark, color=colour, fillstyle=fill, ms=5, alpha=0.8)
     front = table[table["on_front"]].sort_values("wall_s")
     axes.loglog(front["wall_s"], front["total_mm"], "k-", lw=1.2, drawstyle="steps-post", zorder=0)
@@ -141,7 +144,7 @@ def _front(table):
     axes.grid(color="0.9", lw=0.5)
     methods = list(raced["method"].unique())
     keys = [Line2D([], [], color=COLOURS[i], marker="o", ls="none", label=f"{N} segments") for i, N in enumerate(segments)]
-    keys += [Line2D([], [], color="0.3", marker=STYLES.get(name, OTHER)[1], ls="none", label=name) for name in methods]
+    keys += [Line2D([], [], color="0.3", marker=own_look(name)[1], ls="none", label=name) for name in methods]
     keys += [
         Line2D([], [], color="0.3", marker="o", ls="none", fillstyle=fill, label=stiffness(EA))
         for fill, EA in zip(FILLS, stiffnesses, strict=False)

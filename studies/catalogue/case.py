@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anet_lumped.motion.extrapolation import is_extrapolated
 from anet_lumped.results.run import Run, State
 from anet_lumped.scene.scene import Driven, Scene
+from integrators import schemes
+from integrators.schemes.record import EnergyPromise
 
 ENERGY, LOAD, MOMENTUM, SPIN, REST, ACCURACY = "energy", "load", "momentum", "spin", "rest", "accuracy"
-NEVER_GAIN_ENERGY = ("edmc", "backward_euler")  # energy, at any step
 NO_RISE, BOUNDED_RISE = 1e-6, 0.1  # of the energy in play: Newton's tolerance; a bounded oscillation
 
 
@@ -110,12 +110,17 @@ def account_statement(run) -> Statement:
     return Statement(ENERGY, "energy that is not accounted for, over the energy in play", run.energy_balance.imbalance, most=0.01)
 
 
+def promises_no_energy_gain(method: str) -> bool:
+    """Whether a scheme promises that energy does not rise at any step."""
+    return schemes.scheme(method).energy is EnergyPromise.NEVER_RISES
+
+
 def must_not_gain_energy(run) -> bool:
     """Whether the run's method promises that energy does not rise at any step.
 
     An extrapolated run, which is a mean of two, keeps this only to its error.
     """
-    return run.method in NEVER_GAIN_ENERGY and not is_extrapolated(run)
+    return promises_no_energy_gain(run.method) and not run.extrapolated
 
 
 def energy_statement(run) -> Statement:

@@ -8,15 +8,14 @@ import numpy as np
 from anet_lumped import Cable, Fixed, Free, Scene, State, equilibrium
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model.build import build
-from anet_lumped.motion.extrapolation import is_extrapolated
-from anet_lumped.motion.simulate import DIFFRAX, SCIPY, simulate
+from anet_lumped.motion.simulate import simulate
 from anet_lumped.results.run import segment_tensions
 from integrators import schemes
+from integrators.schemes.record import Stepping
 from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, SPIN, Case, Statement, largest_tension, position_at_end, weight
 from studies.catalogue.swings import ANGLE, centre_of_mass, pendulum, released
 
 G, MU = 9.81, 0.1  # [m/s^2], [kg/m]
-EXACT_SPIN = ("edmc", "verlet", "symplectic_euler")
 
 
 def momenta(run):
@@ -34,13 +33,13 @@ def momentum_statements(run, acceleration=(0.0, 0.0, 0.0)):
     M = model.mass[: model.n_free].sum()
     P, L = momenta(run)
     speed = np.abs(run.v).max()
-    adaptive = run.method in SCIPY + DIFFRAX
+    scheme = schemes.scheme(run.method)
     off = np.abs(P - P[0] - M * (run.t - run.t[0])[:, None] * a).max() / (M * speed)
     # of Newton's tolerance, 1e-6 of the largest force on a node, some hundred steps leave this at most
-    yield Statement(MOMENTUM, "drift of momentum over mass times largest speed", off, most=1e-3 if adaptive else 1e-5)
+    yield Statement(MOMENTUM, "drift of momentum over mass times largest speed", off, most=1e-5 if scheme.own else 1e-3)
     if not a.any():
         size = (np.abs(run.q).max() * M * speed) or 1.0
-        most = 1e-5 if run.method in EXACT_SPIN else 1e-2
+        most = 1e-5 if scheme.keeps_angular_momentum else 1e-2
         yield Statement(SPIN, "drift of angular momentum over its scale", np.abs(L - L[0]).max() / size, most=most)
 
 
@@ -56,7 +55,7 @@ def falls_as_a_stone(run, nodes, G):
     v0 = (m * run.v[0, nodes]).sum(axis=0) / m.sum()
     off = np.abs(middle - middle[0] - v0 * t - 0.5 * t**2 * (0, 0, -G)).max()
     most = 0.5 * G * run.dt * run.t[-1] + 1e-6  # symplectic and backward Euler: g h t/2 by themselves
-    exact = run.method not in ("symplectic_euler", "backward_euler", "explicit_euler")
+    exact = schemes.scheme(run.method).order != 1
     yield Statement(MOMENTUM, "centre of mass off a stone's fall", off, most=1e-5 if exact else most, unit="m")
 
 
@@ -258,8 +257,8 @@ def apart():
         nodes = run.model.nodes("c-d")
         yield from falls_as_a_stone(run, nodes, G)
         yield Statement(LOAD, "largest tension in what flies, over its weight", run.tension("c-d").max() / 1.1, most=1e-2)
-        step_choosing = run.method in SCIPY + DIFFRAX or run.method in schemes.EMBEDDED
-        own = {} if step_choosing else {"dt": run.dt, "extrapolate": is_extrapolated(run)}
+        step_choosing = schemes.scheme(run.method).stepping is not Stepping.FIXED
+        own = {} if step_choosing else {"dt": run.dt, "extrapolate": run.extrapolated}
         by_itself = simulate(swing, run.t[-1], method=run.method, start=alone, **own)
         off = np.abs(run.position("b")[-1] - by_itself.position("b")[-1]).max()
         # Newton's tolerance, 1e-6 of the force on a node in every step, or that of the solver that chooses its steps

@@ -16,12 +16,13 @@ import numpy as np
 from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, Scene, SceneError, State, effects
 from anet_lumped.model.build import build
 from anet_lumped.model.tables import AXIAL_STIFFNESS
-from anet_lumped.motion.simulate import SCIPY, StabilityWarning, simulate, straight
+from anet_lumped.motion.simulate import StabilityWarning, simulate, straight
 from anet_lumped.motion.stability import predict
 from anet_lumped.prescribed import paths
 from anet_lumped.results.run import segment_tensions
 from integrators import schemes
-from studies.catalogue.outcome import DEFAULT, FAILED, GAINED, HELD, METHODS, REFUSED, bounded_work
+from integrators.schemes.record import EnergyPromise
+from studies.catalogue.outcome import DEFAULT, FAILED, GAINED, HELD, REFUSED, bounded_work, compiled_methods
 
 TRIALS = 2000
 IMBALANCE = 1e-4  # of the energy in play, what the exact balance of edmc may miss: Newton's tolerance over some ten steps
@@ -83,26 +84,28 @@ def draw(pick: Pick, surroundings: bool = True) -> Trial:
     Without surroundings a scene has no air, water, ground, bending nor axial damping.
     """
     scene = _scene(pick, surroundings)
-    method = pick.one_of((None, None, "edmc", "edmc", "backward_euler", *METHODS))
+    method = pick.one_of((None, None, "edmc", "edmc", "backward_euler", *compiled_methods()))
     rtol = pick.one_of((None,) * 7 + (1e-4,))
     start = pick.one_of(("equilibrium", "straight", "thrown"))
     steps = pick.integer(5, 40)
     dt = 10.0 ** pick.number(-4.0, -1.0)
-    if method in schemes.EXPLICIT:
+    scheme = None if method is None else schemes.scheme(method)
+    from_elsewhere = scheme is not None and not scheme.own
+    if scheme is not None and scheme.own and scheme.explicit:
         limit = predict(scene, schemes=(method,)).limits[method].step or 1e-4
         dt = limit * 10.0 ** pick.number(-1.0, 0.3)
         t_end = dt * pick.integer(5, EXPLICIT_STEPS)
-        if method in schemes.EMBEDDED and pick.integer(0, 1):
+        if scheme.embedded and pick.integer(0, 1):
             dt = None
-    elif method in SCIPY or rtol:  # as many steps as it takes: within some turns of the fastest motion they are few
-        turns = SCIPY_TURNS if method in SCIPY else ADAPTIVE_TURNS
+    elif from_elsewhere or rtol:  # as many steps as it takes: within some turns of the fastest motion they are few
+        turns = SCIPY_TURNS if from_elsewhere else ADAPTIVE_TURNS
         t_end, dt = min(dt * steps, turns / max(cable.omega_max for cable in scene.cables)), None
     else:
         t_end = dt * steps
         if method is None and pick.integer(0, 1):
             dt = None
     speed = 10.0 ** pick.number(-2.0, 1.0)
-    return Trial(scene, t_end, method, dt, None if method in SCIPY else rtol, start, speed, pick.integer(0, 10**6))
+    return Trial(scene, t_end, method, dt, None if from_elsewhere else rtol, start, speed, pick.integer(0, 10**6))
 
 
 def _scene(pick, surroundings):
@@ -236,8 +239,9 @@ def _audit(trial, run):
         return HELD, ""
     if driven or trial.rtol is not None:  # of work, other methods' accounts are rough where a point jumps
         return HELD, ""
-    if run.method == "backward_euler" and not any(cable.compression == "linear" for cable in scene.cables) and rise > RISE:
-        return FAILED, f"backward Euler raises the energy by {rise:.2g} of the energy in play"
+    scheme, pushes = schemes.scheme(run.method), any(cable.compression == "linear" for cable in scene.cables)
+    if scheme.energy is EnergyPromise.NEVER_RISES and not pushes and rise > RISE:
+        return FAILED, f"{scheme.label} raises the energy by {rise:.2g} of the energy in play"
     if rise > GAIN:
         return (FAILED if trial.method is None else GAINED), f"{run.method} raises the energy by {rise:.2g} of that in play"
     return HELD, ""

@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 
+from anet_lumped.prescribed.smoothstep import smoothstep
 from anet_lumped.scene.scene import Driven
 from studies.peers.problem import explicit_limit, problem, raise_if_refused, unsupported, version_of
 
@@ -197,7 +198,7 @@ def _offset(exudyn, task, node, axis):
             swing = amplitude[axis] * sin(omega * (t + t0) + phase)
             if ramp:
                 s = (t + t0) * (1.0 / ramp)
-                swing = choose(s >= 1.0, swing, swing * s * s * s * (10.0 + s * (6.0 * s - 15.0)))
+                swing = choose(s >= 1.0, swing, swing * smoothstep(s)[0])
             value = value + swing
         return value - at
 

@@ -15,7 +15,7 @@ from anet_lumped.effects import REGISTRY
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import signals
-from integrators.stage import BETWEEN, Stage
+from integrators.stage import LAW_BETWEEN, Stage
 from studies.accuracy_cost.cases import net
 from studies.accuracy_cost.paired_timing import in_words, ratio, take_turns
 from studies.shown.palette import BLUE, ORANGE
@@ -94,7 +94,7 @@ def newton_iteration(scene, start):
 
     h, arrays, q = DT["newton"], fresh_net(build(scene)), start.q.copy()
     arrays.tension[:] = start.segment_tension
-    stage = Stage(BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
+    stage = Stage(LAW_BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
     began = time.perf_counter()
     newton_iterations(stage, start.q, start.q, q, arrays.address, TIMES["newton"])
     return (time.perf_counter() - began) / TIMES["newton"]

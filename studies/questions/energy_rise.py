@@ -15,14 +15,12 @@ from anet_lumped.model.build import build
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.results.run import State, segment_tensions
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
-from integrators.schemes import IMPLICIT
-from studies.questions.stability_map.planes import NAMES
-from studies.shown.palette import look
+from studies.shown.scheme_styles import style
 from studies.shown.sentences import between, counted, listed, percent, power, share
 from studies.shown.show import as_text
 from studies.study import Drawing, Part, Record
 from studies.sweeping.rows import run_rows
-from studies.thesis_cable import predicted_step
+from studies.thesis_cable import implicit_schemes, label, predicted_step
 
 STUDY = Record(question=__doc__.splitlines()[0], part=Part.CURE)
 TABLES = {
@@ -111,7 +109,7 @@ def compute(quick=False, executor=None, out=None):
     if quick:
         grid = [STARTS, STIFFNESSES[1::2], ZETAS[1:], STEPS_MS[1:2]]
     cases = [dict(zip(("start", "EA_N", "zeta", "step_ms"), case, strict=True)) for case in itertools.product(*grid)]
-    allowed = [{"scheme": scheme, **case} for scheme in IMPLICIT for case in cases]
+    allowed = [{"scheme": scheme, **case} for scheme in implicit_schemes() for case in cases]
     allowed += [
         {"scheme": "verlet", **case}
         for case in cases
@@ -123,7 +121,7 @@ def compute(quick=False, executor=None, out=None):
         "runs": runs,
         "newton_iterations": pd.DataFrame(map(iterations, ITERATIONS_EA)),
         "verlet": pd.DataFrame(itertools.starmap(verlet, itertools.product(VERLET_SHARES, VERLET_ZETAS))),
-        "whip": pd.concat(map(whip, IMPLICIT), ignore_index=True),
+        "whip": pd.concat(map(whip, implicit_schemes()), ignore_index=True),
     }
 
 
@@ -150,7 +148,7 @@ def by_scheme(runs):
         worst = group.loc[group["rise"].idxmax()]
         lines.append(
             {
-                "scheme": NAMES[scheme],
+                "scheme": label(scheme),
                 "runs": len(group),
                 "runs_that_gained": int((group["rise"] > GAIN).sum()),
                 "runs_that_say_so": int(((group["rise"] > GAIN) & (group["status"] != "done")).sum()),
@@ -195,7 +193,6 @@ def whip(scheme):
 
 # Figures and words --------------------------------------------------------------------------------------------------
 
-LOOKS = {scheme: look(number) for number, scheme in enumerate((*IMPLICIT, "verlet"))}
 FLOOR = 1e-18  # drawn for no rise at all
 
 
@@ -227,7 +224,7 @@ def _plot_rise(runs):
         axes.axhspan(FLOOR / 10, 1e-9, color="0.93", lw=0)
         for scheme, group in runs[runs["zeta"] == zeta].groupby("scheme", sort=False):
             worst = group.groupby("EA_N")["rise"].max().clip(lower=FLOOR)
-            axes.loglog(worst.index, worst, ms=5, label=NAMES[scheme], **LOOKS[scheme])
+            axes.loglog(worst.index, worst, ms=5, **style(scheme).of_line())
             failed = worst[group[group["status"].isin(LOST)]["EA_N"].unique()]
             axes.loglog(failed.index, failed, "o", mfc="none", mec="k", ms=11, mew=0.8)
         axes.axhline(GAIN, color="k", lw=0.8, ls=":")
@@ -251,8 +248,8 @@ def _plot_whip(whip):
     axes = figure.subplots()
     for scheme, group in whip.groupby("scheme", sort=False):
         status = group["status"].iloc[0]
-        name = NAMES[scheme] if status == "done" else f"{NAMES[scheme]} ({status})"
-        axes.plot(group["t_s"], group["energy_J"], label=name, markevery=20, ms=5, **LOOKS[scheme])
+        name = label(scheme) if status == "done" else f"{label(scheme)} ({status})"
+        axes.plot(group["t_s"], group["energy_J"], markevery=20, ms=5, **(style(scheme).of_line() | {"label": name}))
     axes.axhline(0.0, color="k", lw=0.8, ls=":")
     axes.set(xlabel="time [s]", ylabel="energy above that of the start [J]")
     axes.set_yscale("symlog", linthresh=0.01)
@@ -272,7 +269,7 @@ def answer(rows):
 
 def _implicit(rows):
     """The table of implicit schemes by name, and which of them never gained energy."""
-    table = rows["by_scheme"].set_index("scheme").drop(index=NAMES["verlet"], errors="ignore")
+    table = rows["by_scheme"].set_index("scheme").drop(index=label("verlet"), errors="ignore")
     return table, table["runs_that_gained"] == 0
 
 
@@ -360,8 +357,8 @@ def _iterations(table):
 
 def _losses(whip):
     change = whip.groupby("scheme", sort=False)["energy_J"].last()
-    lost = listed(f"{NAMES[scheme]} {as_text(-1e3 * joules, 2)} mJ" for scheme, joules in change.items() if joules <= 0.0)
-    gained = listed(f"{NAMES[scheme]} {power(joules, 2)} J" for scheme, joules in change.items() if joules > 0.0)
+    lost = listed(f"{label(scheme)} {as_text(-1e3 * joules, 2)} mJ" for scheme, joules in change.items() if joules <= 0.0)
+    gained = listed(f"{label(scheme)} {power(joules, 2)} J" for scheme, joules in change.items() if joules > 0.0)
     return (
         f"What a scheme loses matters too. After {2 * DURATION:g} s of the loose cable at EA = {power(WHIP_EA)} N and steps of "
         f"{1e3 * WHIP_STEP:g} ms, of a swing that is worth {1e3 * MASS * GRAVITY * LENGTH / 2:.3g} mJ: lost have {lost}; gained "

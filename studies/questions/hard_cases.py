@@ -10,17 +10,23 @@ import textwrap
 
 import pandas as pd
 
-from studies.catalogue.case import BOUNDED_RISE, ENERGY, NEVER_GAIN_ENERGY, NO_RISE
+from integrators import schemes
+from integrators.schemes.record import Origin
+from studies.catalogue.case import BOUNDED_RISE, ENERGY, NO_RISE, promises_no_energy_gain
 from studies.catalogue.outcome import (
     DEFAULT,
     FAILED,
     GAINED,
     HELD,
-    METHODS_TRIED,
     NODE_EVALUATIONS,
     NODE_STEPS,
-    NODE_TRIES,
+    NODES,
     REFUSED,
+    STEPS,
+    WORK,
+    extrapolations,
+    methods_tried,
+    node_tries,
     try_case,
 )  # fmt: skip
 from studies.shown.sentences import counted, listed, power, share
@@ -52,7 +58,7 @@ def compute(quick=False, executor=None, out=None):
     """The tables."""
     from studies.catalogue.cases import CASES  # with all effects, whose kernels are compiled or read as they are imported
 
-    cases, methods = (QUICK_CASES, QUICK_METHODS) if quick else (tuple(CASES), METHODS_TRIED)
+    cases, methods = (QUICK_CASES, QUICK_METHODS) if quick else (tuple(CASES), methods_tried())
     rows = [{"case": case, "method": method} for case in cases for method in methods]
     runs = run_rows(one, rows, executor=executor, out=out and out / "runs")
     trials = QUICK_TRIALS if quick else TRIALS
@@ -88,6 +94,7 @@ def one(row):
     return {
         "outcome": found.outcome,
         "why": found.reason,
+        "cause": found.cause,
         "method_taken": found.method,
         "step_ms": 1e3 * found.dt,
         "steps": found.steps,
@@ -107,44 +114,21 @@ def batch(row):
 def by_method(runs):
     """How many cases each method held, refused and failed."""
     counts = runs.pivot_table(index="method", columns="outcome", aggfunc="size", fill_value=0)
-    order = [method for method in METHODS_TRIED if method in counts.index]
+    order = [method for method in methods_tried() if method in counts.index]
     return counts.reindex(index=order, columns=[HELD, REFUSED, FAILED], fill_value=0).reset_index()
 
 
 # Figures and words --------------------------------------------------------------------------------------------------
 
 COLORS = {HELD: "#d6e6f4", REFUSED: "#bbbbbb", FAILED: "#d55e00"}
-REFUSALS = {  # what a refusal says -> its label
-    "steps of": "steps",
-    "too few steps": "nodes",
-    "error control": "steps",
-    "force evaluations": "work",
-    "at no step": "never stable",
-    "beyond the largest": "step",
-    "its energy rose": "energy",
-    "diverged": "diverged",
-    "did not converge": "no root",
-    "steps that a run may take": "steps",
-    "found no step": "tolerance",
-    "steps tried were not enough": "work",
-    "gave up": "gave up",
-    "EA=inf": "EA = inf",
-    "tension stretches it": "length",
-    "of the energy in play were": "lost energy",
-    "of the energy in play are": "lost energy",
-    "far from a limit": "no limit",
-    "needs the packages": "missing",
-}
-
-
-WORK = ("steps", "nodes", "work")  # labels of refusals for the work alone
+FOR_WORK = (STEPS, NODES, WORK)  # causes of refusals for the work alone
 
 
 def label(run, statements):
     """A word for a cell of the figure: why the library refused, or the kind of statement that is broken, with a star if an audit
     of the run fails."""
     if run.outcome == REFUSED:
-        return next((word for part, word in REFUSALS.items() if part in run.why), "refused")
+        return run.cause
     if run.outcome == FAILED:
         own = statements[
             (statements["case"] == run.case) & (statements["method"] == run.method) & ~statements["holds"].astype(bool)
@@ -226,14 +210,17 @@ def _counts(rows):
     counts, runs = rows["by_method"].set_index("method").drop(DEFAULT), rows["runs"]
     table = "; ".join(f"{method} {line[HELD]}, {line[REFUSED]}, {line[FAILED]}" for method, line in counts.iterrows())
     refused = runs[runs["outcome"] == REFUSED]
-    dear = sum(label(run, rows["statements"]) in WORK for run in refused.itertuples())
+    dear, tries = (
+        refused["cause"].isin(FOR_WORK).sum(),
+        [node_tries(schemes.scheme(name)) for name in schemes.names(origin=Origin.DIFFRAX)],
+    )
     return (
         f"Cases held, refused and failed by the methods that were asked for by name: {table}. A method is refused by a status with "
         "advice (a run that gained energy has one too), by a warning before the run, or by a warning of the run itself where that "
         f"names what is broken (energy lost in its steps, a cable longer than its tension stretches it). {dear} of "
         f"{counted(len(refused), 'refusal')} are for more work than is spent here: {power(NODE_STEPS)} nodes times steps (explicit "
-        f"methods), {power(NODE_EVALUATIONS['RK45'])} nodes times force evaluations (scipy's explicit solvers), "
-        f"{power(NODE_EVALUATIONS['BDF'])} (its stiff ones), {power(NODE_TRIES['Kvaerno5'])} to {power(NODE_TRIES['Tsit5'])} nodes "
+        f"methods), {power(NODE_EVALUATIONS[True])} nodes times force evaluations (scipy's explicit solvers), "
+        f"{power(NODE_EVALUATIONS[False])} (its stiff ones), {power(min(tries))} to {power(max(tries))} nodes "
         "times steps (diffrax's)."
     )
 
@@ -250,7 +237,8 @@ def _audits(failed):
 def _energy(statements):
     own = statements[statements["what"] == "rise of energy over the energy in play"]
     rises = own[own["method"] != DEFAULT].groupby("method", sort=False)["value"].max()
-    promised = rises[rises.index.isin(NEVER_GAIN_ENERGY)]
+    named = [method for method in rises.index if method not in extrapolations() and promises_no_energy_gain(method)]
+    promised = rises[named]
     others = rises.drop(promised.index)
     loud = others[others > BOUNDED_RISE]
     words = "Largest rise of energy over the energy in play, without input, of runs that ended as done"

@@ -11,7 +11,7 @@ from anet_lumped import Cable, Fixed, Free, Scene, State, equilibrium, simulate
 from anet_lumped.effects import Gravity
 from anet_lumped.model.tables import AXIAL_STIFFNESS
 from integrators import schemes
-from studies.shown.palette import look
+from studies.shown.scheme_styles import style
 from studies.shown.sentences import counted, listed, percent, power
 from studies.study import Drawing, Part, Record
 from studies.sweeping.rows import run_rows
@@ -33,7 +33,12 @@ FEW = {"dop853": ((4, 6, 8, 11), (700, 800, 1000, 1400))}  # steps in T_END of a
 REFERENCE = 100_000  # steps of rk4 that the swings are compared with
 NOISE, ROUGH = 1e-9, 0.3  # relative errors between which they count: above Newton's tolerance, and small
 TOLERANCE = 0.15  # by which a slope may miss the order
-CASES = {name: (name, None) for name in schemes.EXPLICIT + schemes.IMPLICIT} | {"edmc, rho_inf = 1": ("edmc", 1.0)}
+CONSERVING = "edmc, rho_inf = 1"
+
+
+def cases():
+    """Method and rho_inf of every case, by its name."""
+    return {name: (name, None) for name in schemes.names(own=True)} | {CONSERVING: ("edmc", 1.0)}
 
 
 def scene(problem):
@@ -75,10 +80,12 @@ def march(method, problem, start, steps, rho_inf=None):
 
 def errors(row):
     """Relative errors of position and velocity at the end, for each step of one scheme on one motion."""
-    problem, (method, rho_inf) = row["problem"], CASES[row["method"]]
+    problem, (method, rho_inf) = row["problem"], cases()[row["method"]]
     start, (d, v) = start_of(problem), exact(problem)
     number, found = PROBLEMS.index(problem), []
-    for steps in FEW[method][number] if method in FEW else STEPS[problem][method in schemes.IMPLICIT]:
+    explicit_steps, implicit_steps = STEPS[problem]
+    usual = explicit_steps if schemes.scheme(method).explicit else implicit_steps
+    for steps in FEW[method][number] if method in FEW else usual:
         run = march(method, problem, start, steps, rho_inf)
         found.append(
             {
@@ -93,15 +100,15 @@ def errors(row):
 
 def compute(quick=False, executor=None, out=None):
     """Errors at four steps, and the slopes fitted to them."""
-    cases = ("verlet", "edmc") if quick else CASES
-    rows = [{"problem": problem, "method": method} for method in cases for problem in PROBLEMS]
+    tried = ("verlet", "edmc") if quick else cases()
+    rows = [{"problem": problem, "method": method} for method in tried for problem in PROBLEMS]
     runs = run_rows(errors, rows, executor=executor, out=out and out / "errors")
     table = pd.DataFrame(
         {"problem": run.problem, "method": run.method, **one} for run in runs.itertuples() for one in json.loads(run.errors)
     )
     slopes = []
     for (problem, method), lines in table.groupby(["problem", "method"], sort=False):
-        row = {"problem": problem, "method": method, "order": schemes.order(CASES[method][0])}
+        row = {"problem": problem, "method": method, "order": schemes.scheme(cases()[method][0]).order}
         slopes.append(row | {f"{what}_slope": slope(lines["step_s"], lines[f"{what}_error"]) for what in ("position", "velocity")})
     return {"orders": pd.DataFrame(slopes), "errors": table}
 
@@ -129,10 +136,11 @@ def _plot_errors(table):
 
     figure = Figure(figsize=(9.5, 4.2), layout="constrained")
     panels = figure.subplots(1, len(STEPS), sharey=True)
-    methods = list(table["method"].unique())
     for panel, (problem, part) in zip(panels, table.groupby("problem", sort=False), strict=True):
         for method, line in part.groupby("method", sort=False):
-            panel.loglog(line.step_s * 1e3, line.position_error, ms=4, lw=1, label=method, **look(methods.index(method)))
+            conserving = {"label": method, "mfc": "none", "ls": ":"} if method == CONSERVING else {}
+            look = style(cases()[method][0]).of_line() | conserving
+            panel.loglog(line.step_s * 1e3, line.position_error, ms=4, lw=1, **look)
         panel.set(title=problem, xlabel="step [ms]")
         panel.xaxis.set_minor_formatter(NullFormatter())
     panels[0].set_ylabel("error of position over displacement [-]")

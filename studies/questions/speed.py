@@ -7,7 +7,7 @@ import pandas as pd
 
 from anet_lumped import equilibrium, simulate
 from anet_lumped.mechanics.fresh_net import fresh_net
-from integrators.stage import BETWEEN, Stage
+from integrators.stage import LAW_BETWEEN, Stage
 from studies.accuracy_cost.cases import net
 from studies.accuracy_cost.paired_timing import in_words, ratio, seconds_of, take_turns
 from studies.shown.palette import look
@@ -34,7 +34,7 @@ REFERENCE = 0.5e-3  # [s] step of generalised-alpha, another method, that places
 T_END = 4.0  # [s]
 REPEATS, QUICK_REPEATS = 12, 6  # turns in which everything is timed
 TARGET_MM = 0.1  # error of p0 at which paces are compared
-EXPLICIT = ("symplectic_euler", "verlet")
+TIMED = ("symplectic_euler", "verlet")  # a step of these
 EXPLICIT_STEP = "{}, a step"
 STEP, ITERATION, ACCOUNT = "edmc, a step", "edmc, a Newton iteration", "edmc, energy account and calming of a step"
 
@@ -62,11 +62,9 @@ def costs(segments, repeats):
     start, nodes, h = equilibrium(net("net_carried", segments=segments)), rest.model.n, 0.01
     arrays, q, v, energy = fresh_net(rest.model), rest.q.copy(), np.zeros_like(rest.q), np.zeros(4)
     arrays.tension[:] = rest.segment_tension
-    stage = Stage(BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
+    stage = Stage(LAW_BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
     steps, iterations = max(10, int(2e6 / nodes)), max(5, int(1e6 / nodes))
-    timed = {
-        EXPLICIT_STEP.format(method): lambda name=method: run_seconds(start, name, 2e-4 / segments, steps) for method in EXPLICIT
-    }
+    timed = {EXPLICIT_STEP.format(method): lambda name=method: run_seconds(start, name, 2e-4 / segments, steps) for method in TIMED}
     timed |= {
         STEP: lambda: run_seconds(start, "edmc", h, max(10, steps // 10)),
         ITERATION: lambda: seconds(newton_iterations, stage, rest.q, rest.q, q, arrays.address, times=iterations),
@@ -176,7 +174,7 @@ def between_stiffnesses(values):
 def _growth(table):
     """What a node costs, and whether that grows with the net."""
     words = []
-    for what in (*(EXPLICIT_STEP.format(method) for method in EXPLICIT), STEP, ITERATION):
+    for what in (*(EXPLICIT_STEP.format(method) for method in TIMED), STEP, ITERATION):
         slope = np.polyfit(np.log(table.index), np.log(table[what]), 1)[0]
         words.append(f"{between(table[what], 'ns', 2)} ({what}; nodes to the power {slope:+.2f})")
     return (

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from anet_lumped import simulate
-from anet_lumped.motion.gain import GAINED
+from anet_lumped.motion.energy_gain import GAINED
 from anet_lumped.motion.stability import predict
 from studies.accuracy_cost import contestants, total_error
 from studies.accuracy_cost.cases import SHARED_LAW, carried, dropped, loose, stopped

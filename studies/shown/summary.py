@@ -139,8 +139,9 @@ def prediction_summary(scene, dt: float | None = None) -> dict:
 
     With a step dt [s] also the stretch floor of the explicit methods: the smallest static stretch that it permits.
     """
-    from anet_lumped.motion.stability import EXPLICIT, predict
+    from anet_lumped.motion.stability import predict
     from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
+    from integrators import schemes
 
     prediction = predict(scene)
     modes = prediction.modes.values()
@@ -160,7 +161,7 @@ def prediction_summary(scene, dt: float | None = None) -> dict:
         row = {"method": name, "largest_step": limit.step, "set_by": limit.cable}
         if dt is not None:
             row["stable"] = "yes" if dt <= limit.step else "no"
-            if strains and name in EXPLICIT:
+            if strains and schemes.scheme(name).explicit:
                 floors = [float(prediction.stretch_floor(name, dt, cable, strain)) for cable, strain in strains.items()]
                 row["stretch_floor"] = max(floors)
             if dt > limit.step:

@@ -84,7 +84,7 @@ def test_below_chord_is_the_sag_of_a_catenary(end):
 
 @pytest.mark.parametrize(("segments", "sag_error_mm"), [(4, 9.4), (10, 1.43), (20, 0.354), (40, 0.088)])
 def test_known_sag_errors(segments, sag_error_mm):
-    """THESIS.md, section 4: span 0.8 m, cable 1 m; EA = 1e6 N adds less than 1e-3 mm."""
+    """docs/thesis.md: span 0.8 m, cable 1 m; EA = 1e6 N adds less than 1e-3 mm."""
     (found,) = compare(equilibrium(level_cable(segments))).cables
     assert 1e3 * found.sag_error == pytest.approx(sag_error_mm, rel=0.01)
 

@@ -15,7 +15,7 @@ from anet_lumped.mechanics import force, newton_step, residual, settle
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import paths
-from integrators.stage import BACKWARD, BETWEEN, STATE, Stage
+from integrators.stage import LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN, Stage
 
 EPS = np.finfo(float).eps
 
@@ -80,7 +80,7 @@ def _both(scene):
     return model, fresh_net(model), fresh_net(single)
 
 
-LAWS = {"state": STATE, "backward": BACKWARD, "between": BETWEEN}
+LAWS = {"state": LAW_AT_END, "backward": LAW_BACKWARD, "between": LAW_BETWEEN}
 NETS = {
     "two": _net(2),
     "three": _net(3),

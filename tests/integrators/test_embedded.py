@@ -15,12 +15,14 @@ from anet_lumped.mechanics.bindings import system
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import paths
-from integrators import dop853, schemes
-from integrators import embedded_march as embedded
-from integrators import embedded_pair as pair
-from integrators.system import BALANCE, DISSIPATED, DONE, PUT_IN
+from integrators import schemes
+from integrators.marching import embedded_steps, step_control
+from integrators.schemes import dop853
+from integrators.schemes import embedded_pair as pair
+from integrators.step_ends import evaluate_start
+from integrators.system import BALANCE, COUNTS, DISSIPATED, DONE, PUT_IN, StepState, words_in_memory
 
-PAIR = dop853.PAIR
+PAIR = dop853.tableau()
 SMOOTH = {
     "spring-mass": spring_mass,
     "shaken mass": shaken_mass,  # driven
@@ -46,6 +48,7 @@ def errors(motion, run):
 
 def test_tableau_is_consistent():
     """Rows sum to the times of the stages, weights of errors to zero, of the dense output to theta."""
+    assert len(PAIR.c) == dop853.ALL_STAGES and PAIR.end == dop853.STAGES == DOP853.n_stages
     np.testing.assert_allclose(PAIR.A.sum(axis=1), PAIR.c, atol=1e-14)
     assert np.abs([PAIR.fine.sum(), PAIR.coarse.sum()]).max() < 1e-15
     np.testing.assert_allclose(PAIR.dense.sum(axis=0), np.eye(PAIR.dense.shape[1])[0], atol=1e-12)  # of coefficients up to 1e3
@@ -72,26 +75,26 @@ def test_a_step_is_that_of_the_textbook():
         kernel.bound.force(t, a, b, kernel.net.address, f, power)
         return np.concatenate([b[: kernel.n].ravel(), (kernel.bound.per_mass * f)[: kernel.n].ravel(), power])
 
-    y0 = np.append(kernel.state(q, v), [0.0, 0.0])
+    y0 = np.append(kernel.row(q, v), [0.0, 0.0])
     theirs = DOP853(rates, 0.0, y0, h, first_step=h, rtol=1e3, atol=1e3)
     theirs.step()
     kernel.step(0.0, h)
     assert theirs.t == h
     n = 3 * kernel.n
     # rounding of sums of twelve terms of order one
-    np.testing.assert_allclose(kernel.state(kernel.q, kernel.v), theirs.y[:-2], atol=1e-13)
+    np.testing.assert_allclose(kernel.row(kernel.q, kernel.v), theirs.y[:-2], atol=1e-13)
     np.testing.assert_allclose(kernel.balance[[DISSIPATED, PUT_IN]], theirs.y[-2:], rtol=1e-10)
     fine, coarse = (h * theirs.K[:13].T @ e for e in (DOP853.E5, DOP853.E3))
     fine_q, coarse_q, fine_v, coarse_v = (np.abs(e[s]).max() for s in (slice(n), slice(n, 2 * n)) for e in (fine, coarse))
     of_q, of_v = (a * a / np.hypot(a, 0.1 * b) for a, b in ((fine_q, coarse_q), (fine_v, coarse_v)))
-    error, of_places, size, _ = pair.judge(kernel.bound, h, kernel.q, kernel.v, kernel.memory, kernel.options)
+    error, of_places, size, _ = pair.judge_step(kernel.n, h, kernel.state, kernel.parameters)
     assert of_places == pytest.approx(of_q, rel=1e-6) and error == pytest.approx(max(of_q, of_v), rel=1e-6)
     assert size == np.abs(kernel.q[: kernel.n]).max()
     dense = theirs.dense_output()
     for theta in (0.2, 0.77):
         a, b, balance = kernel.between(0.0, h, theta, q, v)
         expected = dense(theta * h)
-        np.testing.assert_allclose(kernel.state(a, b), expected[:-2], atol=1e-12)
+        np.testing.assert_allclose(kernel.row(a, b), expected[:-2], atol=1e-12)
         np.testing.assert_allclose(balance[[DISSIPATED, PUT_IN]], expected[-2:], rtol=1e-9)
 
 
@@ -101,31 +104,31 @@ class Kernel:
     def __init__(self, scene, state):
         self.model = build(scene)
         self.net, self.bound, self.n = fresh_net(self.model), system(self.model), self.model.n_free
-        self.q, self.v = state.q.copy(), state.v.copy()
-        self.options = schemes.scheme("dop853").options()
-        self.memory, self.balance = np.zeros((dop853.MEMORY, self.model.n, 3)), np.zeros(BALANCE)
-        self.counts = np.zeros(6, np.int64)
+        scheme, self.words = schemes.scheme("dop853"), words_in_memory(self.bound)
+        self.q, self.v, self.parameters = state.q.copy(), state.v.copy(), scheme.parameters()
+        self.memory, self.balance = np.zeros((scheme.memory_rows, self.model.n, 3)), np.zeros(BALANCE)
+        self.state, self.counts = StepState(self.q, self.v, self.memory, self.balance), np.zeros(COUNTS, np.int64)
+        self.addresses = self.words.ctypes.data, self.net.address
 
-    def state(self, q, v):
+    def row(self, q, v):
         """Places and velocities of the moving nodes in one row."""
         return np.concatenate([q[: self.n].ravel(), v[: self.n].ravel()])
 
     def begin(self, t):
         """Force and powers at t."""
-        embedded.begin(self.bound, self.net.address, t, self.q, self.v, self.memory, self.counts, self.balance)
+        evaluate_start(*self.addresses, t, self.state, self.counts)
 
     def step(self, t, h):
         """A step."""
-        assert pair.step(
-            self.bound, self.net.address, t, h, self.q, self.v, self.memory, self.options, self.counts, self.balance
-        ) == DONE  # fmt: skip
+        assert pair.step(*self.addresses, t, h, self.state, self.parameters, self.counts) == DONE
 
     def between(self, t, h, theta, q, v):
         """Dense output of the step that began at t with q, v: places, velocities and the work since."""
-        pair.prepare(self.bound, self.net.address, t, h, q, v, self.memory, self.options, self.counts)
-        a, b, balance = np.zeros_like(q), np.zeros_like(v), np.zeros(BALANCE)
-        pair.between(theta, h, q, v, self.memory, self.options, self.n, a, b, balance)
-        return a, b, balance
+        start = StepState(q, v, self.memory[:1], self.balance)
+        pair.prepare_dense_output(*self.addresses, t, h, start, self.memory, self.parameters, self.counts)
+        found = StepState(np.zeros_like(q), np.zeros_like(v), self.memory[:1], np.zeros(BALANCE))
+        pair.dense_output(theta, h, start, self.memory, self.parameters, self.n, found)
+        return found.q, found.v, found.balance
 
 
 def test_order_of_the_dense_output():
@@ -348,7 +351,7 @@ def test_a_soft_motion_is_not_called_stiff(motion):
 
 
 def test_work_is_bounded(monkeypatch):
-    monkeypatch.setattr(embedded, "MOST", 50)
+    monkeypatch.setattr(embedded_steps, "MOST", 50)
     run = simulate(loose_cable(1e6), 1.0, method="dop853", start="straight")
     assert run.status == "out of steps" and not run.ok and 0 < run.t[-1] < 1.0
     assert run.work.steps + run.work.rejected == 50 and len(run.t) == 2  # the start and the state it reached
@@ -364,7 +367,7 @@ def test_work_is_bounded(monkeypatch):
 def test_a_tolerance_out_of_reach():
     """Below rounding no step is good enough; after 41 in a row the run ends."""
     run = march(spring_mass(), atol=1e-300)
-    assert run.status == "unconverged" and run.work.rejected == embedded.IN_A_ROW + 1 and run.work.steps == 0
+    assert run.status == "unconverged" and run.work.rejected == step_control.MOST_REJECTIONS + 1 and run.work.steps == 0
     assert re.fullmatch(
         r"dop853 with atol=1e-300 m found no step at t=0 s whose error it allows \(41 of 41 were rejected\); try a larger "
         r'tolerance or method="edmc".',

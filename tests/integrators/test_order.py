@@ -12,7 +12,8 @@ from anet_lumped import Cable, simulate
 from anet_lumped.model.build import build
 from integrators import schemes
 
-SCHEMES = [(name, None) for name in schemes.EXPLICIT + schemes.IMPLICIT]
+OWN = schemes.names(own=True)
+SCHEMES = [(name, None) for name in OWN]
 SCHEMES += [("edmc", 1.0), ("generalised_alpha", 0.0), ("generalised_alpha", 1.0)]
 RATIOS = np.array([1.0, 1.4, 2.0, 2.8, 4.0])  # five numbers of steps
 
@@ -48,12 +49,12 @@ SWINGS = [system for system, make in MOTIONS.items() if not make(1e-6).axial]
 )
 def test_order(name, rho_inf, system, solve_to):
     # explicit schemes need no Newton iteration and bear smaller swings, whose nonlinear part is below rounding
-    motion = MOTIONS[system](1e-6 if name in schemes.EXPLICIT else 1e-4)
+    motion = MOTIONS[system](1e-6 if schemes.scheme(name).explicit else 1e-4)
     order = order_of(name)
     # schemes of order 1 reach the slope only where the next term of the error, h omega of the first, is below 0.1
     # and of order 8 those above rounding
     implicit = 2 if motion.axial else 0.75
-    first = motion.steps * ({1: 16, 8: 0.2}.get(order) or (1 if name in schemes.EXPLICIT else implicit))
+    first = motion.steps * ({1: 16, 8: 0.2}.get(order) or (1 if schemes.scheme(name).explicit else implicit))
     steps = np.round(first * RATIOS).astype(int)
     solve_to(1e-7 if order == 1 else 1e-9)
     slopes = -np.polyfit(np.log(steps), np.log([errors(motion, name, rho_inf, n) for n in steps]), 1)[0]
@@ -68,7 +69,7 @@ def test_swings_of_dop853_are_exact(system):
 
 
 def test_schemes_state_their_order():
-    for name in schemes.EXPLICIT + schemes.IMPLICIT:
+    for name in OWN:
         assert schemes.scheme(name).order == order_of(name)
 
 

@@ -15,12 +15,12 @@ from anet_lumped.mechanics.linear import solve
 from anet_lumped.mechanics.required_kernels import require_elimination
 from anet_lumped.model import tables
 from anet_lumped.model.build import build
-from integrators.stage import BACKWARD, BETWEEN, STATE, Stage
+from integrators.stage import LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN, Stage
 
 EPS = np.finfo(float).eps
 INERTIA = 100.0  # [N/m] of the systems below; 5 g in steps of 10 ms
 NETS = {**nets(), "mesh": mesh(10, 10, 2)}
-LAWS = {"state": STATE, "backward": BACKWARD, "between": BETWEEN}
+LAWS = {"state": LAW_AT_END, "backward": LAW_BACKWARD, "between": LAW_BETWEEN}
 
 
 def random_system(model, rng, stiffness, slack=0.2, turn=0.4):

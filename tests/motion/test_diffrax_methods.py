@@ -19,8 +19,10 @@ from anet_lumped.mechanics.bindings import system
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.mechanics.jacobian import sparse_jacobian
 from anet_lumped.model.build import build
-from anet_lumped.motion.simulate import DIFFRAX, RunError
+from anet_lumped.motion.simulate import RunError
 from anet_lumped.prescribed.paths import harmonic, line, samples
+from integrators import schemes
+from integrators.schemes.record import Origin
 from integrators.system import DIVERGED, DONE, FACTORISATIONS, FORCES, NEWTON, REJECTED, STEPS
 
 pytest.importorskip("diffrax")
@@ -31,7 +33,10 @@ import jax.numpy as jnp
 
 from anet_lumped.motion.jax.net import jax_net
 from anet_lumped.motion.jax.paths import Paths
-from integrators import diffrax_adapter
+from integrators.adapters import diffrax_adapter
+from integrators.adapters.outcome import Task
+
+DIFFRAX = schemes.names(origin=Origin.DIFFRAX)
 
 # --- the net in JAX -----------------------------------------------------------------------------------------------------
 
@@ -124,9 +129,8 @@ class Spring(eqx.Module):
 def spring_march(method, lost=np.inf, k=M * OMEGA**2, t_end=2.0):
     motion = Spring(jnp.asarray(lost), jnp.asarray(k), jnp.array([M]))
     q, times = np.array([[0.3, 0.0, 0.0]]), np.linspace(0.0, t_end, 9)
-    return diffrax_adapter.march(
-        method, motion, 0.0, t_end, np.array([1.0]), q, np.zeros((1, 3)), times, 1e-3, 1e-8, 1e-10
-    )  # fmt: skip
+    task = Task(method, 0.0, t_end, np.array([1.0]), q, np.zeros((1, 3)), times, 1e-3, rtol=1e-8, atol=1e-10)
+    return diffrax_adapter.march(motion, task)
 
 
 def spring_solution(t):

@@ -1,7 +1,5 @@
 """Energy: what no step may add, from any start, and the account that every run gives of it."""
 
-from functools import partialmethod
-
 import numpy as np
 import pytest
 from systems import four_cables, loose_cable
@@ -12,6 +10,7 @@ from anet_lumped.model.build import build
 from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_STIFFNESS
 from anet_lumped.prescribed import paths
 from integrators import schemes
+from integrators.schemes.record import NEWTON_TOLERANCE
 
 EPS = np.finfo(float).eps
 STARTS = ("loose", "crumpled", "spot", "overstretched")
@@ -38,7 +37,7 @@ def hard_run(method, kind, EA, zeta, dt):
     return simulate(scene, t_end, method=method, dt=dt, save_every=dt, start=hard_start(build(scene), kind))
 
 
-def energy_of_errors(run, tolerance=schemes.NEWTON_TOLERANCE):
+def energy_of_errors(run, tolerance=NEWTON_TOLERANCE):
     """Energy that Newton's tolerance and rounding may add in each step of a run saved at every step [J].
 
     E_b - E_a = -(what is dissipated, >= 0) + r . (q_b - q_a) for `edmc`, and <= for backward Euler by convexity, where r is
@@ -122,14 +121,9 @@ def net_in_drag(EA=1e4, **kwargs):
     return Scene(net.points, net.cables, [*net.effects, ViscousDamping(2.0)])
 
 
-def exact_to(monkeypatch, tolerance):
-    original = schemes.Scheme.options
-    monkeypatch.setattr(schemes.Scheme, "options", partialmethod(original, tolerance=tolerance))
-
-
 @pytest.mark.parametrize("EA", [1e2, 1e4, 1e6])
 @pytest.mark.parametrize("rho_inf", [0.0, 1.0])
-def test_balance_of_edmc_is_exact(EA, rho_inf, monkeypatch):
+def test_balance_of_edmc_is_exact(EA, rho_inf, solve_to):
     """Driven points, axial dampers, numerical dissipation and drag: all accounted for, as far as Newton solves."""
     scene = net_in_drag(EA)
     for dt in (2e-2, 5e-3):
@@ -138,7 +132,7 @@ def test_balance_of_edmc_is_exact(EA, rho_inf, monkeypatch):
         in_play = balance.work  # the largest of the terms here
         assert balance.work > balance.dissipated > 0.01 and balance.kinetic > 1e-3
         assert balance.imbalance <= energy_of_errors(run).sum() / in_play
-    exact_to(monkeypatch, 1e-10)
+    solve_to(1e-10)
     run = simulate(scene, 1.5, method="edmc", dt=2e-2, rho_inf=rho_inf)
     # 75 steps of a force error of 1e-10 weights (0.05 N) over ways of 0.3 m, but for what rounding of k |q| leaves
     assert run.energy_balance.imbalance <= 1e-9 + EPS * EA * 20 / run.energy_balance.work
@@ -163,10 +157,10 @@ def test_balance_of_verlet_is_second_order():
 
 
 @pytest.mark.filterwarnings("ignore::anet_lumped.motion.simulate.StabilityWarning")  # explicit Euler, whose swings grow slowly
-@pytest.mark.parametrize("method", ["explicit_euler", "symplectic_euler", "rk4", *schemes.IMPLICIT[1:]])
+@pytest.mark.parametrize("method", [name for name in schemes.names(own=True, embedded=False) if name not in ("verlet", "edmc")])
 def test_balance_of_every_scheme_falls_with_the_step(method):
     """What a scheme adds or eats itself is all that is missing: it falls at least at first order, from a smooth start."""
-    steps = (2000, 8000) if method in schemes.EXPLICIT else (100, 400)
+    steps = (2000, 8000) if schemes.scheme(method).explicit else (100, 400)
     scene = net_in_drag(1e3, zeta=1.0, segments=5)
     off = [simulate(scene, 1.0, method=method, dt=1.0 / n).energy_balance.imbalance for n in steps]
     assert off[1] < off[0] / 3.5 and off[1] < 2e-2
@@ -176,7 +170,7 @@ def test_nothing_moves_at_rest():
     """From equilibrium nothing is put in, moved or lost, with any scheme."""
     net = four_cables(1e4)
     rest = equilibrium(net)
-    for method in (*schemes.EXPLICIT[1:], *schemes.IMPLICIT):
+    for method in schemes.names(own=True, stable_undamped=True):
         run = simulate(net, 0.05, method=method, dt=1e-4, start=rest)
         # 500 steps of a force that is 1e-10 of the weight (0.4 N) out of balance at a start of k eps |q| = 1e-9 N
         assert np.abs(run.q - rest.q).max() < 1e-10, method

@@ -31,9 +31,10 @@ from anet_lumped import (
 )
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model.build import build
-from anet_lumped.motion.simulate import METHODS, StabilityWarning
+from anet_lumped.motion.simulate import StabilityWarning
 from anet_lumped.prescribed import paths
 from integrators import schemes
+from integrators.schemes import record
 
 
 def state(scene, q, v=None):
@@ -283,12 +284,12 @@ def test_adaptive_estimate_in_pure_stretching(rho_inf):
     assert 0.3 < off / run.error_estimate < 3.0
 
 
-@pytest.mark.parametrize("method", [*schemes.IMPLICIT[1:], "symplectic_euler", "verlet", "rk4"])
+@pytest.mark.parametrize("method", [*schemes.names(own=True, stable_undamped=True, embedded=False, takes_rigid_springs=False)])
 def test_adaptive_steps_of_any_scheme(method):
     """Error and estimate are of one size; the schemes carry a force from step to step, which a step taken back must restore."""
     motion = hanging_chain(rate=1.0, amplitude=1e-2)
     exact = simulate(motion.scene, motion.t_end, method="rk4", dt=1e-4, start=motion.start).q[-1]
-    rtol = 1e-7 if method == "rk4" or schemes.order(method) == 2 else 1e-6
+    rtol = 1e-7 if method == "rk4" or schemes.scheme(method).order == 2 else 1e-6
     run = simulate(motion.scene, motion.t_end, method=method, rtol=rtol, start=motion.start)
     assert run.ok
     off = np.abs(run.q[-1] - exact).max()
@@ -346,7 +347,7 @@ def test_work_counts():
     work = {m: simulate(net, n * 1e-3, method=m, dt=1e-3, start="straight").work for m in explicit}
     assert [w.force_evaluations for w in work.values()] == [n + 1, n + 1, 4 * n + 1, 12 * n + 1]
     assert all(w.steps == n and w.newton_iterations == w.factorisations == w.rejected == 0 for w in work.values())
-    for method in schemes.IMPLICIT:
+    for method in schemes.names(own=True, explicit=False):
         work = simulate(net, n * 1e-3, method=method, dt=1e-3, start="straight").work
         stages = 2 if method in ("sdirk2", "tr_bdf2") else 1
         forces = 1 + n * stages + (0 if method == "edmc" else n)  # one for the first residual of each, and for the balance
@@ -427,14 +428,14 @@ def test_an_unstable_method_says_so():
 ])  # fmt: skip
 def test_unconverged(method, law, advice, monkeypatch):
     """Newton is not allowed a single iteration: the step is halved to the end, and the run says why it stopped."""
-    monkeypatch.setattr(schemes, "NEWTON_ITERATIONS", 0)
+    monkeypatch.setattr(record, "NEWTON_ITERATIONS", 0)
     run = simulate(loose_cable(compression=law), 0.1, method=method, dt=0.01, start="straight")
     assert run.status == "unconverged" and run.work.halvings == 13 and run.work.steps == 0
     assert run.message == (f"{method} with dt=0.01 s did not converge at t=0 s even with the step cut to 2.4e-06 s; try {advice}.")
 
 
 def test_a_run_that_does_not_converge_can_be_an_error(monkeypatch):
-    monkeypatch.setattr(schemes, "NEWTON_ITERATIONS", 0)
+    monkeypatch.setattr(record, "NEWTON_ITERATIONS", 0)
     with pytest.raises(RunError, match="did not converge") as raised:
         simulate(loose_cable(), 0.1, method="edmc", dt=0.01, start="straight", check=True)
     assert raised.value.run.t[-1] == 0.0
@@ -499,7 +500,7 @@ def test_straight_needs_places():
 
 def test_every_method_has_a_limit_and_runs():
     """No name silently runs another scheme."""
-    for method in METHODS:
+    for method in schemes.names():
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", StabilityWarning)
             run = simulate(loose_cable(1e2, segments=3), 0.01, method=method, start="straight")

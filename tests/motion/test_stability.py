@@ -12,9 +12,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from anet_lumped.motion.stability import (
-    EXPLICIT,
-    IMPLICIT,
-    NOTES,
     damping_limit,
     frequency_limit,
     hanging_stretch_floor,
@@ -25,6 +22,9 @@ from anet_lumped.motion.stability import (
     top_modes,
 )
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
+from integrators import schemes
+
+EXPLICIT, IMPLICIT = schemes.names(explicit=True), schemes.names(explicit=False)
 
 # spectral radii come from an eigenvalue solver on up to 60 x 60 nonsymmetric matrices
 STABLE = 1.0 + 1e-9
@@ -254,7 +254,7 @@ def test_no_damping_is_stable_beyond_the_region():
 def test_borders_are_drawn_over_arrays():
     zeta = np.geomspace(1e-3, 1e2, 7)
     omega = np.geomspace(1e2, 1e5, 5)[:, None]
-    for scheme in NOTES:
+    for scheme in schemes.names():
         border = step_limit(scheme, omega, zeta)
         assert border.shape == (5, 7)
         assert border[2, 3] == step_limit(scheme, omega[2, 0], zeta[3])
@@ -360,7 +360,7 @@ def test_bound_of_the_held_net_is_tight():
 def test_prediction_names_the_limiting_cable():
     prediction = predict(net(EA=(1e4, 1e4, 1e6, 1e4)))
     assert list(prediction.modes) == ["s0-p0", "s1-p0", "s2-p0", "s3-p0", "p0-tip"]
-    assert list(prediction.limits) == list(NOTES)
+    assert list(prediction.limits) == [*EXPLICIT, *IMPLICIT]
     limit, mode = prediction.limits["symplectic_euler"], prediction.modes["s2-p0"]
     assert limit.cable == "s2-p0"
     assert limit.step == limit.axial == step_limit("symplectic_euler", mode.omega, mode.zeta) < limit.swing

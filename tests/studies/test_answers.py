@@ -11,9 +11,9 @@ from studies.accuracy_cost.paired_timing import UNRESOLVED
 from studies.questions import effects_cost, energy_rise, model_mismatch, order, speed
 from studies.questions.length_error import words as length_error
 from studies.questions.stability_map import words as stability_map
-from studies.questions.stability_map.planes import EXPLICIT, IMPLICIT
 from studies.questions.thesis_tables import words as thesis_tables
 from studies.questions.thesis_tables.tables import SAMPLING
+from studies.thesis_cable import explicit_schemes, implicit_schemes
 
 NOISE = np.array([0.7, 1.4, 0.9, 1.2, 0.8, 1.3, 0.6, 1.1, 1.5, 1.0, 0.9, 1.2])  # of turns; their median is about 1
 
@@ -209,8 +209,8 @@ def failures(stable, limit=10.1):
 def cells(loud=(), rise=0.5):
     """Two cells of each scheme: implicit ones fail in the whip where they are `loud`."""
     rows = []
-    for scheme, dt in ((scheme, dt) for scheme in EXPLICIT + IMPLICIT for dt in (1e-3, 1e-2)):
-        beyond = scheme in EXPLICIT and dt > 5e-3
+    for scheme, dt in ((scheme, dt) for scheme in explicit_schemes() + implicit_schemes() for dt in (1e-3, 1e-2)):
+        beyond = scheme in explicit_schemes() and dt > 5e-3
         rows.append({"plane": "stiffness", "scheme": scheme, "EA_N": 10.0, "damper_Ns_per_m": 1.0, "dt_s": dt, "predicted_s": 5e-3,
                      "rest_growth": 1e9 if beyond else 0.0, "whip_rise": rise if scheme in loud else 0.0, "rest_at_once": False,
                      "rest_ended": "done", "whip_ended": "done"})  # fmt: skip

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from anet_lumped import simulate
+from integrators import schemes
 from studies.accuracy_cost import comparisons, contestants, references, total_error
 from studies.accuracy_cost.cases import carried, dropped, loose, stopped
 from studies.accuracy_cost.equal_error import on_front, time_at, weights_at
@@ -128,10 +129,8 @@ def test_cases_start_as_they_say():
 
 
 def test_every_method_of_the_library_runs_at_some_setting(short):
-    from anet_lumped.motion.simulate import METHODS
-
     named = {one.method: one for one in contestants.ours(short)}
-    assert set(METHODS) | {contestants.ADAPTIVE, contestants.EXTRAPOLATED, contestants.OWN_CHOICE} == set(named)
+    assert set(schemes.names()) | {contestants.ADAPTIVE, contestants.EXTRAPOLATED, contestants.OWN_CHOICE} == set(named)
     assert all(one.settings for one in named.values())
     for name in ("explicit_euler", "rk4", "edmc", contestants.OWN_CHOICE):
         attempt = named[name].run(short.t_end, named[name].settings[-1])

@@ -14,20 +14,11 @@ import math
 
 from numba import njit, types
 
+from anet_lumped.prescribed.smoothstep import ramped
+
 _vector, _matrix = types.UniTuple(types.float64, 3), types.UniTuple(types.float64, 9)
 _f1 = types.Array(types.float64, 1, "C")
 AT_REST = ((0.0,) * 4, (0.0,) * 3, (0.0,) * 9, (0.0,) * 3, (0.0,) * 9)
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _grown(t, ramp):
-    """Share of the amplitude that is there at a time, and its rate [1/s]."""
-    s = t / ramp if ramp > 0.0 else 1.0
-    if s >= 1.0:
-        return 1.0, 0.0
-    if s <= 0.0:
-        return 0.0, 0.0
-    return s * s * s * (10.0 + s * (6.0 * s - 15.0)), 30.0 * s * s * (1.0 - s) * (1.0 - s) / ramp
 
 
 @njit(cache=True, forceinline=True)
@@ -69,7 +60,7 @@ def wave_at(t, x, y, z, wave):
     amplitude, k, omega, X, Y, depth = wave[0], wave[1], wave[2], wave[4], wave[5], wave[6]
     theta = k * (X * x + Y * y) - omega * t + wave[3]
     c, s = math.cos(theta), math.sin(theta)
-    grown, growing = _grown(t, wave[7])
+    grown, growing, _ = ramped(t, wave[7])
     a, da = grown * amplitude, growing * amplitude
     eta, eta_s = a * c, -a * k * s
     per = 1.0 / (1.0 + eta / depth)

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from anet_lumped.prescribed.paths import DEGREE
+from anet_lumped.prescribed.smoothstep import smoothstep
 
 
 class Paths(eqx.Module):
@@ -48,6 +49,7 @@ class Paths(eqx.Module):
         omega, phase, ramp = self.wave.T[:, :, None]
         per_ramp = jnp.where(ramp > 0.0, 1.0 / jnp.where(ramp > 0.0, ramp, 1.0), 0.0)
         s = jnp.where(ramp > 0.0, jnp.clip(t * per_ramp, 0.0, 1.0), 1.0)
-        e, de = s**3 * (10.0 + s * (6.0 * s - 15.0)), 30.0 * (s * (1.0 - s)) ** 2 * per_ramp
+        e, slope, _ = smoothstep(s)
+        de = slope * per_ramp
         sine, cosine = jnp.sin(omega * t + phase), jnp.cos(omega * t + phase)
         return q + self.amplitude * e * sine, v + self.amplitude * (de * sine + e * omega * cosine)

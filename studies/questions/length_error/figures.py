@@ -1,7 +1,8 @@
 """Figures of the study `length_error`."""
 
-from studies.questions.length_error.stretch import THESIS_SEGMENTS, THESIS_STRETCH, shown_segments
+from studies.questions.length_error.stretch import SCHEMES, THESIS_SEGMENTS, THESIS_STRETCH, shown_segments
 from studies.shown.palette import BLACK, BLUE, DASHES, GREEN, MARKS, ORANGE, SKY, VERMILION
+from studies.shown.scheme_styles import style
 from studies.study import Drawing
 from studies.thesis_cable import CORD_EA, LENGTH
 
@@ -9,9 +10,7 @@ LOOKS = {  # colour, mark and dashes of an arrangement
     "hung": (BLACK, "o", "-"), "0.5 m apart": (SKY, "s", "--"), "0.8 m apart": (BLUE, "D", "-."), "1.0 m apart": (GREEN, "^", ":"),
     "two cables": (VERMILION, "v", (0, (5, 1))),
 }  # fmt: skip
-STYLES = (("symplectic_euler", 1e-2, VERMILION, "o"), ("rk4", 1e-2, ORANGE, "s"),
-          ("symplectic_euler", 1e-3, BLUE, "D"), ("rk4", 1e-3, SKY, "^"))  # fmt: skip
-NAMES = {"symplectic_euler": "symplectic Euler", "rk4": "RK4"}
+STEP_COLOURS = {1e-2: (VERMILION, ORANGE), 1e-3: (BLUE, SKY)}  # by step [s], a shade for each of SCHEMES
 
 
 def plot(rows):
@@ -124,10 +123,12 @@ def _plot_floor(floors, cure):
     figure = Figure(figsize=(10, 4.3), layout="constrained")
     left, right = figure.subplots(1, 2)
     hung = floors[floors["arrangement"] == "hung"]
-    for scheme, dt, color, marker in STYLES:
+    lines = ((scheme, dt, shade) for dt, shades in STEP_COLOURS.items() for scheme, shade in zip(SCHEMES, shades, strict=True))
+    for scheme, dt, color in lines:
+        name, _, marker, _ = style(scheme)
         line = hung[(hung["scheme"] == scheme) & (hung["dt_s"] == dt)].sort_values("segments")
         left.loglog(line["segments"], 100 * line["floor_closed_form"], "-" if scheme == "rk4" else "--", color=color, lw=1)
-        label = f"{NAMES[scheme]}, {1e3 * dt:g} ms"
+        label = f"{name}, {1e3 * dt:g} ms"
         left.loglog(line["segments"], 100 * line["floor_measured"], marker, ms=6, mfc="w", color=color, label=label)
     left.axhline(100 * THESIS_STRETCH, color="0.4", lw=1, ls="--")
     left.text(5, 115 * THESIS_STRETCH, "1.1 m", color="0.3", va="bottom")

@@ -3,11 +3,9 @@
 import numpy as np
 
 from anet_lumped.motion.stability import step_limit, top_modes
+from integrators import schemes
 from studies.questions.stability_map.planes import (
     DAMPERS,
-    EXPLICIT,
-    IMPLICIT,
-    NAMES,
     RISES,
     STABLE,
     STEPS,
@@ -17,7 +15,18 @@ from studies.questions.stability_map.planes import (
 )  # fmt: skip
 from studies.shown.palette import GREEN
 from studies.study import Drawing
-from studies.thesis_cable import CORD_EA, FOUND_EA, FOUND_K, LENGTH, SEGMENT_MASS, SEGMENTS, hung
+from studies.thesis_cable import (
+    CORD_EA,
+    FOUND_EA,
+    FOUND_K,
+    LENGTH,
+    SEGMENT_MASS,
+    SEGMENTS,
+    explicit_schemes,
+    hung,
+    implicit_schemes,
+    label,
+)  # fmt: skip
 
 COLOURS = {STABLE: "#d6e6f4", RISES: "#E69F00", UNSTABLE: "#5b2a6e"}  # light, middle and dark, for readers who see no colours
 
@@ -49,11 +58,15 @@ def _plot_plane(cells, ordinate, thesis):
     from matplotlib.patches import Patch
 
     figure = Figure(figsize=(13, 5.6), layout="constrained")
-    panels = figure.subplots(2, len(IMPLICIT), sharex=True, sharey=True)
-    for axes in panels[0, len(EXPLICIT) :]:
-        axes.remove()
+    lines = explicit_schemes(), implicit_schemes()
+    panels = figure.subplots(2, max(map(len, lines)), sharex=True, sharey=True)
     cells = cells.assign(verdict=verdict(cells))
-    for axes, scheme in zip((*panels[0, : len(EXPLICIT)], *panels[1]), EXPLICIT + IMPLICIT, strict=True):
+    drawn = []
+    for row, line in zip(panels, lines, strict=True):
+        drawn += zip(row, line, strict=False)
+        for axes in row[len(line) :]:
+            axes.remove()
+    for axes, scheme in drawn:
         here = cells[cells["scheme"] == scheme]
         grid = here.pivot(index=ordinate, columns="dt_s", values="verdict")
         steps, ordinates = 1e3 * grid.columns.to_numpy(float), grid.index.to_numpy(float)
@@ -62,7 +75,7 @@ def _plot_plane(cells, ordinate, thesis):
         axes.pcolormesh(_edges(steps), _edges(ordinates), grid, **shade)
         alive = here[survived(here)]
         axes.plot(1e3 * alive["dt_s"], alive[ordinate], ".", ms=3, color="w")
-        axes.set(xscale="log", yscale="log", title=NAMES[scheme])
+        axes.set(xscale="log", yscale="log", title=label(scheme))
         limits = axes.get_xlim(), axes.get_ylim()
         _draw_border(axes, scheme, ordinate, limits[1])
         _draw_thesis(axes, scheme, ordinate, thesis)
@@ -96,14 +109,14 @@ def _edges(centres):
 
 def _draw_border(axes, scheme, ordinate, limits):
     """Predicted step over stiffness or damper; for explicit Euler, which no swing survives, that of axial modes."""
-    if scheme in IMPLICIT:
+    if not schemes.scheme(scheme).explicit:
         return
     values = np.geomspace(*limits, 300)
     EA, c = (values, 0.0 * values) if ordinate == "EA_N" else (np.full(300, FOUND_EA), values)
     (mode,) = top_modes(hung(1.0)).values()
     omega = mode.omega * np.sqrt(EA)
     steps = step_limit(scheme, omega, c * LENGTH / SEGMENTS / EA * omega / 2)
-    style = {"ls": "--", "lw": 1.5} if scheme == "explicit_euler" else {"lw": 2}
+    style = {"lw": 2} if schemes.scheme(scheme).stable_undamped else {"ls": "--", "lw": 1.5}
     axes.plot(1e3 * np.where(steps > 0, steps, np.nan), values, color="k", **style)
 
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from anet_lumped.motion.gain import GAINED
+from anet_lumped.motion.energy_gain import GAINED
 from anet_lumped.motion.stability import step_limit, top_modes
 from anet_lumped.statics.equilibrium import equilibrium
+from integrators import schemes
 from studies.sweeping.rows import run_rows
 from studies.thesis_cable import (
     FOUND_EA,
@@ -15,14 +16,14 @@ from studies.thesis_cable import (
     SEGMENTS,
     WHIP_RISE,
     disturbed,
+    explicit_schemes,
     hung,
+    implicit_schemes,
     predicted_step,
     rest_growth,
     whip_rise,
 )  # fmt: skip
 
-EXPLICIT = ("explicit_euler", "symplectic_euler", "verlet", "rk4", "dop853")
-IMPLICIT = ("edmc", "backward_euler", "midpoint", "sdirk2", "tr_bdf2", "generalised_alpha")
 STEPS = np.geomspace(1e-3, 0.1, 11)  # [s]
 STIFFNESSES = np.geomspace(1.0, 1e8, 11)  # EA [N]
 DAMPERS = np.geomspace(1e-3, 1e3, 11)  # of a segment [N s/m], beside springs of FOUND_K
@@ -42,7 +43,7 @@ def compute(quick=False, executor=None, out=None):
     steps = list(STEPS[::every])
     lines = [
         {"plane": plane, "scheme": scheme, "EA_N": EA, "damper_Ns_per_m": c, "steps": steps}
-        for scheme in EXPLICIT + IMPLICIT
+        for scheme in explicit_schemes() + implicit_schemes()
         for plane, grid in (
             ("stiffness", [(EA, 0.0) for EA in STIFFNESSES[::every]]),
             ("damper", [(FOUND_EA, c) for c in DAMPERS[::every]]),
@@ -53,13 +54,13 @@ def compute(quick=False, executor=None, out=None):
     pairs += [(FOUND_EA, c) for c in BORDER_DAMPERS[:: 2 if quick else 1]]
     borders = [
         {"scheme": scheme, "EA_N": EA, "damper_Ns_per_m": c}
-        for scheme in EXPLICIT
+        for scheme in explicit_schemes()
         for EA, c in pairs
-        if c > 0 or scheme != "explicit_euler"
+        if c > 0 or schemes.scheme(scheme).stable_undamped
     ]
     long = [
         {"scheme": scheme, "share_of_limit": share, "zeta": zeta}
-        for scheme in EXPLICIT[1:]
+        for scheme in explicit_schemes(stable_undamped=True)
         for share in (LONG_SHARES[1:2] if quick else LONG_SHARES)
         for zeta in LONG_ZETAS
     ]
@@ -78,16 +79,16 @@ def line_of_cells(row):
     scheme, EA, c = row["scheme"], row["EA_N"], row["damper_Ns_per_m"]
     # Two-way springs about rest, the thesis's law, are linear in the axial direction, for which the prediction is exact.
     about_rest, loose = hung(EA, c, compression="linear"), hung(EA, c, tip=(LENGTH, 0.0, 0.0))
-    start, predicted = disturbed(about_rest), predicted_step(scheme, about_rest)
+    start, predicted, explicit = disturbed(about_rest), predicted_step(scheme, about_rest), schemes.scheme(scheme).explicit
     cells = []
     for dt in row["steps"]:
         rest, whip = (np.nan, False, ""), (np.nan, "")
         # An implicit scheme is put to the hard test first; where it fails, rest tells whether small motions grow as well.
-        if scheme in IMPLICIT:
+        if not explicit:
             whip = whip_rise(loose, scheme, dt)
-        if scheme in EXPLICIT or whip[0] > WHIP_RISE:
+        if explicit or whip[0] > WHIP_RISE:
             rest = rest_growth(about_rest, scheme, dt, start=start)
-        if scheme in EXPLICIT and rest[0] <= REST_GROWTH:
+        if explicit and rest[0] <= REST_GROWTH:
             whip = whip_rise(loose, scheme, dt)
         cells.append((dt, predicted, rest[0], whip[0], *rest[1:], whip[1]))
     return dict(zip((*NUMBERS, *OTHERS), map(list, zip(*cells, strict=True)), strict=True))
@@ -98,7 +99,8 @@ def border(row):
     scheme, EA, c = row["scheme"], row["EA_N"], row["damper_Ns_per_m"]
     predicted = predicted_step(scheme, hung(EA, c))
     # No axial damper acts on swings, which explicit Euler lets grow at any step: its border is that of axial motion.
-    axes = (0.0, 0.0, 1.0) if scheme == "explicit_euler" else (1.0, 1.0, 1.0)
+    swings = schemes.scheme(scheme).stable_undamped
+    axes = (1.0, 1.0, 1.0) if swings else (0.0, 0.0, 1.0)
     found = {}
     for name, compression in (("rest", "linear"), ("rest_one_way", "none")):
         scene = hung(EA, c, compression=compression)
@@ -107,7 +109,7 @@ def border(row):
             lambda dt, scene=scene, start=start: rest_growth(scene, scheme, dt, BORDER_STEPS, start)[0] <= REST_GROWTH,
             predicted,
         )
-    if scheme != "explicit_euler":
+    if swings:
         loose = hung(EA, c, tip=(LENGTH, 0.0, 0.0))
         found["whip"] = _largest_step(lambda dt: whip_rise(loose, scheme, dt)[0] <= WHIP_RISE, predicted)
     return {"predicted_ms": 1e3 * predicted} | {f"{name}_over_predicted": h / predicted for name, h in found.items()}
@@ -165,8 +167,6 @@ def failure(row):
 
 
 STABLE, RISES, UNSTABLE = 0, 1, 2
-NAMES = dict(zip(EXPLICIT + IMPLICIT, ("explicit Euler", "symplectic Euler", "velocity Verlet", "RK4", "DOP853", "edmc",
-                 "backward Euler", "implicit midpoint", "SDIRK2", "TR-BDF2", "generalised-α"), strict=True))  # fmt: skip
 
 
 def verdict(cells):

@@ -5,20 +5,29 @@ import numpy as np
 from studies.questions.stability_map.planes import (
     BORDER_DAMPERS,
     CLOSE,
-    EXPLICIT,
-    IMPLICIT,
     LONG_EA,
     LONG_SHARES,
     LONG_TIME,
     LONG_ZETAS,
-    NAMES,
     STABLE,
     UNSTABLE,
     survived,
     verdict,
 )  # fmt: skip
 from studies.shown.sentences import between, counted, listed, percent, power, share
-from studies.thesis_cable import DISTURBANCE, FOUND_K, REST_GROWTH, REST_STEPS, REST_TIME, WEIGHT_ENERGY, WHIP_RISE, WHIP_TIME
+from studies.thesis_cable import (
+    DISTURBANCE,
+    FOUND_K,
+    REST_GROWTH,
+    REST_STEPS,
+    REST_TIME,
+    WEIGHT_ENERGY,
+    WHIP_RISE,
+    WHIP_TIME,
+    explicit_schemes,
+    implicit_schemes,
+    label,
+)  # fmt: skip
 
 TRIED = ("symplectic_euler", "verlet", "rk4")  # explicit schemes that the thesis's failures are repeated with
 ABOUT = (5e-3, 20e-3)  # [s] that "about 10 ms" is
@@ -105,7 +114,8 @@ def _damped(failures):
 
 
 def _predicted(cells, borders):
-    limited = cells[cells["scheme"].isin(EXPLICIT[1:])]
+    named = explicit_schemes(stable_undamped=True)
+    limited = cells[cells["scheme"].isin(named)]
     right = (limited["verdict"] == UNSTABLE) == (limited["dt_s"] > limited["predicted_s"])
     euler = cells[cells["scheme"] == "explicit_euler"]
     failed = int((euler["verdict"] != STABLE).sum())
@@ -113,7 +123,7 @@ def _predicted(cells, borders):
     off = (rest[["rest_over_predicted", "rest_one_way_over_predicted"]] - 1).abs().max()
     words = (
         f"Measured against predicted: about rest {share(right.sum(), len(right))} cells of "
-        f"{listed(NAMES[scheme] for scheme in EXPLICIT[1:])} are on the predicted side. By bisection the border is within "
+        f"{listed(map(label, named))} are on the predicted side. By bisection the border is within "
         f"{100 * off.iloc[0]:.1f} % of the prediction with two-way springs and within {100 * off.iloc[1]:.1f} % with springs that "
         f"cannot push. Explicit Euler fails in {share(failed, len(euler))} cells"
     )
@@ -127,7 +137,7 @@ def _whip(borders, longer):
     damped = rest[rest["damper_Ns_per_m"] > 0]["whip_over_predicted"]
     here = longer[longer["share_of_limit"] == LONG_SHARES[1]]
     rises = [here[here["zeta"] == zeta].set_index("scheme")["whip_rise"] for zeta in LONG_ZETAS]
-    told = [listed(f"{power(rise, 2)} with {NAMES[scheme]}" for scheme, rise in of_zeta.items()) for of_zeta in rises]
+    told = [listed(f"{power(rise, 2)} with {label(scheme)}" for scheme, rise in of_zeta.items()) for of_zeta in rises]
     words = (
         f"In the whip (released from the horizontal) the border lies at {between(damped, 'times')} the prediction with dampers of "
         f"{between(BORDER_DAMPERS, 'N·s/m')}, as a cable that cannot push lets go of its damper, and at "
@@ -135,8 +145,8 @@ def _whip(borders, longer):
         f"predicted limit the energy rises, over what the swing is worth, by {told[0]}; with a damping ratio of {LONG_ZETAS[1]:g} "
         f"in each segment by {told[1]}."
     )
-    loud = [NAMES[scheme] for scheme, rise in rises[0].items() if rise > WHIP_RISE]
-    still = [NAMES[scheme] for scheme, rise in rises[1].items() if rise > WHIP_RISE]
+    loud = [label(scheme) for scheme, rise in rises[0].items() if rise > WHIP_RISE]
+    still = [label(scheme) for scheme, rise in rises[1].items() if rise > WHIP_RISE]
     if loud:
         words += f" So a loose cable without dampers needs a margin with {listed(loud)}."
     if still:
@@ -146,7 +156,7 @@ def _whip(borders, longer):
 
 def _implicit(cells):
     lines = []
-    for scheme in IMPLICIT:
+    for scheme in implicit_schemes():
         here = cells[cells["scheme"] == scheme]
         bad = here[here["verdict"] != STABLE]
         if len(bad):
@@ -154,17 +164,19 @@ def _implicit(cells):
             most, lost = bad["whip_rise"].replace(np.inf, np.nan).max(), int(np.isinf(bad["whip_rise"]).sum())
             known = f" by up to {power(most, 2)} times the swing's worth" if np.isfinite(most) else ""
             without = f"{' and' if known else ''} without bound in {lost}" if lost else ""
-            lines.append(f"{NAMES[scheme]} in {counted(k, 'cell')} of the first plane and {c} of the second,{known}{without}")
-    quiet = [scheme for scheme in IMPLICIT if (cells[cells["scheme"] == scheme]["verdict"] == STABLE).all()]
-    quietest = listed(f"{NAMES[s]} ({power(max(cells[cells['scheme'] == s]['whip_rise'].max(), 0.0), 1)} at most)" for s in quiet)
+            lines.append(f"{label(scheme)} in {counted(k, 'cell')} of the first plane and {c} of the second,{known}{without}")
+    quiet = [scheme for scheme in implicit_schemes() if (cells[cells["scheme"] == scheme]["verdict"] == STABLE).all()]
+    quietest = listed(f"{label(s)} ({power(max(cells[cells['scheme'] == s]['whip_rise'].max(), 0.0), 1)} at most)" for s in quiet)
     words = (
         f"None of the implicit schemes has a border in linear theory. With {quietest} the energy of the whip never rises by more "
         f"than the judge's {percent(WHIP_RISE)} of the swing's worth of {WEIGHT_ENERGY / 2:.2f} J"
     )
     words += f"; it rises with {'; '.join(lines)}." if lines else "."
-    start = cells[cells["scheme"].isin(IMPLICIT) & (cells["rest_growth"] > REST_GROWTH) & cells["rest_at_once"].astype(bool)]
+    start = cells[
+        cells["scheme"].isin(implicit_schemes()) & (cells["rest_growth"] > REST_GROWTH) & cells["rest_at_once"].astype(bool)
+    ]
     if len(start):
-        who = listed(NAMES[scheme] for scheme in start["scheme"].unique())
+        who = listed(label(scheme) for scheme in start["scheme"].unique())
         words += (
             f" About rest, {who} {'overshoots' if start['scheme'].nunique() == 1 else 'overshoot'} in the first step, in "
             f"{counted(len(start), 'cell')} with heavy dampers, by up to {power(start['rest_growth'].max(), 1)} times the "

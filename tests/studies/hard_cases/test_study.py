@@ -32,12 +32,11 @@ def test_every_pair_has_an_outcome(rows):
 
 def test_a_failure_that_an_audit_finds_has_a_star():
     """Made up: the quick cases hold or are refused."""
-    run = {"outcome": FAILED, "case": "one", "method": "midpoint", "why": "", "audit": "audit failed"}
+    run = {"outcome": FAILED, "case": "one", "method": "midpoint", "cause": "", "audit": "audit failed"}
     statements = pandas.DataFrame([{"case": "one", "method": "midpoint", "kind": "load", "holds": False}])
     assert hard_cases.label(SimpleNamespace(**run), statements) == "load*"
     assert hard_cases.label(SimpleNamespace(**(run | {"audit": "done"})), statements) == "load"
-    gained = SimpleNamespace(**(run | {"outcome": REFUSED, "why": "midpoint reached t=1 s, but its energy rose by 1 of"}))
-    assert hard_cases.label(gained, statements) == "energy"
+    assert hard_cases.label(SimpleNamespace(**(run | {"outcome": REFUSED, "cause": "energy"})), statements) == "energy"
 
 
 def test_what_failed_has_a_statement_that_does_not_hold(rows):

@@ -1,6 +1,7 @@
 """What every wind is."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,11 +10,25 @@ from anet_lumped.checks import SceneError, Vector, check_vector
 
 
 class Wind(ABC):
-    """A velocity of air or water by time and place, or a part of one; the parts that a scene has add up."""
+    """A velocity of air or water by time and place, or a part of one; the parts that a scene has add up.
+
+    A wind is a frozen dataclass in a file of its own, with the two methods below, and a line in `KINDS` of this package.
+    """
 
     @abstractmethod
     def numbers(self) -> np.ndarray:
-        """What `kernel.wind_at` reads of it, (k,) float64."""
+        """What its compiled function reads of it, (k,) float64."""
+
+    @abstractmethod
+    def kernel(self) -> Callable:
+        """Compiled function (t, x, y, z, numbers) -> velocity, gradient of the wind alone, as `kernel.wind_at` describes them.
+
+        It is decorated with `compiled.jit.on_demand`: it is compiled when a scene first has such a wind.
+        """
+
+
+UNIFORM_IN_PLACE = (0.0,) * 9
+"""Gradient of a velocity that is the same everywhere [1/s]."""
 
 
 def as_winds(value: Any) -> tuple[Wind, ...]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_count, check_number, check_vector
+from anet_lumped.compiled.jit import on_demand
 
 from .base import Wind
 
@@ -66,6 +67,10 @@ class Dryden(Wind):
         b = amplitude * (np.sin(phase[0]) * first + np.sin(phase[1]) * second)
         return np.concatenate([self.carried, np.hstack([k[:, None] * towards, a, b]).ravel()])
 
+    def kernel(self):
+        """Compiled function, see `Wind`."""
+        return _velocity
+
 
 def energy_below(x):
     """Share of the energy of wave numbers k below x/L, (16/(3 pi)) int_0^x y^4/(1 + y^2)^3 dy."""
@@ -91,3 +96,24 @@ def _frames(n, random):
     other = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis), axis=1)])
     other /= np.linalg.norm(other, axis=1, keepdims=True)
     return axis, other, np.cross(axis, other)
+
+
+@on_demand
+def _velocity(t, x, y, z, numbers):
+    u, v, w = 0.0, 0.0, 0.0
+    ux, uy, uz, vx, vy, vz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    X, Y, Z = x - numbers[0] * t, y - numbers[1] * t, z - numbers[2] * t
+    for m in range(3, len(numbers), 9):
+        kx, ky, kz = numbers[m], numbers[m + 1], numbers[m + 2]
+        phase = kx * X + ky * Y + kz * Z
+        cosine, sine = math.cos(phase), math.sin(phase)
+        u += numbers[m + 3] * cosine + numbers[m + 6] * sine
+        v += numbers[m + 4] * cosine + numbers[m + 7] * sine
+        w += numbers[m + 5] * cosine + numbers[m + 8] * sine
+        du = numbers[m + 6] * cosine - numbers[m + 3] * sine
+        dv = numbers[m + 7] * cosine - numbers[m + 4] * sine
+        dw = numbers[m + 8] * cosine - numbers[m + 5] * sine
+        ux, uy, uz = ux + du * kx, uy + du * ky, uz + du * kz
+        vx, vy, vz = vx + dv * kx, vy + dv * ky, vz + dv * kz
+        wx, wy, wz = wx + dw * kx, wy + dw * ky, wz + dw * kz
+    return (u, v, w), (ux, uy, uz, vx, vy, vz, wx, wy, wz)

@@ -1,12 +1,14 @@
 """A single gust."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_number, check_vector
+from anet_lumped.compiled.jit import on_demand
 
-from .base import Wind
+from .base import UNIFORM_IN_PLACE, Wind
 
 
 @dataclass(frozen=True)
@@ -43,3 +45,18 @@ class Gust(Wind):
     def numbers(self):
         """Amplitude [m/s], start and rise [s], 1 if it stays."""
         return np.array([*self.amplitude, self.start, self.rise, float(self.stays)])
+
+    def kernel(self):
+        """Compiled function, see `Wind`."""
+        return _velocity
+
+
+@on_demand
+def _velocity(t, x, y, z, numbers):
+    s = (t - numbers[3]) / numbers[4]
+    share = 0.5 - 0.5 * math.cos(math.pi * s)
+    if s <= 0.0 or (s >= 2.0 and numbers[5] == 0.0):
+        share = 0.0
+    elif s >= 1.0 and numbers[5] != 0.0:
+        share = 1.0
+    return (share * numbers[0], share * numbers[1], share * numbers[2]), UNIFORM_IN_PLACE

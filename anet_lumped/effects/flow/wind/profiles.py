@@ -8,8 +8,11 @@ from itertools import pairwise
 import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_number, check_vector
+from anet_lumped.compiled.jit import inlined, on_demand
 
-from .base import Wind, check_direction
+from .base import UNIFORM_IN_PLACE, Wind, check_direction
+
+LOWEST = 1e-6  # of the height of a power law; below, its slope, which has no bound at the ground, is that at it
 
 
 @dataclass(frozen=True)
@@ -29,6 +32,10 @@ class Uniform(Wind):
     def numbers(self):
         """Velocity [m/s]."""
         return np.array(self.velocity)
+
+    def kernel(self):
+        """Compiled function, see `Wind`."""
+        return _uniform
 
 
 @dataclass(frozen=True)
@@ -62,6 +69,10 @@ class PowerLaw(Wind):
     def numbers(self):
         """Velocity at the height [m/s], ground and height [m], exponent."""
         return np.array([*(self.speed * np.array(self.direction)), self.ground, self.height, self.exponent])
+
+    def kernel(self):
+        """Compiled function, see `Wind`."""
+        return _power_law
 
 
 @dataclass(frozen=True)
@@ -102,6 +113,10 @@ class Logarithmic(Wind):
         per_e = self.speed / math.log(self.height / self.roughness)
         return np.array([*(per_e * np.array(self.direction)), self.ground, self.roughness])
 
+    def kernel(self):
+        """Compiled function, see `Wind`."""
+        return _logarithmic
+
 
 @dataclass(frozen=True)
 class Sampled(Wind):
@@ -130,8 +145,59 @@ class Sampled(Wind):
         """Rows of height [m] and velocity [m/s]."""
         return np.array(self.samples).ravel()
 
+    def kernel(self):
+        """Compiled function, see `Wind`."""
+        return _sampled
+
 
 def _check_profile(profile, owner):
     for key, unit, sign in (("speed", "m/s", "non-negative"), ("height", "m", "positive"), ("ground", "m", "")):
         object.__setattr__(profile, key, check_number(key, getattr(profile, key), unit, owner, sign=sign))
     object.__setattr__(profile, "direction", check_direction(profile.direction, owner))
+
+
+@on_demand
+def _uniform(t, x, y, z, numbers):
+    return (numbers[0], numbers[1], numbers[2]), UNIFORM_IN_PLACE
+
+
+@on_demand
+def _power_law(t, x, y, z, numbers):
+    ratio = (z - numbers[3]) / numbers[4]
+    share, slope = 0.0, 0.0
+    if ratio > 0.0:
+        share, slope = ratio ** numbers[5], numbers[5] * max(ratio, LOWEST) ** (numbers[5] - 1.0) / numbers[4]
+    return _along(share, slope, numbers)
+
+
+@on_demand
+def _logarithmic(t, x, y, z, numbers):
+    ratio = (z - numbers[3]) / numbers[4]
+    share, slope = 0.0, 0.0
+    if ratio > 1.0:
+        share, slope = math.log(ratio), 1.0 / (z - numbers[3])
+    return _along(share, slope, numbers)
+
+
+@inlined
+def _along(share, slope, numbers):
+    """Velocity and gradient of a profile, of its speed over that of its reference and the slope of that in height [1/m]."""
+    return (
+        (share * numbers[0], share * numbers[1], share * numbers[2]),
+        (0.0, 0.0, slope * numbers[0], 0.0, 0.0, slope * numbers[1], 0.0, 0.0, slope * numbers[2]),
+    )
+
+
+@on_demand
+def _sampled(t, x, y, z, numbers):
+    last = len(numbers) - 3
+    u, v, uz, vz = numbers[1], numbers[2], 0.0, 0.0
+    if z > numbers[0]:
+        u, v = numbers[last + 1], numbers[last + 2]
+        for i in range(0, last, 3):
+            if z < numbers[i + 3]:
+                per, up = 1.0 / (numbers[i + 3] - numbers[i]), z - numbers[i]
+                uz, vz = per * (numbers[i + 4] - numbers[i + 1]), per * (numbers[i + 5] - numbers[i + 2])
+                u, v = numbers[i + 1] + up * uz, numbers[i + 2] + up * vz
+                break
+    return (u, v, 0.0), (0.0, 0.0, uz, 0.0, 0.0, vz, 0.0, 0.0, 0.0)

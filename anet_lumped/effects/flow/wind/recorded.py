@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from anet_lumped.checks import SceneError
+from anet_lumped.compiled.jit import on_demand
 
-from .base import Wind
+from .base import UNIFORM_IN_PLACE, Wind
 
 INTERPOLATION = ("linear", "cubic")
 
@@ -54,6 +55,10 @@ class Recorded(Wind):
             pieces[:-1, 1] = np.diff(velocity, axis=0) / np.diff(t)[:, None]
         return np.concatenate([[len(t)], t, pieces.ravel()])
 
+    def kernel(self):
+        """Compiled function, see `Wind`."""
+        return _velocity
+
 
 def _read(file):
     """Times (k,) and velocities (k, 3) of a file."""
@@ -81,3 +86,24 @@ def _read(file):
             f"The times of a recorded wind must increase, but in {file} t={table[row, 0]} is followed by t={table[row + 1, 0]}."
         )
     return table[:, 0].copy(), table[:, 1:].copy()
+
+
+@on_demand
+def _velocity(t, x, y, z, numbers):
+    count = int(numbers[0])
+    low, high = 1, 1 + count
+    while high - low > 1:
+        middle = (low + high) // 2
+        if numbers[middle] <= t:
+            low = middle
+        else:
+            high = middle
+    tau, c = max(t - numbers[low], 0.0), 1 + count + 12 * (low - 1)
+    if low == count:
+        tau = 0.0
+    velocity = (
+        numbers[c] + tau * (numbers[c + 3] + tau * (numbers[c + 6] + tau * numbers[c + 9])),
+        numbers[c + 1] + tau * (numbers[c + 4] + tau * (numbers[c + 7] + tau * numbers[c + 10])),
+        numbers[c + 2] + tau * (numbers[c + 5] + tau * (numbers[c + 8] + tau * numbers[c + 11])),
+    )
+    return velocity, UNIFORM_IN_PLACE

@@ -1,0 +1,89 @@
+"""Energy that a method has added to a motion: such a run must not end as "done".
+
+Dampers, drag and the scheme's own dissipation only take from K + E + P - W, the kinetic, elastic and potential energy less the
+work of driven points; a physical motion never raises it. A run has gained energy if that sum rises by more than `ALLOWED_GAIN` of
+the largest energy in play. On the catalogue of hard cases, 52 motions with 9 methods (`studies.catalogue`), the sum rises by 0.03
+at most in runs whose statements hold, and by 0.15 and more, often by all that is in play, in runs to which the method adds energy.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from anet_lumped.model.tables import AXIAL_STIFFNESS
+from integrators import schemes
+from integrators.schemes.record import EnergyPromise
+
+from .choice import CALM_DAMPING_RATIO, SHARE_OF_LIMIT_SLACK
+
+GAINED = "energy gained"  # the status
+ALLOWED_GAIN = 0.1  # of the energy in play
+BLOCKS = 20  # of a run, whose least energies are compared where energy oscillates by itself
+WEIGHT_TOLERANCE = 1e-9  # of the weight's work over the reach: energy that Newton's tolerance leaves
+STIFFNESS_TOLERANCE = 1e-15  # of k reach^2: energy that rounding leaves
+
+
+def energy_gain(run, adaptive=False):
+    """Largest rise of kinetic, elastic and potential energy less work put in, over the energy in play.
+
+    With a scheme whose energy swings about one that it keeps, the least energies of blocks of states are compared. Of an adaptive
+    run the first state is compared with the last: the states between are interpolated, and that loses energy of a stiff cable.
+
+    Parameters
+    ----------
+    run : Run
+    adaptive : bool
+
+    Returns
+    -------
+    float
+    """
+    rows, model = run.energy, run.model
+    own = rows[:, :3].sum(axis=1) - rows[:, 3]
+    if not all(getattr(effect, "linear", False) for effect in run.scene.effects):
+        own = own + rows[:, 4]  # a wind gives energy: the account of what effects took and gave has to close instead
+    swings = schemes.scheme(run.method).energy is EnergyPromise.SWINGS_ABOUT
+    if adaptive:
+        own = own[[0, -1]]
+    elif swings:
+        own = np.array([block.min() for block in np.array_split(own, min(BLOCKS, len(own)))])
+    reach = np.abs(run.q).max()
+    weight = model.mass[: model.n_free].sum() * np.linalg.norm(run.scene.gravity)
+    rounding = WEIGHT_TOLERANCE * weight * reach + STIFFNESS_TOLERANCE * model.axial[:, AXIAL_STIFFNESS].max(initial=0.0) * reach**2
+    in_play = max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max()) + rounding
+    return float((own - np.minimum.accumulate(own)).max() / in_play) if in_play else 0.0
+
+
+def flag_energy_gain(run, limit, adaptive=False):
+    """Give a run that reached its end the status `GAINED`, with a message, if its method added energy.
+
+    Parameters
+    ----------
+    run : Run
+    limit : float [s], largest stable step that was predicted for its method
+    adaptive : bool
+
+    Returns
+    -------
+    Run
+        The same one if it gained no more than `ALLOWED_GAIN`.
+    """
+    gained = energy_gain(run, adaptive)
+    if gained <= ALLOWED_GAIN:
+        return run
+    small = SHARE_OF_LIMIT_SLACK * limit
+    swings = schemes.scheme(run.method).energy is EnergyPromise.SWINGS_ABOUT
+    if not adaptive and run.dt > limit:
+        why = f'; its step is beyond the largest stable one, {limit:.3g} s: take a smaller one or method="edmc"'
+    elif swings and run.dt > small:
+        why = (
+            "; such a step adds energy to an undamped cable that goes slack and snaps taut: take at most an eighth of the "
+            f'predicted limit, {small:.3g} s, a damping ratio of {CALM_DAMPING_RATIO:g} or more, or method="edmc"'
+        )
+    else:
+        why = '; try method="edmc", which never gains any, or a smaller step'
+    message = (
+        f"{run.method} with dt={run.dt:.3g} s reached t={run.t[-1]:.4g} s, but its energy rose by {gained:.2g} of the energy in "
+        f"play that nothing put in, where {ALLOWED_GAIN:g} is allowed{why}."
+    )
+    return replace(run, status=GAINED, message=message)

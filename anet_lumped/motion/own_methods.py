@@ -1,0 +1,59 @@
+"""A leg of a run with a scheme of this package: the march, what it says of itself, and the Run that comes back."""
+
+from anet_lumped.mechanics.fresh_net import fresh_net
+from anet_lumped.results.run import STATUS, Run, RunInterrupt, Work
+from integrators import schemes
+from integrators.marching.adaptive_steps import AdaptiveSteps
+from integrators.marching.fixed_steps import FixedSteps
+from integrators.marching.march import march as march_system
+
+from .failure_messages import stiff_for, why_it_stopped
+from .times import stops
+
+
+def march(model, choice, leg, start, settings):
+    """March a leg with a scheme of this package.
+
+    Parameters
+    ----------
+    model : Model
+    choice : Choice
+    leg : Leg
+    start : Start
+    settings : Settings
+
+    Returns
+    -------
+    Run
+
+    Raises
+    ------
+    RunInterrupt : Ctrl-C
+    """
+    from anet_lumped.mechanics.bindings import system  # compiled on first use: a scene or its equilibrium need none of it
+
+    scheme, net, bound = schemes.scheme(choice.method), fresh_net(model), system(model)
+    net.tension[:] = start.tension
+    if settings.adaptive:
+        times = AdaptiveSteps(leg.begin, leg.end, choice.dt, *settings.tolerances, stops(model.scene))
+        saves = leg.times()
+    else:
+        stride, saves = leg.stride(choice.dt)
+        times = FixedSteps(leg.begin, leg.end, choice.dt, leg.run_begin, stride)
+    parameters = scheme.parameters(rho_inf=settings.rho_inf)
+    out = march_system(scheme, bound, net.address, times, start.q, start.v, (saves, model.n_segments), parameters)
+    tolerances = settings.tolerances if settings.adaptive and scheme.embedded else None
+    stiff = stiff_for(choice, tolerances, out.counts, out.held, out.held_for) if tolerances else ()
+    run = Run(
+        model, out.saved.t, out.saved.q, out.saved.v, out.saved.energy, choice.method, choice.dt, choice.reason,
+        status=STATUS[out.status],
+        message=why_it_stopped(model, choice, out.status, out.t, out.node, tolerances, out.counts),
+        work=Work(*map(int, out.counts)),
+        error_estimate=out.error,
+        wall_time=out.wall_time,
+        warnings=(*choice.warnings, *stiff),
+        segment_tension=out.saved.observed,
+    )  # fmt: skip
+    if out.interrupted:
+        raise RunInterrupt(run)
+    return run

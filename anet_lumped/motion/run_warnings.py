@@ -1,0 +1,111 @@
+"""Warnings attached to a completed run: energy lost or added by its steps, cables too long for their tension, no limit in sight.
+
+A run with a warning is done all the same: a method that damps the motion is asked for by name, and a rest may be right that
+was reached by wrong damping. But a reader of its swing or its stretch must know. On the catalogue of hard cases
+(`studies.catalogue`) every run that breaks a statement, and that has not gained energy, has a warning.
+"""
+
+from enum import Enum
+
+import numpy as np
+
+from anet_lumped.results.audit import SHARE
+from anet_lumped.scene.scene import Driven
+from integrators import schemes
+
+from .energy_gain import ALLOWED_GAIN
+
+EXCESS_STRETCH = 0.1  # by which a cable may be stretched more than its tension stretches it, over the latter
+SHARE_OF_PATH = 0.05  # of the path of a node: error of the finer of two runs up to which they are extrapolated
+TOLERANCE = 1e-7  # of its length: what Newton's tolerance leaves
+
+
+class Finding(Enum):
+    """What a warning is about."""
+
+    UNACCOUNTED_ENERGY = "energy that work and dissipation do not account for"
+    EXCESS_LENGTH = "a cable longer than its tension can hold it"
+    FAR_FROM_LIMIT = "two extrapolated runs that are far apart"
+
+
+def findings(run, adaptive=False):
+    """What is found of a completed run, and the sentence that says how much of it there is and what to try.
+
+    Parameters
+    ----------
+    run : Run, done
+    adaptive : bool, whether its steps were chosen by a tolerance
+
+    Returns
+    -------
+    dict of Finding to str
+    """
+    step = "a smaller tolerance" if adaptive else f"a smaller step than dt={run.dt:.3g} s"
+    texts = {
+        Finding.UNACCOUNTED_ENERGY: _unaccounted_energy(run, step),
+        Finding.EXCESS_LENGTH: _excess_length(run, step),
+        Finding.FAR_FROM_LIMIT: _far_from_limit(run, step),
+    }
+    return {finding: text for finding, text in texts.items() if text}
+
+
+def warnings_of(run, adaptive=False):
+    """Warnings of a completed run, a tuple of sentences; see `findings`."""
+    return tuple(findings(run, adaptive).values())
+
+
+def _unaccounted_energy(run, step):
+    """Changes of energy beyond work and dissipation, if they are more than `ALLOWED_GAIN` of the energy in play."""
+    balance = run.energy_balance
+    if balance.imbalance <= ALLOWED_GAIN:
+        return ""
+    change = balance.kinetic + balance.elastic + balance.gravitational - balance.work + balance.dissipated
+    if any(isinstance(point, Driven) for point in run.scene.points):
+        what = "are not accounted for by dampers, drag and the work of driven points"
+    elif change < 0.0:
+        what = "were lost in its steps, to neither dampers nor drag: the motion is damped too much"
+    else:
+        what = "were dissipated beyond what was there: its steps put that in, or its dampers took less than their rates say"
+    return f'{run.method}: {balance.imbalance:.2g} of the energy in play {what}; take {step}, or method="edmc".'
+
+
+def _excess_length(run, step):
+    """A cable that is longer than its tension can hold it.
+
+    A damper delays a stretch and adds none: k x + c dx/dt = T keeps x below the largest T/k so far. If the largest stretch of a
+    cable, summed over its taut segments, exceeds that by more than `EXCESS_STRETCH` of it, the steps have made the excess: those of
+    a scheme whose reported tension is the mean over its stages, or an extrapolation, which goes straight on where the end of a
+    stiff cable goes round.
+    """
+    if not (run.extrapolated or schemes.scheme(run.method).observes_mean_over_stages):
+        return ""
+    worst, found = 0.0, ""
+    for cable in run.scene.cables:
+        stretch = np.linalg.norm(np.diff(run.shape(cable.name), axis=1), axis=2) - cable.L0
+        longer = float(np.maximum(stretch, 0.0).sum(axis=1).max())
+        pulled = np.maximum(run.tension(cable.name), 0.0)
+        hardest = pulled[pulled.sum(axis=1).argmax()]
+        held = cable.L0 * sum(map(cable.strain, hardest.tolist()))
+        excess = longer - max(held, float(np.maximum(stretch[0], 0.0).sum()))
+        if excess > EXCESS_STRETCH * held + TOLERANCE * cable.length and excess / cable.length > worst:
+            worst = excess / cable.length
+            name, other = (
+                ("edmc, extrapolated", "no extrapolation") if run.extrapolated else (run.method, 'method="edmc"')
+            )  # fmt: skip
+            found = (
+                f'{name}: cable "{cable.name}" gets {longer:.2g} m longer than it is unstretched, where its tension stretches it '
+                f"by {held:.2g} m; take {step}, or {other}."
+            )
+    return found
+
+
+def _far_from_limit(run, step):
+    """Two extrapolated runs that are too far apart to tend to one limit, over the cables' length or over the path of a node."""
+    length = max(cable.length for cable in run.scene.cables)
+    moved = float(np.linalg.norm(run.q - run.q[0], axis=2).max())
+    if not run.extrapolated or run.error_estimate <= min(SHARE * length, SHARE_OF_PATH * moved + 1e-3 * TOLERANCE * length):
+        return ""
+    return (
+        f"The two runs that are extrapolated are {3.0 * run.error_estimate:.2g} m apart, which is far from a limit: the result "
+        f"need not be any motion; take {step}, or no extrapolation."
+    )

@@ -1,0 +1,211 @@
+"""scipy's adaptive solvers on M dv/dt = f(t, q, v), with the work put in and the energy dissipated carried along.
+
+The state handed to scipy is y = (q, v, work, dissipated) of the moving nodes. The last two are integrals of powers that
+the force kernel returns anyway: they have a huge absolute tolerance, so that they never decide about a step, and
+tolerances are scaled where a solver's norm is a mean over all components, so that its steps are those of (q, v) alone.
+"""
+
+import time
+import warnings
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import scipy.integrate
+from scipy.optimize import brentq
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from integrators.system import COUNTS, DIVERGED, DONE, EVENT, FACTORISATIONS, FORCES, NEWTON, REJECTED, STEPS, UNCONVERGED
+
+from .outcome import LARGEST_COORDINATE, Outcome, Task, fastest_node
+
+MOST = 50_000_000  # force evaluations of a run; a bound on what is otherwise unbounded
+EPS = np.finfo(float).eps
+FREE = 1e100  # absolute tolerance of what must not decide about a step
+
+
+class Motion(NamedTuple):
+    """M dv/dt = f(t, q, v) for the first ``len(mass)`` nodes, the rest prescribed.
+
+    Attributes
+    ----------
+    prescribe(t, q, v)
+        Write the prescribed rows of q and v (n, 3) [m], [m/s].
+    force(t, q, v, f, power)
+        Write the force f (n, 3) [N]; power (2,) [W] is dissipated and put in by prescribed nodes.
+    jacobian(t, q, v) -> csc_array (6 n_free, 6 n_free)
+        Of dy/dt for y = (q, v) of the moving nodes, with a fixed pattern.
+    mass : (n_free,) float64 [kg]
+    margin(q, v) -> float, or None
+        How far a state is beyond an event, see `integrators.system`; None if there are no events.
+    """
+
+    prescribe: Callable
+    force: Callable
+    jacobian: Callable
+    mass: np.ndarray
+    margin: Callable | None = None
+
+
+class _StopError(Exception):
+    """A march that cannot go on; its arguments are the status and the reason."""
+
+
+class _Equations:
+    """dy/dt and its Jacobian as scipy wants them; component i of its y is ``order[i]`` of (q, v, work, dissipated)."""
+
+    def __init__(self, motion, q, v):
+        self.motion, self.calls = motion, 0
+        self.q, self.v, self.f, self.power = q.copy(), v.copy(), np.zeros_like(q), np.zeros(2)
+        self.free, self.half = slice(0, len(motion.mass)), 3 * len(motion.mass)
+        self.per_mass, self.size = 1.0 / motion.mass[:, None], 2 * self.half + 2
+        self.order, self.y, self.rate = np.arange(self.size), np.zeros(self.size), np.zeros(self.size)
+        self.y[:-2] = np.concatenate([q[self.free].ravel(), v[self.free].ravel()])
+
+    def nodes_at(self, t, y):
+        """Places and velocities of all nodes at (t, y), y in the natural order."""
+        self.q[self.free] = y[: self.half].reshape(-1, 3)
+        self.v[self.free] = y[self.half : -2].reshape(-1, 3)
+        self.motion.prescribe(t, self.q, self.v)
+        return self.q, self.v
+
+    def rates(self, t, y):
+        """dy/dt."""
+        self.calls += 1
+        if self.calls > MOST:
+            raise _StopError(UNCONVERGED, f"{MOST} force evaluations were not enough")
+        self.y[self.order] = y
+        self.nodes_at(t, self.y)
+        self.motion.force(t, self.q, self.v, self.f, self.power)
+        rate = self.rate
+        rate[: self.half] = self.y[self.half : -2]
+        rate[self.half : -2] = (self.per_mass * self.f[self.free]).ravel()
+        rate[-2], rate[-1] = self.power[1], self.power[0]
+        return rate[self.order]
+
+    def matrix(self, t, y):
+        """Jacobian of dy/dt, sparse, in the natural order."""
+        self.y[self.order] = y
+        J = self.motion.jacobian(t, *self.nodes_at(t, self.y))
+        return csc_array((J.data, J.indices, np.append(J.indptr, J.indptr[[-1, -1]])), shape=(self.size, self.size))
+
+    def margin(self, t, y):
+        """Margin of the motion at (t, y), y in the natural order."""
+        return self.motion.margin(*self.nodes_at(t, y))
+
+    def event(self, before, t, dense):
+        """Time at which the margin turns positive within a step from ``before`` to t, and y there, in the natural order."""
+        position = np.argsort(self.order)
+        if self.margin(before, dense(before)[position]) < 0.0:
+            t = brentq(lambda t: self.margin(t, dense(t)[position]), before, t, xtol=1e-9 * (t - before), rtol=8 * EPS)
+        else:
+            t = before
+        return t, dense(t)[position]
+
+    def narrow(self, t):
+        """Reorder y so that the Jacobian's band is narrow; returns what LSODA has to know about it."""
+        J = self.matrix(t, self.y.copy())
+        whole = csr_array((np.ones(J.nnz), J.indices, J.indptr), shape=J.shape)  # with its zeros; transposed
+        self.order = reverse_cuthill_mckee(whole, symmetric_mode=False)
+        position = np.argsort(self.order)
+        row, column = position[J.indices], np.repeat(position, np.diff(J.indptr))
+        upper, lower = max(0, (column - row).max()), max(0, (row - column).max())
+
+        def banded(t, y):
+            packed = np.zeros((lower + upper + 1, self.size))
+            packed[row - column + upper, column] = self.matrix(t, y).data
+            return packed
+
+        return {"jac": banded, "lband": int(lower), "uband": int(upper)}
+
+
+def march(motion: Motion, task: Task) -> Outcome:
+    """March with one of scipy's solvers.
+
+    Radau and BDF factorise the sparse Jacobian. LSODA takes a dense or a banded one, so y is reordered (reverse
+    Cuthill-McKee) to make its band narrow.
+    """
+    began = time.perf_counter()
+    equations, counts = _Equations(motion, task.q, task.v), np.zeros(COUNTS, np.int64)
+    times = task.saved_times()
+    states = np.empty((len(times), equations.size))
+    states[0], saved = equations.y, 1
+    status, reason, t, y = DONE, "", task.t0, equations.y.copy()
+    try:
+        before = t
+        for t, y, dense in _steps(equations, task, counts):
+            if motion.margin is not None and equations.margin(t, y) > 0.0:
+                t, y = equations.event(before, t, dense())
+                status = EVENT
+            before = t
+            due = saved + np.searchsorted(times[saved:], t, side="right")
+            if due > saved:
+                states[saved:due, equations.order] = dense()(times[saved:due]).T
+                saved = due
+            if times[saved - 1] == t:
+                states[saved - 1] = y
+            if status == EVENT:
+                raise _StopError(EVENT, "")
+    except _StopError as stopped:
+        status, reason = stopped.args
+        if t > times[saved - 1]:
+            times[saved], states[saved] = t, y
+            saved += 1
+    counts[FORCES] = equations.calls
+    node = fastest_node(np.abs(equations.rate[:-2]).reshape(2, -1, 3).max(axis=0)) if status == DIVERGED else -1
+    q, v = np.moveaxis(states[:saved, :-2].reshape(saved, 2, -1, 3), 1, 0)
+    put_in, dissipated = states[:saved, -2:].T
+    return Outcome(status, reason, node, times[:saved], q, v, put_in, dissipated, counts, time.perf_counter() - began)
+
+
+def _steps(equations, task, counts):
+    """Time, state in the natural order and the maker of dense output after each step of a march."""
+    t, y, options, make = task.t0, equations.y.copy(), {}, getattr(scipy.integrate, task.method)
+    rtol, atol = task.rtol, np.append(np.full(equations.size - 2, task.atol), [FREE, FREE])
+    if not np.isfinite(equations.rates(t, y)).all():
+        raise _StopError(DIVERGED, "the force at the start is not finite")
+    if task.method == "LSODA":
+        options = equations.narrow(t)
+    else:
+        shrink = np.sqrt(1.0 - 2.0 / equations.size)  # so that the mean square over y is the one over (q, v)
+        rtol, atol[:-2] = shrink * rtol, shrink * atol[:-2]
+        if task.method in ("Radau", "BDF"):
+            options = {"jac": equations.matrix}
+    order, atol, position = equations.order, atol[equations.order], np.argsort(equations.order)
+    for stop in task.ends():
+        first = min(task.first_step, stop - t) if t == task.t0 else None
+        solver = make(equations.rates, t, y[order], stop, rtol=rtol, atol=atol, first_step=first, **options)
+        while solver.status == "running":
+            calls, factorisations = equations.calls, solver.nlu
+            failure = _step(solver)
+            _count(task.method, solver, equations.calls - calls, failure is None, counts)
+            counts[FACTORISATIONS] += solver.nlu - factorisations
+            if failure is not None:
+                raise _StopError(UNCONVERGED if np.isfinite(equations.rate).all() else DIVERGED, failure)
+            if not np.abs(solver.y[position[:-2]]).max() < LARGEST_COORDINATE:
+                raise _StopError(DIVERGED, "places or velocities are beyond any sense")
+            t, y = stop if solver.status == "finished" else solver.t, solver.y[position]
+            yield t, y, solver.dense_output
+
+
+def _step(solver):
+    """Take a step; returns None or why it failed."""
+    with warnings.catch_warnings(record=True) as said:  # LSODA gives its reasons as warnings
+        warnings.simplefilter("always")
+        try:
+            failure = solver.step()
+        except RuntimeError as error:  # a singular matrix
+            return str(error)
+    return str(said[-1].message) if failure and said else failure
+
+
+def _count(method, solver, calls, done, counts):
+    """Add up a step of ``calls`` force evaluations; scipy does not tell rejected steps nor Newton iterations."""
+    counts[STEPS] += done
+    if method == "BDF":
+        counts[NEWTON] += calls
+    elif method == "Radau":
+        counts[NEWTON] += calls // 3  # three stages an iteration; one more for the state reached or an error estimate
+    elif method != "LSODA":
+        counts[REJECTED] += calls // solver.n_stages - done

@@ -1,0 +1,180 @@
+"""Marching an embedded explicit pair: steps chosen by its own error estimate, saves by its own dense output."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit, types
+
+from integrators.schemes.embedded_pair import dense_output, judge_step, prepare_dense_output
+from integrators.states import NONE, ONE, SAVED, copy, copy_of, copy_state, save, worst_node
+from integrators.step_ends import evaluate_start
+from integrators.system import (
+    DISSIPATED,
+    DIVERGED,
+    DONE,
+    ENERGIES,
+    EVENT,
+    INTERRUPTED,
+    NO_EVENTS,
+    OUT_OF_STEPS,
+    PUT_IN,
+    REJECTED,
+    STEP_STATE,
+    STEPS,
+    UNCONVERGED,
+    StepState,
+    compiled,
+    system_at,
+)
+
+from .adaptive_steps import ADAPTIVE_STEPS
+from .events import locate, margin_of, remember
+from .step_control import MOST_REJECTIONS, growth, next_corner, shortened, shrinkage
+from .stepper import STEPPER, take_step
+
+MOST = 1_000_000  # steps tried in a run; a bound on what is otherwise unbounded
+SUSTAINED, RELIEVED = 15, 6  # steps in a row (Hairer & Wanner): held by stability from so many on, and free again
+MOST_GROWTH = 5.0  # of a step after another
+
+
+class Stiffness(NamedTuple):
+    """Steps that stability holds to a length at which accuracy would let them grow.
+
+    They count where at least `SUSTAINED` were held with no `RELIEVED` free ones in a row between them.
+    """
+
+    held: int  # steps held
+    held_for: float  # [s] their time
+    held_in_row: int
+    free_in_row: int
+    row_for: float  # [s] time of those in a row that do not count yet
+
+
+@njit(cache=True, error_model="numpy")
+def count_held(known, is_held, h):
+    """Add a step of h [s] that is held, or free, to what is known."""
+    held, held_for, row_for = known.held, known.held_for, known.row_for
+    held_in_row, free_in_row = (known.held_in_row + 1, 0) if is_held else (known.held_in_row, known.free_in_row + 1)
+    row_for += h if is_held else 0.0
+    if free_in_row == RELIEVED:
+        held_in_row, row_for = 0, 0.0
+    if held_in_row >= SUSTAINED and is_held:
+        held += SUSTAINED if held_in_row == SUSTAINED else 1
+        held_for += row_for
+        row_for = 0.0
+    return Stiffness(held, held_for, held_in_row, free_in_row, row_for)
+
+
+@njit(cache=True, error_model="numpy")
+def save_within(stepper, t, h, end, start, state, rows, saved):
+    """Save at the times that a step from t to ``end`` has passed, by dense output; returns the rows written so far."""
+    system, data_address = system_at(stepper.system_address), stepper.data_address
+    memory, parameters, ready = state.memory, stepper.parameters, False
+    balance = state.balance.copy()
+    while rows < saved.t.shape[0] and saved.t[rows] <= end:
+        at, shown = saved.t[rows], StepState(saved.q[rows], saved.v[rows], memory[:0], balance)
+        copy_state(state, shown)
+        if at < end:
+            if not ready:
+                prepare_dense_output(stepper.system_address, data_address, t, h, start, memory, parameters, stepper.counts)
+                ready = True
+            balance[DISSIPATED], balance[PUT_IN] = start.balance[DISSIPATED], start.balance[PUT_IN]
+            dense_output((at - t) / h, h, start, memory, parameters, system.n_free, shown)
+        system.prescribe(at, data_address, shown.q, shown.v)
+        system.observe(shown.q, shown.v, data_address, saved.observed[rows])
+        system.energy(at, shown.q, shown.v, data_address, balance)
+        copy(balance[:ENERGIES], saved.energy[rows])
+        rows += 1
+    return rows
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def embedded_steps(stepper, times, order, stiff_beyond, most, state, saved, stop):
+    """March with steps chosen by the error that an embedded pair estimates.
+
+    A step is taken when its error (see `embedded_pair.judge_step`) is at most atol + rtol max|q|, and the next is chosen by a PI
+    controller. Steps end on the corners of the prescribed motions, whose velocities are limits from the left up to there,
+    and on t_end; states at the times in ``saved.t`` come from the dense output. The march ends at an event, see `events.locate`.
+
+    Parameters
+    ----------
+    stepper : Stepper
+    times : AdaptiveSteps
+    order : int64, of the pair
+    stiff_beyond : float64
+        h |lambda| of the last two stages above which a step is held by stability.
+    most : int64
+        Steps that may be tried.
+    state, saved, stop
+        As in `fixed_steps.fixed_steps`.
+
+    Returns
+    -------
+    status, rows, t, node, error, held, held_for : int64, int64, float64, int64, float64, int64, float64
+        As `fixed_steps.fixed_steps`, the last row being the state reached; the sum of the estimated errors of places [m]; how many
+        steps stability held, and their time [s], see `Stiffness`.
+    """
+    system_address, data_address, counts = stepper.system_address, stepper.data_address, stepper.counts
+    system, t0, t_end, corners = system_at(system_address), times.t0, times.t_end, times.corners
+    evaluate_start(system_address, data_address, t0, state, counts)
+    rows = save(system_address, data_address, NONE, t0, state, saved)
+    t, h, total, before, rejections, tried = t0, times.first, 0.0, 1.0, 0, 0
+    start, stiffness = copy_of(state, ONE), Stiffness(NONE, 0.0, NONE, NONE, 0.0)
+    corner = next_corner(corners, NONE, t, 1e-12 * (t_end - t0))
+    status, node, margin, watched = DONE, -1, -1.0, margin_of(stepper, state) > NO_EVENTS
+    while t < t_end:
+        if stop[0] != 0 or tried == most:
+            status = INTERRUPTED if stop[0] != 0 else OUT_OF_STEPS
+            break
+        tried += 1
+        at_corner = corner < corners.shape[0] and corners[corner] < t_end
+        goal = corners[corner] if at_corner else t_end
+        full = h
+        h, lands = shortened(t, h, goal)
+        if lands and at_corner:  # the last stages look back from a corner: some roundings of the time before it
+            h -= 1e-15 * (abs(goal) + abs(t))
+        copy_state(state, start)
+        if watched:
+            remember(stepper)
+        take_step(stepper, t, h, state)
+        error, of_places, size, fastest = judge_step(system.n_free, h, state, stepper.parameters)
+        allowed = times.atol + times.rtol * size
+        error = error / allowed if allowed > 0.0 or error == np.inf else (0.0 if error == 0.0 else np.inf)
+        if not error <= 1.0:
+            counts[REJECTED] += 1
+            rejections += 1
+            node = worst_node(state.q, state.v)
+            copy_state(start, state)
+            h *= shrinkage(error, 1.0 * order)
+            if rejections > MOST_REJECTIONS or t + 0.1 * h <= t:
+                status = UNCONVERGED if error < np.inf else DIVERGED
+                break
+            continue
+        counts[STEPS] += 1
+        total += of_places
+        stiffness = count_held(stiffness, fastest > stiff_beyond, h)
+        end = goal if lands else t + h
+        if watched:
+            margin_before, margin = margin, margin_of(stepper, state)
+            if margin > 0.0:
+                h = locate(stepper, t, h, ONE, margin_before, margin, start, state)
+                end, status = t + h, EVENT
+        rows = save_within(stepper, t, h, end, start, state, rows, saved)
+        t = end
+        if status == EVENT:
+            break
+        if lands and at_corner:
+            corner += 1
+            evaluate_start(system_address, data_address, t, state, counts)
+        factor = growth(error, before, 1.0 * order, MOST_GROWTH if rejections == 0 else 1.0)
+        h = max(h * factor, full if h < full and error < 0.5 else 0.0)
+        before, rejections = error, 0
+    if status != DONE and saved.t[rows - 1] < t and rows < saved.t.shape[0]:  # the state that was reached
+        rows = save(system_address, data_address, rows, t, state, saved)
+    return status, rows, t, node if status == DIVERGED else -1, total, stiffness.held, stiffness.held_for
+
+
+def compiled_embedded_steps():
+    """`embedded_steps`, compiled (or loaded from the cache) when it is first asked for."""
+    i, f, stop = types.int64, types.float64, types.Array(types.int64, 1, "C")
+    return compiled(embedded_steps, (STEPPER, ADAPTIVE_STEPS, i, f, i, STEP_STATE, SAVED, stop))

@@ -1,0 +1,124 @@
+"""Marching with fixed steps; a step whose equations are not solved is taken in halves, quarters and so on."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit, types
+
+from integrators.states import NONE, ONE, SAVED, copy_of, copy_state, save, worst_node
+from integrators.step_ends import evaluate_start
+from integrators.system import (
+    DIVERGED,
+    DONE,
+    EVENT,
+    HALVINGS,
+    INTERRUPTED,
+    NO_EVENTS,
+    SAME_TIME,
+    STEP_STATE,
+    STEPS,
+    UNCONVERGED,
+    compiled,
+)
+
+from .events import locate, margin_of, remember
+from .stepper import STEPPER, take_step
+
+CHECK_EVERY = 16  # steps between two looks for a divergence
+SMALLEST_PART = 2.0**-12  # of a step: there Newton's method may fail no more
+
+
+class FixedSteps(NamedTuple):
+    """Times of a march with fixed steps.
+
+    Parameters
+    ----------
+    t0, t_end : float [s]
+    dt : float [s]
+        Steps end on multiples of it after ``origin``, and the last one on t_end.
+    origin : float [s], at most t0
+    stride : int
+        Every stride-th state after ``origin`` is saved, and the first and the last one.
+    """
+
+    t0: float
+    t_end: float
+    dt: float
+    origin: float
+    stride: int
+
+
+FIXED_STEPS = types.NamedTuple((types.float64,) * 4 + (types.int64,), FixedSteps)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def fixed_steps(stepper, times, explicit, carried_rows, state, saved, stop):
+    """March from t0 to t_end; the march ends at an event, see `events.locate`.
+
+    Parameters
+    ----------
+    stepper : Stepper
+    times : FixedSteps
+    explicit : bool
+        Steps do not fail, so that the state before one is copied only where an event may ask for it.
+    carried_rows : int64, rows of memory that a step leaves to the next
+    state : StepState, at the start, and then at the end
+    saved : Saved, rows to write
+    stop : (1,) int64, ends the march when another thread sets it
+
+    Returns
+    -------
+    status, rows, t, node : int64, int64, float64, int64
+        How it ended, rows written, time reached, and the node where it went wrong (or -1).
+    """
+    system_address, data_address, counts, t = stepper.system_address, stepper.data_address, stepper.counts, times.t0
+    evaluate_start(system_address, data_address, t, state, counts)
+    rows = save(system_address, data_address, NONE, t, state, saved)
+    margin, watched = -1.0, margin_of(stepper, state) > NO_EVENTS
+    start = copy_of(state, carried_rows)
+    last = max(1, int(np.ceil((times.t_end - times.origin) / times.dt - SAME_TIME))) - 1
+    for s in range(min(int(np.floor((times.t0 - times.origin) / times.dt + SAME_TIME)), last), last + 1):
+        goal = times.t_end if s == last else times.origin + (s + 1) * times.dt
+        whole, taken, part = goal - t, 0.0, 1.0
+        while taken < 1.0:
+            if watched or not explicit:
+                copy_state(state, start)
+            if watched:
+                remember(stepper)
+            now, h = t + taken * whole, part * whole
+            if take_step(stepper, now, h, state) != DONE:
+                copy_state(start, state)
+                counts[HALVINGS] += 1
+                part *= 0.5
+                if part < SMALLEST_PART:
+                    rows = save(system_address, data_address, rows, now, state, saved)
+                    return UNCONVERGED, rows, now, -1
+                continue
+            counts[STEPS] += 1
+            if watched:
+                before, margin = margin, margin_of(stepper, state)
+                if margin > 0.0 and worst_node(state.q, state.v) < 0:
+                    now += locate(stepper, now, h, ONE, before, margin, start, state)
+                    rows = save(system_address, data_address, rows, now, state, saved)
+                    return EVENT, rows, now, -1
+            taken += part
+            if taken % (2.0 * part) == 0.0:
+                part = min(2.0 * part, 1.0)
+        t = goal
+        ends = s == last or stop[0] != 0
+        saves = (s + 1) % times.stride == 0 or ends
+        if saves or s % CHECK_EVERY == 0:
+            node = worst_node(state.q, state.v)
+            if node >= 0:
+                return DIVERGED, rows, t, node
+        if saves:
+            rows = save(system_address, data_address, rows, t, state, saved)
+        if stop[0] != 0:
+            return INTERRUPTED, rows, t, -1
+    return DONE, rows, t, -1
+
+
+def compiled_fixed_steps():
+    """`fixed_steps`, compiled (or loaded from the cache) when it is first asked for."""
+    stop = types.Array(types.int64, 1, "C")
+    return compiled(fixed_steps, (STEPPER, FIXED_STEPS, types.boolean, types.int64, STEP_STATE, SAVED, stop))

@@ -1,0 +1,39 @@
+"""A compiled march that Ctrl-C can end: the march runs in a thread of its own while the main thread waits."""
+
+import _thread
+import threading
+
+import numpy as np
+
+
+def interruptible(march, *arguments):
+    """Call ``march(*arguments, stop)``, which releases the interpreter's lock and ends soon after ``stop[0]`` is set.
+
+    Python raises KeyboardInterrupt in its main thread, between two lines of Python, and a compiled march is one line. In any
+    other thread the march is simply called.
+
+    Returns
+    -------
+    result : what the march returns
+    interrupted : bool
+        Ctrl-C came; the caller has to raise it again.
+    """
+    stop = np.zeros(1, np.int64)
+    if threading.current_thread() is not threading.main_thread():
+        return march(*arguments, stop), False
+    outcome, ended = [], _thread.allocate_lock()
+
+    def run():
+        try:
+            outcome.append(march(*arguments, stop))
+        finally:
+            ended.release()
+
+    ended.acquire()
+    _thread.start_new_thread(run, ())  # what `threading` adds to it costs as much as a hundred steps
+    while True:
+        try:
+            ended.acquire()
+            return outcome[0], bool(stop[0])
+        except KeyboardInterrupt:
+            stop[0] = 1

@@ -1,0 +1,97 @@
+"""A march with a scheme of this package: the arrays that it works in, the compiled loop, and what comes of it."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from integrators.schemes.record import Scheme
+from integrators.states import Saved
+from integrators.system import (
+    BALANCE,
+    COUNTS,
+    ENERGIES,
+    STEP,
+    StepState,
+    System,
+    compiled,
+    entry_point,
+    first_class,
+    words_in_memory,
+)
+
+from . import embedded_steps
+from .adaptive_steps import AdaptiveSteps, compiled_adaptive_steps
+from .fixed_steps import FixedSteps, compiled_fixed_steps
+from .interruptible import interruptible
+from .stepper import Stepper
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """How a march ended and what it leaves.
+
+    Parameters
+    ----------
+    status : int, see `integrators.system`
+    t : float [s], time reached
+    node : int, where it went wrong, or -1
+    saved : Saved, the rows written
+    counts : (COUNTS,) int64, work counts
+    wall_time : float [s], of the march alone
+    interrupted : bool, Ctrl-C came; the caller has to raise it again
+    error : float or None [m], sum of the estimated errors of the steps, where they were chosen
+    held, held_for : int, float [s]
+        Steps of an embedded pair that stability held, and their time.
+    """
+
+    status: int
+    t: float
+    node: int
+    saved: Saved
+    counts: np.ndarray
+    wall_time: float
+    interrupted: bool
+    error: float | None = None
+    held: int = 0
+    held_for: float = 0.0
+
+
+def march(
+    scheme: Scheme, system: System, data_address: int, times: FixedSteps | AdaptiveSteps, q, v, saves, parameters=None
+) -> Outcome:
+    """March a system from a state.
+
+    Parameters
+    ----------
+    scheme : Scheme, of this package
+    system : System
+    data_address : int, of what the functions of the system work on
+    times : FixedSteps or AdaptiveSteps
+    q, v : (n, 3) float64 [m], [m/s], at the start; not changed
+    saves : (times, numbers observed)
+        Increasing (k,) float64 [s] at which an adaptive march saves, from its start on; of a march with fixed steps the number
+        of rows that it may write. And how many numbers the system observes of a state.
+    parameters : (k,) float64 or None
+        From `Scheme.parameters`; None takes the defaults.
+    """
+    step, words = first_class(compiled(scheme.step, STEP)), words_in_memory(system)
+    adaptive, (asked, observed) = isinstance(times, AdaptiveSteps), saves
+    t = np.array(asked, float) if adaptive else np.empty(asked)
+    k, n = len(t), len(q)
+    saved = Saved(t, np.empty((k, n, 3)), np.empty((k, n, 3)), np.zeros((k, ENERGIES)), np.empty((k, observed)))
+    state = StepState(
+        np.array(q, float, order="C"), np.array(v, float, order="C"), np.zeros((scheme.memory_rows, n, 3)), np.zeros(BALANCE)
+    )
+    counts = np.zeros(COUNTS, np.int64)
+    stepper = Stepper(step, words.ctypes.data, data_address, scheme.parameters() if parameters is None else parameters, counts)
+    if adaptive and scheme.embedded:
+        loop, own = embedded_steps.compiled_embedded_steps(), (scheme.order, scheme.stiff_beyond, embedded_steps.MOST)
+    elif adaptive:
+        loop, own = compiled_adaptive_steps(), (scheme.order, scheme.carried_rows)
+    else:
+        loop, own = compiled_fixed_steps(), (scheme.explicit, scheme.carried_rows)
+    began = time.perf_counter()
+    (status, rows, t, node, *more), interrupted = interruptible(entry_point(loop), stepper, times, *own, state, saved)
+    wall_time = time.perf_counter() - began
+    return Outcome(status, t, node, Saved(*(part[:rows] for part in saved)), counts, wall_time, interrupted, *more)

@@ -1,0 +1,108 @@
+"""Diagonally implicit Runge-Kutta methods: each stage is one solve, q = q_hat + gamma h v, M (v - v_hat) = gamma h f(q, v).
+
+`midpoint`, `sdirk2` and `tr_bdf2` have a tableau each. All are unconditionally stable for a linear system; none keeps a nonlinear
+one from gaining energy.
+
+Where a step does not resolve the stretching, the internal forces of single stages mislead. The stages of sdirk2 are of order 1,
+and no step makes the error of their forces smaller: the centripetal force of a mass on a stiff spring that goes round is -1/sqrt 2
+times what it must be in the first stage and 3/2 (2 + sqrt 2) = 5.12 times in the last, while their mean with the weights b is right
+(stages on the circle, q_s = q + h sum A V, in the limit of small steps). With the midpoint rule the places at the end of a step
+are not those that any forces balanced. Of these two the mean over the step is observed instead. The stages of tr_bdf2 are of order
+2, and its last force is right.
+"""
+
+import numpy as np
+from numba import njit
+
+from integrators.linear_stability import NoLimit
+from integrators.newton import newton
+from integrators.stage import LAW_AT_END, Stage
+from integrators.step_ends import evaluate_end
+from integrators.system import DONE, FIRST_OWN, UNCONVERGED, system_at
+
+from .record import Family, own_scheme
+
+MOST_STAGES = 3
+# Coefficients of a step: number of stages, whether the internal forces are averaged over them, the rows of A, b.
+STAGES, AVERAGES, TABLE = FIRST_OWN, FIRST_OWN + 1, FIRST_OWN + 2
+
+
+def dirk_scheme(A, b, observes_mean_over_stages=False, **known):
+    """The record of a scheme with the tableau A (s, s), b (s,), lower triangular, of at most `MOST_STAGES` stages."""
+
+    def coefficients():
+        table = np.zeros((MOST_STAGES + 1, MOST_STAGES))
+        table[: len(b), : len(b)] = A
+        table[MOST_STAGES, : len(b)] = b
+        return np.concatenate([[len(b), observes_mean_over_stages], table.ravel()])
+
+    return own_scheme(
+        family=Family.DIAGONALLY_IMPLICIT,
+        explicit=False,
+        limit=NoLimit(),
+        observes_mean_over_stages=observes_mean_over_stages,
+        step=step,
+        memory_rows=11,
+        coefficients=coefficients,
+        **known,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def step(system_address, data_address, t, h, state, parameters, counts):
+    """One step; memory[0] is the force at its start, and then at its end."""
+    system, q, v, memory = system_at(system_address), state.q, state.v, state.memory
+    stages, averages, table = int(parameters[STAGES]), parameters[AVERAGES] != 0.0, parameters[TABLE:]
+    b = table[MOST_STAGES * MOST_STAGES :]
+    if averages:
+        system.average(data_address, 0.0, h)
+    q_s, base, target, v_s = memory[1], memory[2], memory[3], memory[4]
+    for s in range(stages):
+        V, A = memory[5 + s], memory[8 + s]
+        row = table[MOST_STAGES * s : MOST_STAGES * (s + 1)]
+        ahead = 0.0
+        for r in range(stages):
+            ahead += row[r]
+        gh = h * row[s]
+        if gh == 0.0:
+            for i in range(system.n_free):
+                for x in range(3):
+                    V[i, x], A[i, x] = v[i, x], memory[0, i, x] * system.per_mass[i, x]
+            continue
+        for i in range(q.shape[0]):
+            for x in range(3):
+                q_hat, v_hat = q[i, x], v[i, x]
+                for r in range(s):
+                    q_hat += h * row[r] * memory[5 + r, i, x]
+                    v_hat += h * row[r] * memory[8 + r, i, x]
+                base[i, x] = q_hat
+                target[i, x] = q_hat + gh * v_hat
+                q_s[i, x] = target[i, x]
+        for i in range(system.n_free, q.shape[0]):
+            for x in range(3):
+                q_s[i, x], v_s[i, x] = q[i, x], v[i, x]
+        system.prescribe(t + ahead * h, data_address, q_s, v_s)
+        for i in range(system.n_free, q.shape[0]):
+            for x in range(3):
+                base[i, x] = q_s[i, x] - gh * v_s[i, x]
+        stage = Stage(LAW_AT_END, t + ahead * h, 1.0 / (gh * gh), 1.0, gh, 0.0)
+        if not newton(system_address, data_address, stage, base, target, q_s, parameters, counts):
+            return UNCONVERGED
+        if averages:
+            system.average(data_address, b[s], h)
+        for i in range(system.n_free):
+            for x in range(3):
+                V[i, x] = (q_s[i, x] - base[i, x]) / gh
+                A[i, x] = (V[i, x] - (target[i, x] - base[i, x]) / gh) / gh
+    for i in range(system.n_free):
+        for x in range(3):
+            for s in range(stages):
+                q[i, x] += h * b[s] * memory[5 + s, i, x]
+                v[i, x] += h * b[s] * memory[8 + s, i, x]
+    evaluate_end(system_address, data_address, t, h, state, counts)
+    if table[0] == 0.0:
+        # an explicit first stage goes on with the force that the last one balanced, whose damper saw the taut part of it
+        for i in range(system.n_free):
+            for x in range(3):
+                memory[0, i, x] = memory[7 + stages, i, x] / system.per_mass[i, x]
+    return DONE

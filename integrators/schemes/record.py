@@ -1,0 +1,160 @@
+"""The record of a scheme: all that is known of it, from its label in figures to the rows of memory that its step needs.
+
+A scheme of this package has its record beside its step, in one file; the solvers of other packages have theirs in `scipy_schemes`
+and `diffrax_schemes`. `schemes` finds a record by its scheme's name. Importing a record compiles nothing.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+
+from integrators.linear_stability import StepLimit
+
+NEWTON_TOLERANCE = 1e-6  # of the largest force on a node
+NEWTON_ITERATIONS = 60
+
+
+class Origin(Enum):
+    """Whose a scheme is."""
+
+    OWN = "this package"
+    SCIPY = "scipy"
+    DIFFRAX = "diffrax"
+
+
+class Family(Enum):
+    """Schemes that are alike; figures draw a family in colours of its own."""
+
+    SYMPLECTIC = "symplectic"
+    EXPLICIT_RUNGE_KUTTA = "explicit Runge-Kutta"
+    ENERGY_MOMENTUM = "energy-momentum"
+    DIAGONALLY_IMPLICIT = "diagonally implicit Runge-Kutta"
+    COLLOCATION = "collocation"
+    ALPHA = "alpha method"
+    MULTISTEP = "multistep"
+
+
+class EnergyPromise(Enum):
+    """What a scheme promises of the energy of a motion into which nothing puts any."""
+
+    NEVER_RISES = "never rises, at any step, for springs that do not push"
+    SWINGS_ABOUT = "swings about an energy that the scheme keeps; no step is damped"
+    NONE = "no promise"
+
+
+class Stepping(Enum):
+    """Who chooses the steps of a scheme."""
+
+    FIXED = "fixed steps; with a tolerance, steps chosen by comparing one step with two of half its length"
+    EMBEDDED = "steps chosen by an error estimate of its own; fixed ones if a step is given without a tolerance"
+    ADAPTIVE = "always steps chosen by an error estimate of its own"
+
+
+def no_coefficients():
+    """Coefficients of a scheme whose step has none."""
+    return np.zeros(0)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Scheme:
+    """What is known of a scheme.
+
+    Parameters
+    ----------
+    name : str, by which it is asked for
+    label : str, by which figures and texts call it
+    origin : Origin
+    family : Family
+    order : int or None, of places and velocities; None if it varies during a run
+    explicit : bool, whether a step needs no solution of equations
+    limit : StepLimit
+        Largest stable step for a linear mode, see `linear_stability`.
+    note : str
+        That limit in words, and what the linear statement leaves open.
+    stepping : Stepping
+    energy : EnergyPromise
+    keeps_angular_momentum : bool
+        To the tolerance of its equations; the others to the error of the motion.
+    damps_the_motion : bool
+        It takes a large share of the energy out of a motion that its steps resolve.
+    observes_mean_over_stages : bool
+        The internal forces observed after a step are the mean of those of its stages, because those of a single stage mislead
+        where the step does not resolve the stretching; the places at the end of a step need not be those that they balance.
+    extrapolated_order : int or None
+        Order of what two runs, with a step and with its half, extrapolate to; None if they are not to be extrapolated.
+    options : mapping of str to float
+        Names of the numbers that a user may set, with their defaults.
+    takes_rigid_springs : bool, springs that do not stretch, whose forces are unknowns of the step
+    takes_changing_rest_lengths : bool, springs whose rest lengths change in time
+    stops_at_events : bool, a march that ends within a step where a margin of the system turns positive
+
+    Of the schemes of this package alone:
+
+    step : function for Numba, see `system.STEP`
+    memory_rows : int, rows of (n, 3) numbers that a step works in
+    carried_rows : int, the first rows of these, which a step leaves to the next
+    force_evaluations : int, of an explicit step
+    stiff_beyond : float
+        h |lambda| of the last stages of an embedded pair above which stability holds the step.
+    coefficients : function that returns the coefficients that the step is given, such as a tableau; (k,) float64
+    """
+
+    name: str
+    label: str
+    origin: Origin
+    family: Family
+    order: int | None
+    explicit: bool
+    limit: StepLimit
+    note: str
+    stepping: Stepping = Stepping.FIXED
+    energy: EnergyPromise = EnergyPromise.NONE
+    keeps_angular_momentum: bool = False
+    damps_the_motion: bool = False
+    observes_mean_over_stages: bool = False
+    extrapolated_order: int | None = None
+    options: Mapping[str, float] = field(default_factory=dict)
+    takes_rigid_springs: bool = False
+    takes_changing_rest_lengths: bool = False
+    stops_at_events: bool = True
+    step: Callable | None = None
+    memory_rows: int = 0
+    carried_rows: int = 1
+    force_evaluations: int = 1
+    stiff_beyond: float = np.inf
+    coefficients: Callable[[], np.ndarray] = no_coefficients
+
+    @property
+    def own(self) -> bool:
+        """Whether it is a scheme of this package."""
+        return self.origin is Origin.OWN
+
+    @property
+    def embedded(self) -> bool:
+        """Whether it is a pair of this package with an error estimate of its own."""
+        return self.stepping is Stepping.EMBEDDED
+
+    @property
+    def stable_undamped(self) -> bool:
+        """Whether some step is stable for a mode without damping, such as a swing, on which no axial damper acts."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return bool(self.limit.largest_step(np.ones(1), np.zeros(1))[0] > 0.0)
+
+    def chooses_steps(self, dt: float | None) -> bool:
+        """Whether it chooses its steps by itself although no tolerance is given, with or without a step dt [s]."""
+        return self.stepping is Stepping.ADAPTIVE or (self.embedded and dt is None)
+
+    def parameters(self, tolerance: float = NEWTON_TOLERANCE, **options: float | None) -> np.ndarray:
+        """Numbers that its steps are given: Newton's tolerance and iterations, its options, its coefficients.
+
+        An option that is None has its default.
+        """
+        own = [default if options.get(name) is None else options[name] for name, default in self.options.items()]
+        return np.concatenate([[tolerance, NEWTON_ITERATIONS], own, self.coefficients()]).astype(float)
+
+
+def own_scheme(**known) -> Scheme:
+    """The record of a scheme of this package."""
+    return Scheme(origin=Origin.OWN, takes_changing_rest_lengths=True, **known)

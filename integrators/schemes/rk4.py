@@ -1,0 +1,56 @@
+"""The classical Runge-Kutta method of order 4.
+
+Stable for h omega <= 2 sqrt(2) without damping, and for real eigenvalues down to -2.785/h.
+Source: Kutta, Z. Math. Phys. 46 (1901) 435.
+"""
+
+from numba import njit
+
+from integrators.linear_stability import AmplificationPolynomial
+from integrators.step_ends import evaluate_end
+from integrators.system import DONE, FORCES, system_at
+
+from .record import Family, own_scheme
+
+
+@njit(cache=True, error_model="numpy")
+def step(system_address, data_address, t, h, state, parameters, counts):
+    """One step; memory[0] is the force at its start, and then at its end."""
+    system, memory = system_at(system_address), state.memory
+    Q, V, per_m = state.q.ravel(), state.v.ravel(), system.per_mass.ravel()
+    f, Q_s, V_s, dQ, dV = memory[0].ravel(), memory[1].ravel(), memory[2].ravel(), memory[3].ravel(), memory[4].ravel()
+    power, n = memory[5, 0, :2], 3 * system.n_free
+    for i in range(n, Q.shape[0]):
+        Q_s[i], V_s[i] = Q[i], V[i]
+    for stage in range(4):
+        weight = 1.0 / 6.0 if stage == 0 or stage == 3 else 1.0 / 3.0
+        ahead = h if stage == 2 else 0.5 * h
+        for i in range(n):
+            speed, acceleration = V[i] if stage == 0 else V_s[i], per_m[i] * f[i]
+            dQ[i] = weight * speed + (dQ[i] if stage > 0 else 0.0)
+            dV[i] = weight * acceleration + (dV[i] if stage > 0 else 0.0)
+            Q_s[i] = Q[i] + ahead * speed
+            V_s[i] = V[i] + ahead * acceleration
+        if stage < 3:
+            system.prescribe(t + ahead, data_address, memory[1], memory[2])
+            system.force(t + ahead, memory[1], memory[2], data_address, memory[0], power)
+            counts[FORCES] += 1
+    for i in range(n):
+        Q[i] += h * dQ[i]
+        V[i] += h * dV[i]
+    evaluate_end(system_address, data_address, t, h, state, counts)
+    return DONE
+
+
+RK4 = own_scheme(
+    name="rk4",
+    label="RK4",
+    family=Family.EXPLICIT_RUNGE_KUTTA,
+    order=4,
+    explicit=True,
+    limit=AmplificationPolynomial(lambda: (1.0, 1.0, 1 / 2, 1 / 6, 1 / 24)),
+    note="undamped modes to h omega = 2.828, overdamped ones to 2.785",
+    step=step,
+    memory_rows=6,
+    force_evaluations=4,
+)

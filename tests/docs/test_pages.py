@@ -1,0 +1,144 @@
+"""The pages: their examples print what they say, their files are there, nothing that exists is left out."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import gallery
+import pytest
+import typer.main
+
+import anet_lumped
+from anet_lumped import Scene
+from anet_lumped.effects import REGISTRY
+from anet_lumped.scene.as_dict import scene_from_dict
+from examples import alike, examples, run
+from studies.command_line import app
+from studies.study import STUDIES, study_names
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = sorted(DOCS.rglob("*.md"))
+LONG = ("recommend", "effects", "report")  # commands whose answers depend on timings, or that take minutes
+ALONE = [ROOT / name for name in ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")]
+
+
+def text_of(page):
+    return page.read_text(encoding="utf-8")
+
+
+def name_of(page):
+    return page.relative_to(ROOT).as_posix()
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if examples(text_of(page))], ids=name_of)
+def test_examples_print_what_the_page_says(page, tmp_path, monkeypatch):
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    names = {"__name__": "document"}
+    for example in examples(text_of(page)):
+        if example.is_timed and example.is_command:
+            continue
+        printed = run(example, names, tmp_path, page.name)
+        assert example.is_timed or alike(printed, example.said), (
+            f"{example.code}\nprinted\n{printed}\nbut the page says\n{example.said}"
+        )
+    for figure in re.findall(r"\]\((figures/\w+\.\w+)\)", text_of(page)):
+        assert (tmp_path / figure.removeprefix("figures/")).is_file(), f"no code on the page writes {figure}"
+
+
+def test_the_example_of_the_readme_runs(tmp_path):
+    (example,) = examples(text_of(ROOT / "README.md"))
+    printed = run(example, {"__name__": "document"}, tmp_path, "README.md")
+    assert printed.startswith("done edmc: a second of motion costs") and len(printed.splitlines()) == 3
+
+
+def test_alike_tells_numbers_and_words_apart():
+    assert alike("a  1.000 m\n", "a 1.005 m") and alike("imbalance 4e-09", "imbalance 7e-10")
+    assert not alike("a 1.0 m", "a 1.1 m") and not alike("a 1.0 m", "b 1.0 m") and not alike("a 1.0", "a 1.0 m")
+    assert alike("wall time [s]: 0.2", "wall time [s]: 0.9") and not alike("steps: 2", "steps: 9")
+
+
+@pytest.mark.parametrize("name", sorted(typer.main.get_command(app).commands))
+def test_command_prints_what_its_record_says(name, tmp_path):
+    first, _, said = text_of(DOCS / "recorded" / f"{name}.txt").partition("\n")
+    assert first.split()[:3] == ["$", "anet-lumped", name]
+    if name in LONG:
+        assert said.strip()
+        return
+    (example,) = examples(f"```console\n{first}\n{said}```\n")
+    assert alike(run(example, {}, tmp_path), said)
+
+
+def tables(page):
+    """Blocks of TOML of a page."""
+    return re.findall(r"^```toml\n(.*?)^```$", text_of(page), re.MULTILINE | re.DOTALL)
+
+
+def test_every_scene_file_in_the_pages_is_read():
+    """Those that show an effect or an event alone, as a part of the net that is held."""
+    whole = tomllib.loads(text_of(ROOT / "studies" / "scenes" / "net_held.toml"))
+    whole["cable_defaults"] |= {"diameter": 0.003, "EI": 1e-4}
+    found = 0
+    for page in PAGES:
+        for entries in map(tomllib.loads, tables(page)):
+            found += 1
+            if "points" not in entries:
+                entries = whole | entries | {"effects": whole["effects"] | entries.get("effects", {})}
+            assert isinstance(scene_from_dict(entries, page.name), Scene)
+    assert found >= len(REGISTRY.library)
+
+
+@pytest.mark.parametrize("name", REGISTRY.library)
+def test_every_effect_has_a_page_with_its_equation_and_its_source(name):
+    page = text_of(DOCS / "effects" / f"{name.replace('_', '-')}.md")
+    assert "$$" in page and "## Source" in page and "## Example" in page
+    assert f"autoclass:: anet_lumped.effects.{REGISTRY[name].__name__}" in page
+    assert f"### `[effects.{name}]`" in text_of(DOCS / "scene-file.md")
+
+
+@pytest.mark.parametrize("name", anet_lumped.__all__)
+def test_every_public_name_has_its_docstring_on_a_page(name):
+    pages = "".join(map(text_of, (DOCS / "api").glob("*.md")))
+    assert re.search(rf"auto\w+:: (anet_lumped\.)?([\w.]+\.)?{name}$|^## `{name}`", pages, re.MULTILINE)
+
+
+@pytest.mark.parametrize("page", [*PAGES, *ALONE], ids=name_of)
+def test_links_and_pictures_lead_somewhere(page):
+    for target in re.findall(r"\]\(([^)#\s]+)", re.sub(r"^```.*?^```$", "", text_of(page), flags=re.MULTILINE | re.DOTALL)):
+        if not target.startswith("https://"):
+            assert (page.parent / target).exists(), target
+
+
+def test_files_that_the_architecture_names_are_there():
+    named = re.findall(r"`([\w/.]+\.(?:py|toml))`", text_of(ROOT / "ARCHITECTURE.md"))
+    assert named
+    for file in named:
+        assert any((ROOT / package / file).is_file() for package in (".", "anet_lumped", "integrators")), file
+
+
+def test_the_gallery_has_every_study():
+    page = text_of(DOCS / "gallery.md")
+    for name in study_names():
+        assert f"Study `{name}`" in page
+
+
+def test_a_gallery_is_made_of_what_a_report_has(tmp_path):
+    folder = tmp_path / "report" / "order"
+    folder.mkdir(parents=True)
+    (folder / "answer.txt").write_text("It is *2*.\n\nLeft out:\nmuch.\n")
+    (folder / "meta.json").write_text('{"quick": true, "versions": {"anet-lumped": "9.9"}}')
+    (folder / "all_errors.svg").write_text("<svg/>")
+    (folder / "heavy.svg").write_text(" " * (gallery.HEAVY + 1))
+    lacking = gallery.make(tmp_path / "report", tmp_path)
+    assert lacking == [name for name in study_names() if name != "order"]
+    page = (tmp_path / "gallery.md").read_text()
+    assert "version 9.9" in page and "Study `order`, a first look" in page and all(f"## {part}" in page for part in STUDIES)
+    assert "It is \\*2\\*.\n\nLeft out: much.\n" in page
+    assert "![all errors](figures/studies/order-all_errors.svg)" in page and "heavy" not in page
+    assert [file.name for file in (tmp_path / "figures" / "studies").iterdir()] == ["order-all_errors.svg"]
+
+
+def test_one_version():
+    version = tomllib.loads(text_of(ROOT / "pyproject.toml"))["project"]["version"]
+    assert f"\nversion: {version}\n" in text_of(ROOT / "CITATION.cff")
+    assert re.search(r"^## \[(.+?)\]", text_of(ROOT / "CHANGELOG.md"), re.MULTILINE)[1] == version

@@ -1,0 +1,105 @@
+"""Warnings of a completed run: each against a run in which its number is known, and silence elsewhere."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from systems import four_cables, loose_cable
+
+from anet_lumped import load_run, simulate
+from anet_lumped.motion.run_warnings import Finding, findings, warnings_of
+from studies.catalogue.swings import ANGLE, pendulum, released
+
+
+@pytest.fixture(scope="module")
+def swing():
+    """A swing at EA = 1e7 N, stretched by 1e-7 of its length: no step of a hundredth of a second resolves that."""
+    scene = pendulum(EA=1e7)
+    return scene, released(scene, ANGLE)
+
+
+def test_backward_euler_says_what_it_lost(swing):
+    """The share that is said is what the energies lack, most of a swing's fall after some of them."""
+    scene, start = swing
+    run = simulate(scene, 8.0, method="backward_euler", dt=0.01, start=start)
+    fall = run.energy[0, 2] - run.energy[:, 2].min()
+    lost = run.energy[0, :3].sum() - run.energy[-1, :3].sum()
+    (text,) = run.warnings
+    assert run.ok and lost > 0.3 * fall
+    assert f"{run.energy_balance.imbalance:.2g} of the energy in play were lost in its steps, to neither dampers nor drag" in text
+    assert "a smaller step than dt=0.01 s" in text and 'method="edmc"' in text
+    assert simulate(scene, 8.0, method="edmc", dt=0.01, start=start).warnings == ()
+
+
+def test_energy_of_driven_points_is_not_called_damping():
+    run = simulate(four_cables(1e6, carried=True), 2.0, method="midpoint", dt=0.01)
+    assert run.ok and run.warnings
+    assert "are not accounted for by dampers, drag and the work of driven points" in run.warnings[0]
+
+
+def test_more_dissipated_than_there_was():
+    run = simulate(loose_cable(1e4), 0.4, method="verlet", start="straight")
+    rows = run.energy.copy()
+    rows[-1, 4] += 0.3 * np.ptp(rows[:, 2])
+    (text,) = warnings_of(replace(run, energy=rows))
+    assert warnings_of(run) == () and "were dissipated beyond what was there" in text
+    assert list(findings(replace(run, energy=rows))) == [Finding.UNACCOUNTED_ENERGY]
+    assert "take a smaller tolerance" in warnings_of(replace(run, energy=rows), adaptive=True)[0]
+
+
+def test_midpoint_leaves_a_swing_too_long(swing):
+    """Places at the end of a step lie a step further on the tangent of the circle: longer by up to (omega h)^2/8 of the length.
+
+    omega^2 = 2 g (1 - cos a)/L is what a mass on a rod has at its lowest place, within the cable's tenth of the payload.
+    """
+    scene, start = swing
+    h, omega = 0.01, math.sqrt(2.0 * 9.81 * (1.0 - math.cos(ANGLE)))
+    run = simulate(scene, 0.8, method="midpoint", dt=h, start=start)
+    (text,) = [one for one in run.warnings if "longer" in one]
+    longer = run.length("a-b").max() - 1.0
+    # the ringing swings about the true length, and its waves may add up along the cable
+    assert (omega * h) ** 2 / 16 < longer < (omega * h) ** 2 / 2
+    held = run.tension("a-b").sum(axis=1).max() / scene.cables[0].stiffness
+    assert f'cable "a-b" gets {longer:.2g} m longer than it is unstretched, where its tension stretches it by {held:.2g} m' in text
+    for method in ("tr_bdf2", "edmc", "generalised_alpha"):
+        assert not [one for one in simulate(scene, 0.8, method=method, dt=h, start=start).warnings if "longer" in one]
+
+
+def test_midpoint_is_silent_where_its_step_resolves_the_stretching():
+    scene = pendulum(EA=1e4)
+    start = released(scene, ANGLE)
+    assert simulate(scene, 0.2, method="midpoint", dt=1e-4, start=start).warnings == ()
+
+
+def test_an_extrapolation_far_from_its_limit_says_so(tmp_path):
+    """An undamped whip: the runs part after 0.5 s; before that they do not."""
+    scene = loose_cable(1e4, 0.0)
+    early = simulate(scene, 0.4, method="edmc", dt=2e-3, start="straight", extrapolate=True)
+    late = simulate(scene, 1.5, method="edmc", dt=1e-2, start="straight", extrapolate=True)
+    assert early.ok and not [text for text in early.warnings if "far from a limit" in text]
+    (text,) = [text for text in late.warnings if "far from a limit" in text]
+    assert f"are {3.0 * late.error_estimate:.2g} m apart" in text and "no extrapolation" in text
+    late.save(tmp_path / "run.nc")
+    back = load_run(tmp_path / "run.nc")
+    assert back.warnings == late.warnings and back.extrapolated
+
+
+def test_a_file_that_does_not_say_holds_no_extrapolation(tmp_path):
+    """As version 0.1 wrote it."""
+    import xarray as xr
+
+    run = simulate(loose_cable(), 0.02, dt=0.01, method="edmc")
+    run.save(tmp_path / "new.nc")
+    with xr.open_dataset(tmp_path / "new.nc", engine="scipy") as data:
+        old = data.load()
+    del old.attrs["extrapolated"]
+    old.to_netcdf(tmp_path / "old.nc", engine="scipy")
+    assert load_run(tmp_path / "old.nc").extrapolated is False
+
+
+def test_an_extrapolation_of_places_is_no_length(swing):
+    """A stiff cable's end goes round and the extrapolation straight on."""
+    scene, start = swing
+    run = simulate(scene, 0.8, method="edmc", dt=0.01, start=start, extrapolate=True)
+    assert run.ok and [text for text in run.warnings if "edmc, extrapolated" in text and "or no extrapolation" in text]
