@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from anet_lumped.effects import REGISTRY
@@ -73,7 +74,9 @@ def rows():
 
 
 def test_each_effect_alone_and_all_together(rows):
-    table = rows["marginal"].set_index("effect")
+    """Two turns of all effects; the quick study has some."""
+    assert set(effects_cost.QUICK_EFFECTS) < set(rows["marginal"]["effect"])
+    table = pd.DataFrame(effects_cost.marginal(2, REGISTRY.library)[0]).set_index("effect")
     assert list(table.index) == ["none", "gravity", OWN, *[name for name in REGISTRY.library if name != "gravity"], "all together"]
     assert (table[["verlet_ns", "newton_ns"]] > 0).all(axis=None) and np.isfinite(table.memory_bytes).all()
     more, together = table.more_bytes, table.loc["all together"]
