@@ -16,7 +16,7 @@ from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import signals
 from integrators.stage import LAW_BETWEEN, Stage
-from studies.accuracy_cost.cases import net
+from studies.accuracy_cost.motions import net
 from studies.accuracy_cost.paired_timing import in_words, ratio, take_turns
 from studies.shown.palette import BLUE, ORANGE
 from studies.shown.sentences import between, listed

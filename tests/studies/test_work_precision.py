@@ -10,8 +10,8 @@ import pytest
 from anet_lumped import simulate
 from integrators import schemes
 from studies.accuracy_cost import comparisons, contestants, references, total_error
-from studies.accuracy_cost.cases import carried, dropped, loose, stopped
 from studies.accuracy_cost.equal_error import on_front, time_at, weights_at
+from studies.accuracy_cost.motions import carried, dropped, loose, stopped
 from studies.questions import work_precision
 
 
@@ -64,7 +64,7 @@ def test_a_reference_is_computed_once(short, tmp_path, monkeypatch):
     again = references.reference(short, tmp_path)
     assert calls == ["rk4", "verlet"] and len(list(tmp_path.iterdir())) == 2
     for name, track in first.tracks.items():
-        assert np.array_equal(track.place, again.tracks[name].place)
+        assert np.array_equal(track.position, again.tracks[name].position)
         assert track.least_tension == again.tracks[name].least_tension
     references.reference(replace(short, t_end=0.8), tmp_path)
     references.reference(short.with_law("damped"), tmp_path)
@@ -79,18 +79,18 @@ def test_a_reference_is_computed_once(short, tmp_path, monkeypatch):
     ],
 )  # fmt: skip
 def test_the_name_on_disk_changes_with_all_that_the_motion_depends_on(short, change):
-    names = {references.key(case, "rk4", (dt,)) for case in (short, replace(short, **change)) for dt in (1e-3, 2e-3)}
+    names = {references.cache_key(motion, "rk4", (dt,)) for motion in (short, replace(short, **change)) for dt in (1e-3, 2e-3)}
     assert len(names) == 4
 
 
 def test_a_method_is_not_judged_by_itself(short, tmp_path):
     """Two tracks that are a millimetre apart; each one's own method is judged by the other."""
     track = references.reference(short, tmp_path).tracks["rk4"]
-    shifted = replace(track, place=track.place + np.array([1e-3, 0.0, 0.0]))
+    shifted = replace(track, position=track.position + np.array([1e-3, 0.0, 0.0]))
     judge = references.Reference({"rk4": track, "verlet": shifted})
     assert judge.difference == pytest.approx(1e-3)
-    assert judge.error("edmc", track.place) == judge.error("verlet", track.place) == 0.0
-    assert judge.error("rk4", track.place) == pytest.approx(1e-3)
+    assert judge.error("edmc", track.position) == judge.error("verlet", track.position) == 0.0
+    assert judge.error("rk4", track.position) == pytest.approx(1e-3)
 
 
 def test_both_pairs_of_references_agree(short, tmp_path):
@@ -101,7 +101,7 @@ def test_both_pairs_of_references_agree(short, tmp_path):
     explicit = references.track(short, methods[0], steps[methods[0]], tmp_path)
     for method in references.IMPLICIT_PAIR:
         implicit = references.track(short, method, (0.5e-3, 0.25e-3), tmp_path)
-        assert references.largest_distance(explicit.place, implicit.place) < 1e-8
+        assert references.largest_distance(explicit.position, implicit.position) < 1e-8
 
 
 def test_too_stiff_for_explicit_references():
@@ -111,8 +111,8 @@ def test_too_stiff_for_explicit_references():
 
 def test_cables_that_do_not_stretch_are_the_limit_of_those_that_do(tmp_path):
     """The limit from two finite stiffnesses beside the library's own EA = inf, of 20 mm of way; both methods of order 2."""
-    case = carried(np.inf, 5, t_end=0.4)
-    judge = references.reference(case, tmp_path)
+    motion = carried(np.inf, 5, t_end=0.4)
+    judge = references.reference(motion, tmp_path)
     assert tuple(judge.tracks) == references.INEXTENSIBLE_PAIR and judge.taut
     assert judge.difference < 1e-8
     with pytest.raises(ValueError, match="Only a motion from rest or from straight cables has another stiffness"):
@@ -134,7 +134,7 @@ def test_every_method_of_the_library_runs_at_some_setting(short):
     assert all(one.settings for one in named.values())
     for name in ("explicit_euler", "rk4", "edmc", contestants.OWN_CHOICE):
         attempt = named[name].run(short.t_end, named[name].settings[-1])
-        assert attempt.status == "done" and attempt.place.shape == (11, 3)
+        assert attempt.status == "done" and attempt.position.shape == (11, 3)
 
 
 def test_a_run_beyond_the_bound_is_left_out_and_said_so(short, tmp_path, monkeypatch):
@@ -153,7 +153,7 @@ def test_errors_in_the_table_are_those_of_the_runs(short, tmp_path):
     coarse, fine = table["error_mm"].iloc[-2:]
     assert coarse / fine == pytest.approx(4.0, rel=0.1)
     run = simulate(short.scene, short.t_end, method="edmc", dt=short.steps[-1], start=short.start, save_every=short.save_every)
-    assert fine == pytest.approx(1e3 * references.largest_distance(run.position("p0"), judge.tracks["rk4"].place), rel=1e-9)
+    assert fine == pytest.approx(1e3 * references.largest_distance(run.position("p0"), judge.tracks["rk4"].position), rel=1e-9)
 
 
 def test_the_best_of_ours_beside_the_best_peer():
@@ -214,9 +214,9 @@ def test_the_discretisation_error_at_rest_is_that_of_the_catenary_net(cache):
 
     assert references.cache_folder().is_relative_to(cache)
     limits = total_error.Limits((1e4, 1e6), (10, 20))
-    case = carried(1e4, 20)
-    places = {point.name: case.start.position(point.name) for point in case.scene.points}
-    exact = catenary_net(case.scene, places).points["p0"]
+    motion = carried(1e4, 20)
+    positions = {point.name: motion.start.position(point.name) for point in motion.scene.points}
+    exact = catenary_net(motion.scene, positions).points["p0"]
     divided, limit = (np.linalg.norm(track[0] - exact) for track in (limits.exact[1e4, 20], limits.continuous[1e4]))
     assert divided > 1e-5 and limit < divided / 50
 
