@@ -2,7 +2,7 @@
 
 import difflib
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from numbers import Integral, Real
 from typing import Any
 
@@ -49,6 +49,67 @@ def check_vector(argument: str, value: Any, unit: str, owner: str) -> Vector:
     if len(entries) != 3 or not good:
         raise SceneError(_sentence(argument, "three finite numbers (x, y, z)", unit, owner, value))
     return float(entries[0]), float(entries[1]), float(entries[2])
+
+
+def check_direction(argument: str, value: Any, owner: str) -> Vector:
+    """Return `value` as a tuple of three finite floats that are not all zero; its length means nothing."""
+    direction = check_vector(argument, value, "", owner)
+    if not any(direction):
+        raise SceneError(f"Argument `{argument}` must not be zero, but {owner} has {argument}={direction}.")
+    return direction
+
+
+def check_flag(argument: str, value: Any, owner: str) -> bool:
+    """Return `value`, which must be True or False."""
+    if not isinstance(value, bool):
+        raise SceneError(_sentence(argument, "True or False", "", owner, value))
+    return value
+
+
+def check_names(argument: str, value: Any, owner: str) -> tuple[str, ...] | None:
+    """Return names as a tuple, or None for all."""
+    if value is None:
+        return None
+    names = tuple(value) if isinstance(value, Iterable) and not isinstance(value, str | bytes | Mapping) else ()
+    if not names or not all(isinstance(name, str) and name.strip() for name in names):
+        raise SceneError(_sentence(argument, "a sequence of names, or None for all", "", owner, value))
+    return names
+
+
+def check_pairs(argument: str, value: Any, what: str, owner: str, *, may_be_empty: bool = False) -> tuple[tuple[str, Any], ...]:
+    """Return a dict from names, or a sequence of pairs, as a tuple of pairs of a name and whatever belongs to it.
+
+    Parameters
+    ----------
+    argument, value, owner : as in `check_number`
+    what : the pair, for the message: "a cable's name and a signal"
+    may_be_empty : whether no pair at all will do
+
+    Raises
+    ------
+    SceneError : no pairs, a name that is no string, or one that comes twice
+    """
+    pairs = value.items() if isinstance(value, Mapping) else value
+    entries = tuple(pairs) if isinstance(pairs, Iterable) and not isinstance(pairs, str | bytes) else (None,)
+    if not all(isinstance(pair, tuple | list) and len(pair) == 2 and isinstance(pair[0], str) for pair in entries):
+        raise SceneError(_sentence(argument, f"a dict or pairs of {what}", "", owner, value))
+    if not entries and not may_be_empty:
+        raise SceneError(f"Argument `{argument}` must hold at least one pair of {what}, but {owner} has none.")
+    names = [name for name, _ in entries]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise SceneError(f'Argument `{argument}` must give each name once, but {owner} has "{twice}" twice.')
+    return tuple((name, entry) for name, entry in entries)
+
+
+def check_number_by_name(
+    argument: str, value: Any, unit: str, owner: str, *, sign: str = ""
+) -> float | tuple[tuple[str, float], ...]:
+    """Return one number for all cables as a float, or numbers by the name of a cable as pairs; arguments as in `check_number`."""
+    if not isinstance(value, Mapping | tuple | list):
+        return check_number(argument, value, unit, owner, sign=sign)
+    pairs = check_pairs(argument, value, "a cable's name and a number", owner)
+    return tuple((name, check_number(argument, x, unit, f'{owner} of cable "{name}"', sign=sign)) for name, x in pairs)
 
 
 def check_name(value: Any, what: str) -> str:

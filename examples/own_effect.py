@@ -1,4 +1,4 @@
-"""Two effects of one's own: the downwash of the four quadrotors that hold the net, and a magnet under what lies in it.
+"""Two effects of the user's own: the downwash of the four quadrotors that hold the net, and a magnet under what lies in it.
 
 A hovering rotor of disc area A that carries a weight W blows air down at sqrt(2 W/(rho A)) far below it, in a jet of half its
 area (momentum theory; Leishman, Principles of Helicopter Aerodynamics, 2nd ed. (2006), 2.2); the jet is given a smooth edge here.

@@ -28,7 +28,7 @@ from studies.shown.figure_file import save_figure
 from studies.sweeping.provenance import provenance
 from studies.sweeping.rows import save_table
 
-NAMES = (
+NAMES = [
     "thesis_tables",
     "model_mismatch",
     "order",
@@ -39,7 +39,7 @@ NAMES = (
     "work_precision",
     "hard_cases",
     "effects_cost",
-)
+]
 """Names of the studies in the order in which the report runs them: what is soon there and tells most comes first."""
 
 UNFINISHED = "unfinished"  # folder of the rows of a study that is still running, or was killed

@@ -12,9 +12,8 @@ from anet_lumped.effects import REGISTRY
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("studies", "anet_lumped", "integrators")  # each may import those after it
-EFFECT = {"axial", "gravity", "viscous_damping"} | set(REGISTRY)
-SHARED = {"signatures", "drag", "axial", "morison", "submergence"}  # what effects may share
-OUTSIDE = {"effects", "checks", "lanes", "signals", "wind", "waves", "wave_kernel"}  # what they may import of the rest
+SHARED = {"effect", "signatures", "laws", "flow"}  # what effects may share
+OUTSIDE = {"effects", "checks", "compiled", "prescribed"}  # what they may import of the rest
 
 
 def modules(package):
@@ -35,10 +34,11 @@ def imported(path):
 
 
 def test_every_package_is_installed():
-    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
-    modules = [path for package in PACKAGES for path in (ROOT / package).rglob("__init__.py")]
-    found = {".".join(path.parent.relative_to(ROOT).parts) for path in modules}
-    assert set(listed) == found
+    """The build takes every folder whose name fits and that has an `__init__.py`."""
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]["find"]["include"]
+    assert set(listed) == {f"{package}*" for package in PACKAGES}
+    for path in (path for package in PACKAGES for path in modules(package)):
+        assert (path.parent / "__init__.py").exists(), f"{path.parent} needs an __init__.py"
 
 
 @pytest.mark.parametrize("package", PACKAGES)
@@ -60,43 +60,55 @@ def test_integrators_know_nothing_of_cables(word):
 
 
 def test_no_effect_knows_another():
-    """Nor the scene, the model or the integrator."""
-    for path in modules("anet_lumped/effects"):
-        if path.stem in EFFECT:
-            for name in imported(path):
-                parts = name.split(".")
-                assert parts[0] != "integrators", f"{path.name} imports {name}"
-                if parts[:2] == ["anet_lumped", "effects"] and len(parts) > 2:
-                    assert parts[2] in SHARED, f"{path.name} imports {name}"
-                elif parts[0] == "anet_lumped":
-                    assert parts[1] in OUTSIDE, f"{path.name} imports {name}"
+    """Nor the scene, the model or the integrator; nor do the laws and flows that effects share, and what effects have in common."""
+    files = [path for path in modules("anet_lumped/effects") if "own" not in path.parts and path.name != "__init__.py"]
+    assert {path.stem for path in files} >= {*REGISTRY.library, *SHARED - {"laws", "flow"}}
+    for path in files:
+        for name in imported(path):
+            parts = name.split(".")
+            assert parts[0] != "integrators", f"{path.name} imports {name}"
+            if parts[:2] == ["anet_lumped", "effects"] and len(parts) > 2:
+                assert parts[2] in SHARED or (path.stem == "effect" and parts[2] == "kernel_checks"), f"{path.name} imports {name}"
+            elif parts[0] == "anet_lumped":
+                assert parts[1] in OUTSIDE, f"{path.name} imports {name}"
 
 
-@pytest.mark.parametrize(
-    "statement",
-    [
-        "import anet_lumped",
-        "from anet_lumped import *",
-        "import anet_lumped.effects, anet_lumped.prescribed.paths, anet_lumped.motion.simulate, anet_lumped.motion.stability",
-    ],
-)
-def test_what_an_import_loads(statement):
-    """Heavy packages that nothing needs before it is asked for, in a process of its own."""
-    heavy = ("jax", "diffrax", "matplotlib", "pandas", "xarray", "jinja2", "typer", "pyarrow", "pytest", "studies")
-    code = f"import sys; {statement}; print([m for m in {heavy!r} if m in sys.modules])"
+def test_the_contract_of_effects_needs_no_compiler():
+    """Nor does a scene, with an effect that has no compiled functions. The package itself is left out: it imports `simulate`."""
+    code = (
+        "import sys, types; package = types.ModuleType('anet_lumped'); package.__path__ = ['anet_lumped']\n"
+        "sys.modules['anet_lumped'] = package\n"
+        "from anet_lumped.effects import Effect, LineChange\n"
+        "from anet_lumped.prescribed import signals\n"
+        "from anet_lumped.scene.scene import Cable, Fixed, Free, Scene\n"
+        "cable = Cable('a', 'b', length=1.0, mass_per_length=0.1, EA=1e3, segments=2)\n"
+        "Scene([Fixed('a', (0, 0, 0)), Free('b')], [cable], [LineChange({'a-b': signals.line(0.0, 0.1, 1.0)})])\n"
+        "print([name for name in ('numba', 'llvmlite', 'scipy', 'pandas') if name in sys.modules])"
+    )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
     assert out.stdout.strip() == "[]"
 
 
-def test_a_scene_imports_the_effects_that_it_has():
-    code = (
-        "import sys; from anet_lumped import Fixed, Free, Cable, Scene, equilibrium; from anet_lumped.effects import Gravity\n"
-        "cable = Cable('a', 'b', length=1.0, mass_per_length=0.1, EA=1e3, segments=2)\n"
-        "equilibrium(Scene([Fixed('a', (0, 0, 0)), Free('b')], [cable], [Gravity()]))\n"
-        "print(sorted(m for m in sys.modules if m.startswith('anet_lumped.effects.')))"
-    )
-    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
-    assert out.stdout.strip() == str([f"anet_lumped.effects.{name}" for name in ("axial", "gravity", "signatures")])
+STATEMENTS = (  # each may have imported what those before it have
+    "import anet_lumped",
+    "from anet_lumped import *",
+    "import anet_lumped.effects, anet_lumped.prescribed.paths, anet_lumped.motion.simulate, anet_lumped.motion.stability",
+)
+HEAVY = ("jax", "diffrax", "matplotlib", "pandas", "xarray", "jinja2", "typer", "pyarrow", "pytest", "studies")
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    """Packages among `HEAVY` that one process has loaded after each of `STATEMENTS`."""
+    code = "".join(f"{statement}\nprint([m for m in {HEAVY} if m in sys.modules])\n" for statement in STATEMENTS)
+    out = subprocess.run([sys.executable, "-c", f"import sys\n{code}"], capture_output=True, text=True, check=True, cwd=ROOT)
+    return dict(zip(STATEMENTS, out.stdout.splitlines(), strict=True))
+
+
+@pytest.mark.parametrize("statement", STATEMENTS)
+def test_what_an_import_loads(loaded, statement):
+    """None of the heavy packages that nothing needs before it is asked for."""
+    assert loaded[statement] == "[]"
 
 
 def test_public_face():

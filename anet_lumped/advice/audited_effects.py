@@ -13,8 +13,6 @@ from anet_lumped.scene.scene import Free, SceneError
 
 from . import dimensionless
 
-WATER = 1025.0  # [kg/m3], sea water, where an effect of water has no density of its own
-
 
 class Scales(NamedTuple):
     """Sizes of a motion, of cables by name.
@@ -142,7 +140,7 @@ def _air_numbers(scene, scales):
 
 def _water_numbers(scene, scales):
     water = _effect(scene, "water")
-    density, wave = getattr(water, "density", WATER), getattr(water, "wave", None)
+    density, wave = water.density, water.wave
     thickest = max(cable.diameter for cable in scene.cables)
     return {
         "drag/weight": _drag_number(scene, scales, density, scales.speed),
@@ -233,23 +231,18 @@ def _axial_frequency(scene):
     return max(mode.omega for mode in top_modes(scene).values())
 
 
-def _bending_frequency(scene):
-    """Of a free chain with a bending spring at each node, 4 sqrt(EI/mu)/L0^2 (`effects.bending`)."""
-    return _largest(scene, lambda c: 4.0 * math.sqrt(c.EI / c.mass_per_length) / c.L0**2)
-
-
-def _ground_frequency(scene):
-    """Of a segment's mass on the springs under it, sqrt(k d/mu)."""
-    ground = _effect(scene, "ground")
-    return _largest(scene, lambda c: math.sqrt(ground.stiffness * c.diameter / c.mass_per_length))
-
-
 def _in_scene(name):
     return lambda scene: _effect(scene, name) is not None
 
 
-def _registered(name, with_it, numbers, frequency=lambda scene: 0.0):
-    return Audited(_in_scene(name), lambda scene: _without(scene, name), with_it, numbers, frequency)
+def _registered(name, with_it, numbers):
+    return Audited(
+        _in_scene(name),
+        lambda scene: _without(scene, name),
+        with_it,
+        numbers,
+        lambda scene: _effect(scene, name).highest_frequency(scene),
+    )
 
 
 AUDITED: dict[str, Audited] = {
@@ -272,8 +265,8 @@ AUDITED: dict[str, Audited] = {
     "gravity": _registered("gravity", lambda scene, level: _with(scene, REGISTRY["gravity"]()), _gravity_numbers),
     "air": _registered("air", _in_air, _air_numbers),
     "water": _registered("water", _in_water, _water_numbers),
-    "bending": _registered("bending", _bent, _bending_numbers, _bending_frequency),
-    "ground": _registered("ground", _lacking("It needs the `height` [m] of the ground."), _ground_numbers, _ground_frequency),
+    "bending": _registered("bending", _bent, _bending_numbers),
+    "ground": _registered("ground", _lacking("It needs the `height` [m] of the ground."), _ground_numbers),
     "viscous_damping": _registered("viscous_damping", _lacking("It needs a `rate` [1/s]."), _damping_numbers),
 }
 

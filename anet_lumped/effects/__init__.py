@@ -1,17 +1,22 @@
 """The physical effects a scene may ask for, besides the axial elasticity that every cable has.
 
-Each lives in a file of its own, which is imported when the effect is asked for: as ``anet_lumped.effects.Gravity`` or by its
-name in a scene file, ``REGISTRY["gravity"]``. A user's own effects
-are made of a law in plain Python (`anet_lumped.effects.own.decorators`).
+Each is a class derived from `Effect`, in a file of its own that is imported when the effect is asked for: as
+``anet_lumped.effects.Gravity`` or by its name in a scene file, ``REGISTRY["gravity"]``. A user's own effects are made of a law in
+plain Python (`anet_lumped.effects.own.decorators`), or derived from `Effect` and registered.
 """
 
 from collections.abc import Iterator, MutableMapping
 from importlib import import_module
 from typing import Any
 
+from .effect import Effect, check_effect_class
+
 
 class Registry(MutableMapping):
-    """Classes of effects by name; one given by its own name stands in the file of the other, imported when it is looked up."""
+    """Classes of effects by the name of the effect, or the class's own name where the file of that name holds it.
+
+    Such a file is imported when its effect is looked up.
+    """
 
     def __init__(self, classes: dict[str, str | type]):
         self.classes = classes
@@ -21,6 +26,8 @@ class Registry(MutableMapping):
         return getattr(import_module(f"{__name__}.{name}"), kind) if isinstance(kind, str) else kind
 
     def __setitem__(self, name: str, kind: str | type) -> None:
+        if not isinstance(kind, str):
+            check_effect_class(kind)
         self.classes[name] = kind
 
     def __delitem__(self, name: str) -> None:
@@ -34,8 +41,13 @@ class Registry(MutableMapping):
 
     @property
     def library(self) -> list[str]:
-        """Names of the effects that come with the library, which are not those of one's own."""
+        """Names of the effects that come with the library, which are not those of a user's own."""
         return [name for name, kind in self.classes.items() if isinstance(kind, str)]
+
+    @property
+    def class_names(self) -> list[str]:
+        """Names of the classes."""
+        return [kind if isinstance(kind, str) else kind.__name__ for kind in self.classes.values()]
 
     def name_of(self, effect: Any) -> str | None:
         """Return the name that the class of an effect has here, or None; imports nothing."""
@@ -61,8 +73,8 @@ REGISTRY = Registry(
     }
 )
 
-OWN = ("node_energy", "node_force", "segment_energy", "segment_force")  # make an effect of one's own
-__all__ = ["REGISTRY", *OWN, *(kind for kind in REGISTRY.classes.values())]
+OWN = ("node_energy", "node_force", "segment_energy", "segment_force")  # make an effect of a user's law
+__all__ = ["REGISTRY", "Effect", *OWN, *(kind for kind in REGISTRY.classes.values())]
 
 
 def __getattr__(attribute: str) -> Any:

@@ -1,4 +1,4 @@
-"""Drag of the air on cables and on what points carry, with wind."""
+"""Drag of the air, at rest or in wind, on cables and on what free points carry."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -21,48 +21,60 @@ from anet_lumped.effects.laws.drag import (
 )
 from anet_lumped.effects.laws.submergence import share, sphere, wetted
 
-from .signatures import ENERGY, FORCE, TANGENT
+from .effect import Effect
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
-HEADER, OF_SEGMENT, OF_POINT = 2, 4, 2  # numbers in front, of each segment and of each point
+HEADER, OF_SEGMENT, OF_POINT = 2, 4, 2  # numbers in ``params`` before all others, of each segment and of each point
 NO_SURFACE = -1e300  # [m]
 
 
 @dataclass(frozen=True)
-class Air:
-    """Quadratic drag on every segment, across and along it, and on free points with a `CdA`; the law is that of `drag`.
+class Air(Effect):
+    """Quadratic drag on every segment, across and along it, and on free points with a `CdA`, by the law of `laws.drag`.
 
-    Each cable needs a `diameter`. What the air takes out of the mechanical energy is negative where wind drives the cables. Above
-    water give its `surface`, or wind would blow on what is under it; waves do not move that surface.
+    Each cable needs a `diameter`. The energy that the air takes is negative where wind drives the cables. In a scene with water,
+    give the `surface` of the still water, under which no air acts; waves do not move that surface.
 
     Parameters
     ----------
     density : float [kg/m3]; 1.225 at 15 degC and sea level (ISO 2533)
-    wind : None for air at rest, a wind of `anet_lumped.wind`, or several that add up
-    surface : float [m] or None, z of the still water that air is above; the share of each cable that is in air is smooth there
+    wind : None for air at rest, a wind of `anet_lumped.wind`, or several, whose velocities add up
+    surface : float [m] or None, z of the still water below the air; a cable leaves the air smoothly over its diameter
     """
 
     density: float = 1.225
     wind: Wind | tuple[Wind, ...] | None = None
     surface: float | None = None
 
-    couples: ClassVar[int] = 1
+    coupled_neighbours: ClassVar[int] = 1
 
-    def __post_init__(self):
-        object.__setattr__(self, "density", check_number("density", self.density, "kg/m3", "effect Air", sign="positive"))
-        object.__setattr__(self, "wind", check_winds("wind", self.wind, "effect Air"))
-        if self.surface is not None:
-            object.__setattr__(self, "surface", check_number("surface", self.surface, "m", "effect Air"))
+    def check_parameters(self):
+        self._set(
+            density=check_number("density", self.density, "kg/m3", self._called, sign="positive"),
+            wind=check_winds("wind", self.wind, self._called),
+            surface=None if self.surface is None else check_number("surface", self.surface, "m", self._called),
+        )
+
+    @property
+    def no_force_at_rest(self):
+        """Without wind."""
+        return self.wind is None
+
+    @property
+    def passive(self):
+        """Without wind."""
+        return self.wind is None
 
     def table(self, model):
-        """Index and parameters for the kernels below.
+        """Index and parameters for the compiled functions below.
 
         Returns
         -------
         index : int64
             Number of segments; both nodes of each; nodes of the points with a CdA.
         params : float64
-            Surface [m]; how many numbers `pack` makes of the winds, and those; unstretched length [m], diameter [m] and the
-            coefficients normal and along [kg/m] of each segment; diameter [m] and coefficient [kg/m] of each point.
+            Surface [m]; how many numbers describe the winds, and those numbers; of each segment unstretched length [m],
+            diameter [m] and the coefficients normal and along [kg/m]; of each point diameter [m] and coefficient [kg/m].
 
         Raises
         ------
@@ -72,7 +84,7 @@ class Air:
         for cable in cables:
             if cable.diameter is None:
                 raise SceneError(f'The effect Air needs the `diameter` [m] of every cable, but cable "{cable.name}" has none.')
-        points = [point for point in model.scene.points if getattr(point, "CdA", 0.0) > 0.0]
+        points = [point for point in model.scene.free_points if point.CdA > 0.0]
         of_cable = np.array([[cable.L0, cable.diameter, *segment_coefficients(self.density, cable)] for cable in cables])
         winds = pack(self.wind)
         nodes = [model.node(point.name) for point in points]
@@ -82,13 +94,12 @@ class Air:
         return index, np.concatenate([header, winds, of_cable[model.cable_of].ravel(), of_point.ravel()])
 
     def kernels(self):
-        """Compiled functions, by their slot in `signatures`."""
         return {"force": force, "tangent": tangent, "energy": energy}
 
 
-@njit(FORCE, cache=True, error_model="numpy")
+@njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
-    """Add the drag on both nodes of every segment and on points; returns -sum f_i . v_i [W]. Source: see `drag`."""
+    """Add the drag on both nodes of every segment and on points; returns -sum f_i . v_i [W]. Source: see `laws.drag`."""
     segments, surface, at = index[0], params[0], HEADER + int(params[1])
     winds, power = params[HEADER:at], 0.0
     last, wind = -1, (0.0, 0.0, 0.0)
@@ -122,9 +133,9 @@ def force(t, q, v, index, params, f):
     return power
 
 
-@njit(TANGENT, cache=True, error_model="numpy")
+@njit(TANGENT_SIGNATURE, cache=True, error_model="numpy")
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
-    """Subtract the slopes of the drag, those of the wind in place included; derivation in `drag`."""
+    """Subtract the slopes of the drag, with those of the wind over the position; derivation in `laws.drag`."""
     segments, surface, at = index[0], params[0], HEADER + int(params[1])
     winds = params[HEADER:at]
     last, wind = -1, (0.0, 0.0, 0.0)
@@ -163,7 +174,7 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
             D[node, x, 2] += c_q * slope * whole[x]
 
 
-@njit(ENERGY, cache=True)
+@njit(ENERGY_SIGNATURE, cache=True)
 def energy(t, q, index, params):
     """Drag has no energy."""
     return 0.0

@@ -1,4 +1,4 @@
-"""Damping of cables along themselves, proportional to mass: the part of Rayleigh's damping that their BA is not."""
+"""Damping of motion along the cables, proportional to mass: the part a M of Rayleigh's damping."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -6,23 +6,25 @@ from typing import ClassVar
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import check_number
+from anet_lumped.checks import check_number_by_name
 from anet_lumped.effects.laws.drag import tangent_of
 
-from .signatures import ENERGY, FORCE, TANGENT, names_left
+from .effect import Effect, names_left
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
 
 @dataclass(frozen=True)
-class AxialDamping:
-    """A force -rate m (v . t) t on each half of a segment, with its mass m and unit tangent t; across a cable nothing acts.
+class AxialDamping(Effect):
+    """A force -rate m (v . t) t on each half of a segment, of mass m and unit tangent t; motion across a cable is not damped.
 
     With the viscosity BA of the cables it is Rayleigh's damping C = a M + b K of axial motion, a = rate and b = BA/EA: mode n of a
     straight taut cable, of frequency omega_n, has the damping ratio
 
         zeta_n = rate/(2 omega_n) + (BA/EA) omega_n/2 .
 
-    It acts on the velocity against the ground, like `ViscousDamping`: against the velocity of the ends, so that only stretching is
-    damped, a M would join every node of a cable to every other one, C = a (B M^-1 B^T)^-1 for the rates of its segments.
+    v is the velocity against the ground, as for `ViscousDamping`. With the velocity against the cable's ends, which would damp
+    stretching alone, the damping would couple every node of a cable with every other one: C = a (B M^-1 B^T)^-1 for the rates of
+    its segments.
 
     Parameters
     ----------
@@ -36,18 +38,19 @@ class AxialDamping:
 
     rate: float | dict[str, float] | tuple[tuple[str, float], ...]
 
-    couples: ClassVar[int] = 1
+    coupled_neighbours: ClassVar[int] = 1
+    no_force_at_rest: ClassVar[bool] = True
+    passive: ClassVar[bool] = True
 
-    def __post_init__(self):
-        if isinstance(self.rate, dict | tuple):
-            pairs, where = dict(self.rate).items(), 'effect AxialDamping of cable "{}"'
-            of = tuple((name, check_number("rate", rate, "1/s", where.format(name), sign="non-negative")) for name, rate in pairs)
-        else:
-            of = check_number("rate", self.rate, "1/s", "effect AxialDamping", sign="non-negative")
-        object.__setattr__(self, "rate", of)
+    def check_parameters(self):
+        self._set(rate=check_number_by_name("rate", self.rate, "1/s", self._called, sign="non-negative"))
+
+    @classmethod
+    def example(cls, scene):
+        return cls(0.5)
 
     def table(self, model):
-        """Index and parameters for the kernels below.
+        """Index and parameters for the compiled functions below.
 
         Returns
         -------
@@ -71,19 +74,17 @@ class AxialDamping:
         half = 0.5 * rates[of] * np.array([cable.mass_per_length for cable in cables])[of] * L0
         return np.column_stack([model.ends[found], found]).ravel(), np.column_stack([L0, half]).ravel()
 
-    def of_pieces(self, pieces, cables):
-        """The same damping where cables have broken, see `anet_lumped.model.remainder`."""
+    def after_break(self, pieces, cables):
         if not isinstance(self.rate, tuple):
             return self
         of = [(piece, rate) for name, rate in self.rate for piece in names_left(name, pieces)]
         return AxialDamping(tuple(of)) if of else None
 
     def kernels(self):
-        """Compiled functions, by their slot in `signatures`."""
         return {"force": force, "tangent": tangent, "energy": energy}
 
 
-@njit(FORCE, cache=True, error_model="numpy")
+@njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
     """f_i -= half (v_i . t) t of every segment that ends at node i; returns sum half (v_i . t)^2 [W]."""
     power = 0.0
@@ -99,7 +100,7 @@ def force(t, q, v, index, params, f):
     return power
 
 
-@njit(TANGENT, cache=True, error_model="numpy")
+@njit(TANGENT_SIGNATURE, cache=True, error_model="numpy")
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     """Subtract the slopes df/dv = -half t t^T and, with d of length l from start to end and w = v - (v . t) t,
 
@@ -123,7 +124,7 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
                     near[segment, side, x, y] -= of_d
 
 
-@njit(ENERGY, cache=True)
+@njit(ENERGY_SIGNATURE, cache=True)
 def energy(t, q, index, params):
     """Damping has no energy."""
     return 0.0

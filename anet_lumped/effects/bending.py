@@ -1,8 +1,8 @@
 """Bending stiffness of cables, and clamped ends: a discrete elastic rod without twist.
 
 Two neighbouring segments with unit tangents t1 and t2 store the energy B (1 - t1 . t2) = B/2 |t2 - t1|^2, B = EI/L0, that of the
-curvature |t2 - t1|/L0 over the length L0 that belongs to the node between them; a clamp of direction c and the first segment
-store 2 B (1 - c . t) over half of that length. With d the vector of a segment and l its length,
+curvature |t2 - t1|/L0 over the length L0 that belongs to the node between them. A clamp of direction c and the first segment
+store 2 B (1 - c . t), over half of that length. With d the vector of a segment and l its length,
 
     dE/dd1 = -(B/l1) (t2 - (t1 . t2) t1) ,      dE/dd2 = -(B/l2) (t1 - (t1 . t2) t2) .
 
@@ -11,9 +11,9 @@ t_b - t_a = S (I - e e^T) (d_b - d_a) with S = (1/l_a + 1/l_b)/2 and e = (d_a + 
 
     g1 = -B S1 (I - e1 e1^T) (mean t2 + alpha k) ,   g2 = -B S2 (I - e2 e2^T) (mean t1 - alpha k) ,   k = change of t2 - t1 ,
 
-in place of the derivatives give the energy back exactly but for what the numerical damper alpha takes: 2 alpha times the energy
-of the change k. It is `ALPHA` s^2/(1 + s^2), s = h omega/2 with the highest frequency omega = 4 sqrt(EI/mu)/L0^2, and calms
-what a step does not resolve.
+in place of the derivatives do exactly the work of the change in energy, apart from what the numerical damper alpha takes, 2 alpha
+times the energy of the change k. alpha = `ALPHA` s^2/(1 + s^2), s = h omega/2 with the highest frequency
+omega = 4 sqrt(EI/mu)/L0^2, damps the motion that a step does not resolve.
 Source: Bergou et al., ACM Trans. Graph. 27 (2008) 63, for the energy; Gonzalez, J. Nonlinear Sci. 6 (1996) 449, for the step.
 """
 
@@ -24,52 +24,53 @@ from typing import ClassVar
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import SceneError, check_vector
+from anet_lumped.checks import SceneError, check_direction, check_pairs
 
-from .signatures import BETWEEN, ENERGY, FORCE, TANGENT
+from .effect import Effect
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
 ALPHA = 0.05
-SHORT = 1e-6  # of L0: a shorter segment has no direction to speak of
+SHORT = 1e-6  # of L0: no segment is taken for shorter, since it would have no direction
 
 
 @dataclass(frozen=True)
-class Bending:
+class Bending(Effect):
     """Bending of the cables that have an `EI`.
 
-    A cable that is stiff in bending pushes too: give it ``compression="linear"``. Where it may not, a bend that dominates crumples
-    slack segments to nothing; so do bends with EI beyond EA L0^2, which no section has, and runs from a crumple then may end as
-    unconverged.
+    A cable that is stiff in bending also pushes: give it ``compression="linear"``. In a cable that cannot push, strong bending
+    shortens slack segments to nothing, and a run from a crumpled shape may end as unconverged. The same happens with EI above
+    EA L0^2, which no real section has.
 
     Parameters
     ----------
     clamped : dict or pairs of str and (3,) array_like
-        Fixed or driven points, and the direction in which their cable leaves them whatever happens; any length but zero.
+        Fixed or driven points, and the direction in which their cable always leaves them; its length must not be zero.
     """
 
     clamped: tuple[tuple[str, tuple[float, float, float]], ...] = ()
 
-    couples: ClassVar[int] = 2
+    coupled_neighbours: ClassVar[int] = 2
+    passive: ClassVar[bool] = True
 
-    def __post_init__(self):
-        pairs = self.clamped.items() if isinstance(self.clamped, dict) else self.clamped
-        checked = []
-        for name, direction in pairs:
-            direction = check_vector("clamped", direction, "", f'effect Bending at point "{name}"')
-            if not any(direction):
-                raise SceneError(f'A clamp needs a direction other than zero, but effect Bending at "{name}" has {direction}.')
-            checked.append((name, direction))
-        object.__setattr__(self, "clamped", tuple(checked))
+    def check_parameters(self):
+        pairs = check_pairs("clamped", self.clamped, "a point's name and a direction", self._called, may_be_empty=True)
+        where = f'{self._called} at point "{{}}"'
+        self._set(clamped=tuple((name, check_direction("clamped", at, where.format(name))) for name, at in pairs))
+
+    def highest_frequency(self, scene):
+        """Of a free chain with a bending spring at each node."""
+        return max((_stiffness(cable)[2] for cable in scene.cables), default=0.0)
 
     def table(self, model):
-        """Index and parameters for the kernels below.
+        """Index and parameters for the compiled functions below.
 
         Returns
         -------
         index : int64
-            Number of pairs of segments; the three nodes and the first segment of each; point, next node and segment of each
-            clamp, and 1 where the segment runs towards the point.
+            Number of pairs of segments; of each pair its three nodes and first segment; of each clamp its point, the next node,
+            the segment, and 1 if the segment runs towards the point.
         params : float64
-            B [N m], L0 [m] and top frequency [rad/s] of each pair; the same and the direction of each clamp.
+            B [N m], L0 [m] and highest frequency [rad/s] of each pair; the same and the direction of each clamp.
 
         Raises
         ------
@@ -87,7 +88,7 @@ class Bending:
                 numbers += _stiffness(cable)
                 pairs += 1
         for name, direction in self.clamped:
-            cable, node = self._clamped_cable(scene, name), model.node(name)
+            cable, node = self._clamped_cable(model, name), model.node(name)
             first, count = model.segment_run(scene.cables.index(cable))
             s = first if model.ends[first, 0] == node else first + count - 1
             towards = int(model.ends[s, 1] == node)
@@ -95,23 +96,21 @@ class Bending:
             numbers += [*_stiffness(cable), *(np.array(direction) / np.linalg.norm(direction))]
         return np.array([pairs, *index], np.int64), np.array(numbers)
 
-    def _clamped_cable(self, scene, name):
-        point = scene.point(name)
-        if hasattr(point, "mass"):
+    def _clamped_cable(self, model, name):
+        if model.node(name) < model.n_free:
             raise SceneError(f'A clamp must be at a fixed or driven point, but effect Bending clamps free point "{name}".')
-        there = [cable for cable in scene.cables if name in (cable.start, cable.end) and cable.EI > 0.0]
+        there = [cable for cable in model.scene.cables if name in (cable.start, cable.end) and cable.EI > 0.0]
         if len(there) != 1:
             raise SceneError(f'A clamp must hold one cable that has an `EI`, but {len(there)} of them end at point "{name}".')
         return there[0]
 
-    def of_pieces(self, pieces, cables):
-        """The same bending where cables have broken, without clamps that hold nothing any more."""
+    def after_break(self, pieces, cables):
+        """Without the clamps of cables that have fallen off."""
         bent = {name for cable in cables if cable.EI > 0.0 for name in (cable.start, cable.end)}
         return Bending(tuple((name, at) for name, at in self.clamped if name in bent)) if bent else None
 
     def kernels(self):
-        """Compiled functions, by their slot in `signatures`."""
-        return {"force": force, "tangent": tangent, "energy": energy, "between": between}
+        return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step}
 
 
 def _stiffness(cable):
@@ -154,7 +153,7 @@ def _add(f, i, a, sign):
     f[i, 2] += sign * a[2]
 
 
-@njit(FORCE, cache=True, error_model="numpy")
+@njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
     """f_i -= dE/dq_i; see the module."""
     at, p = 1, 0
@@ -230,7 +229,7 @@ def _assemble_clamp(weight, node, H, D):
                 D[node, x, y] += weight * H[x, y]
 
 
-@njit(TANGENT, cache=True, error_model="numpy")
+@njit(TANGENT_SIGNATURE, cache=True, error_model="numpy")
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     """Exact second derivatives of the energy; see the module."""
     H11, H12, H21, H22 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
@@ -253,7 +252,7 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         at, p = at + 4, p + 6
 
 
-@njit(ENERGY, cache=True, error_model="numpy")
+@njit(ENERGY_SIGNATURE, cache=True, error_model="numpy")
 def energy(t, q, index, params):
     """Sum of B/2 |t2 - t1|^2 and of B |c - t|^2 [J]."""
     total, at, p = 0.0, 1, 0
@@ -309,8 +308,8 @@ def _add_turn_block(H, weight, S, e, t_b, l_b):
         H[x, x] += per
 
 
-@njit(BETWEEN, cache=True, error_model="numpy")
-def between(t, h, base, q, index, params, f, D, near, far):
+@njit(WHOLE_STEP_SIGNATURE, cache=True, error_model="numpy")
+def whole_step(t, h, base, q, index, params, f, D, near, far):
     """Forces over a whole step as discrete gradients of the energy, with the numerical damper; see the module."""
     H11, H12, H21, H22 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     dissipated, at, p = 0.0, 1, 0

@@ -7,11 +7,14 @@ from typing import ClassVar
 import numpy as np
 from numba import njit
 
-from .signatures import ENERGY, FORCE
+from anet_lumped.checks import check_direction, check_number
+
+from .effect import Effect
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE
 
 
 @dataclass(frozen=True)
-class Gravity:
+class Gravity(Effect):
     """Weight of every moving node, f = m g.
 
     Parameters
@@ -19,40 +22,36 @@ class Gravity:
     g : float
         Size of the acceleration [m/s2]; zero is allowed.
     direction : tuple of 3 float
-        Where it points; any length but zero.
+        Where it points; its length does not count, but must not be zero.
     """
 
     g: float = 9.81
     direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
 
-    linear: ClassVar[bool] = True
+    dead_load: ClassVar[bool] = True
+    jax_traceable: ClassVar[bool] = True
 
-    def __post_init__(self):
-        if not (math.isfinite(self.g) and self.g >= 0):
-            raise ValueError(f"Argument `g` of Gravity must be finite and not negative [m/s2], but it is {self.g}.")
-        direction = tuple(float(x) for x in self.direction)
-        if len(direction) != 3 or not all(map(math.isfinite, direction)) or math.hypot(*direction) == 0:
-            raise ValueError(
-                f"Argument `direction` of Gravity must be three finite numbers, not all zero, but it is {self.direction}."
-            )
-        object.__setattr__(self, "direction", direction)
+    def check_parameters(self):
+        self._set(
+            g=check_number("g", self.g, "m/s2", self._called, sign="non-negative"),
+            direction=check_direction("direction", self.direction, self._called),
+        )
 
     @property
-    def acceleration(self):
-        """(3,) float64 [m/s2]."""
-        direction = np.array(self.direction)
-        return self.g * direction / np.linalg.norm(direction)
+    def uniform_acceleration(self):
+        size = math.hypot(*self.direction)
+        x, y, z = self.direction
+        return self.g * x / size, self.g * y / size, self.g * z / size
 
     def table(self, model):
-        """Index and parameters for the kernels below."""
-        return np.empty(0, np.int64), np.concatenate([self.acceleration, model.mass[: model.n_free]])
+        """No index; the acceleration [m/s2] and the mass of each moving node [kg]."""
+        return np.empty(0, np.int64), np.concatenate([self.uniform_acceleration, model.mass[: model.n_free]])
 
     def kernels(self):
-        """Compiled functions, by their slot in `signatures`."""
         return {"force": force, "energy": energy}
 
 
-@njit(FORCE, cache=True)
+@njit(FORCE_SIGNATURE, cache=True)
 def force(t, q, v, index, params, f):
     """f_i += m_i g. Source: Newton."""
     for i in range(len(params) - 3):
@@ -61,7 +60,7 @@ def force(t, q, v, index, params, f):
     return 0.0
 
 
-@njit(ENERGY, cache=True)
+@njit(ENERGY_SIGNATURE, cache=True)
 def energy(t, q, index, params):
     """-sum m_i g . q_i [J]."""
     total = 0.0

@@ -4,47 +4,49 @@ A node that is a depth s below the plane is pressed back by
 
     N = k s + c r(s) ds/dt >= 0 ,     k = `stiffness` A ,   c = `damping` A ,   A = sum of d L0/2 over its segments ,
 
-with r = min(s/depth, 1): the damper sets in over a `DEPTH` of the cable's diameter, so that N has no jump where a node touches
-down (Hunt & Crossley's reason), and the ground never pulls. Friction is -mu N v_t/sqrt(v_t^2 + u^2) for the velocity v_t along
-the plane: what sticks creeps, at less than the `slip_speed` u while the force along the plane is below 0.7 mu N.
+with r = min(s/depth, 1). The damper sets in over a depth of `DEPTH` diameters, so that N has no jump when a node touches down
+(Hunt & Crossley's reason); the ground never pulls. Friction is -mu N v_t/sqrt(v_t^2 + u^2) for the velocity v_t along the plane: a
+node that sticks creeps, at less than the `slip_speed` u while the force along the plane is below 0.7 mu N.
 
-Over a whole step from a to b, N is the secant of the spring energy k s^2/2 of what is pressed and c/h (R_b - R_a), R the integral
-of r, and friction takes the mean velocity (q_b - q_a)/h along the plane: then no step can raise the energy.
+Over a whole step from a to b, N is the secant of the spring energy k s^2/2 plus c/h (R_b - R_a), R the integral of r, and friction
+takes the mean velocity (q_b - q_a)/h along the plane. Then no step can raise the energy.
 Source: Hall & Goupee, Ocean Eng. 104 (2015) 590, eq. 16, for the contact area; Hunt & Crossley, J. Appl. Mech. 42 (1975) 440, for
 a damper that grows with the depth; Armero & Petocz, Comput. Methods Appl. Mech. Engrg. 158 (1998) 269, for the step.
 """
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import SceneError, check_number, check_vector
+from anet_lumped.checks import SceneError, check_direction, check_number
 from anet_lumped.effects.laws.axial import secant_tension, stored
 
-from .signatures import BETWEEN, ENERGY, FORCE, TANGENT
+from .effect import Effect, height_under
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
-DEPTH = 1e-2  # of the diameter, over which the damper sets in
-HEADER = 6  # numbers in front of those of the nodes
+DEPTH = 1e-2  # depth over the cable's diameter, at which the damper acts in full
+HEADER = 6  # numbers in ``params`` before those of the nodes
 
 
 @dataclass(frozen=True)
-class Ground:
-    """A plane that every moving node stays above, all but for what its weight presses it in; statics know no friction.
+class Ground(Effect):
+    """A plane that holds up every moving node, which sinks in as deep as its load presses it; statics leave friction out.
 
     Parameters
     ----------
     height : float
-        Of the plane along its normal from the origin [m]: z for a level ground.
+        Height of the plane [m]: its distance from the origin along the normal, z of a level ground.
     stiffness : float
-        Pressure per depth [Pa/m], times the area d L0 of a cable's share: MoorDyn's kBot.
+        Pressure per depth [Pa/m] on the area d L0 of a segment: MoorDyn's kBot.
     damping : float
         Pressure per speed of sinking in [Pa s/m]: MoorDyn's cBot.
     friction : float
-        Coefficient mu; the same whether a node slides or sticks.
+        Coefficient mu, of sliding and of sticking.
     normal : tuple of 3 float
-        Away from the ground; any length but zero.
+        Direction out of the ground; its length must not be zero.
     slip_speed : float
         Speed at which friction reaches 71 % of mu N [m/s].
     """
@@ -56,19 +58,25 @@ class Ground:
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
     slip_speed: float = 1e-3
 
-    def __post_init__(self):
-        owner = "effect Ground"
+    passive: ClassVar[bool] = True
+
+    def check_parameters(self):
         signs = {"height": ("m", ""), "stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative")}
         signs |= {"friction": ("", "non-negative"), "slip_speed": ("m/s", "positive")}
         for key, (unit, sign) in signs.items():
-            object.__setattr__(self, key, check_number(key, getattr(self, key), unit, owner, sign=sign))
-        normal = check_vector("normal", self.normal, "", owner)
-        if not any(normal):
-            raise SceneError(f"Argument `normal` must not be zero, but {owner} has normal={normal}.")
-        object.__setattr__(self, "normal", normal)
+            self._set(**{key: check_number(key, getattr(self, key), unit, self._called, sign=sign)})
+        self._set(normal=check_direction("normal", self.normal, self._called))
+
+    def highest_frequency(self, scene):
+        """Of the mass of a segment on the springs under it, sqrt(k d/mu)."""
+        return max(math.sqrt(self.stiffness * (cable.diameter or 0.0) / cable.mass_per_length) for cable in scene.cables)
+
+    @classmethod
+    def example(cls, scene):
+        return cls(height=height_under(scene))
 
     def table(self, model):
-        """Index and parameters for the kernels below.
+        """Index and parameters for the compiled functions below.
 
         Returns
         -------
@@ -97,8 +105,7 @@ class Ground:
         return np.empty(0, np.int64), np.array([*normal, self.height, self.friction, self.slip_speed, *nodes.ravel()])
 
     def kernels(self):
-        """Compiled functions, by their slot in `signatures`."""
-        return {"force": force, "tangent": tangent, "energy": energy, "between": between}
+        return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step}
 
     def force_on(self, state):
         """Force that each node exerts on the ground in a State, (n, 3) [N]."""
@@ -172,7 +179,7 @@ def _add_tangent(D, i, slope, viscous, slide, params):
         D[i, x, x] += viscous
 
 
-@njit(FORCE, cache=True, error_model="numpy")
+@njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
     """f_i += N n - mu N v_t/sqrt(v_t^2 + u^2); see the module. Returns what damper and friction take [W]."""
     power = 0.0
@@ -188,7 +195,7 @@ def force(t, q, v, index, params, f):
     return power
 
 
-@njit(TANGENT, cache=True, error_model="numpy")
+@njit(TANGENT_SIGNATURE, cache=True, error_model="numpy")
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     """Exact derivatives of `force`."""
     for i in range((params.shape[0] - HEADER) // 3):
@@ -200,7 +207,7 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
             _add_tangent(D, i, c_q * of_depth + c_v * of_rate, c_v * params[4] * N / root, slide, params)
 
 
-@njit(ENERGY, cache=True, error_model="numpy")
+@njit(ENERGY_SIGNATURE, cache=True, error_model="numpy")
 def energy(t, q, index, params):
     """Sum of k s^2/2 of the nodes below the plane [J]."""
     total = 0.0
@@ -209,8 +216,8 @@ def energy(t, q, index, params):
     return total
 
 
-@njit(BETWEEN, cache=True, error_model="numpy")
-def between(t, h, base, q, index, params, f, D, near, far):
+@njit(WHOLE_STEP_SIGNATURE, cache=True, error_model="numpy")
+def whole_step(t, h, base, q, index, params, f, D, near, far):
     """Force over a whole step, and its exact derivative; see the module."""
     dissipated, per_h = 0.0, 1.0 / h
     for i in range((params.shape[0] - HEADER) // 3):

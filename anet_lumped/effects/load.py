@@ -1,51 +1,56 @@
-"""A distributed load: a force per unstretched length that does not depend on where a cable is."""
+"""A distributed load: a force per unstretched length that does not depend on the shape of a cable."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import SceneError, check_name, check_number, check_vector
+from anet_lumped.checks import check_names, check_number, check_vector
 from anet_lumped.prescribed.smoothstep import ramped
 
-from .signatures import ENERGY, FORCE, TANGENT, names_left
+from .effect import Effect, names_left
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
 
 @dataclass(frozen=True)
-class Load:
-    """A dead load p on cables, half of p L0 on either node of a segment.
+class Load(Effect):
+    """A force p per unstretched length of cables, of which either node of a segment takes p L0/2.
 
-    A constant load has the potential energy -sum f . q. One that grows has none: what it does is booked as energy that it gives.
+    A constant load is a dead load, of potential energy -sum f . q. A load that grows has no potential energy: its work counts as
+    negative dissipation.
 
     Parameters
     ----------
     per_length : (3,) array_like [N/m]
-        p, over the unstretched length.
+        p, a force over an unstretched length.
     cables : sequence of str or None
-        Those that it acts on; all if None.
+        Names of the cables that it acts on; all if None.
     ramp : float [s]
-        Time from t = 0 in which it grows from nothing, as s^3 (6 s^2 - 15 s + 10) of s = t/ramp; 0 for a constant load.
+        Time from t = 0 in which the load grows from zero to p, by s^3 (6 s^2 - 15 s + 10) with s = t/ramp; 0: a constant load.
     """
 
     per_length: tuple[float, float, float]
     cables: tuple[str, ...] | None = None
     ramp: float = 0.0
 
-    def __post_init__(self):
-        object.__setattr__(self, "per_length", check_vector("per_length", self.per_length, "N/m", "effect Load"))
-        object.__setattr__(self, "ramp", check_number("ramp", self.ramp, "s", "effect Load", sign="non-negative"))
-        if self.cables is not None:
-            if isinstance(self.cables, str) or not self.cables:
-                raise SceneError(f"Argument `cables` must be a sequence of names, but effect Load has cables={self.cables!r}.")
-            object.__setattr__(self, "cables", tuple(check_name(name, "cable") for name in self.cables))
+    def check_parameters(self):
+        self._set(
+            per_length=check_vector("per_length", self.per_length, "N/m", self._called),
+            cables=check_names("cables", self.cables, self._called),
+            ramp=check_number("ramp", self.ramp, "s", self._called, sign="non-negative"),
+        )
 
     @property
-    def linear(self):
-        """Whether it is dead: it neither depends on the shape nor on time."""
+    def dead_load(self):
+        """Unless it grows in time."""
         return self.ramp == 0.0
 
+    @classmethod
+    def example(cls, scene):
+        return cls((0.0, 0.1, 0.0))
+
     def table(self, model):
-        """Index and parameters for the kernels below: none; ramp [s] and the load on each moving node [N].
+        """No index; ramp [s] and the load on each moving node [N].
 
         Raises
         ------
@@ -60,20 +65,19 @@ class Load:
         return np.empty(0, np.int64), np.concatenate([[self.ramp], f[: model.n_free].ravel()])
 
     def kernels(self):
-        """Compiled functions, by their slot in `signatures`."""
-        return {"force": force, "tangent": tangent, "energy": energy}
+        dead = {"force": force, "energy": energy}
+        return dead if self.dead_load else dead | {"tangent": tangent}
 
-    def of_pieces(self, pieces, cables):
-        """The same load where cables have broken, see `anet_lumped.model.remainder`."""
+    def after_break(self, pieces, cables):
         if self.cables is None:
             return self
         names = [piece for name in self.cables for piece in names_left(name, pieces)]
         return Load(self.per_length, tuple(names), self.ramp) if names else None
 
 
-@njit(FORCE, cache=True, error_model="numpy")
+@njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
-    """f_i += p_i; returns what a load that grows takes out [W], -sum p_i . v_i."""
+    """f_i += p_i; returns -sum p_i . v_i [W] for a load that grows, 0 for a constant one, which has an energy."""
     (share, _, _), power = ramped(t, params[0]), 0.0
     for i in range((params.shape[0] - 1) // 3):
         for x in range(3):
@@ -83,12 +87,12 @@ def force(t, q, v, index, params, f):
     return power if params[0] > 0.0 else 0.0
 
 
-@njit(TANGENT, cache=True)
+@njit(TANGENT_SIGNATURE, cache=True)
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
-    """The load does not depend on place or velocity."""
+    """Zero: the load does not depend on position or velocity."""
 
 
-@njit(ENERGY, cache=True)
+@njit(ENERGY_SIGNATURE, cache=True)
 def energy(t, q, index, params):
     """-sum p_i . q_i [J] of a constant load."""
     total = 0.0

@@ -1,18 +1,20 @@
-"""Damping by the environment, proportional to mass and velocity: the only damping of the thesis's model."""
+"""Damping by the surroundings, proportional to mass and velocity: the only damping of the thesis's model."""
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numba import njit
 
-from .signatures import ENERGY, FORCE, TANGENT
+from anet_lumped.checks import check_number
+
+from .effect import Effect
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
 
 @dataclass(frozen=True)
-class ViscousDamping:
-    """Drag on every moving node, f = -rate m v.
+class ViscousDamping(Effect):
+    """A force -rate m v on every moving node.
 
     Parameters
     ----------
@@ -22,22 +24,31 @@ class ViscousDamping:
 
     rate: float
 
-    linear: ClassVar[bool] = True
+    no_force_at_rest: ClassVar[bool] = True
+    linear_in_node_state: ClassVar[bool] = True
+    passive: ClassVar[bool] = True
+    jax_traceable: ClassVar[bool] = True
 
-    def __post_init__(self):
-        if not (math.isfinite(self.rate) and self.rate >= 0):
-            raise ValueError(f"Argument `rate` of ViscousDamping must be finite and not negative [1/s], but it is {self.rate}.")
+    def check_parameters(self):
+        self._set(rate=check_number("rate", self.rate, "1/s", self._called, sign="non-negative"))
+
+    @property
+    def mass_damping_rate(self):
+        return self.rate
+
+    @classmethod
+    def example(cls, scene):
+        return cls(0.5)
 
     def table(self, model):
-        """Index and parameters for the kernels below."""
+        """No index; rate times the mass of each moving node [N s/m]."""
         return np.empty(0, np.int64), self.rate * model.mass[: model.n_free]
 
     def kernels(self):
-        """Compiled functions, by their slot in `signatures`."""
         return {"force": force, "tangent": tangent, "energy": energy}
 
 
-@njit(FORCE, cache=True)
+@njit(FORCE_SIGNATURE, cache=True)
 def force(t, q, v, index, params, f):
     """f_i -= rate m_i v_i; returns sum rate m_i v_i^2 [W]."""
     power = 0.0
@@ -48,7 +59,7 @@ def force(t, q, v, index, params, f):
     return power
 
 
-@njit(TANGENT, cache=True)
+@njit(TANGENT_SIGNATURE, cache=True)
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     """df/dv = -rate m."""
     for i in range(len(params)):
@@ -56,7 +67,7 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
             D[i, x, x] += c_v * params[i]
 
 
-@njit(ENERGY, cache=True)
+@njit(ENERGY_SIGNATURE, cache=True)
 def energy(t, q, index, params):
-    """Drag has no energy."""
+    """Damping has no energy."""
     return 0.0

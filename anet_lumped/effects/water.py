@@ -1,20 +1,20 @@
 """Water with a free surface: buoyancy, drag, and the inertia of the water that cables and payloads push aside.
 
-A segment carries at each end, with w the share of its volume that is under water there (1/2 each for a segment under water; smooth
-through the surface, see `submergence`),
+At each end of a segment acts, with w the share of the segment's volume that is under water there (1/2 at each end if all of it is;
+smooth through the surface, see `laws.submergence`),
 
     f = w (rho g V e_z + drag(u) + rho V ((1 + Can) a_n + (1 + Cat) a_t)) ,    A = w rho V (Can (I - t t^T) + Cat t t^T) ,
 
-with u the velocity of the water less that of the node, a the acceleration of the water, and A the added mass of the node (Morison,
-see `morison` and `drag`). What a point carries is a sphere of its volume. V is unstretched, and the tension is that of mooring
-codes, the effective one, to which the pressure on a cut through the cable is added.
+with u the velocity of the water minus that of the node, a the acceleration of the water, and A the added mass of the node (Morison,
+see `laws.morison` and `laws.drag`). What a point carries is taken for a sphere of its volume. V is the unstretched volume. The
+tension is the effective one of mooring codes, which contains the pressure on a cut through the cable.
 
-The water moves with the sum of a current, which is taken as steady in its acceleration, and of a wave, whose surface is the one
-that buoyancy sees. In still water buoyancy has an energy, -rho g V times the depth, and its work over a whole step is the change
-of that, so that it can not raise the energy. Added mass that turns with a cable or goes through the surface takes and gives
-energy, 1/2 v.(dA/dt) v, since Morison's equation has no force that belongs to dA/dq; that counts as dissipated, of either sign.
-In a wave the work of all of these forces counts as given by the water. There is no slamming force, no shelter behind other
-cables, and the current does not change the length of the wave.
+The velocity of the water is the sum of a current, whose acceleration is left out, and of a wave, whose surface is the one that
+buoyancy takes. In still water buoyancy has an energy, -rho g V times the depth, and its work over a whole step is the change of
+that energy, so that no step can raise it. Added mass that turns with a cable or goes through the surface takes or gives the energy
+1/2 v.(dA/dt) v, since Morison's equation has no force that belongs to dA/dq; this counts as dissipated, with either sign. In a wave
+the work of all of these forces counts as given by the water. There is no slamming force, no shelter behind other cables, and the
+current does not change the length of the wave.
 
 Source
 ------
@@ -45,25 +45,26 @@ from anet_lumped.effects.laws.drag import (
 from anet_lumped.effects.laws.morison import add_mass, point_force, segment_force, subtract_inertia_slopes
 from anet_lumped.effects.laws.submergence import share, share_between, sphere, wetted, wetted_between
 
-from .signatures import BETWEEN, ENERGY, FORCE, INERTIA, TANGENT
+from .effect import Effect, height_under
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, INERTIA_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
-HEADER, OF_SEGMENT, OF_POINT = 3, 8, 5  # numbers in front, of each segment and of each point
+HEADER, OF_SEGMENT, OF_POINT = 3, 8, 5  # numbers in ``params`` before all others, of each segment and of each point
 
 
 @dataclass(frozen=True)
-class Water:
-    """Hydrostatics and Morison's equation on every cable, each of which needs a `diameter`, and on free points with volume or CdA.
+class Water(Effect):
+    """Hydrostatics and Morison's equation on every cable, which needs a `diameter`, and on free points with a volume or a CdA.
 
-    Statics take the water as it is at t = 0: a wave with a `ramp` is not there yet. The step of an explicit method must be short
-    against the time in which drag stops a thin cable, (mu + rho Can pi d^2/4)/(rho d Cdn |u|): 1.5 ms for 2 mm of twine at 2 m/s.
+    Statics take the water at t = 0, when a wave with a `ramp` has not risen yet. The step of an explicit method must be short
+    against the time in which drag stops a thin cable, (mu + rho Can pi d^2/4)/(rho d Cdn |u|): 1.5 ms for twine of 2 mm at 2 m/s.
 
     Parameters
     ----------
     density : float [kg/m3]; 1025: sea water
     level : float [m], z of the still surface
-    current : None for none, a wind of `anet_lumped.wind`, or several that add up
-    wave : None for none, or a wave of `anet_lumped.waves`
-    g : float [m/s2], that buoyancy and wave are of; None: that of the scene's Gravity, which must then point along -z
+    current : None, a wind of `anet_lumped.wind`, or several, whose velocities add up
+    wave : None, or a wave of `anet_lumped.waves`
+    g : float [m/s2], gravity of buoyancy and wave; None: that of the scene, which must then point along -z
     """
 
     density: float = 1025.0
@@ -72,26 +73,27 @@ class Water:
     wave: Airy | None = None
     g: float | None = None
 
-    couples: ClassVar[int] = 1
+    coupled_neighbours: ClassVar[int] = 1
     stiff: ClassVar[bool] = True
 
-    def __post_init__(self):
-        owner = "effect Water"
-        object.__setattr__(self, "density", check_number("density", self.density, "kg/m3", owner, sign="positive"))
-        object.__setattr__(self, "level", check_number("level", self.level, "m", owner))
-        object.__setattr__(self, "current", check_winds("current", self.current, owner))
+    def check_parameters(self):
+        owner = self._called
+        self._set(
+            density=check_number("density", self.density, "kg/m3", owner, sign="positive"),
+            level=check_number("level", self.level, "m", owner),
+            current=check_winds("current", self.current, owner),
+            g=None if self.g is None else check_number("g", self.g, "m/s2", owner, sign="non-negative"),
+        )
         if not (self.wave is None or isinstance(self.wave, Airy)):
             raise SceneError(f"Argument `wave` must be a wave of anet_lumped.waves or None, but {owner} has wave={self.wave!r}.")
-        if self.g is not None:
-            object.__setattr__(self, "g", check_number("g", self.g, "m/s2", owner, sign="non-negative"))
 
     @property
     def time_scales(self):
-        """Times in which what it does changes [s]: 2/omega of the wave, as of a point that shakes."""
+        """2/omega of the wave, as for a point that is shaken."""
         return () if self.wave is None else (2.0 / self.wave.frequency,)
 
     def gravity(self, scene):
-        """Size of the acceleration that buoyancy is of [m/s2]."""
+        """Acceleration of gravity of buoyancy and wave [m/s2]."""
         if self.g is not None:
             return self.g
         x, y, z = scene.gravity.tolist()
@@ -99,21 +101,25 @@ class Water:
             raise SceneError(f"The effect Water needs Gravity along -z, or a `g` of its own, but gravity is {(x, y, z)} m/s2.")
         return -z
 
+    @classmethod
+    def example(cls, scene):
+        return cls(level=height_under(scene))
+
     def table(self, model):
-        """Index and parameters for the kernels below.
+        """Index and parameters for the compiled functions below.
 
         Returns
         -------
         index : int64
             Number of segments; both nodes of each; nodes of the points with a volume or a CdA.
         params : float64
-            Level [m]; how many numbers current (by `pack`) and wave take, and those; of each segment L0 and d [m], the
-            coefficients of drag normal and along [kg/m], buoyancy under water [N], displaced mass [kg], Can, Cat; of each point
-            the diameter of its sphere [m], its coefficient of drag [kg/m], buoyancy [N], displaced mass [kg], Ca.
+            Level [m]; how many numbers describe current and wave, and those numbers; of each segment L0 and d [m], the coefficients
+            of drag normal and along [kg/m], buoyancy under water [N], displaced mass [kg], Can, Cat; of each point the diameter of
+            its sphere [m], its coefficient of drag [kg/m], buoyancy [N], displaced mass [kg], Ca.
 
         Raises
         ------
-        SceneError : a cable without a diameter, gravity that is not along -z, a wave that there is not
+        SceneError : a cable without a diameter, gravity that is not along -z, a wave that would break
         """
         scene = model.scene
         for cable in scene.cables:
@@ -121,7 +127,7 @@ class Water:
                 raise SceneError(f'The effect Water needs the `diameter` [m] of every cable, but cable "{cable.name}" has none.')
         g = self.gravity(scene)
         current, wave = pack(self.current), np.zeros(0) if self.wave is None else self.wave.numbers(g, self.level)
-        points = [point for point in scene.points if getattr(point, "volume", 0.0) > 0.0 or getattr(point, "CdA", 0.0) > 0.0]
+        points = [point for point in scene.free_points if point.volume > 0.0 or point.CdA > 0.0]
         of_cable = np.array([self._of_cable(cable, g) for cable in scene.cables])
         of_point = np.array([self._of_point(point, g) for point in points])
         nodes = [model.node(point.name) for point in points]
@@ -141,8 +147,7 @@ class Water:
         return sphere(point), point_coefficient(self.density, point), g * mass, mass, point.Ca
 
     def kernels(self):
-        """Compiled functions, by their slot in `signatures`."""
-        return {"force": force, "tangent": tangent, "energy": energy, "between": between, "inertia": inertia}
+        return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "inertia": inertia}
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -154,7 +159,7 @@ def _water(params):
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def _flow(t, q, level, current, wave):
-    """Height of a place q above the surface, its slopes, and of the water there velocity, gradient, acceleration, gradient."""
+    """At a position q: height above the surface, its slopes, velocity of the water, its gradient, acceleration, its gradient."""
     velocity, gradient = wind_at(t, q[0], q[1], q[2], current)
     if len(wave) == 0:
         return q[2] - level, (0.0, 0.0, 1.0), velocity, gradient, AT_REST[1], AT_REST[2]
@@ -188,16 +193,16 @@ def _add(f, i, w, force, lift):
 
 @njit(cache=True, forceinline=True)
 def _subtract(block, force, lift, slope, up):
-    """Subtract (force + lift e_z) slope up^T, what a share that changes with the height makes of a force, from a block."""
+    """Subtract (force + lift e_z) slope up^T from a block: the slope of a force by its share under water, up that of the height."""
     for y in range(3):
         block[0, y] -= slope * force[0] * up[y]
         block[1, y] -= slope * force[1] * up[y]
         block[2, y] -= slope * (force[2] + lift) * up[y]
 
 
-@njit(FORCE, cache=True, error_model="numpy")
+@njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
-    """Add the force on both nodes of every segment and on points, see the module; returns -f.v but for what has an energy [W]."""
+    """Add the force on both nodes of every segment and on points, see the module; returns -f.v of forces without an energy [W]."""
     level, current, wave, at = _water(params)
     segments, still, power = index[0], 1.0 if len(wave) == 0 else 0.0, 0.0
     last, here = -1, _flow(t, (0.0, 0.0, 0.0), level, current, wave)
@@ -230,7 +235,7 @@ def force(t, q, v, index, params, f):
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def _segment_slopes(s, i, j, here, there, v1, v2, t, per_l, wet, lift, of, waves, c_q, c_v, D, near):
-    """Subtract the slopes of the force on both nodes of a segment of which ``lift`` [N] is still to be shared by the weights."""
+    """Subtract the slopes of the force on both nodes of a segment; ``lift`` [N] is buoyancy that the shares w multiply."""
     for side in range(2):
         node, flow, V, w, k = (i, here, v1, wet[1], wet[3]) if side == 0 else (j, there, v2, wet[2], wet[5])
         if node >= D.shape[0]:
@@ -248,7 +253,7 @@ def _segment_slopes(s, i, j, here, there, v1, v2, t, per_l, wet, lift, of, waves
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def _point_slopes(node, flow, V, wet, lift, of, c_q, c_v, D):
-    """Subtract the slopes of the force on a point, likewise."""
+    """Subtract the slopes of the force on a point; ``lift`` as for a segment."""
     w, slope, _ = wet
     u = _less(flow[2], V)
     F = point_force(u, flow[4], of[1], of[3], of[4])
@@ -260,9 +265,9 @@ def _point_slopes(node, flow, V, wet, lift, of, c_q, c_v, D):
     _subtract(D[node], F, lift, c_q * slope, flow[1])
 
 
-@njit(TANGENT, cache=True, error_model="numpy")
+@njit(TANGENT_SIGNATURE, cache=True, error_model="numpy")
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
-    """Subtract the exact slopes of `force`, those of the water's motion in place included."""
+    """Subtract the exact slopes of `force`, with those of the water's motion over the position."""
     level, current, wave, at = _water(params)
     segments, waves, last = index[0], len(wave) > 0, -1
     here = _flow(t, (0.0, 0.0, 0.0), level, current, wave)
@@ -286,7 +291,7 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         _point_slopes(node, flow, _at(v, node), share(flow[0], of[0]), of[2], of, c_q, c_v, D)
 
 
-@njit(ENERGY, cache=True, error_model="numpy")
+@njit(ENERGY_SIGNATURE, cache=True, error_model="numpy")
 def energy(t, q, index, params):
     """-sum rho g V e of the segments and -sum rho g V H of the points, see `submergence` [J]; none in a wave."""
     level, _, wave, at = _water(params)
@@ -313,12 +318,12 @@ def _mean(base, q, i, per_h):
     return per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
 
 
-@njit(BETWEEN, cache=True, error_model="numpy")
-def between(t, h, base, q, index, params, f, D, near, far):
-    """Force over a whole step, and its exact derivative: that of `force` at the middle, but for the buoyancy of still water.
+@njit(WHOLE_STEP_SIGNATURE, cache=True, error_model="numpy")
+def whole_step(t, h, base, q, index, params, f, D, near, far):
+    """Force over a whole step, and its exact derivative: `force` at the middle, apart from the buoyancy of still water.
 
-    Its weights are those of `wetted_between`, so that its work is the change of its energy; what is dissipated is then the work
-    of the rest, in water at rest not negative.
+    Buoyancy takes the shares of `wetted_between`, so that its work is the change of its energy. The work of the other forces is
+    dissipated, and is never negative in water at rest.
     """
     level, current, wave, at = _water(params)
     segments, waves, per_h, dissipated, last = index[0], len(wave) > 0, 1.0 / h, 0.0, -1
@@ -376,7 +381,7 @@ def _height(t, q, i, level, wave):
     return q[i, 2] - level - (wave_at(t, q[i, 0], q[i, 1], q[i, 2], wave)[0][0] if len(wave) > 0 else 0.0)
 
 
-@njit(INERTIA, cache=True, error_model="numpy")
+@njit(INERTIA_SIGNATURE, cache=True, error_model="numpy")
 def inertia(t, q, index, params, A):
     """Add the added masses, see the module."""
     level, _, wave, at = _water(params)

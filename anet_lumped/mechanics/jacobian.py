@@ -58,7 +58,7 @@ def pattern(model):
         if a < n and b < n:
             slot[s] = [number.setdefault(pair, len(number)) for pair in ((a, b), (b, a))]
     far_slot = np.full((model.n_segments, 2), -1, np.int64)
-    if any(getattr(effect, "couples", 0) > 1 for effect in model.scene.effects):
+    if model.coupled_neighbours > 1:
         for s in range(model.n_segments - 1):
             a, b = int(model.ends[s, 0]), int(model.ends[s + 1, 1])
             if model.cable_of[s] == model.cable_of[s + 1] and a < n and b < n:

@@ -210,7 +210,7 @@ def direction(stage, net_address):
         for i in range(net.n_interior, net.n_free):
             for x in range(3):
                 right[i, x] = kept[i, x]
-    left = 0.0 if taut and net.effects.linear == 1 else 1e300
+    left = 0.0 if taut and net.effects.linear_in_node_state == 1 else 1e300
     if stage.law == LAW_AT_END:
         return solves, 1e300
     if net.cable_groups.shape[0] > 0:

@@ -17,7 +17,7 @@ from anet_lumped.compiled.lanes import (
     store_four,
     sum_of_lanes,
 )
-from anet_lumped.effects.signatures import as_between, as_force, as_tangent
+from anet_lumped.effects.signatures import as_force, as_tangent, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, row3, segment_count
 from anet_lumped.mechanics.effect_forces import add_masses, any_live, clear, numbers_of, take_middle
 from anet_lumped.mechanics.optional import as_cable_residual, as_set_lengths
@@ -212,7 +212,7 @@ def residual(stage, base, target, q, net_address):
     for e in range(effects.address.shape[0]):
         (index, params), of = numbers_of(effects, e), effects.address[e]
         if of[SLOT_WHOLE_STEP] != 0 and stage.law == LAW_BETWEEN:
-            as_between(of[SLOT_WHOLE_STEP])(
+            as_whole_step(of[SLOT_WHOLE_STEP])(
                 stage.t, stage.tau, base, q, index, params, right, diagonal, net.near_blocks, net.far_blocks
             )
             continue

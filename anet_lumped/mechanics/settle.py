@@ -7,7 +7,7 @@ from numba import float64, int64, types
 from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import inlined, kernel, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, is_below, load, select, shifted, store
-from anet_lumped.effects.signatures import as_between, as_force
+from anet_lumped.effects.signatures import as_force, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
 from anet_lumped.mechanics.effect_forces import any_live, numbers_of, take_middle
 from anet_lumped.mechanics.optional import as_cable_settle, as_energy_of_paid_out, as_work_of_lengths
@@ -196,7 +196,7 @@ def settle(stage, base, q, v, net_address, energy):
         for e in range(effects.address.shape[0]):
             index, params = numbers_of(effects, e)
             if effects.address[e, SLOT_WHOLE_STEP] != 0:
-                by_effects += as_between(effects.address[e, SLOT_WHOLE_STEP])(
+                by_effects += as_whole_step(effects.address[e, SLOT_WHOLE_STEP])(
                     stage.t, h, base, q, index, params, right, net.diagonal, net.near_blocks, net.far_blocks
                 )
             else:

@@ -5,10 +5,13 @@ from functools import lru_cache
 
 import numpy as np
 
+from anet_lumped.checks import SceneError
 from anet_lumped.compiled.lanes import WIDTH
+from anet_lumped.effects.kernel_checks import check_kernels
 from anet_lumped.effects.laws.axial import SWITCHES
 from anet_lumped.effects.signatures import SLOTS, addresses
 from anet_lumped.model import rest_lengths
+from anet_lumped.model.claims import check_claims
 from anet_lumped.model.elimination_order import minimum_degree, symbolic_elimination
 from anet_lumped.model.model import Model
 from anet_lumped.model.net import Effects
@@ -140,13 +143,23 @@ def _groups(cable, axial):
 
 def _effect_tables(effects, model):
     """Tables and addresses of the compiled functions of the effects present; ``model`` is complete but for them."""
-    tables = [effect.table(model) for effect in effects]
-    index, params = [np.asarray(i, np.int64) for i, _ in tables], [np.asarray(p, float) for _, p in tables]
+    index, params = [], []
+    for effect in effects:
+        check_kernels(effect)
+        own = [np.asarray(numbers, kind) for numbers, kind in zip(effect.table(model), (np.int64, float), strict=True)]
+        if any(numbers.ndim != 1 for numbers in own):
+            raise SceneError(
+                "The `table` of an effect must return two flat arrays, index and params, but of effect "
+                f"{type(effect).__name__} they have shapes {own[0].shape} and {own[1].shape}."
+            )
+        check_claims(effect, model, *own)
+        index.append(own[0])
+        params.append(own[1])
     return Effects(
         address=np.array([addresses(effect) for effect in effects], np.int64).reshape(-1, len(SLOTS)),
         index=np.concatenate([*index, np.empty(0, np.int64)]),
         index_at=np.cumsum([0, *map(len, index)]).astype(np.int64),
         params=np.concatenate([*params, np.empty(0)]),
         params_at=np.cumsum([0, *map(len, params)]).astype(np.int64),
-        linear=int(all(getattr(effect, "linear", False) for effect in effects)),
+        linear_in_node_state=int(all(effect.linear_in_node_state for effect in effects)),
     )

@@ -63,12 +63,12 @@ class Model:
     @property
     def forces(self):
         """Effects that exert forces, in the order of ``effects``."""
-        return tuple(effect for effect in self.scene.effects if not hasattr(effect, "lengths"))
+        return tuple(effect for effect in self.scene.effects if effect.kernels())
 
     @property
     def coupled_neighbours(self):
         """How many segments away effects join a node with others along its cable: 0, 1 or 2."""
-        return max((getattr(effect, "couples", 0) for effect in self.forces), default=0)
+        return max((effect.coupled_neighbours for effect in self.forces), default=0)
 
     @property
     def n_segments(self):

@@ -27,7 +27,7 @@ class Effects(NamedTuple):
     index_at: np.ndarray
     params: np.ndarray
     params_at: np.ndarray
-    linear: int  # 1 if the force of each is linear in the place and velocity of the node that it acts on
+    linear_in_node_state: int  # 1 if the force of each is linear in the position and velocity of the node that it acts on
 
 
 class Lengths(NamedTuple):

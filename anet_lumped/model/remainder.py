@@ -89,7 +89,7 @@ def remainder(whole, masses, broken):
         cables += pieces[cable.name]
     points = [replace(p, mass=masses.get(p.name, p.mass)) if isinstance(p, Free) else p for p in scene.points]
     points = [_with_stubs(point, stubs) for point in (*points, *map(Free, loose))]
-    effects = [e.of_pieces(pieces, cables) if pieces and hasattr(e, "of_pieces") else e for e in scene.effects]
+    effects = [effect.after_break(pieces, cables) if pieces else effect for effect in scene.effects]
     parts = points, cables, [effect for effect in effects if effect is not None]
     model = build(Pieces(*parts, stubs=tuple(stubs)) if pieces else Scene(*parts))
     node, segment = np.empty(model.n, np.int64), np.empty(model.n_segments, np.int64)

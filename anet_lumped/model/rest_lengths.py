@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from anet_lumped.checks import SceneError
-from anet_lumped.effects.signatures import PAID_OUT
+from anet_lumped.effects.effect import PAID_OUT
 from anet_lumped.model.net import Lengths
 from anet_lumped.prescribed.paths import Harmonic, Path, pack
 from anet_lumped.prescribed.signals import Signal
@@ -22,12 +22,23 @@ def changes(scene):
     Returns
     -------
     dict of str and ([(factor, function), ...], [(factor, function), ...])
-        For each cable that changes, what adds up to p and what adds up to e.
+        For each cable that changes, what is p and what is e; at most one of each.
+
+    Raises
+    ------
+    SceneError : two functions of time for the same
     """
     found = {}
     for effect in scene.effects:
-        for name, quantity, factor, function in effect.lengths(scene) if hasattr(effect, "lengths") else ():
-            found.setdefault(name, ([], []))[quantity].append((factor, function))
+        for name, quantity, factor, function in effect.length_changes(scene):
+            terms = found.setdefault(name, ([], []))[quantity]
+            if terms:
+                what = "length paid out" if quantity == PAID_OUT else "strain at rest"
+                raise SceneError(
+                    f"The {what} of a cable must be one function of time, but {type(effect).__name__} gives a second one for cable "
+                    f'"{name}".'
+                )
+            terms.append((factor, function))
     return found
 
 
@@ -61,7 +72,6 @@ def table(scene, model, cut):
     """
     at_shortest(scene, 0.0, 0.0)
     found = changes(scene)
-    forces = [effect for effect in scene.effects if not hasattr(effect, "lengths")]
     names, material, nodes, masses, places, slopes = list(found), [], [], [], [], []
     for name in names:
         cable = scene.cable(name)
@@ -70,7 +80,7 @@ def table(scene, model, cut):
         if not found[name][PAID_OUT]:
             of_mass, of_params = np.zeros(model.n), np.zeros(len(model.effects.params))
         else:
-            of_mass, of_params = _slopes(scene, model, cable, forces, cut)
+            of_mass, of_params = _slopes(scene, model, cable, cut)
         nodes.append(np.flatnonzero(of_mass))
         masses.append(of_mass[nodes[-1]])
         places.append(np.flatnonzero(of_params))
@@ -95,12 +105,12 @@ def table(scene, model, cut):
     )
 
 
-def _slopes(scene, model, cable, forces, cut):
+def _slopes(scene, model, cable, cut):
     """How masses [kg/m] and the effects' numbers change with the length of a cable."""
 
     def longer(by):
         cables = [dataclasses.replace(c, length=c.length + by) if c.name == cable.name else c for c in scene.cables]
-        other = cut(dataclasses.replace(scene, cables=cables, effects=forces))
+        other = cut(dataclasses.replace(scene, cables=cables, effects=model.forces))
         return other.mass, other.effects.params
 
     by = cable.length
@@ -110,7 +120,7 @@ def _slopes(scene, model, cable, forces, cut):
     if bent.any():
         e = int(np.searchsorted(model.effects.params_at, np.flatnonzero(bent)[0], side="right")) - 1
         raise SceneError(
-            f"Effects beside LineChange must depend on lengths linearly, but {type(forces[e]).__name__} does not, of cable "
+            f"Effects beside LineChange must depend on lengths linearly, but {type(model.forces[e]).__name__} does not, of cable "
             f'"{cable.name}".'
         )
     return (mass - model.mass) / by, np.where(np.abs(params - base) > 1e-12 * np.abs(base), params - base, 0.0) / by

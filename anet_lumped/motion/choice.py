@@ -46,7 +46,7 @@ def time_scale(scene):
     for path in scene.motions:
         scales += _path_scales(path)
     for effect in scene.effects:
-        scales += getattr(effect, "time_scales", ())
+        scales += effect.time_scales
     return min(scales)
 
 
@@ -91,7 +91,7 @@ def choose(scene, method=None, dt=None, adaptive=False):
     undamped_slack_cable = next(
         (c.name for c in scene.cables if c.compression != "linear" and c.damping_ratio < CALM_DAMPING_RATIO), None
     )
-    stiff_effect = next((type(effect).__name__ for effect in scene.effects if getattr(effect, "stiff", False)), None)
+    stiff_effect = next((type(effect).__name__ for effect in scene.effects if effect.stiff), None)
     needs_implicit = undamped_slack_cable is not None or stiff_effect is not None
     if chosen_by_user:
         why = "asked for"

@@ -165,7 +165,7 @@ def top_modes(scene) -> dict[str, TopMode]:
     cables, max x'Kx/x'Mx is at most the largest of the cables' own quotients (Irons and Treharne, "A bound theorem in
     eigenvalues and its practical applications", 1971); a single cable's is exact.
     """
-    mass = {point.name: getattr(point, "mass", np.inf) for point in scene.points}  # those that are held have no mass
+    mass = {point.name: np.inf for point in scene.points} | {point.name: point.mass for point in scene.free_points}
     stiffness = dict.fromkeys(mass, 0.0)
     elastic = [cable for cable in scene.cables if not cable.inextensible]
     for cable in scene.cables:
@@ -184,8 +184,7 @@ def predict(scene, strain: float = 0.1, schemes: tuple[str, ...] | None = None) 
     `strain` is the largest stretch expected in the motion: swings stay below omega sqrt(strain/(1 + strain)).
     """
     wanted = names(explicit=True) + names(explicit=False) if schemes is None else schemes
-    # by name: importing the class would load the compiled effects for a scene that has none
-    rate = float(sum(effect.rate for effect in scene.effects if type(effect).__name__ == "ViscousDamping"))
+    rate = float(sum(effect.mass_damping_rate for effect in scene.effects))
     modes, limits = top_modes(scene), {}
     rigid = next((mode.cable for mode in modes.values() if mode.omega == np.inf), None)
     if rigid is not None:

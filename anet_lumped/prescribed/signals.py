@@ -60,6 +60,8 @@ def samples(t: Sequence[float], values: Sequence[float]) -> Signal:
         values = tuple(map(float, values))
     except (TypeError, ValueError) as error:
         raise SceneError(f"Argument `values` of samples must be numbers, but {error}.") from None
+    if len(values) < 2:
+        raise SceneError(f"Argument `values` of samples must hold at least two numbers, one for each of `t`, but holds {values}.")
     return _signal("samples", paths.samples(t, tuple(map(_along_x, values))), values=values)
 
 
@@ -77,6 +79,19 @@ def harmonic(center: float, amplitude: float, frequency: float, phase: float = 0
     center, amplitude = check_number("center", center, "", "harmonic"), check_number("amplitude", amplitude, "", "harmonic")
     path = paths.harmonic(_along_x(center), _along_x(amplitude), frequency, phase, ramp)
     return _signal("harmonic", path, center=center, amplitude=amplitude)
+
+
+def check_number_or_signal(argument: str, value: Any, unit: str, owner: str) -> float | Signal:
+    """Return a number as a float, or a Signal as it is; arguments as in `checks.check_number`."""
+    if isinstance(value, Signal):
+        return value
+    try:
+        return check_number(argument, value, unit, owner)
+    except SceneError:
+        raise SceneError(
+            f"Argument `{argument}` must be a finite number [{unit}] or a signal of anet_lumped.signals, but {owner} has "
+            f"{argument}={value!r}."
+        ) from None
 
 
 KINDS: dict[str, Callable] = {"line": line, "samples": samples, "harmonic": harmonic}

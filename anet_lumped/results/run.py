@@ -14,6 +14,7 @@ from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS,
 
 from . import run_file
 from .audit import Audit
+from .energy_balance import EnergyBalance
 from .events import BREAK, Event, broken
 
 STATUS = {
@@ -119,32 +120,6 @@ class Work:
     factorisations: int = 0
 
 
-@dataclass(frozen=True)
-class EnergyBalance:
-    """Changes of energy over a run [J]: kinetic + elastic + gravitational = work - dissipated, but for the scheme's own.
-
-    ``work`` is done by driven points on the net, and what payloads bring or take with them (see `legs`); ``dissipated`` by dampers
-    and effects (by `edmc` in its numerical damper too), by pick-ups and breaks. ``imbalance`` is what does not add up, relative to
-    the largest energy that was in play: moved between its forms, put in or dissipated.
-    """
-
-    kinetic: float
-    elastic: float
-    gravitational: float
-    work: float
-    dissipated: float
-    imbalance: float
-
-    @staticmethod
-    def of(rows):
-        """Balance of saved rows (k, 5): kinetic, elastic, potential energy, work, dissipated [J]."""
-        kinetic, elastic, potential, work, dissipated = rows[-1] - rows[0]
-        swing = np.ptp(rows[:, 2]) if len(rows) else 0.0
-        in_play = max(rows[:, 0].max(), rows[:, 1].max(), swing, abs(work), abs(dissipated))
-        off = abs(kinetic + elastic + potential - work + dissipated)
-        return EnergyBalance(*map(float, (kinetic, elastic, potential, work, dissipated)), float(off / in_play) if in_play else 0.0)
-
-
 @dataclass(frozen=True, eq=False)
 class Run:
     """A motion: saved states, how it ended, and what it cost.
@@ -154,8 +129,9 @@ class Run:
     model : Model
     t : (k,) float64 [s]
     q, v : (k, n, 3) float64 [m], [m/s]
-    energy : (k, 5) float64 [J]
-        Kinetic, elastic, potential energy; work done by driven points and energy dissipated since the start.
+    energy : (k, 7) float64 [J]
+        Kinetic, elastic, potential energy; since the start, work done and energy taken by dampers, by effects and by the method:
+        `energy_balance.COLUMNS`. Five columns in runs saved by version 0.1, `energy_balance.UNDIVIDED`.
     method : str
     dt : float [s], the fixed or the first step
     reason : str, why this method and step

@@ -5,15 +5,15 @@ from dataclasses import asdict
 
 import numpy as np
 
+from anet_lumped.results.energy_balance import COLUMNS, UNDIVIDED
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
-
-ENERGIES = ("kinetic", "elastic", "potential", "work", "dissipated")
 
 
 def write(run, path):
     """Write a run, its scene and its account."""
     import xarray as xr
 
+    columns = list(COLUMNS if run.energy.shape[1] == len(COLUMNS) else UNDIVIDED)
     account = {
         "scene": json.dumps(scene_to_dict(run.scene)),
         "work": json.dumps(asdict(run.work)),
@@ -36,7 +36,7 @@ def write(run, path):
             "tension": (("t", "segment"), run.segment_tension, {"units": "N"}),
             "energy": (("t", "energy_of"), run.energy, {"units": "J"}),
         },
-        coords={"t": ("t", run.t, {"units": "s"}), "axis": list("xyz"), "energy_of": list(ENERGIES)},
+        coords={"t": ("t", run.t, {"units": "s"}), "axis": list("xyz"), "energy_of": columns},
         attrs=account,
     ).to_netcdf(path, engine="scipy")
 

@@ -1,13 +1,14 @@
 """What a user writes: points, cables and effects, checked when made and never changed afterwards."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from anet_lumped.checks import SceneError, Vector, check_count, check_name, check_number, check_vector, nearest
+from anet_lumped.effects.effect import Effect
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.scene.payload_change import PayloadChange
 
@@ -276,7 +277,7 @@ class Scene:
 
     points: tuple[Point, ...]
     cables: tuple[Cable, ...]
-    effects: tuple[Any, ...] = ()
+    effects: tuple[Effect, ...] = ()
     events: tuple[PayloadChange, ...] = ()
 
     whole: ClassVar[bool] = True  # as its user wrote it: every free point holds a cable, and there is one
@@ -330,9 +331,11 @@ class Scene:
 
         seen = set()
         for effect in self.effects:
-            if REGISTRY.name_of(effect) is None:
-                known = ", ".join(getattr(kind, "__name__", kind) for kind in REGISTRY.classes.values())
-                raise SceneError(f"Argument `effects` of a scene must hold effects ({known}), but holds {effect!r}.")
+            if not isinstance(effect, Effect) or REGISTRY.name_of(effect) is None:
+                raise SceneError(
+                    f"Argument `effects` of a scene must hold effects ({', '.join(REGISTRY.class_names)}), but holds {effect!r}"
+                    + ('; register its class: REGISTRY["its_name"] = Class.' if isinstance(effect, Effect) else ".")
+                )
             if type(effect) in seen:
                 raise SceneError(f"A scene may have one effect of a type, but {type(effect).__name__} is given twice.")
             seen.add(type(effect))
@@ -365,23 +368,31 @@ class Scene:
         return _look_up("cable", name, self._cables)
 
     @property
+    def free_points(self) -> tuple[Free, ...]:
+        """The free points, in the order of `points`."""
+        return tuple(point for point in self.points if isinstance(point, Free))
+
+    @property
+    def supports(self) -> list[Vector]:
+        """Positions of the fixed points, and of the driven ones at t = 0 [m]."""
+        fixed = [point.at for point in self.points if isinstance(point, Fixed)]
+        return fixed + [tuple(point.path.at(0.0)[0].tolist()) for point in self.points if isinstance(point, Driven)]
+
+    @property
     def motions(self) -> tuple[Path, ...]:
         """Prescribed functions of time: paths of driven points, and those of effects."""
         driven = [point.path for point in self.points if isinstance(point, Driven)]
-        return (*driven, *(signal.path for effect in self.effects for signal in getattr(effect, "signals", ())))
+        return (*driven, *(signal.path for effect in self.effects for signal in effect.signals))
 
     @property
     def gravity(self) -> "np.ndarray":
-        """Acceleration of gravity, (3,) float64 [m/s²]; zero without a Gravity effect."""
+        """Acceleration that effects give to every moving node alike, (3,) float64 [m/s²]: that of Gravity, zero without one."""
         import numpy as np
 
-        if self.effects:
-            from anet_lumped.effects import REGISTRY
-
-            for effect in self.effects:
-                if REGISTRY.name_of(effect) == "gravity":
-                    return effect.acceleration
-        return np.zeros(3)
+        total = np.zeros(3)
+        for effect in self.effects:
+            total += effect.uniform_acceleration
+        return total
 
 
 def _check_curve(value: Any, owner: str) -> tuple[tuple[float, float], ...]:
@@ -410,7 +421,7 @@ def _slopes(curve: tuple[tuple[float, float], ...]) -> list[float]:
 
 
 def _as_tuple(argument: str, value: Any) -> tuple:
-    if not isinstance(value, Iterable) or isinstance(value, str):
+    if not isinstance(value, Iterable) or isinstance(value, str | Mapping):
         raise SceneError(f"Argument `{argument}` of a scene must be a sequence, but is {value!r}.")
     return tuple(value)
 

@@ -35,7 +35,6 @@ from anet_lumped.model.tables import (
     CABLE_SEGMENTS,
     CABLE_START,
 )
-from anet_lumped.prescribed.path_kernel import evaluate
 from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Fixed, Free
 
@@ -303,7 +302,9 @@ def equilibrium(scene, tolerance=1e-12):
     net = fresh_net(model, force=False, newton=False)
     v = np.zeros_like(q)
     if model.n_driven < model.n:
-        evaluate(0.0, net.paths, q[model.n_driven :], v[model.n_driven :], np.zeros((model.n - model.n_driven, 3)))
+        from anet_lumped.mechanics.drive import drive  # compiled for scenes with driven points
+
+        drive(0.0, net.address, q, v)
     load = dead_load(model, net, q)
     finite = [cable.EA for cable in scene.cables if not cable.inextensible]
     total = float(np.linalg.norm(load[: model.n_free], axis=1).sum())
@@ -325,7 +326,7 @@ def equilibrium(scene, tolerance=1e-12):
         )
     tension = np.empty(model.n_segments)
     unroll(net.address, load, EA, H, q, tension)
-    if len(model.springs) or not all(map(_is_dead, model.forces)):
+    if len(model.springs) or not all(effect.dead_load or effect.no_force_at_rest for effect in model.forces):
         from anet_lumped.mechanics.required_kernels import require
 
         from .relaxation import relaxed  # compiles what moves, of which dead loads need nothing
@@ -345,16 +346,11 @@ def equilibrium(scene, tolerance=1e-12):
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance)
 
 
-def _is_dead(effect):
-    """Whether the force of an effect at rest is the same in any shape."""
-    return getattr(effect, "linear", False)
-
-
 def dead_load(model, net, q):
-    """(n, 3) force of those of a model's effects on the nodes at rest that do not depend on the shape [N]."""
+    """(n, 3) force of the dead loads among a model's effects [N]."""
     load, v, of = np.zeros_like(q), np.zeros_like(q), net.effects
     for e, effect in enumerate(model.forces):
-        if _is_dead(effect):
+        if effect.dead_load:
             index, params = of.index[of.index_at[e] : of.index_at[e + 1]], of.params[of.params_at[e] : of.params_at[e + 1]]
             effect.kernels()["force"](0.0, q, v, index, params, load)
     return load

@@ -9,7 +9,6 @@ from integrators.schemes.embedded_pair import dense_output, judge_step, prepare_
 from integrators.states import NONE, ONE, SAVED, copy, copy_of, copy_state, save, worst_node
 from integrators.step_ends import evaluate_start
 from integrators.system import (
-    DISSIPATED,
     DIVERGED,
     DONE,
     ENERGIES,
@@ -21,6 +20,7 @@ from integrators.system import (
     REJECTED,
     STEP_STATE,
     STEPS,
+    TAKEN_BY_METHOD,
     UNCONVERGED,
     StepState,
     compiled,
@@ -78,7 +78,8 @@ def save_within(stepper, t, h, end, start, state, rows, saved):
             if not ready:
                 prepare_dense_output(stepper.system_address, data_address, t, h, start, memory, parameters, stepper.counts)
                 ready = True
-            balance[DISSIPATED], balance[PUT_IN] = start.balance[DISSIPATED], start.balance[PUT_IN]
+            for k in range(PUT_IN, TAKEN_BY_METHOD + 1):
+                balance[k] = start.balance[k]
             dense_output((at - t) / h, h, start, memory, parameters, system.n_free, shown)
         system.prescribe(at, data_address, shown.q, shown.v)
         system.observe(shown.q, shown.v, data_address, saved.observed[rows])

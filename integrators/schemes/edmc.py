@@ -19,7 +19,7 @@ from numba import njit
 from integrators.linear_stability import NoLimit
 from integrators.newton import newton
 from integrators.stage import LAW_BETWEEN, Stage
-from integrators.system import DISSIPATED, DONE, FIRST_OWN, PUT_IN, UNCONVERGED, system_at
+from integrators.system import DONE, FIRST_OWN, PUT_IN, UNCONVERGED, system_at
 
 from .record import EnergyPromise, Family, own_scheme
 
@@ -51,8 +51,8 @@ def step(system_address, data_address, t, h, state, parameters, counts):
         b[i] = a[i]
         a[i] = change * per_h
     system.settle(stage, base, q, v, data_address, energy)
-    state.balance[PUT_IN] += energy[0]
-    state.balance[DISSIPATED] += energy[1] + energy[2] + energy[3]
+    for k in range(4):
+        state.balance[PUT_IN + k] += energy[k]  # put in; taken inside, outside and by the method
     return DONE
 
 
@@ -69,6 +69,7 @@ EDMC = own_scheme(
     extrapolated_order=4,
     options={"rho_inf": 0.0},
     takes_rigid_springs=True,
+    evaluates_force=False,
     step=step,
     memory_rows=6,
     carried_rows=3,

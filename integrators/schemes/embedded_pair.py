@@ -15,8 +15,21 @@ import numpy as np
 from numba import njit
 
 from integrators.states import worst_node
-from integrators.system import DISSIPATED, DONE, FIRST_OWN, FORCES, POWER_DISSIPATED, POWER_PUT_IN, PUT_IN, system_at
+from integrators.system import (
+    DONE,
+    FIRST_OWN,
+    FORCES,
+    POWER_INSIDE,
+    POWER_OUTSIDE,
+    POWER_PUT_IN,
+    POWERS,
+    PUT_IN,
+    TAKEN_INSIDE,
+    TAKEN_OUTSIDE,
+    system_at,
+)
 
+WORKING_ROWS = 8  # besides those of the stages
 SECOND = 1.0  # [s] over which an error of a velocity is an error of a place
 # Coefficients of a step: numbers of stages, of those before the end, and of the powers of theta; then c, A, A A; both error
 # estimates of v and of q; the dense output.
@@ -44,8 +57,8 @@ class Pair(NamedTuple):
 
 
 def memory_rows(stages):
-    """Rows of memory that a step needs: force, accelerations and powers of the stages, and seven for the sums."""
-    return 2 * stages + 8
+    """Rows of memory that a step needs: force, accelerations and powers of the stages, seven for the sums, and weights."""
+    return 3 * stages + WORKING_ROWS
 
 
 def coefficients(pair):
@@ -121,13 +134,21 @@ def _stage(call, s, q_s, v_s, f):
     for i in range(n):
         Q_s[i] = call.Q[i] + h * (c * call.V[i] + h * dQ[i])
         V_s[i] = call.V[i] + h * dV[i]
-    power = memory[1 + S + s, 0, :2]
+    power = memory[1 + S + s, 0]
     system.prescribe(call.t + c * h, call.data_address, q_s, v_s)
     system.force(call.t + c * h, q_s, v_s, call.data_address, f, power)
     call.counts[FORCES] += 1
     a = _row(flat, width, 1 + s, n)
     for i in range(n):
         a[i] = per_m[i] * F[i]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _add_work(balance, duration, powers):
+    """Add what powers do in a time [s] to the energy balance."""
+    balance[TAKEN_INSIDE] += duration * powers[POWER_INSIDE]
+    balance[TAKEN_OUTSIDE] += duration * powers[POWER_OUTSIDE]
+    balance[PUT_IN] += duration * powers[POWER_PUT_IN]
 
 
 @njit(cache=True, error_model="numpy")
@@ -139,7 +160,8 @@ def step(system_address, data_address, t, h, state, parameters, counts):
     flat, per_m, width = memory.ravel(), system.per_mass.ravel(), 3 * q.shape[0]
     for i in range(n):
         flat[width + i] = per_m[i] * flat[i]
-    memory[1 + S, 0, 0], memory[1 + S, 0, 1] = balance[POWER_DISSIPATED], balance[POWER_PUT_IN]
+    for k in range(3):
+        memory[1 + S, 0, k] = balance[POWERS + k]
     for i in range(system.n_free, q.shape[0]):
         for x in range(3):
             q_s[i, x], v_s[i, x] = q[i, x], v[i, x]
@@ -149,9 +171,9 @@ def step(system_address, data_address, t, h, state, parameters, counts):
     _stage(call, end, q, v, memory[0])
     row = TABLEAU + S + end * S
     for j in range(end):
-        balance[DISSIPATED] += h * parameters[row + j] * memory[1 + S + j, 0, 0]
-        balance[PUT_IN] += h * parameters[row + j] * memory[1 + S + j, 0, 1]
-    balance[POWER_DISSIPATED], balance[POWER_PUT_IN] = memory[1 + S + end, 0, 0], memory[1 + S + end, 0, 1]
+        _add_work(balance, h * parameters[row + j], memory[1 + S + j, 0])
+    for k in range(3):
+        balance[POWERS + k] = memory[1 + S + end, 0, k]
     return DONE
 
 
@@ -217,7 +239,7 @@ def dense_output(theta, h, start, memory, parameters, n_free, found):
     Q, V, Q_to, V_to = start.q.ravel(), start.v.ravel(), found.q.ravel(), found.v.ravel()
     for i in range(n):
         Q_to[i], V_to[i] = Q[i] + theta * h * V[i], V[i]
-    weights = memory[1 + S : 1 + 2 * S, 0, 2]  # beside the powers of the stages
+    weights = memory[2 * S + WORKING_ROWS :, 0, 0]
     for j in range(S):
         weight = 0.0
         for k in range(degree - 1, -1, -1):
@@ -227,8 +249,7 @@ def dense_output(theta, h, start, memory, parameters, n_free, found):
         of_v, of_q = h * weights[j], 0.0
         for s in range(j + 1, S):
             of_q += h * h * weights[s] * parameters[A + s * S + j]
-        balance[DISSIPATED] += of_v * memory[1 + S + j, 0, 0]
-        balance[PUT_IN] += of_v * memory[1 + S + j, 0, 1]
+        _add_work(balance, of_v, memory[1 + S + j, 0])
         a = memory[1 + j].ravel()
         for i in range(n):
             Q_to[i] += of_q * a[i]

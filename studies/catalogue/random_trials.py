@@ -225,12 +225,12 @@ def _audit(trial, run):
     m = model.mass[: model.n_free]
     weighty = m.sum() * (np.linalg.norm(scene.gravity) * np.abs(run.q).max() + (run.v**2).sum(axis=2).max())
     rounding = 1e-9 * weighty + 1e-15 * float(model.axial[:, AXIAL_STIFFNESS].max()) * np.abs(run.q).max() ** 2
-    in_play = max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max(), rows[:, 4].max()) + rounding
-    own = rows[:, :3].sum(axis=1) - rows[:, 3]
+    own, taken = rows[:, :3].sum(axis=1) - rows[:, 3], rows[:, 4:].sum(axis=1)
+    in_play = max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max(), taken.max()) + rounding
     rise = float((own - np.minimum.accumulate(own)).max() / in_play)
     driven = any(isinstance(point, Driven) for point in scene.points)
     if run.method == "edmc":
-        off = abs(own[-1] - own[0] + rows[-1, 4] - rows[0, 4]) / in_play
+        off = abs(own[-1] - own[0] + taken[-1] - taken[0]) / in_play
         if off > IMBALANCE:
             return FAILED, f"edmc's balance of energy is off by {off:.2g} of the energy in play"
         # states between adaptive steps are interpolated, their energies too rough; added mass that turns gives energy of the water

@@ -12,16 +12,16 @@ import pandas as pd
 
 from anet_lumped import equilibrium, simulate
 from anet_lumped.effects import REGISTRY
+from anet_lumped.effects.effect import PAID_OUT
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
-from anet_lumped.prescribed import signals
 from integrators.stage import LAW_BETWEEN, Stage
 from studies.accuracy_cost.motions import net
 from studies.accuracy_cost.paired_timing import in_words, ratio, take_turns
 from studies.shown.palette import BLUE, ORANGE
 from studies.shown.sentences import between, listed
 from studies.shown.show import as_text
-from studies.study import Drawing, Part, Record, StudyError
+from studies.study import Drawing, Part, Record
 
 STUDY = Record(
     question=__doc__,
@@ -36,20 +36,6 @@ TABLES = {
     "and with all of them imported.",
 }
 
-EXAMPLES = {
-    "air": {},
-    "bending": {},
-    "gravity": {},
-    "ground": {"height": -0.6},  # the middle of the net lies on it
-    "axial_damping": {"rate": 0.5},
-    "line_change": {"paid_out": {"s0-p0": signals.line(0.0, 0.01, 0.0)}},
-    "load": {"per_length": (0.0, 0.1, 0.0)},
-    "temperature": {"expansion": 1e-5, "change": 10.0},
-    "viscous_damping": {"rate": 0.5},
-    "water": {"level": -0.6},
-}
-"""Arguments of an instance of each effect of the library, which acts on the carried net."""
-NOT_WITH_OTHERS = ("line_change",)  # which takes no effect whose numbers are not linear in a length, such as bending
 CABLES = {"diameter": 0.01, "EI": 1e-5, "compression": "linear"}
 """Of its cables: what effects may need [m], [N·m²], and that no segment slackens, for which an iteration would solve twice."""
 QUICK_EFFECTS = ("air", "temperature", "viscous_damping")
@@ -66,21 +52,14 @@ TURN = 5  # repeats of one process before it is the next one's turn
 ALIKE = 3.0  # [%] by which a step may differ where an effect that a scene lacks costs nothing
 
 
-def example(name):
-    """An instance of an effect of the library, by its name.
-
-    Raises
-    ------
-    StudyError : EXAMPLES has none
-    """
-    if name not in EXAMPLES:
-        raise StudyError(f'Every effect must have an example in studies.questions.effects_cost.EXAMPLES, but "{name}" has none.')
-    return REGISTRY[name](**EXAMPLES[name])
-
-
 def plain():
     """The carried net with its weight, whose cables have what effects may need."""
     return net("net_carried", **CABLES)
+
+
+def joins_others(effect, scene):
+    """Whether an effect goes with all others: one that pays out length takes none whose numbers are not linear in a length."""
+    return all(change.quantity != PAID_OUT for change in effect.length_changes(scene))
 
 
 def step_of_verlet(scene, start):
@@ -127,7 +106,7 @@ def _arrays(value):
 
 def entries(scene, effect):
     """Entries of the tangent that an effect changes, in a moving state of a scene that has it."""
-    if not hasattr(effect, "kernels") or "tangent" not in effect.kernels():
+    if "tangent" not in effect.kernels():
         return 0
     model, random = build(scene), np.random.default_rng(0)
     state = equilibrium(plain())
@@ -153,14 +132,14 @@ def marginal(turns, names):
     """A row for each effect beside the weight, for all together, and for the weight itself and one of one's own; and the turns."""
     base = plain()
     gravity, bare = base.effects, replace(base, effects=())
-    effects = {name: example(name) for name in names if name != "gravity"}
+    effects = {name: REGISTRY[name].example(base) for name in names if name != "gravity"}
     known = REGISTRY.classes
     REGISTRY.classes = dict(known)  # an effect of one's own comes and goes with it
     try:
         own = own_weight()
         scenes = {"none": bare, "gravity": base, OWN: replace(base, effects=(own,))}
         scenes |= {name: replace(base, effects=(*gravity, effect)) for name, effect in effects.items()}
-        together = [one for name, one in effects.items() if name not in NOT_WITH_OTHERS]
+        together = [effect for effect in effects.values() if joins_others(effect, base)]
         scenes["all together"] = replace(base, effects=(*gravity, *together))
         timed = timed_in_turns(scenes, turns)
         rows = []
@@ -185,9 +164,10 @@ def answer_in(library, ask=sys.stdin, tell=sys.stdout):
 
     Besides, the memory of a run, and the effects whose modules have been imported.
     """
+    effects = REGISTRY.library
     if library == "stripped":
         REGISTRY.classes = {"gravity": REGISTRY.classes["gravity"]}
-        for name in EXAMPLES:
+        for name in effects:
             if name != "gravity":
                 sys.modules[f"anet_lumped.effects.{name}"] = None  # importing it fails: it is not there
     elif library == "imported":
@@ -195,7 +175,7 @@ def answer_in(library, ask=sys.stdin, tell=sys.stdout):
     for line in ask:
         times = timed_in_turns({"plain": plain()}, int(line))
         row = {f"{what}_ns": float(np.median(times["plain", what])) for what in WHAT} | {"memory_bytes": memory(plain())}
-        imported = [name for name in EXAMPLES if sys.modules.get(f"anet_lumped.effects.{name}") is not None]
+        imported = [name for name in effects if sys.modules.get(f"anet_lumped.effects.{name}") is not None]
         print(json.dumps(row | {"effects_imported": " ".join(imported)}), file=tell, flush=True)
 
 

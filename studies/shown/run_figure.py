@@ -12,7 +12,8 @@ from studies.shown.palette import look
 SHOWN = 5  # times at which the net is drawn
 WIDE = 150  # characters of a line above the figure
 BAD = "#c1121f"
-OF_ENERGY = ("kinetic", "elastic", "gravitational", "work put in", "dissipated")
+OF_ENERGY = ("kinetic", "elastic", "potential", "work put in", "taken by dampers", "taken by effects", "taken by the method")
+UNDIVIDED = (*OF_ENERGY[:4], "dissipated")  # of a run saved by version 0.1
 
 
 def verdict(run) -> str:
@@ -83,14 +84,14 @@ def _shapes(axes, run):
 
 
 def _energies(axes, run):
-    for i, name in enumerate(OF_ENERGY):
-        rows = run.energy[:, i] - (run.energy[0, i] if name == "gravitational" else 0.0)
+    for i, name in enumerate(OF_ENERGY if run.energy.shape[1] == len(OF_ENERGY) else UNDIVIDED):
+        rows = run.energy[:, i] - (run.energy[0, i] if name == "potential" else 0.0)
         if np.any(rows):
             own = look(i)
             axes.plot(run.t, rows, lw=1.2, label=name, color=own["color"], ls=own["linestyle"])
     for event in run.events:
         axes.axvline(event.t, color="0.8", lw=1, zorder=0)
-    total = run.energy[:, :3].sum(axis=1) - run.energy[:, 3] + run.energy[:, 4]
+    total = run.energy[:, :3].sum(axis=1) - run.energy[:, 3] + run.energy[:, 4:].sum(axis=1)
     axes.plot(run.t, total - total[0], color="k", ls=(0, (1, 3)), lw=1.5, label="not accounted for")
     axes.set(xlabel="t [s]", ylabel="energy [J]")
     axes.legend(frameon=False, fontsize=8, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))

@@ -10,7 +10,7 @@ UNITS = {
     "N": "tension force EA",
     "s": "dt step time reached",
     "rad/s": "frequency",
-    "J": "energy kinetic elastic gravitational work dissipated",
+    "J": "energy kinetic elastic potential work dissipated",
     "-": "stretch imbalance residual",
     "": "evaluations",
 }

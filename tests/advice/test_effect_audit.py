@@ -3,7 +3,7 @@
 import csv
 import json
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from systems import four_cables, loose_cable
 
 from anet_lumped import Cable, Fixed, Free, Scene, SceneError, load_scene, simulate
 from anet_lumped.advice.effect_audit import NEEDED, NEGLIGIBLE, STIFF, UNDECIDED, UNKNOWN, audit_effects
-from anet_lumped.effects import REGISTRY, Air, Bending, Gravity, Ground, ViscousDamping, node_force
+from anet_lumped.effects import REGISTRY, Air, Bending, Effect, Gravity, Ground, ViscousDamping, node_force
 from anet_lumped.effects.flow.wind import Uniform
 from studies.command_line import SCENES, main
 
@@ -131,12 +131,15 @@ def test_water_whose_level_is_given(monkeypatch):
 def test_an_effect_that_refuses_the_scene_is_not_known():
     """What it says of the scene is the reason."""
 
-    class Frost:
-        def __init__(self, level):
-            self.level = level
+    @dataclass(frozen=True)
+    class Frost(Effect):
+        level: float
 
         def table(self, model):
             raise SceneError("It needs a cold scene.")
+
+        def kernels(self):
+            return Gravity().kernels() | {"tangent": ViscousDamping(1.0).kernels()["tangent"]}
 
     known = REGISTRY.classes
     REGISTRY.classes = known | {"water": Frost}
@@ -154,6 +157,7 @@ def carrying_water():
     def pond(t, q, v, length, level, density=1000.0):
         return 0.0, 0.0, density * 9.81 * 0.25 * math.pi * 1e-4 * length if q[2] < level else 0.0
 
+    pond.wave = None
     return pond
 
 

@@ -96,7 +96,7 @@ def test_step_gives_the_energy_back_but_for_what_it_dissipates(seed, h):
     model = build(bent_net())
     base, q, index, params, f, D, near, far = random_places(model, seed), random_places(model, seed + 50), *arrays(model)
     base[model.n_free :] = q[model.n_free :]
-    lost = bending.between(0.0, h, base, q, index, params, f, D, near, far)
+    lost = bending.whole_step(0.0, h, base, q, index, params, f, D, near, far)
     rise = bending.energy(0.0, q, index, params) - bending.energy(0.0, base, index, params)
     assert lost >= 0.0
     assert rise == pytest.approx(-np.sum(f * (q - base)) - lost, abs=1e-13)  # rounding of energies of some 0.1 J
@@ -105,7 +105,7 @@ def test_step_gives_the_energy_back_but_for_what_it_dissipates(seed, h):
     for x in steps:
         moved, g = q.copy(), np.zeros_like(f)
         moved[: model.n_free] += x * d
-        bending.between(0.0, h, base, moved, index, params, g, D, near, far)
+        bending.whole_step(0.0, h, base, moved, index, params, g, D, near, far)
         remainders.append(np.linalg.norm((g - f)[: model.n_free].ravel() + x * K @ d.ravel()))
     assert np.polyfit(np.log(steps), np.log(remainders), 1)[0] == pytest.approx(2.0, abs=0.1)
 
@@ -216,7 +216,7 @@ def test_moving_clamp_and_two_clamps():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Bending({"a": (0, 0, 0)}), r'A clamp needs a direction other than zero, but effect Bending at "a" has'),
+        (lambda: Bending({"a": (0, 0, 0)}), r'`clamped` must not be zero, but effect Bending at point "a" has'),
         (lambda: build(cantilever(effects=[Bending({"b": (1, 0, 0)})])), 'fixed or driven point, but .* clamps free point "b"'),
         (lambda: build(cantilever(effects=[Bending({"q": (1, 0, 0)})])), 'no point "q"'),
         (

@@ -43,7 +43,7 @@ def test_step_gives_back_no_more_than_the_energy(seed, h):
 
     def act(at):
         f, K = np.zeros_like(q), np.zeros((n, 3, 3))
-        lost = ground.between(0.0, h, base, at, index, params, f, K, *blocks)
+        lost = ground.whole_step(0.0, h, base, at, index, params, f, K, *blocks)
         return f, K, lost
 
     f, K, lost = act(q)

@@ -134,8 +134,8 @@ def test_no_wave():
     [
         (lambda: Airy(-1.0, 8.0), r"`height` must be non-negative and finite \[m\], but wave Airy has height=-1.0"),
         (lambda: Airy(1.0, 0.0), r"`period` must be positive and finite \[s\], but wave Airy has period=0.0"),
-        (lambda: Airy(1.0, 8.0, (0, 0, 0)), r"`direction` must be level and not zero, but wave Airy has direction=\(0"),
-        (lambda: Airy(1.0, 8.0, (1, 0, 1)), "`direction` must be level and not zero"),
+        (lambda: Airy(1.0, 8.0, (0, 0, 0)), r"`direction` must not be zero, but wave Airy has direction=\(0"),
+        (lambda: Airy(1.0, 8.0, (1, 0, 1)), "`direction` must be level, but wave Airy"),
         (lambda: Airy(1.0, 8.0, depth=-1.0), r"`depth` must be positive and finite \[m\], but wave Airy has depth=-1.0"),
         (lambda: Airy(1.0, 8.0, ramp=-1.0), r"`ramp` must be non-negative and finite \[s\], but wave Airy has ramp=-1.0"),
         (lambda: Airy(1.0, 8.0, phase=math.nan), r"`phase` must be a finite number \[rad\], but wave Airy has phase=nan"),

@@ -168,7 +168,7 @@ def test_defaults_are_expanded_and_overruled(tmp_path):
         ),
         (HEAD + CABLE + "[effects.gravty]", r"effects.gravty: unknown effect 'gravty', did you mean \"gravity\"\?"),
         (HEAD + CABLE + "[effects.gravity]\nG = 9", r"net.toml, effects.gravity: unknown key `G`"),
-        (HEAD + CABLE + "[effects.gravity]\ng = -9", r"net.toml, effects.gravity: Argument `g` of Gravity must be"),
+        (HEAD + CABLE + "[effects.gravity]\ng = -9", r"net.toml, effects.gravity: Argument `g` must be"),
         (HEAD + CABLE + "[effects.viscous_damping]", r"net.toml, effects.viscous_damping: key `rate` is missing"),
         ("points = ", r"scene file must be valid TOML, but .*net.toml: Invalid value"),
     ],

@@ -66,16 +66,16 @@ def test_a_step_is_that_of_the_textbook():
     kernel = Kernel(scene, equilibrium(scene))
     kernel.v[: kernel.n] += rng.normal(scale=0.3, size=(kernel.n, 3))
     kernel.begin(0.0)
-    q, v, f, power = kernel.q.copy(), kernel.v.copy(), np.zeros_like(kernel.q), np.zeros(2)
+    q, v, f, power = kernel.q.copy(), kernel.v.copy(), np.zeros_like(kernel.q), np.zeros(3)
 
     def rates(t, y):
         a, b = q.copy(), v.copy()
-        a[: kernel.n], b[: kernel.n] = y[:-2].reshape(2, kernel.n, 3)
+        a[: kernel.n], b[: kernel.n] = y[:-3].reshape(2, kernel.n, 3)
         kernel.bound.prescribe(t, kernel.net.address, a, b)
         kernel.bound.force(t, a, b, kernel.net.address, f, power)
         return np.concatenate([b[: kernel.n].ravel(), (kernel.bound.per_mass * f)[: kernel.n].ravel(), power])
 
-    y0 = np.append(kernel.row(q, v), [0.0, 0.0])
+    y0 = np.append(kernel.row(q, v), [0.0, 0.0, 0.0])
     theirs = DOP853(rates, 0.0, y0, h, first_step=h, rtol=1e3, atol=1e3)
     theirs.step()
     kernel.step(0.0, h)
@@ -317,7 +317,7 @@ def test_energy_within_steps():
     coarse, fine = march(motion, 2.0, rtol=1e-8, save_every=0.02), march(motion, 2.0, rtol=1e-13, save_every=0.02)
     assert coarse.work.steps < 50
     np.testing.assert_allclose(coarse.energy, fine.energy, atol=1e-7)  # joules in play, 1e-8 of places and a force of 10 N
-    own = coarse.energy[:, :3].sum(axis=1) - coarse.energy[:, 3] + coarse.energy[:, 4]
+    own = coarse.energy[:, :3].sum(axis=1) - coarse.energy[:, 3] + coarse.energy[:, 4:].sum(axis=1)
     assert np.ptp(own) < 1e-7
 
 

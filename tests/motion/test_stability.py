@@ -3,7 +3,7 @@
 import itertools
 import subprocess
 import sys
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ import scipy.integrate
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from anet_lumped.effects import REGISTRY, ViscousDamping
 from anet_lumped.motion.stability import (
     damping_limit,
     frequency_limit,
@@ -378,14 +379,18 @@ def test_warning_holds_both_numbers():
     assert "stable at no step" in prediction.warning("explicit_euler", 1e-9)
 
 
-def test_swings_decide_for_explicit_euler():
+@dataclass(frozen=True)
+class Treacle(ViscousDamping):
+    """Damping by another name."""
+
+
+def test_swings_decide_for_explicit_euler(monkeypatch):
     damped = [Cable("s", "tip", length=1.0, mass_per_length=0.1, EA=1e4, zeta=0.5, segments=20)]
     points = [Fixed("s", (0, 0, 0)), Free("tip")]
     still = predict(Scene(points, damped)).limits["explicit_euler"]
     assert still.axial > 0.0 and still.swing == still.step == 0.0
-    # any effect of this name and attribute serves
-    effect = type("ViscousDamping", (), {"rate": 3.0})()
-    scene = SimpleNamespace(points=points, cables=damped, effects=(effect,))
+    monkeypatch.setitem(REGISTRY.classes, "treacle", Treacle)
+    scene = Scene(points, damped, [Treacle(3.0)])
     limit = predict(scene, strain=0.01).limits["explicit_euler"]
     omega = predict(scene).modes["s-tip"].omega
     assert predict(scene).rate == 3.0

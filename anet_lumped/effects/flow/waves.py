@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number, check_vector
+from anet_lumped.checks import SceneError, Vector, check_direction, check_number
 
 BREAKING = 0.142  # height over length of the steepest wave, times tanh(k depth)
 
@@ -43,10 +43,10 @@ class Airy:
             object.__setattr__(self, key, check_number(key, getattr(self, key), unit, owner, sign=sign))
         if self.depth != math.inf:
             object.__setattr__(self, "depth", check_number("depth", self.depth, "m", owner, sign="positive"))
-        direction = check_vector("direction", self.direction, "", owner)
+        direction = check_direction("direction", self.direction, owner)
         size = math.hypot(*direction)
-        if size == 0.0 or direction[2] != 0.0:
-            raise SceneError(f"Argument `direction` must be level and not zero, but {owner} has direction={direction}.")
+        if direction[2] != 0.0:
+            raise SceneError(f"Argument `direction` must be level, but {owner} has direction={direction}.")
         object.__setattr__(self, "direction", (direction[0] / size, direction[1] / size, 0.0))
 
     @property

@@ -1,4 +1,4 @@
-"""Effects of one's own: the law of one node or of one segment in plain Python makes an effect like those that come with this.
+"""A user's own effects: the law of one node or of one segment, in plain Python, makes an effect like those of the library.
 
     @node_energy
     def magnet(t, q, strength, at):
@@ -7,43 +7,44 @@
 
     scene = Scene(points, cables, [Gravity(), magnet(strength=2e-4, at=(0.0, 0.0, -0.9), points=["p0"])])
 
-The law is compiled by Numba, and its derivatives by dual numbers are exact to rounding: statics and implicit steps converge as
-with any other effect. Arithmetic, comparisons, branches, loops and the functions in `dual.NAMES`, of `math` or of numpy, are
-understood; functions of one's own that it calls must be compiled too (``@numba.njit``). A law is compiled once a process, in a few
-seconds, when the first scene that has it is built.
+Numba compiles the law, and dual numbers give its derivatives exactly to rounding, so that statics and implicit steps converge as
+with any other effect. A law may hold arithmetic, comparisons, branches, loops and the functions in `dual.NAMES`, of `math` or of
+numpy. Functions of the user's that it calls must be compiled too (``@numba.njit``). It may not raise exceptions. A law is compiled
+once a process, in a few seconds, when the first scene that has it is built.
 
-The name of the function is the effect's, in scene files too once the module that defines it is imported. Its first arguments are
+The name of the function is the name of the effect, also in scene files once the module that defines it is imported. Its first
+arguments are
 
     node_force(t, q, v)               -> force on a node (fx, fy, fz) [N]
     node_energy(t, q)                 -> potential energy of a node [J]
     segment_force(t, q0, q1, v0, v1)  -> force on either node of a segment ((fx, fy, fz), (fx, fy, fz)) [N]
     segment_energy(t, q0, q1)         -> potential energy of a segment [J]
 
-with the time t [s], places [m] and velocities [m/s] as three numbers each; node 0 of a segment is the one towards its cable's
-start. The arguments in `OF_NODES` and `OF_SEGMENTS` are filled in for each element; all others are the effect's parameters, a
-number or a tuple of numbers each, with the defaults that they have there. An energy is better than the force that it gives: the
-balance of a run knows it, and a run that gains energy is found out. A step of `edmc` takes the law at its middle, so that its
-energy is kept to the step's second order. Methods of diffrax do not take effects of one's own.
+with the time t [s], positions [m] and velocities [m/s] as three numbers each; node 0 of a segment is the one towards its cable's
+start. The arguments in `OF_NODES` and `OF_SEGMENTS` are filled in for each element. All others are the effect's parameters, a
+number or a tuple of numbers each, with the defaults that they have in the law. Prefer an energy to the force that follows from it:
+the energy balance of a run then holds it, and a run that gains energy is noticed. A step of `edmc` takes the law at its middle, so
+that its energy is kept to the second order of the step. Methods of diffrax do not take such effects.
 """
 
 import inspect
-from dataclasses import field, fields, make_dataclass
+from dataclasses import field, fields, make_dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, check_number
+from anet_lumped.checks import SceneError, check_names, check_number
 from anet_lumped.effects import REGISTRY
+from anet_lumped.effects.effect import Effect, names_left
 
 from . import kernels as own_kernels
 from . import law as own_law
 from .law import Kind, Law, is_number, is_pair, is_vector, read_law
 
 OF_NODES = ("mass", "length", "area")
-"""Mass [kg]; unstretched length of half of its segments [m]; the same times their cables' diameters [m2]."""
+"""Of the node: mass [kg]; half of the unstretched length of its segments [m]; that length times their diameters [m2]."""
 OF_SEGMENTS = ("L0", "mass_per_length", "EA", "EI", "diameter", "Cdn", "Cdt", "Can", "Cat")
 """Of the segment's cable, see `Cable`; L0 is the segment's unstretched length [m]."""
-SAMPLES = 3  # places at which a load that is said to be dead must be
 
 NODE_FORCE = Kind(("t", "q", "v"), OF_NODES, "the force (fx, fy, fz) [N]", is_vector, own_kernels.of_node_force)
 NODE_ENERGY = Kind(("t", "q"), OF_NODES, "one number, the energy [J]", is_number, own_kernels.of_node_energy)
@@ -54,35 +55,25 @@ SEGMENT_FORCE = Kind(
 SEGMENT_ENERGY = Kind(("t", "q0", "q1"), OF_SEGMENTS, "one number, the energy [J]", is_number, own_kernels.of_segment_energy)
 
 
-class _Own:
-    """What the effects made here share; their fields are the parameters of the law and the names of what it acts on."""
+class _Own(Effect):
+    """What the effects made here share. Their fields are the parameters of the law, and the names of what it acts on."""
 
     law: ClassVar[Law]
     where: ClassVar[str]  # name of the field that says what it acts on
 
-    def __post_init__(self):
+    def check_parameters(self):
         for name in (one.name for one in fields(self)):
-            check = self._names if name == self.where else self._numbers
-            object.__setattr__(self, name, check(name, getattr(self, name)))
-        own_law.compiled(self.law, self._shapes)
+            value = getattr(self, name)
+            self._set(**{name: check_names(name, value, self._called) if name == self.where else self._numbers(name, value)})
 
-    @property
-    def _called(self):
-        return f"effect {type(self).__name__}"
+    def check_kernels(self):
+        """Compile the law itself; its compiled functions follow, and are checked, when a model is built."""
+        own_law.compiled(self.law, self._shapes)
 
     @property
     def _shapes(self):
         values = (getattr(self, name) for name in self.law.parameters)
         return tuple(len(value) if isinstance(value, tuple) else 0 for value in values)
-
-    def _names(self, name, value):
-        """A tuple of names, or None."""
-        if value is None:
-            return None
-        names = () if isinstance(value, str) else tuple(value)
-        if not names or not all(isinstance(one, str) for one in names):
-            raise SceneError(f"Argument `{name}` must be names or None, but {self._called} has {name}={value!r}.")
-        return names
 
     def _numbers(self, name, value):
         """A number, or a tuple of numbers."""
@@ -91,11 +82,11 @@ class _Own:
         return check_number(name, value, "", self._called)
 
     def kernels(self):
-        """Compiled functions, by their slot in `signatures`."""
-        return own_law.kernels(self.law, self._shapes)
+        kernels = own_law.kernels(self.law, self._shapes)
+        return {slot: kernels[slot] for slot in ("force", "energy")} if self.dead_load else kernels
 
     def table(self, model):
-        """Index and parameters for the kernels.
+        """Index and parameters for the compiled functions.
 
         Returns
         -------
@@ -105,32 +96,19 @@ class _Own:
 
         Raises
         ------
-        SceneError : no point or cable of that name, or a held point; a cable that lacks what the law needs; no dead load
+        SceneError : no point or cable of that name, or a held point; a cable that lacks what the law needs
         """
         index, of_elements = self._elements(model)
         own = [np.ravel(getattr(self, name)) for name in self.law.parameters]
         filled = [np.column_stack([of_elements[name] for name in self.law.fills]).ravel()] if self.law.fills else []
-        params = np.concatenate([*own, *filled, np.empty(0)]).astype(float)
-        if self.linear:
-            self._check_dead(params)
-        return np.asarray(index, np.int64), params
-
-    def _check_dead(self, params):
-        random, blocks, D = np.random.default_rng(0), np.zeros((0, 2, 3, 3)), np.zeros((1, 3, 3))
-        for q in random.normal(size=(SAMPLES, 1, 3)):
-            self.kernels()["tangent"](0.0, q, np.zeros((1, 3)), np.zeros(1, np.int64), params, 1.0, 0.0, D, blocks, blocks)
-            if D.any():
-                raise SceneError(
-                    f"The force of a dead load must not depend on the place, but that of {self._called} does; make it without "
-                    "dead=True."
-                )
+        return np.asarray(index, np.int64), np.concatenate([*own, *filled, np.empty(0)]).astype(float)
 
 
 class _OfNodes(_Own):
     where = "points"
 
     def _elements(self, model):
-        """Nodes that it acts on, and what is filled in of each."""
+        """Nodes that it acts on, and the arguments that are filled in for each."""
         held = [name for name in self.points or () if model.node(name) >= model.n_free]
         if held:
             raise SceneError(f'An effect on nodes can act on free points, but {self._called} has points with "{held[0]}", held.')
@@ -147,10 +125,16 @@ class _OfNodes(_Own):
 
 class _OfSegments(_Own):
     where = "cables"
-    couples: ClassVar[int] = 1
+    coupled_neighbours: ClassVar[int] = 1
+
+    def after_break(self, pieces, cables):
+        if self.cables is None:
+            return self
+        names = tuple(piece for name in self.cables for piece in names_left(name, pieces))
+        return replace(self, cables=names) if names else None
 
     def _elements(self, model):
-        """Both nodes, segment and side of the segments that it acts on, and what is filled in of each."""
+        """Both nodes, segment and side of the segments that it acts on, and the arguments that are filled in for each."""
         cables = model.scene.cables if self.cables is None else [model.scene.cable(name) for name in self.cables]
         index, of = [], {name: [] for name in self.law.fills}
         for cable in cables:
@@ -187,7 +171,7 @@ def node_energy(law=None, *, dead=False):
     ----------
     law : function
     dead : bool
-        The force does not depend on the place, as weight: statics and steps are then as quick as with weight alone.
+        The force does not depend on the position, as weight does not: statics and steps are then as quick as with weight alone.
     """
     if law is None:  # as in @node_energy(dead=True)
         return lambda law: _effect(law, NODE_ENERGY, _OfNodes, dead)
@@ -220,7 +204,7 @@ def _effect(function, kind, base, dead=False):
         plain = float | tuple[float, ...] if annotation is inspect.Parameter.empty else annotation
         described.append((key, plain) if given is inspect.Parameter.empty else (key, plain, field(default=given)))
     described.append((base.where, tuple[str, ...] | None, field(default=None, kw_only=True)))
-    namespace = {"law": law, "linear": dead, "__doc__": function.__doc__}
+    namespace = {"law": law, "dead_load": dead, "__doc__": function.__doc__}
     made = make_dataclass(name, described, bases=(base,), namespace=namespace, frozen=True)
     made.__module__, made.__qualname__ = function.__module__, function.__qualname__
     REGISTRY[name] = made

@@ -9,7 +9,7 @@ row of the first and the column of the second of them.
 from numba import njit
 
 from anet_lumped.compiled.dual import constant, dual, seeded, slope
-from anet_lumped.effects.signatures import ENERGY, FORCE, TANGENT
+from anet_lumped.effects.signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
 
 @njit(error_model="numpy")
@@ -58,7 +58,7 @@ def _add_second_transposed(block, c, E):
 
 @njit(error_model="numpy")
 def _seeded(q):
-    """Places with slopes in themselves."""
+    """A position with slopes in itself."""
     x, y, z = q
     return seeded(x, y, z)
 
@@ -70,7 +70,7 @@ def _constant(q):
     return constant(x, y, z)
 
 
-@njit(ENERGY, cache=True)
+@njit(ENERGY_SIGNATURE, cache=True)
 def no_energy(t, q, index, params):
     """What a force law has."""
     return 0.0
@@ -79,7 +79,7 @@ def no_energy(t, q, index, params):
 def of_node_force(law, numbers, first, each):
     """Of law(t, q, v, ...) -> force on a node [N]."""
 
-    @njit(FORCE, error_model="numpy")
+    @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
         power = 0.0
         for n in range(index.shape[0]):
@@ -89,7 +89,7 @@ def of_node_force(law, numbers, first, each):
             power -= fx * v[i, 0] + fy * v[i, 1] + fz * v[i, 2]
         return power
 
-    @njit(TANGENT, error_model="numpy")
+    @njit(TANGENT_SIGNATURE, error_model="numpy")
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0]):
             i, of = index[n], numbers(params, first + each * n)
@@ -102,7 +102,7 @@ def of_node_force(law, numbers, first, each):
 def of_node_energy(law, numbers, first, each):
     """Of law(t, q, ...) -> energy of a node [J]; its change with the time alone is put in or taken out from outside."""
 
-    @njit(FORCE, error_model="numpy")
+    @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
         power = 0.0
         for n in range(index.shape[0]):
@@ -112,13 +112,13 @@ def of_node_energy(law, numbers, first, each):
             power -= slope(law(dual(t, 1.0, 0.0, 0.0), _at(q, i), *of), 0)
         return power
 
-    @njit(TANGENT, error_model="numpy")
+    @njit(TANGENT_SIGNATURE, error_model="numpy")
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0]):
             i = index[n]
             _add_second(D[i], c_q, law(t, _seeded(_seeded(_at(q, i))), *numbers(params, first + each * n)))
 
-    @njit(ENERGY, error_model="numpy")
+    @njit(ENERGY_SIGNATURE, error_model="numpy")
     def energy(t, q, index, params):
         total = 0.0
         for n in range(index.shape[0]):
@@ -131,7 +131,7 @@ def of_node_energy(law, numbers, first, each):
 def of_segment_force(law, numbers, first, each):
     """Of law(t, q0, q1, v0, v1, ...) -> forces on both nodes of a segment [N]."""
 
-    @njit(FORCE, error_model="numpy")
+    @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
         power = 0.0
         for n in range(index.shape[0] // 4):
@@ -145,7 +145,7 @@ def of_segment_force(law, numbers, first, each):
             power -= fx * v[j, 0] + fy * v[j, 1] + fz * v[j, 2]
         return power
 
-    @njit(TANGENT, error_model="numpy")
+    @njit(TANGENT_SIGNATURE, error_model="numpy")
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0] // 4):
             i, j, s, side = index[4 * n], index[4 * n + 1], index[4 * n + 2], index[4 * n + 3]
@@ -172,7 +172,7 @@ def of_segment_force(law, numbers, first, each):
 def of_segment_energy(law, numbers, first, each):
     """Of law(t, q0, q1, ...) -> energy of a segment [J]; its change with the time alone is put in or taken out from outside."""
 
-    @njit(FORCE, error_model="numpy")
+    @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
         power = 0.0
         for n in range(index.shape[0] // 4):
@@ -185,7 +185,7 @@ def of_segment_energy(law, numbers, first, each):
             power -= slope(law(dual(t, 1.0, 0.0, 0.0), qi, qj, *of), 0)
         return power
 
-    @njit(TANGENT, error_model="numpy")
+    @njit(TANGENT_SIGNATURE, error_model="numpy")
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0] // 4):
             i, j, s, side = index[4 * n], index[4 * n + 1], index[4 * n + 2], index[4 * n + 3]
@@ -199,7 +199,7 @@ def of_segment_energy(law, numbers, first, each):
                 _add_second(near[s, side], c_q, E)
                 _add_second_transposed(near[s, 1 - side], c_q, E)
 
-    @njit(ENERGY, error_model="numpy")
+    @njit(ENERGY_SIGNATURE, error_model="numpy")
     def energy(t, q, index, params):
         total = 0.0
         for n in range(index.shape[0] // 4):

@@ -1,4 +1,4 @@
-"""The law of an effect of one's own: what it must look like, and how it is compiled (`own_effects`)."""
+"""The law of a user's own effect: what it must look like, and how it is compiled."""
 
 import inspect
 from collections.abc import Callable

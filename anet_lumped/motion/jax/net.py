@@ -98,7 +98,7 @@ class JaxNet(eqx.Module):
         return jnp.where(there.reshape(*there.shape, *[1] * (rows.ndim - 1)), rows[jnp.where(there, at, 0)], other)
 
     def force(self, t, stop, q, v):
-        """Force (n_free, 3) [N] on the moving nodes, and powers (2,) [W]: dissipated, put in by driven points."""
+        """Force (n_free, 3) [N] on the moving nodes, and powers (3,) [W]: taken by dampers, by effects, put in by driven points."""
         whole_q, whole_v = self._all(t, stop, q, v)
         Q, V = whole_q[self.node], whole_v[self.node]
         pull, lost = self._pull(Q[:, 1:] - Q[:, :-1], V[:, 1:] - V[:, :-1])
@@ -108,7 +108,7 @@ class JaxNet(eqx.Module):
         f = jnp.concatenate([self._interior(pull[:, 1:] - pull[:, :-1]), points[: self._free]]) + external
         driven = len(points) - len(self.paths.breaks)
         put_in = -jnp.sum(points[driven:] * whole_v[len(self.inner) + driven :])
-        return f, jnp.stack([jnp.sum(lost) + drained, put_in])
+        return f, jnp.stack([jnp.sum(lost), drained + 0.0, put_in])
 
     def factor(self, t, stop, q, v, tau):
         """Factors of M - tau df/dv - tau^2 df/dq for `solve`."""
@@ -171,7 +171,7 @@ class JaxNet(eqx.Module):
 
 
 class _Nodes(NamedTuple):
-    """What an effect that is linear looks up in a model."""
+    """What an effect that JAX can trace reads of a model."""
 
     mass: np.ndarray
     n_free: int
@@ -194,23 +194,14 @@ def jax_net(model):
 
     Raises
     ------
-    ValueError : an effect that is the user's own, is not linear in a node's own place and velocity, or knows more than its mass
+    ValueError : an effect that JAX cannot trace
     """
     for effect in model.scene.effects:
-        if hasattr(effect, "law"):  # derived by dual numbers, which JAX does not trace
-            raise ValueError(f"Methods of diffrax need effects of the library, but {type(effect).__name__} is one of your own.")
-        if not getattr(effect, "linear", False):
+        if not effect.jax_traceable:
             raise ValueError(
-                "Methods of diffrax need effects whose force is linear in a node's own place and velocity, but that of "
-                f"{type(effect).__name__} is not."
+                "Methods of diffrax need effects that JAX can trace, such as Gravity and ViscousDamping, but "
+                f"{type(effect).__name__} is none (`Effect.jax_traceable`); take a method of this package or of scipy."
             )
-        try:
-            effect.table(_Nodes(model.mass, model.n_free))
-        except AttributeError:
-            raise ValueError(
-                "Methods of diffrax need effects that know of a node nothing but its mass, but "
-                f"{type(effect).__name__} knows more; take a method of this package or of scipy."
-            ) from None
     count, C = model.cable[:, CABLE_SEGMENTS], len(model.cable)
     S, offset = max(2, int(count.max())), model.n_interior  # with one place at least for an interior node
     node, inner = np.empty((C, S + 1), int), np.empty(model.n_interior, int)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_vector
+from anet_lumped.checks import SceneError, Vector, check_direction
 
 
 class Wind(ABC):
@@ -46,11 +46,8 @@ def check_winds(argument: str, value: Any, owner: str) -> Wind | tuple[Wind, ...
     return winds[0] if len(winds) == 1 else winds or None
 
 
-def check_direction(value: Vector, owner: str) -> Vector:
+def check_unit_direction(value: Vector, owner: str) -> Vector:
     """Return a direction as a vector of length 1."""
-    direction = np.array(check_vector("direction", value, "", owner))
-    size = float(np.linalg.norm(direction))
-    if size == 0.0:
-        raise SceneError(f"Argument `direction` must not be zero, but {owner} has direction={value}.")
-    x, y, z = (direction / size).tolist()
+    direction = np.array(check_direction("direction", value, owner))
+    x, y, z = (direction / np.linalg.norm(direction)).tolist()
     return x, y, z

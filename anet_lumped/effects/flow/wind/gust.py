@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number, check_vector
+from anet_lumped.checks import Vector, check_flag, check_number, check_vector
 from anet_lumped.compiled.jit import on_demand
 
 from .base import UNIFORM_IN_PLACE, Wind
@@ -39,8 +39,7 @@ class Gust(Wind):
         object.__setattr__(self, "amplitude", check_vector("amplitude", self.amplitude, "m/s", owner))
         object.__setattr__(self, "start", check_number("start", self.start, "s", owner))
         object.__setattr__(self, "rise", check_number("rise", self.rise, "s", owner, sign="positive"))
-        if not isinstance(self.stays, bool):
-            raise SceneError(f"Argument `stays` must be True or False, but {owner} has stays={self.stays!r}.")
+        check_flag("stays", self.stays, owner)
 
     def numbers(self):
         """Amplitude [m/s], start and rise [s], 1 if it stays."""

@@ -10,7 +10,7 @@ import numpy as np
 from anet_lumped.checks import SceneError, Vector, check_number, check_vector
 from anet_lumped.compiled.jit import inlined, on_demand
 
-from .base import UNIFORM_IN_PLACE, Wind, check_direction
+from .base import UNIFORM_IN_PLACE, Wind, check_unit_direction
 
 LOWEST = 1e-6  # of the height of a power law; below, its slope, which has no bound at the ground, is that at it
 
@@ -153,7 +153,7 @@ class Sampled(Wind):
 def _check_profile(profile, owner):
     for key, unit, sign in (("speed", "m/s", "non-negative"), ("height", "m", "positive"), ("ground", "m", "")):
         object.__setattr__(profile, key, check_number(key, getattr(profile, key), unit, owner, sign=sign))
-    object.__setattr__(profile, "direction", check_direction(profile.direction, owner))
+    object.__setattr__(profile, "direction", check_unit_direction(profile.direction, owner))
 
 
 @on_demand

@@ -1,0 +1,112 @@
+"""Every argument of what a user writes, given what it cannot be: one sentence that names it, and never another error."""
+
+import inspect
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, SceneError, paths, rope, signals, waves, wind
+from anet_lumped.effects import REGISTRY
+
+POINTS = [Fixed("a", (0, 0, 0)), Free("b")]
+MAKERS = {
+    "Fixed": (Fixed, {"name": "a", "at": (0, 0, 0)}),
+    "Driven": (Driven, {"name": "a", "path": paths.line((0, 0, 0), (1, 0, 0), 1.0)}),
+    "Free": (Free, {"name": "a"}),
+    "Cable": (Cable, {"start": "a", "end": "b", "length": 1.0, "mass_per_length": 0.1, "EA": 1e3, "segments": 2}),
+    "PayloadChange": (PayloadChange, {"point": "b", "t": 1.0, "mass": 1.0}),
+    "paths.line": (paths.line, {"start": (0, 0, 0), "velocity": (1, 0, 0), "ramp": 1.0}),
+    "paths.samples": (paths.samples, {"t": [0.0, 1.0], "xyz": [(0, 0, 0), (1, 0, 0)]}),
+    "paths.harmonic": (paths.harmonic, {"center": (0, 0, 0), "amplitude": (1, 0, 0), "frequency": 1.0}),
+    "signals.line": (signals.line, {"start": 0.0, "rate": 1.0, "ramp": 1.0}),
+    "signals.samples": (signals.samples, {"t": [0.0, 1.0], "values": [0.0, 1.0]}),
+    "signals.harmonic": (signals.harmonic, {"center": 0.0, "amplitude": 1.0, "frequency": 1.0}),
+    "rope": (rope, {"name": "nylon", "diameter": 0.01}),
+    "wind.Uniform": (wind.Uniform, {"velocity": (1, 0, 0)}),
+    "wind.PowerLaw": (wind.PowerLaw, {"speed": 8.0, "height": 10.0, "exponent": 0.14}),
+    "wind.Logarithmic": (wind.Logarithmic, {"speed": 8.0, "height": 10.0, "roughness": 0.03}),
+    "wind.Gust": (wind.Gust, {"amplitude": (1, 0, 0), "start": 0.0, "rise": 1.0}),
+    "wind.Dryden": (wind.Dryden, {"sigma": 1.0, "length": 10.0, "carried": (5, 0, 0), "seed": 1}),
+    "wind.Sampled": (wind.Sampled, {"samples": [(0.0, 1.0, 0.0), (10.0, 2.0, 0.0)]}),
+    "wind.Recorded": (wind.Recorded, {"file": "wind.csv"}),
+    "waves.Airy": (waves.Airy, {"height": 1.0, "period": 5.0}),
+}
+CABLE = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e3, segments=2)
+MAKERS["Scene"] = (Scene, {"points": POINTS, "cables": [CABLE]})
+SCENE = SimpleNamespace(supports=[(0.0, 0.0, 0.0)], cables=[CABLE])
+for name in REGISTRY.library:
+    example = REGISTRY[name].example(SCENE)
+    MAKERS[name] = (type(example), {key: getattr(example, key) for key in inspect.signature(type(example)).parameters})
+
+WRONG = {
+    "a string": "text",
+    "nothing": None,
+    "an empty list": [],
+    "a list": [1.0],
+    "nan": math.nan,
+    "an empty dict": {},
+    "a dict": {"a": 1.0},
+    "a bool": True,
+    "an object": object(),
+}
+NAMES = {
+    ("Fixed", "name"), ("Driven", "name"), ("Free", "name"), ("Cable", "start"), ("Cable", "end"), ("Cable", "name"),
+    ("PayloadChange", "point"),
+}  # fmt: skip
+NONE = {
+    ("Free", "at"), ("Cable", "BA"), ("Cable", "name"), ("Cable", "diameter"), ("Cable", "breaking_tension"),
+    ("Cable", "tension_strain"), ("air", "wind"), ("air", "surface"), ("water", "current"), ("water", "wave"), ("water", "g"),
+    ("load", "cables"), ("rope", "tension"),
+}  # fmt: skip
+EMPTY = {("air", "wind"), ("water", "current"), ("bending", "clamped"), ("Scene", "effects"), ("Scene", "events")}
+BY_NAME = {("axial_damping", "rate"), ("temperature", "expansion")}
+RIGHT = (
+    {("a string", *one) for one in NAMES}
+    | {("nothing", *one) for one in NONE}
+    | {("an empty list", *one) for one in EMPTY}
+    | {("a dict", *one) for one in BY_NAME}
+    | {("an empty dict", "bending", "clamped"), ("a bool", "wind.Gust", "stays")}
+)
+"""What is no mistake after all."""
+
+
+def cases():
+    for owner, (maker, _) in MAKERS.items():
+        for argument in inspect.signature(maker).parameters:
+            yield from (pytest.param(owner, argument, wrong, id=f"{owner} {argument} {wrong}") for wrong in WRONG)
+
+
+@pytest.fixture(autouse=True)
+def recorded(tmp_path, monkeypatch):
+    """A recorded wind in the folder that relative paths start from."""
+    (tmp_path / "wind.csv").write_text("t,u,v,w\n0,1,0,0\n1,2,0,0\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize(("owner", "argument", "wrong"), list(cases()))
+def test_wrong_types(owner, argument, wrong):
+    maker, arguments = MAKERS[owner]
+    given = arguments | {argument: WRONG[wrong]}
+    if (wrong, owner, argument) in RIGHT:
+        maker(**given)
+        return
+    with pytest.raises(SceneError) as refused:
+        maker(**given)
+    said = str(refused.value)
+    # one sentence that says what must hold
+    assert said.endswith((".", "?")) and "\n" not in said and any(word in said for word in (" must ", " may ", "known: ")), said
+    assert argument in said or "name of a" in said or "recorded wind" in said or owner == "rope", said
+
+
+@pytest.mark.parametrize("owner", MAKERS)
+def test_what_is_right_is_made(owner):
+    """With NumPy's numbers in place of Python's too, which become Python's."""
+    maker, arguments = MAKERS[owner]
+    made = maker(**arguments)
+    numbers = {key: np.float64(value) for key, value in arguments.items() if type(value) is float}
+    again = maker(**(arguments | numbers))
+    assert again == made
+    if not isinstance(made, dict | paths.Path | signals.Signal):
+        assert all(type(getattr(again, key)) is float for key in numbers)
