@@ -6,11 +6,12 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from anet_lumped.effects import REGISTRY
 from studies.questions import effects_cost
-from studies.questions.effects_cost import LIBRARIES, OWN, entries, memory, plain
+from studies.questions.effects_cost import OWN, entries, memory, plain
 
 ROOT = Path(__file__).parents[2]
 SCENES = ((), ("Gravity",), ("Gravity", "Air"))  # each has the effects of the one before it and another one
@@ -62,15 +63,15 @@ def test_the_library_imports_no_effect(imported):
 def rows():
     """The quick study."""
     known = REGISTRY.classes
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(effects_cost, "QUICK_REPEATS", 1)  # what is timed is no matter here
-        found = effects_cost.compute(quick=True)
+    found = effects_cost.compute(quick=True)
     assert REGISTRY.classes is known
     return found
 
 
 def test_each_effect_alone_and_all_together(rows):
-    table = rows["marginal"].set_index("effect")
+    """Two turns of all effects, as what is timed is no matter here; the quick study has some effects."""
+    assert set(effects_cost.QUICK_EFFECTS) < set(rows["marginal"]["effect"])
+    table = pd.DataFrame(effects_cost.marginal(2, REGISTRY.library)[0]).set_index("effect")
     assert list(table.index) == ["none", "gravity", OWN, *[name for name in REGISTRY.library if name != "gravity"], "all together"]
     assert (table[["verlet_ns", "newton_ns"]] > 0).all(axis=None) and np.isfinite(table.memory_bytes).all()
     more, together = table.more_bytes, table.loc["all together"]
@@ -85,19 +86,31 @@ def test_each_effect_alone_and_all_together(rows):
 
 
 def test_a_library_without_other_effects_is_the_same(rows):
-    table = rows["libraries"].set_index("library")
-    assert set(table.index) == set(LIBRARIES) and table.memory_bytes.nunique() == 1
-    assert table.effects_imported["whole"] == table.effects_imported["stripped"] == "gravity"
-    assert table.effects_imported["imported"].split() == REGISTRY.library
-    assert (effects_cost.ratios(rows["libraries"]) > 0).all(axis=None)
+    table = rows["libraries"].groupby("library").first()
+    assert set(table.index) == set(effects_cost.QUICK_LIBRARIES) and rows["libraries"].memory_bytes.nunique() == 1
+    assert (rows["libraries"]["effects_imported"] == "gravity").all()
+    assert all(found.pairs == effects_cost.QUICK_PROCESSES for found in effects_cost.ratios(rows["libraries"]).values())
+
+
+def test_a_library_whose_effects_are_all_imported():
+    (row, *_) = [row for row in effects_cost.libraries(1, ("imported",))]
+    assert row["effects_imported"].split() == list(REGISTRY.library) and row["verlet_ns"] > 0 and row["newton_ns"] > 0
+
+
+def test_a_library_that_dies_is_told(monkeypatch):
+    dies = [sys.executable, "-c", "input(); raise SystemExit(1)"]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    monkeypatch.setattr(effects_cost, "_process", lambda library: subprocess.Popen(dies, **pipes))
+    with pytest.raises(RuntimeError, match="The process with the whole library ended; its error is above"):
+        effects_cost.libraries(1, ("whole",))
 
 
 def test_answer_and_figure(rows, tmp_path):
     words = effects_cost.answer(rows)
-    assert "takes the same memory in all, and imports gravity only" in words and "viscous damping" in words
-    for figure in effects_cost.plot(rows).values():
-        figure.savefig(tmp_path / "figure.svg")
-    assert effects_cost.QUESTION.endswith("?")
+    assert "takes the same memory with the whole library and none of the other effects" in words
+    assert "imports gravity only" in words and "viscous damping" in words
+    for drawing in effects_cost.plot(rows).values():
+        drawing.figure.savefig(tmp_path / "figure.svg")
 
 
 def test_nothing_is_kept_for_an_effect_that_is_not_there():

@@ -1,7 +1,7 @@
 """Random nets, starts, paths, methods and steps: each run must end well with its energy accounted for, or say why not.
 
-Run as `python -m studies.fuzz`; it tries `TRIALS` of them and prints what failed. A trial is drawn with a `Pick`, so that
-tests draw the same trials from another source of chance.
+Run as `python -m studies.catalogue.random_trials`; it tries `TRIALS` of them and prints what failed. A trial is drawn with a
+`Pick`, so that tests draw the same trials from another source of chance.
 """
 
 import json
@@ -13,8 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, Scene, SceneError, State
-from anet_lumped.effects import Air, AxialDamping, Bending, Gravity, Ground, ViscousDamping, Water
+from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, Scene, SceneError, State, effects
 from anet_lumped.model.build import build
 from anet_lumped.model.tables import AXIAL_STIFFNESS
 from anet_lumped.motion.simulate import StabilityWarning, simulate, straight
@@ -23,10 +22,9 @@ from anet_lumped.prescribed import paths
 from anet_lumped.results.run import segment_tensions
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
-from studies.catalogue.outcome import DEFAULT, bounded, methods
+from studies.catalogue.outcome import DEFAULT, FAILED, GAINED, HELD, REFUSED, bounded_work, compiled_methods
 
 TRIALS = 2000
-HELD, SAID, GAINED, FAILED = "held", "said", "gained", "failed"
 IMBALANCE = 1e-4  # of the energy in play, what the exact balance of edmc may miss: Newton's tolerance over some ten steps
 RISE, GAIN = 1e-5, 0.1  # of the energy in play: of methods that never raise it; of the others, counted
 EVALUATIONS = 800  # of the force by one of scipy's solvers
@@ -80,10 +78,13 @@ class Trial:
     seed: int = 0
 
 
-def draw(pick: Pick) -> Trial:
-    """A random trial; scenes and arguments that the library does not take raise its own errors."""
-    scene = _scene(pick)
-    method = pick.one_of((None, None, "edmc", "edmc", "backward_euler", *methods()))
+def draw(pick: Pick, surroundings: bool = True) -> Trial:
+    """A random trial; scenes and arguments that the library does not take raise its own errors.
+
+    Without surroundings a scene has no air, water, ground, bending nor axial damping.
+    """
+    scene = _scene(pick, surroundings)
+    method = pick.one_of((None, None, "edmc", "edmc", "backward_euler", *compiled_methods()))
     rtol = pick.one_of((None,) * 7 + (1e-4,))
     start = pick.one_of(("equilibrium", "straight", "thrown"))
     steps = pick.integer(5, 40)
@@ -107,13 +108,13 @@ def draw(pick: Pick) -> Trial:
     return Trial(scene, t_end, method, dt, None if from_elsewhere else rtol, start, speed, pick.integer(0, 10**6))
 
 
-def _scene(pick):
+def _scene(pick, surroundings):
     n = pick.integer(2, 6)
-    spots = tuple(x / 2 for x in range(-2, 3))
+    coordinates = tuple(x / 2 for x in range(-2, 3))
     kinds = [pick.one_of(("fixed", "driven", "free", "free", "free")) for _ in range(n)]
     points = []
     for i, kind in enumerate(kinds):
-        at = tuple(pick.one_of(spots) for _ in range(3))
+        at = tuple(pick.one_of(coordinates) for _ in range(3))
         if kind == "fixed":
             points.append(Fixed(f"p{i}", at))
         elif kind == "driven":
@@ -136,10 +137,10 @@ def _scene(pick):
         for c, (a, b) in enumerate(links)
     ]  # fmt: skip
     g = pick.one_of((9.81, 9.81, 9.81, 0.0, -9.81))
-    effects = [Gravity(abs(g), (0.0, 0.0, -1.0 if g > 0 else 1.0))] if g else []
+    acting = [effects.Gravity(abs(g), (0.0, 0.0, -1.0 if g > 0 else 1.0))] if g else []
     rate = pick.one_of((0.0, 0.0, 0.5, 50.0))
-    effects += [ViscousDamping(rate)] if rate else []
-    return Scene(points, cables, effects + _surroundings(pick))
+    acting += [effects.ViscousDamping(rate)] if rate else []
+    return Scene(points, cables, acting + (_surroundings(pick) if surroundings else []))
 
 
 def _curve(pick, EA):
@@ -153,52 +154,56 @@ def _curve(pick, EA):
 
 
 def _surroundings(pick):
-    """Effects that nothing drives."""
+    """Effects that put no energy in; one that is not drawn is not even imported."""
     which = pick.one_of(("none",) * 4 + ("air", "water", "ground", "bending", "axial damping", "all"))
     level = pick.one_of((-2.0, -0.5, 0.0, 3.0))
+    friction, rate = pick.one_of((0.0, 0.5)), pick.one_of((0.5, 50.0))
     known = {
-        "air": Air(),
-        "water": Water(level=level, g=9.81),
-        "ground": Ground(height=level - 1.0, friction=pick.one_of((0.0, 0.5))),
-        "bending": Bending(),
-        "axial damping": AxialDamping(rate=pick.one_of((0.5, 50.0))),
+        "air": lambda: effects.Air(),
+        "water": lambda: effects.Water(level=level, g=9.81),
+        "ground": lambda: effects.Ground(height=level - 1.0, friction=friction),
+        "bending": lambda: effects.Bending(),
+        "axial damping": lambda: effects.AxialDamping(rate=rate),
     }
-    return list(known.values()) if which == "all" else [known[which]] if which in known else []
+    return [make() for name, make in known.items() if which in (name, "all")]
 
 
 def _path(pick, at):
     kind = pick.one_of(("line", "harmonic", "samples"))
-    way = np.array([pick.number(-1.0, 1.0) for _ in range(3)]) * 10.0 ** pick.number(-3.0, 0.7)
+    velocity = np.array([pick.number(-1.0, 1.0) for _ in range(3)]) * 10.0 ** pick.number(-3.0, 0.7)
     if kind == "line":
-        return paths.line(at, tuple(way), ramp=pick.one_of((0.0, 0.01, 1.0)))
+        return paths.line(at, tuple(velocity), ramp=pick.one_of((0.0, 0.01, 1.0)))
     if kind == "harmonic":
-        return paths.harmonic(at, tuple(0.1 * way), 10.0 ** pick.number(-1.0, 2.0), ramp=pick.one_of((0.0, 0.1)))
+        return paths.harmonic(at, tuple(0.1 * velocity), 10.0 ** pick.number(-1.0, 2.0), ramp=pick.one_of((0.0, 0.1)))
     t = np.linspace(0.0, 0.5, 6)
-    return paths.samples(t, np.array(at) + np.outer(np.sin(7 * t) * t, way))
+    return paths.samples(t, np.array(at) + np.outer(np.sin(7 * t) * t, velocity))
 
 
 def attempt(trial: Trial) -> tuple[str, str]:
-    """Run a trial: HELD, SAID (a status, a warning or an error of the library's own, in words), GAINED or FAILED; and why."""
+    """Run a trial: HELD, REFUSED, GAINED or FAILED; and why.
+
+    It is refused by a status other than "done", a warning or an error of the library's own, each in words.
+    """
     try:
-        with warnings.catch_warnings(record=True) as caught, bounded(EVALUATIONS):
+        with warnings.catch_warnings(record=True) as caught, bounded_work(EVALUATIONS):
             warnings.simplefilter("always")
             run = simulate(
                 trial.scene, trial.t_end, method=trial.method, dt=trial.dt, rtol=trial.rtol, start=_start(trial)
             )  # fmt: skip
     except (SceneError, EquilibriumError, ValueError) as error:
         own = type(error) in (SceneError, EquilibriumError) or "must" in str(error)
-        return (SAID if own and str(error).strip() else FAILED), f"{type(error).__name__}: {error}"
+        return (REFUSED if own and str(error).strip() else FAILED), f"{type(error).__name__}: {error}"
     except Exception as error:
         return FAILED, f"{type(error).__name__}: {error}"
     finite = np.isfinite(run.q).all() and np.isfinite(run.v).all()
     if not run.ok:
-        return (SAID if run.message and len(run.t) else FAILED), run.message
+        return (REFUSED if run.message and len(run.t) else FAILED), run.message
     if not (finite and np.isfinite(run.energy).all()):
         return FAILED, "done, yet not finite"
     if abs(run.t[-1] - run.t[0] - trial.t_end) > 1e-9 * trial.t_end:
         return FAILED, f"done at t={run.t[-1]:g} s instead of {trial.t_end:g} s"
     said = next((str(w.message) for w in caught if issubclass(w.category, StabilityWarning)), "")
-    return (SAID, said) if said else _audit(trial, run)
+    return (REFUSED, said) if said else _audit(trial, run)
 
 
 def _start(trial):
@@ -220,54 +225,50 @@ def _audit(trial, run):
     m = model.mass[: model.n_free]
     weighty = m.sum() * (np.linalg.norm(scene.gravity) * np.abs(run.q).max() + (run.v**2).sum(axis=2).max())
     rounding = 1e-9 * weighty + 1e-15 * float(model.axial[:, AXIAL_STIFFNESS].max()) * np.abs(run.q).max() ** 2
-    in_play = max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max(), rows[:, 4].max()) + rounding
-    own = rows[:, :3].sum(axis=1) - rows[:, 3]
+    own, taken = rows[:, :3].sum(axis=1) - rows[:, 3], rows[:, 4:].sum(axis=1)
+    in_play = max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max(), taken.max()) + rounding
     rise = float((own - np.minimum.accumulate(own)).max() / in_play)
     driven = any(isinstance(point, Driven) for point in scene.points)
     if run.method == "edmc":
-        off = abs(own[-1] - own[0] + rows[-1, 4] - rows[0, 4]) / in_play
+        off = abs(own[-1] - own[0] + taken[-1] - taken[0]) / in_play
         if off > IMBALANCE:
             return FAILED, f"edmc's balance of energy is off by {off:.2g} of the energy in play"
         # states between adaptive steps are interpolated, their energies too rough; added mass that turns gives energy of the water
-        if rise > RISE and trial.rtol is None and not any(isinstance(effect, Water) for effect in scene.effects):
+        if rise > RISE and trial.rtol is None and not any(isinstance(effect, effects.Water) for effect in scene.effects):
             return FAILED, f"edmc raises the energy by {rise:.2g} of the energy in play"
         return HELD, ""
     if driven or trial.rtol is not None:  # of work, other methods' accounts are rough where a point jumps
         return HELD, ""
-    scheme = schemes.scheme(run.method)
-    if (
-        scheme.energy is EnergyPromise.NEVER_RISES
-        and not any(cable.compression == "linear" for cable in scene.cables)
-        and rise > RISE
-    ):
+    scheme, pushes = schemes.scheme(run.method), any(cable.compression == "linear" for cable in scene.cables)
+    if scheme.energy is EnergyPromise.NEVER_RISES and not pushes and rise > RISE:
         return FAILED, f"{scheme.label} raises the energy by {rise:.2g} of the energy in play"
     if rise > GAIN:
         return (FAILED if trial.method is None else GAINED), f"{run.method} raises the energy by {rise:.2g} of that in play"
     return HELD, ""
 
 
-def try_many(seed: int, first: int, count: int) -> list[dict]:
-    """Outcomes of trials by number, as dicts: number, way (the method, or "default"), outcome, why, seconds."""
+def try_many(seed: int, first: int, count: int, surroundings: bool = True) -> list[dict]:
+    """Outcomes of trials by number, as dicts: number, method (or "default"), outcome, why, seconds."""
     found = []
     for number in range(first, first + count):
-        began, way = time.perf_counter(), ""
+        began, method = time.perf_counter(), ""
         try:
-            trial = draw(Random((seed, number)))
-            way = trial.method or DEFAULT
+            trial = draw(Random((seed, number)), surroundings)
+            method = trial.method or DEFAULT
             outcome, why = attempt(trial)
         except SceneError as error:  # such as a cable from a point to itself
-            outcome, why, way = SAID, f"SceneError: {error}", "scene"
-        found.append({"number": number, "way": way, "outcome": outcome, "why": why, "seconds": time.perf_counter() - began})
+            outcome, why, method = REFUSED, f"SceneError: {error}", "scene"
+        found.append({"number": number, "method": method, "outcome": outcome, "why": why, "seconds": time.perf_counter() - began})
     return found
 
 
 def main(seed=7, trials=TRIALS):
-    """Try many and print what failed, how many did not, and the slowest."""
+    """Try many and print what failed, how many had each outcome, and the slowest."""
     found = try_many(seed, 0, trials)
     for one in found:
         if one["outcome"] in (FAILED, GAINED):
             print(json.dumps(one))
-    counts = {outcome: sum(one["outcome"] == outcome for one in found) for outcome in (HELD, SAID, GAINED, FAILED)}
+    counts = {outcome: sum(one["outcome"] == outcome for one in found) for outcome in (HELD, REFUSED, GAINED, FAILED)}
     slowest = max(found, key=lambda one: one["seconds"])
     print(counts, f"{math.fsum(one['seconds'] for one in found):.0f} s; slowest:", json.dumps(slowest))
 
