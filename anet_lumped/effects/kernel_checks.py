@@ -9,14 +9,13 @@ from numba.core.dispatcher import Dispatcher
 from anet_lumped.checks import SceneError, nearest
 from anet_lumped.compiled.exceptions import may_raise
 
-from .effect import Effect
 from .signatures import SIGNATURES, SLOTS
 
 OF_DEAD_LOADS = ("force", "energy")
 OF_OTHERS = ("force", "energy", "tangent")
 
 
-def check_kernels(effect: Effect) -> None:
+def check_kernels(effect: Any) -> None:
     """Refuse an effect whose compiled functions are missing, unknown, of another signature or able to raise.
 
     Raises
