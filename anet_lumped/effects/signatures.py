@@ -30,11 +30,11 @@ A net holds the addresses of these functions, as plain integers and 0 for none, 
 are; `as_force` and its like make an address callable in compiled code.
 """
 
+from typing import Any
+
 from numba import types
 
 from anet_lumped.compiled.addresses import address, callable_at
-
-from .effect import Effect
 
 _f1, _f2, _f3, _f4 = (types.Array(types.float64, d, "C") for d in (1, 2, 3, 4))
 _i1, _f8 = types.Array(types.int64, 1, "C"), types.float64
@@ -55,7 +55,7 @@ SIGNATURES = {
 SLOTS = tuple(SIGNATURES)  # in the order of the SLOT_ columns in `model.tables`
 
 
-def addresses(effect: Effect) -> list[int]:
+def addresses(effect: Any) -> list[int]:
     """Addresses of an effect's compiled functions in the order of `SLOTS`; 0 for those that it does not have."""
     kernels = effect.kernels()
     return [address(kernels[slot]) if slot in kernels else 0 for slot in SLOTS]
