@@ -74,16 +74,19 @@ def test_no_effect_knows_another():
 
 
 def test_the_contract_of_effects_needs_no_compiler():
-    """Nor does a scene, with an effect that has no compiled functions. The package itself is left out: it imports `simulate`."""
+    """Nor does an effect without compiled functions. The package itself is left out: it imports `simulate`."""
     code = (
         "import sys, types; package = types.ModuleType('anet_lumped'); package.__path__ = ['anet_lumped']\n"
         "sys.modules['anet_lumped'] = package\n"
-        "from anet_lumped.effects import Effect, LineChange\n"
-        "from anet_lumped.prescribed import signals\n"
-        "from anet_lumped.scene.scene import Cable, Fixed, Free, Scene\n"
-        "cable = Cable('a', 'b', length=1.0, mass_per_length=0.1, EA=1e3, segments=2)\n"
-        "Scene([Fixed('a', (0, 0, 0)), Free('b')], [cable], [LineChange({'a-b': signals.line(0.0, 0.1, 1.0)})])\n"
-        "print([name for name in ('numba', 'llvmlite', 'scipy', 'pandas') if name in sys.modules])"
+        "from dataclasses import dataclass\n"
+        "from anet_lumped.effects import REGISTRY, Effect\n"
+        "from anet_lumped.effects.effect import STRAIN, LengthChange\n"
+        "class Shrinking(Effect):\n"
+        "    def length_changes(self, scene):\n"
+        "        return [LengthChange('a-b', STRAIN, 1.0, -1e-3)]\n"
+        "REGISTRY['shrinking'] = dataclass(frozen=True)(Shrinking)\n"
+        "assert REGISTRY.name_of(Shrinking()) == 'shrinking'\n"
+        "print([name for name in ('numba', 'llvmlite', 'numpy', 'scipy', 'pandas') if name in sys.modules])"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
     assert out.stdout.strip() == "[]"

@@ -38,8 +38,8 @@ class Effect:
        must hold and what was given, and writes the checked values back with `_set`.
     3. An effect that exerts forces returns its compiled functions from `kernels` and the numbers that they read from `table`. One
        that changes how long cables are at rest returns these changes from `length_changes`. An effect does at least one of both.
-    4. It says of itself what is true, by the members below. Each default is the safe answer, which makes nothing wrong and may
-       make runs slower. What is said is compared with the compiled functions at random states whenever a model is built.
+    4. It says of itself what is true, by the members below. The defaults claim nothing, so that no result depends on them; a claim
+       saves work. Claims are compared with the compiled functions at random states whenever a model is built.
     5. If its parameters name cables or points, `after_break` returns the same effect on what is left of broken cables.
     6. `example` returns an instance that acts on a given scene, for studies and documentation.
 
@@ -78,7 +78,7 @@ class Effect:
 
     @property
     def passive(self) -> bool:
-        """Whether it only stores and takes mechanical energy, so that a run may not gain any, whatever the account says."""
+        """Whether it only stores and takes mechanical energy, as a wind does not: then no motion may gain any by it."""
         return self.dead_load
 
     @property

@@ -189,9 +189,12 @@ def test_files(tmp_path):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: LineChange({}), "`paid_out` of LineChange must name at least one cable, but it is empty"),
-        (lambda: LineChange({"a-b": 0.5}), '`paid_out` must hold signals of anet_lumped.signals .* "a-b" LineChange has 0.5'),
-        (lambda: LineChange({"x": signals.line(0, 1, 1)}).lengths(hoist(signals.line(0, 1, 1))), 'The scene has no cable "x"'),
+        (lambda: LineChange({}), "`paid_out` must hold at least one pair of .*, but effect LineChange has none"),
+        (lambda: LineChange({"a-b": 0.5}), 'must hold signals of anet_lumped.signals .* has for cable "a-b" paid_out=0.5'),
+        (
+            lambda: LineChange({"x": signals.line(0, 1, 1)}).length_changes(hoist(signals.line(0, 1, 1))),
+            'The scene has no cable "x"',
+        ),
         (lambda: simulate(hoist(signals.line(0.0, -1.0, 0.0)), 3.0), "must keep at least 0.001 .* -1 m are left at t=3 s"),
         (lambda: equilibrium(hoist(signals.line(-2.5, 1.0, 0.0))), "must keep at least 0.001 of its length"),
         (

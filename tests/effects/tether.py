@@ -1,4 +1,4 @@
-"""An effect as one would add it to the library: this file, one line of the registry, and its test (`test_a_new_effect`)."""
+"""An effect as one would add it to the library: this file, one line of the registry, and its test (`test_new_effect`)."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -31,9 +31,9 @@ class Tether(Effect):
 
     def check_parameters(self):
         self._set(
-            stiffness=check_number("stiffness", self.stiffness, "N/m", "effect Tether", sign="non-negative"),
-            anchor=check_vector("anchor", self.anchor, "m", "effect Tether"),
-            points=check_names("points", self.points, "effect Tether"),
+            stiffness=check_number("stiffness", self.stiffness, "N/m", self._called, sign="non-negative"),
+            anchor=check_vector("anchor", self.anchor, "m", self._called),
+            points=check_names("points", self.points, self._called),
         )
 
     @classmethod
