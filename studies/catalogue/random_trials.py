@@ -1,6 +1,6 @@
 """Random nets, starts, paths, methods and steps: each run must end well with its energy accounted for, or say why not.
 
-Run as `python -m studies.catalogue.random_trials`; it tries `TRIALS` of them and prints what failed. A trial is drawn with a
+Run as `python -m studies.fuzz`; it tries `TRIALS` of them and prints what failed. A trial is drawn with a
 `Pick`, so that tests draw the same trials from another source of chance.
 """
 
