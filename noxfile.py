@@ -9,10 +9,11 @@ VERSIONS = ["3.11", "3.12", "3.13"]
 
 @nox.session
 def style(session):
-    """Check style, and who imports whom."""
-    session.install("ruff", "import-linter")
+    """Check style, types, and who imports whom."""
+    session.install("ruff", "import-linter", "mypy", "numpy", "pydantic")
     session.run("ruff", "check", ".")
     session.run("ruff", "format", "--check", ".")
+    session.run("mypy")
     session.run("lint-imports")
 
 

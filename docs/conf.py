@@ -18,6 +18,7 @@ extensions = [
     "keys",
     "mathml",
     "commands",
+    "methods",
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",

@@ -7,13 +7,12 @@ It copies figures to `docs/figures/studies` and writes `docs/gallery.md`, both o
 pages build without a run of any study.
 """
 
-import importlib
 import json
 import shutil
 import sys
 from pathlib import Path
 
-from studies.study import STUDIES
+from studies.study import NAMES, Part
 
 HERE = Path(__file__).parent
 MOST = 2  # figures of a study; the report has all of them
@@ -36,38 +35,38 @@ def make(report, here=HERE):
     -------
     list of str : names of the studies that the report lacks
     """
-    figures, parts, lacking, version = here / "figures" / "studies", [], [], ""
+    figures, lacking, version = here / "figures" / "studies", [], ""
+    sections = {part: [f"\n## {part}\n"] for part in Part}
     shutil.rmtree(figures, ignore_errors=True)
     figures.mkdir(parents=True)
-    for part, names in STUDIES.items():
-        parts.append(f"\n## {part}\n")
-        for name in names:
-            folder = report / name
-            if not (folder / "answer.txt").is_file():
-                lacking.append(name)
-                continue
-            meta = json.loads((folder / "meta.json").read_text(encoding="utf-8"))
-            version = meta["versions"]["anet-lumped"]
-            parts.append(section(name, folder, figures, meta["quick"]))
+    for name in NAMES:
+        folder = report / name
+        if not (folder / "answer.txt").is_file():
+            lacking.append(name)
+            continue
+        meta = json.loads((folder / "meta.json").read_text(encoding="utf-8"))
+        version = meta["versions"]["anet-lumped"]
+        sections[meta["part"]].append(section(name, folder, figures, meta))
+    parts = [text for texts in sections.values() for text in texts]
     (here / "gallery.md").write_text(
         HEAD.format(version=version) + "".join(parts), encoding="utf-8"
     )
     return lacking
 
 
-def section(name, folder, figures, quick):
+def section(name, folder, figures, meta):
     """Return the text of a study, and copy its figures."""
-    question = importlib.import_module(f"studies.questions.{name}").QUESTION
-    look = ", a first look (`--quick`)" if quick else ""
+    look = ", a first look" if meta["quick"] else ""
     title = name.replace("_", " ").capitalize()
-    lines = [f"\n### {title}\n", f"\n*{plain(question)}*\n", f"\nStudy `{name}`{look}.\n"]
+    lines = [f"\n### {title}\n", f"\n*{plain(meta['question'])}*\n", f"\nStudy `{name}`{look}.\n"]
     for paragraph in (folder / "answer.txt").read_text(encoding="utf-8").strip().split("\n\n"):
         lines.append(f"\n{plain(' '.join(paragraph.split()))}\n")
     drawn = [file for file in sorted(folder.iterdir()) if file.suffix in (".svg", ".png")]
     for file in [file for file in drawn if file.stat().st_size <= HEAVY][:MOST]:
-        kept = f"{name}-{file.name}"
-        shutil.copy(file, figures / kept)
-        lines.append(f"\n![{file.stem.replace('_', ' ')}](figures/studies/{kept})\n")
+        copy = f"{name}-{file.name}"
+        shutil.copy(file, figures / copy)
+        caption = plain(meta["captions"][file.stem])
+        lines.append(f"\n![{caption.split('. ')[0]}](figures/studies/{copy})\n\n{caption}\n")
     return "".join(lines)
 
 

@@ -1,7 +1,6 @@
 """Newton's method for a stage: full steps, then a line search, converged on force."""
 
-from numba import njit
-
+from .jit import internal
 from .system import FACTORISATIONS, FORCES, ITERATIONS, NEWTON, TOLERANCE, system_at
 
 FULL_STEPS = 8  # the force may rise for a while on the way of a stiff system through its full steps, and converge all the same
@@ -9,7 +8,7 @@ SHORTEST = 1.0 / 64.0
 HOPELESS = 1e300  # [N] force out of balance where it is not finite, or that is not known
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def newton(system_address, data_address, stage, base, target, q, parameters, counts):
     """Solve a stage for q, in the array given.
 

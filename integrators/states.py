@@ -3,9 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
-from .system import ENERGIES, StepState, system_at
+from .flat_view import flat
+from .jit import internal
+from .system import BALANCE, ENERGIES, STEP_STATE, StepState, system_at
 
 _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
 
@@ -27,43 +29,67 @@ class Saved(NamedTuple):
 SAVED = types.NamedTuple((_f1, _f3, _f3, _f2, _f2), Saved)
 
 
-@njit(cache=True, error_model="numpy")
+class Scratch(NamedTuple):
+    """Room that a march works in.
+
+    ``start``, a copy of the state at the start of a step; places (n, 3) and a balance (BALANCE,); what the system observes at the
+    start and at the end of a step.
+    """
+
+    start: StepState
+    q: np.ndarray
+    balance: np.ndarray
+    observed_a: np.ndarray
+    observed_b: np.ndarray
+
+
+SCRATCH = types.NamedTuple((STEP_STATE, _f2, _f1, _f1, _f1), Scratch)
+
+
+def scratch_for(state, carried_rows, observed):
+    """Room for a march of a state, with a scheme that carries some rows of memory from step to step.
+
+    Parameters
+    ----------
+    state : StepState
+    carried_rows : int
+    observed : int, how many numbers the system observes
+    """
+    start = StepState(np.empty_like(state.q), np.empty_like(state.v), np.empty_like(state.memory[:carried_rows]), np.zeros(BALANCE))
+    return Scratch(start, np.empty_like(state.q), np.zeros(BALANCE), np.zeros(observed), np.zeros(observed))
+
+
+@internal
 def copy(source, target):
     """Copy a flat array; an assignment of arrays would compile for seconds, for the errors that it may raise."""
     for i in range(source.shape[0]):
         target[i] = source[i]
 
 
-@njit(cache=True, error_model="numpy")
-def copy_of(state, carried_rows):
-    """A state of its own, with the rows of memory that a scheme carries from step to step."""
-    return StepState(state.q.copy(), state.v.copy(), state.memory[:carried_rows].copy(), state.balance.copy())
-
-
-@njit(cache=True, error_model="numpy")
+@internal
 def copy_state(source, target):
     """Copy a state, and as many rows of memory as both have."""
-    copy(source.q.ravel(), target.q.ravel())
-    copy(source.v.ravel(), target.v.ravel())
+    copy(flat(source.q), flat(target.q))
+    copy(flat(source.v), flat(target.v))
     rows = min(source.memory.shape[0], target.memory.shape[0])
-    copy(source.memory[:rows].ravel(), target.memory.ravel())
+    copy(flat(source.memory[:rows]), flat(target.memory))
     copy(source.balance, target.balance)
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def save(system_address, data_address, k, t, state, saved):
     """Write row k of what is saved; returns the number of rows written."""
     system = system_at(system_address)
     system.observe(state.q, state.v, data_address, saved.observed[k])
     system.energy(t, state.q, state.v, data_address, state.balance)
     saved.t[k] = t
-    copy(state.q.ravel(), saved.q[k].ravel())
-    copy(state.v.ravel(), saved.v[k].ravel())
+    copy(flat(state.q), flat(saved.q[k]))
+    copy(flat(state.v), flat(saved.v[k]))
     copy(state.balance[:ENERGIES], saved.energy[k])
     return k + 1
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def worst_node(q, v):
     """Node whose place or velocity is not finite or beyond `LARGEST_SIZE`, or -1."""
     for i in range(q.shape[0]):

@@ -25,11 +25,14 @@ NO_EVENTS = -1e300  # margin of a system that no event can stop
 # Work counts.
 STEPS, REJECTED, HALVINGS, FORCES, NEWTON, FACTORISATIONS = range(6)
 COUNTS = 6  # numbers in all
-# Energy balance: kinetic, elastic, potential energy now; work put in and energy dissipated since the start; then the power
-# of the last two at the current time, from which they are integrated, and scratch for two more.
-KINETIC, ELASTIC, POTENTIAL, PUT_IN, DISSIPATED, POWER_PUT_IN, POWER_DISSIPATED, SCRATCH = range(8)
-BALANCE = 9  # numbers in all
-ENERGIES = 5  # numbers of these that are saved
+# Energy balance: kinetic, elastic, potential energy now; since the start, work put in, and energy that internal dampers took, that
+# external forces took and that the scheme itself took; then powers at the current time, from which work is integrated, and scratch.
+KINETIC, ELASTIC, POTENTIAL, PUT_IN, TAKEN_INSIDE, TAKEN_OUTSIDE, TAKEN_BY_METHOD, POWERS, SCRATCH = 0, 1, 2, 3, 4, 5, 6, 7, 10
+BALANCE = 13  # numbers in all
+ENERGIES = 7  # numbers of these that are saved
+# Powers that come with a force: what internal dampers take, what external forces take, what is put in; and where each is summed up.
+POWER_INSIDE, POWER_OUTSIDE, POWER_PUT_IN = range(3)
+SUMMED_UP = (TAKEN_INSIDE, TAKEN_OUTSIDE, PUT_IN)
 # Parameters of a step: Newton's relative tolerance on force, its largest number of iterations, then the scheme's own.
 TOLERANCE, ITERATIONS, FIRST_OWN = 0, 1, 2
 
@@ -42,7 +45,7 @@ class System(NamedTuple):
     prescribe(t, data_address, q, v)
         Write the prescribed rows of q and v at time t.
     force(t, q, v, data_address, f, power)
-        Write the force f (n, 3) [N]; power (2,) [W] is dissipated and put in by prescribed nodes.
+        Write the force f (n, 3) [N] and the powers (3,) [W]: taken by internal dampers and by external forces, put in.
     residual(stage, base, target, q, data_address) -> norm, scale, noise, predicted
         Out-of-balance force of a stage [N]; linearise it. ``predicted`` is that with the internal forces that the last
         full Newton step predicted, which are the better ones where they are stiff.

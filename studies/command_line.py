@@ -16,6 +16,14 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=N
 SCENES = Path(__file__).parent / "scenes"
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
+FIRST_COMPILING = {
+    "equilibrium": 10,
+    "simulate": 30,
+    "recommend": 40,
+    "effects": 60,
+    "study": 60,
+    "report": 60,
+}  # [s] about, on one core of 3 GHz
 Scene = Annotated[
     str, typer.Argument(metavar="SCENE", help="A TOML or MoorDyn file (.txt, .dat), or a scene that comes with this by name.")
 ]
@@ -28,6 +36,9 @@ Changes = Annotated[
     list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
 ]
 Quick = Annotated[bool, typer.Option("--quick", help="A first look: the same from less work.")]
+Full = Annotated[
+    bool, typer.Option("--full", help="All of every study, the long ones too, which takes about a quarter of an hour.")
+]
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -50,12 +61,12 @@ def _about():
 
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
 def equilibrium(scene: Scene, out: Out = None, as_json: Json = False):
-    """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, place [m] of each free point."""
+    """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point."""
     from anet_lumped.statics.equilibrium import equilibrium
-    from studies.shown.summary import of_rest, write_nodes
+    from studies.shown.summary import rest_summary, write_nodes
 
-    state = equilibrium(_load(scene))
-    _give(of_rest(state), as_json, out, "equilibrium")
+    state = equilibrium(_load(scene, "equilibrium"))
+    _give(rest_summary(state), as_json, out, "equilibrium")
     if out:
         write_nodes(state, out / "nodes.csv")
 
@@ -75,22 +86,22 @@ def simulate(
     out: Out = None,
     as_json: Json = False,
 ):
-    """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, places at the end [m].
+    """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, positions at the end [m].
 
     With --out the run is saved there (run.nc), with its account (run.json) and a picture (run.png). A run that does not reach
     its end, gains energy or fails its audit exits with 1, and says so in all of them.
     """
     from anet_lumped.motion.simulate import RunInterrupt, simulate
-    from studies.shown.summary import of_run
+    from studies.shown.summary import run_summary
 
     try:
         run = simulate(
-            _changed(_load(scene), change), t_end, method=method, dt=dt, rtol=rtol, start=start or "equilibrium",
+            _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start=start or "equilibrium",
             save_every=save_every, extrapolate=extrapolate, audit=audit,
         )  # fmt: skip
     except RunInterrupt as stopped:
         run = stopped.run
-    _give(of_run(run), as_json, out, "run")
+    _give(run_summary(run), as_json, out, "run")
     if out:
         from studies.shown.run_figure import plot
 
@@ -103,19 +114,21 @@ def simulate(
 @app.command(epilog="Example: anet-lumped recommend net_carried --error 1mm --at p0 --realtime 5")
 def recommend(
     scene: Scene,
-    error: Annotated[str, typer.Option(help="Largest error of a place, as in 1mm, 0.05 cm or 0.001 (m).")],
-    at: Annotated[str | None, typer.Option(help="The free point that counts; all if not given.")] = None,
+    error: Annotated[str, typer.Option(help="Largest error of a position, as in 1mm, 0.05 cm or 0.001 (m).")],
+    at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
     t_end: Annotated[float | None, typer.Option(help="Motion to look at [s]; two swings if not given.")] = None,
     start: Start = None,
     realtime: Annotated[float | None, typer.Option(help="How many times faster than real time it must run.")] = None,
     as_json: Json = False,
 ):
-    """Find the cheapest segments, method and step that keep an error. Its parts, the runner-up, and the command to run."""
+    """Find the cheapest segments, method and step for an error. Its parts, the runner-up, and the command to run."""
     from anet_lumped.advice.recommend import recommend
-    from studies.shown.summary import of_recommendation
+    from studies.shown.summary import recommendation_summary
 
-    found = recommend(_load(scene), _metres(error), at=at, t_end=t_end, start=start or "equilibrium", realtime=realtime)
-    _give(of_recommendation(found, scene), as_json)
+    found = recommend(
+        _load(scene, "recommend"), _metres(error), at=at, t_end=t_end, start=start or "equilibrium", realtime=realtime
+    )
+    _give(recommendation_summary(found, scene), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
         _tell(f"within {error} it runs {pace:.3g} times faster than real time, and not {realtime:g} times; allow a larger error.")
@@ -125,8 +138,8 @@ def recommend(
 @app.command(epilog="Example: anet-lumped effects net_flown --error 1mm --at p0   (or --error 0.05N --tension s0-p0)")
 def effects(
     scene: Scene,
-    error: Annotated[str, typer.Option(help="What matters: of a place, as in 1mm; of a tension, as in 0.1N.")] = "1mm",
-    at: Annotated[str | None, typer.Option(help="The free point whose place counts; all if not given.")] = None,
+    error: Annotated[str, typer.Option(help="Change that matters: of a position, as in 1mm; of a tension, as in 0.1N.")] = "1mm",
+    at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
     tension: Annotated[str | None, typer.Option(metavar="CABLE", help="The cable whose tension counts instead.")] = None,
     t_end: Annotated[float | None, typer.Option(help="Motion to look at [s]; two swings if not given.")] = None,
     start: Start = None,
@@ -140,13 +153,13 @@ def effects(
     What the scene has is taken away, what it lacks but could have is put in, one at a time; with --out also as effects.csv.
     """
     from anet_lumped.advice.effect_audit import audit_effects
-    from studies.shown.summary import of_effects, write_effects
+    from studies.shown.summary import effects_summary, write_effects
 
     limit = _newtons(error) if tension else _metres(error)
     start = start or "equilibrium"
-    loaded = _changed(_load(scene), change)
+    loaded = _changed(_load(scene, "effects"), change)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
-    _give(of_effects(found), as_json, out, "effects")
+    _give(effects_summary(found), as_json, out, "effects")
     if out:
         write_effects(found, out / "effects.csv")
 
@@ -158,9 +171,9 @@ def check(
     as_json: Json = False,
 ):
     """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
-    from studies.shown.summary import before_run
+    from studies.shown.summary import prediction_summary
 
-    _give(before_run(_load(scene), dt), as_json)
+    _give(prediction_summary(_load(scene, "equilibrium"), dt), as_json)
 
 
 @app.command(epilog="Example: anet-lumped sweep net_held --vary EA=1e2:1e6:9log --vary segments=5,10  (EA in N)")
@@ -185,14 +198,25 @@ def sweep(
     as_json: Json = False,
 ):
     """Measure a scene over a grid of inputs. Runs in parallel; rows are on disk as they finish."""
+    from studies.sweeping.workers import start_early
+
+    start_early()
     from studies.sweeping.sweep import sweep
     from studies.sweeping.vary import parse_vary
 
     out = out or Path("results") / f"sweep-{Path(scene).stem}"
     settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
-    kept = {"out": out, "resume": resume}
+    where = {"out": out, "resume": resume}
     try:
-        table = sweep(_load(scene), parse_vary(vary), measure, **settings, **kept, workers=workers, label="sweep")
+        table = sweep(
+            _load(scene, "simulate" if t_end else "equilibrium"),
+            parse_vary(vary),
+            measure,
+            **settings,
+            **where,
+            workers=workers,
+            label="sweep",
+        )
     except KeyboardInterrupt as stopped:
         _tell(f"{stopped} The same command with --resume does the rest.")
         raise typer.Exit(130) from None
@@ -221,14 +245,15 @@ def study(
     out: Annotated[Path | None, typer.Option(help="Folder for its rows and figures; results/NAME by default.")] = None,
 ):
     """Run one study. Writes its rows and figures, prints its answer."""
-    from studies.study import run_study, study_names
+    from studies.study import NAMES, run_study
 
     if name is None:
-        print("\n".join(study_names()))
+        print("\n".join(NAMES))
         return
+    _announce_compiling("study")
     out = out or Path("results") / name
     found = run_study(name, out, quick=quick)
-    print(found.question, *found.answer, sep="\n\n")
+    print(found.record.question, *found.answer, sep="\n\n")
     _tell(f"{found.seconds:.1f} s; rows, figures and answer in {out}")
 
 
@@ -240,24 +265,34 @@ def mismatch(
     as_json: Json = False,
 ):
     """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable."""
-    from studies.shown.summary import against_catenary, against_markers
+    from studies.shown.summary import catenary_comparison, marker_comparison
 
-    loaded = _load(scene)
-    found = against_markers(loaded, markers) if markers else against_catenary(loaded)
+    loaded = _load(scene, "equilibrium")
+    found = marker_comparison(loaded, markers) if markers else catenary_comparison(loaded)
     _give(found, as_json, out, "mismatch")
 
 
 @app.command(epilog="Example: anet-lumped report --out results/report")
 def report(
-    quick: Quick = False,
-    full: Annotated[bool, typer.Option("--full", help="All of the long studies too, not only a first look.")] = False,
+    full: Full = False,
     out: Annotated[Path, typer.Option(help="Folder for the page and its data.")] = REPORT,
 ):
-    """Run the studies and write one page. What the thesis found, why, and what cures it."""
-    from studies.shown.report import write_report
+    """Run the studies and write one page. What the thesis found, why, and what cures it.
 
-    failed = write_report(out, quick=quick, tell=_tell, full=full)
-    print(out / "report.html")
+    The page is there from the start and grows with every study. Without --full it takes some minutes, and a first look of the
+    studies that are long.
+    """
+    _announce_compiling("report")
+    from studies.report import PAGE, ReportInterrupt, write_report
+    from studies.shown.progress import report_progress
+
+    try:
+        with report_progress(_tell) as tell:
+            failed = write_report(out, full=full, tell=tell)
+    except ReportInterrupt as stopped:
+        _tell(str(stopped))
+        raise typer.Exit(130) from None
+    print(out / PAGE)
     if failed:
         raise typer.Exit(1)
 
@@ -268,9 +303,9 @@ def ropes(
     as_json: Json = False,
 ):
     """List the ropes that a cable may be made of. Mass, stiffness, strength at one diameter, and where the numbers are from."""
-    from studies.shown.summary import of_ropes
+    from studies.shown.summary import ropes_summary
 
-    _give(of_ropes(diameter), as_json)
+    _give(ropes_summary(diameter), as_json)
 
 
 @app.command(epilog="Example: anet-lumped convert mooring.txt mooring.toml   (lengths in m, forces in N)")
@@ -283,12 +318,13 @@ def convert(
 
     if out.suffix.lower() not in (".toml", *MOORDYN):
         raise ValueError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}.")
-    save_scene(_load(scene), out)
+    save_scene(_load(scene, "equilibrium"), out)
     print(out)
 
 
-def _load(text):
-    """Scene of a file or, by its bare name, one that comes with the program."""
+def _load(text, compiles):
+    """Scene of a file or, by its bare name, one that comes with the program; `compiles` is one of FIRST_COMPILING."""
+    _announce_compiling(compiles)
     from anet_lumped.checks import SceneError, nearest
     from anet_lumped.files.scene_file import load_scene
 
@@ -331,6 +367,16 @@ def _amount(text, units, like):
         return float(number.removesuffix(unit)) * units.get(unit, 1.0)
     except ValueError:
         raise ValueError(f'Option `--error` must be {like}, but it is "{text}".') from None
+
+
+def _announce_compiling(what):
+    """Have one line say so, once, if Numba has to compile, here or in a worker."""
+    from studies.compiling import NOTICE
+
+    seconds = FIRST_COMPILING[what]
+    NOTICE.watch(
+        f"Compiling, which this machine has to do once and which takes about {seconds} s in all; later runs do without.", _tell
+    )
 
 
 def _give(result, as_json=False, out=None, stem=""):

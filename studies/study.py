@@ -1,38 +1,74 @@
-"""How one study is run. A study is a module of this package, one question each, that provides
+"""What a study is, which studies there are, and how one is run. A study is a module or folder of `studies.questions` that provides
 
-    QUESTION                                       the question, one sentence
-    compute(quick=False, executor=None, out=None)  the rows: a DataFrame, or a dict of them by name; runs go through
+    STUDY                                          a `Record`: question, part of the report, what a first look takes
+    TABLES                                         names of its tables, and a sentence on each: what a line is
+    compute(quick=False, executor=None, out=None)  the rows: a dict of DataFrames by the names of TABLES; runs go through
                                                    `rows.run_rows`, with `executor` and a folder of its own under `out`
-    plot(rows)                                     the figures: a dict of matplotlib Figures by name
-    answer(rows)                                   the answer with numbers from the rows: paragraphs, an empty line
-                                                   between two; the first is the finding that the report's summary takes
+    plot(rows)                                     a dict of `Drawing`s by name
+    answer(rows)                                   the answer, every number and every claim from the rows: paragraphs, an
+                                                   empty line between two; the first is the finding that the report's
+                                                   summary takes
 
-and whose name stands in STUDIES. `quick` is for tests and a first look: the same columns from less work. Names of
-tables and figures become file names and captions. Constants in capitals are the study's parameters (a SEED too) and go
-to `meta.json`.
+and whose name stands in NAMES. `quick` takes a first look: the same columns from less work. Names of tables and drawings
+become file names. Constants in capitals are the study's parameters (a SEED too) and go to `meta.json`.
 """
 
 import importlib
 import json
 import shutil
+import sys
 import time
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
+from typing import Any
 
+from studies.shown.figure_file import save_figure
 from studies.sweeping.provenance import provenance
 from studies.sweeping.rows import save_table
 
-STUDIES = {
-    "What the thesis found": ("thesis_tables", "length_error", "model_mismatch"),
-    "Why": ("stability_map",),
-    "What cures it": ("energy_rise", "order", "hard_cases", "speed"),
-    "What accuracy costs": ("work_precision", "effects_cost"),
-}
-"""Names of the studies, by the part of the report that each belongs to, in its order."""
-LONG = ("hard_cases", "work_precision", "effects_cost")  # minutes each: the report takes a first look unless it is asked for all
-UNFINISHED = "unfinished"  # rows of a study that is still running, or was killed
-HEAVY = 400_000  # bytes
+NAMES = [
+    "thesis_tables",
+    "model_mismatch",
+    "order",
+    "length_error",
+    "stability_map",
+    "energy_rise",
+    "speed",
+    "work_precision",
+    "hard_cases",
+    "effects_cost",
+]
+"""Names of the studies in the order in which the report runs them: what is soon there and tells most comes first."""
+
+UNFINISHED = "unfinished"  # folder of the rows of a study that is still running, or was killed
+
+
+class Part(StrEnum):
+    """Parts of the report, in its order."""
+
+    FOUND = "What the thesis found"
+    WHY = "Why"
+    CURE = "What cures it"
+    COST = "What accuracy costs"
+
+
+@dataclass(frozen=True)
+class Record:
+    """What a study says of itself before it runs.
+
+    Parameters
+    ----------
+    question : one sentence
+    part : of the report
+    first_look : what a first look takes of the study, as the end of "A first look: ..."; empty for a study that is short, of
+        which the report takes all
+    """
+
+    question: str
+    part: Part
+    first_look: str = ""
 
 
 class StudyError(ValueError):
@@ -40,20 +76,48 @@ class StudyError(ValueError):
 
 
 @dataclass(frozen=True)
+class Drawing:
+    """A matplotlib Figure and what it shows: a caption of one sentence or more."""
+
+    figure: Any
+    caption: str
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure's file, and its caption."""
+
+    file: Path
+    caption: str
+
+
+@dataclass(frozen=True)
 class Study:
-    """What came out of one study: tables (DataFrames), figures (files) and paragraphs of the answer."""
+    """What came out of one study: tables (DataFrames) and a sentence on each, pictures, and paragraphs of the answer."""
 
     name: str
-    question: str
+    record: Record
+    quick: bool
     tables: dict
-    figures: dict[str, Path]
+    about_tables: dict[str, str]
+    pictures: dict[str, Picture]
     answer: list[str]
     seconds: float
 
 
-def study_names() -> list[str]:
-    """Names of all studies, in the order of the report."""
-    return [name for part in STUDIES.values() for name in part]
+def module_of(name: str):
+    """The module of a study.
+
+    Raises
+    ------
+    StudyError : an unknown name
+    """
+    if name not in NAMES:
+        from anet_lumped.checks import nearest
+
+        known = nearest(name, NAMES) or f"; known are {', '.join(NAMES)}."
+        raise StudyError(f'There is no study "{name}"{known}')
+    return importlib.import_module(f"studies.questions.{name}")
 
 
 def run_study(name: str, out: str | Path, *, quick: bool = False, executor: Executor | None = None) -> Study:
@@ -63,42 +127,35 @@ def run_study(name: str, out: str | Path, *, quick: bool = False, executor: Exec
     ------
     StudyError : an unknown name
     """
-    if name not in study_names():
-        from anet_lumped.checks import nearest
-
-        known = nearest(name, study_names()) or f"; known are {', '.join(study_names())}."
-        raise StudyError(f'There is no study "{name}"{known}')
-    import matplotlib
-
-    matplotlib.use("Agg")
-    module = importlib.import_module(f"studies.questions.{name}")
-    out = Path(out)
+    module, out = module_of(name), Path(out)
     shutil.rmtree(out / UNFINISHED, ignore_errors=True)
     begin = time.perf_counter()
-    rows = module.compute(quick=quick, executor=executor, out=out / UNFINISHED)
-    tables = rows if isinstance(rows, dict) else {"rows": rows}
+    tables = module.compute(quick=quick, executor=executor, out=out / UNFINISHED)
     for table_name, table in tables.items():
         save_table(table, out / table_name)
     shutil.rmtree(out / UNFINISHED, ignore_errors=True)
-    figures = {title: _save_figure(figure, out / title) for title, figure in module.plot(rows).items()}
-    answer = module.answer(rows)
+    pictures = {
+        title: Picture(save_figure(drawing.figure, out / title), drawing.caption) for title, drawing in module.plot(tables).items()
+    }
+    answer = module.answer(tables)
     (out / "answer.txt").write_text(answer.strip() + "\n", encoding="utf-8")
     seconds = time.perf_counter() - begin
-    parameters = {key: value for key, value in vars(module).items() if key.isupper() and key != "QUESTION"}
-    meta = {"study": name, "quick": quick, "seconds": round(seconds, 1), "parameters": parameters, **provenance()}
+    parameters = _parameters(module)
+    about = {
+        "study": name,
+        "question": module.STUDY.question,
+        "part": module.STUDY.part,
+        "quick": quick,
+        "seconds": round(seconds, 1),
+    }
+    about["captions"] = {title: picture.caption for title, picture in pictures.items()}
+    meta = about | {"parameters": parameters, **provenance()}
     (out / "meta.json").write_text(json.dumps(meta, indent=1, default=str), encoding="utf-8")
-    return Study(name, module.QUESTION, tables, figures, [" ".join(p.split()) for p in answer.split("\n\n")], seconds)
+    paragraphs = [" ".join(paragraph.split()) for paragraph in answer.strip().split("\n\n")]
+    return Study(name, module.STUDY, quick, tables, module.TABLES, pictures, paragraphs, seconds)
 
 
-def _save_figure(figure, stem):
-    """Write a figure as SVG, or as PNG where its thousands of marks would make a page heavy; return the file."""
-    from matplotlib import pyplot
-
-    file = stem.with_name(stem.name + ".svg")
-    figure.savefig(file, bbox_inches="tight")
-    if file.stat().st_size > HEAVY:
-        file.unlink()
-        file = stem.with_name(stem.name + ".png")
-        figure.savefig(file, bbox_inches="tight", dpi=160)
-    pyplot.close(figure)
-    return file
+def _parameters(module):
+    """Constants in capitals of a study's module, or of all modules of its folder."""
+    modules = [part for name, part in sys.modules.items() if name == module.__name__ or name.startswith(f"{module.__name__}.")]
+    return {key: value for part in modules for key, value in vars(part).items() if key.isupper() and key not in ("STUDY", "TABLES")}

@@ -94,18 +94,18 @@ def tensions(model, q, v):
 
 
 def force(model, q, v):
-    """(n, 3) force on every node at one time [N]; power [W] dissipated and put in by prescribed nodes."""
-    f, dissipated = external(model, q, v), 0.0
+    """(n, 3) force on every node at one time [N]; powers [W] that dampers and effects take, and that prescribed nodes put in."""
+    f, by_dampers, by_effects = external(model, q, v), 0.0, 0.0
     for effect in model.scene.effects:
         if isinstance(effect, ViscousDamping):
-            dissipated += effect.rate * sum(m * u @ u for m, u in zip(masses(model), v[: model.n_free], strict=False))
+            by_effects += effect.rate * sum(m * u @ u for m, u in zip(masses(model), v[: model.n_free], strict=False))
     for (cable, a, b), T in zip(segments(model), tensions(model, q, v), strict=True):
         d = q[b] - q[a]
         l = np.linalg.norm(d)
         f[a] += T * d / l
         f[b] -= T * d / l
-        dissipated += (T - tension(cable, l, 0.0)) * (d @ (v[b] - v[a])) / l
-    return f, dissipated, -np.sum(f[model.n_free :] * v[model.n_free :])
+        by_dampers += (T - tension(cable, l, 0.0)) * (d @ (v[b] - v[a])) / l
+    return f, by_dampers, by_effects, -np.sum(f[model.n_free :] * v[model.n_free :])
 
 
 def energies(model, q, v):

@@ -5,25 +5,27 @@ h^2 omega^2 + 2 h d <= 4. Source: Tuckerman et al., J. Chem. Phys. 97 (1992) 199
 """
 
 import numpy as np
-from numba import njit
 
+from integrators.flat_view import flat
+from integrators.jit import scheme_step
 from integrators.linear_stability import StepLimit
 from integrators.schemes.record import EnergyPromise, Family, own_scheme
-from integrators.system import DISSIPATED, DONE, FORCES, PUT_IN, system_at
+from integrators.system import DONE, FORCES, PUT_IN, TAKEN_INSIDE, TAKEN_OUTSIDE, system_at
 
 
-@njit(cache=True, error_model="numpy")
+@scheme_step
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; memory[0] is the force in its middle."""
-    system, power = system_at(system_address), state.memory[1, 0, :2]
-    Q, V, f, per_m = state.q.ravel(), state.v.ravel(), state.memory[0].ravel(), system.per_mass.ravel()
+    system, power = system_at(system_address), state.memory[1, 0]
+    Q, V, f, per_m = flat(state.q), flat(state.v), flat(state.memory[0]), flat(system.per_mass)
     for i in range(3 * system.n_free):
         Q[i] += 0.5 * h * V[i]
     system.prescribe(t + 0.5 * h, data_address, state.q, state.v)
     system.force(t + 0.5 * h, state.q, state.v, data_address, state.memory[0], power)
     counts[FORCES] += 1
-    state.balance[DISSIPATED] += h * power[0]
-    state.balance[PUT_IN] += h * power[1]
+    state.balance[TAKEN_INSIDE] += h * power[0]
+    state.balance[TAKEN_OUTSIDE] += h * power[1]
+    state.balance[PUT_IN] += h * power[2]
     for i in range(3 * system.n_free):
         V[i] += h * per_m[i] * f[i]
         Q[i] += 0.5 * h * V[i]

@@ -3,13 +3,15 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
 from anet_lumped.effects import REGISTRY
+from anet_lumped.effects.effect import Effect
 from anet_lumped.motion.stability import top_modes
-from anet_lumped.scene.scene import Free, SceneError
+from anet_lumped.results.run import Run
+from anet_lumped.scene.scene import Cable, Free, Scene, SceneError
 
 from . import dimensionless
 
@@ -44,14 +46,14 @@ class Audited(NamedTuple):
     that has it, ``frequency(scene)`` is the highest that it brings [rad/s].
     """
 
-    present: Callable
-    without: Callable
-    with_it: Callable
-    numbers: Callable
-    frequency: Callable = lambda scene: 0.0
+    present: Callable[[Scene], bool]
+    without: Callable[[Scene], Scene]
+    with_it: Callable[[Scene, float | None], Scene]
+    numbers: Callable[[Scene, Scales], dict[str, float]]
+    frequency: Callable[[Scene], float] = lambda scene: 0.0
 
 
-def scales(run, swing):
+def scales(run: Run, swing: float) -> Scales:
     """Scales of a run, given the time of a swing [s]."""
     scene, tension, along, chord, inclination = run.scene, {}, {}, {}, {}
     for cable in scene.cables:
@@ -67,7 +69,7 @@ def scales(run, swing):
     return Scales(tension, along, chord, inclination, speed, air_speed, float(np.linalg.norm(scene.gravity)), swing)
 
 
-def _against_wind(run):
+def _against_wind(run: Run) -> float:
     """Largest speed of a node against the wind, if the scene has one [m/s]."""
     air = _effect(run.scene, "air")
     if air is None or air.wind is None:
@@ -79,29 +81,29 @@ def _against_wind(run):
     return float(np.linalg.norm(flows - run.v, axis=2).max())
 
 
-def _effect(scene, name):
+def _effect(scene: Scene, name: str) -> Any:
     """The effect of a scene that has a name, or None."""
     return next((effect for effect in scene.effects if REGISTRY.name_of(effect) == name), None)
 
 
-def _changed_cables(scene, **changes):
+def _changed_cables(scene: Scene, **changes: Any) -> Scene:
     return replace(scene, cables=tuple(replace(cable, **changes) for cable in scene.cables))
 
 
-def _without(scene, name):
+def _without(scene: Scene, name: str) -> Scene:
     return replace(scene, effects=tuple(effect for effect in scene.effects if REGISTRY.name_of(effect) != name))
 
 
-def _with(scene, effect):
+def _with(scene: Scene, effect: Effect) -> Scene:
     return replace(scene, effects=(*scene.effects, effect))
 
 
-def _largest(scene, number, wanted=lambda cable: True):
+def _largest(scene: Scene, number: Callable[[Cable], float], wanted: Callable[[Cable], bool] = lambda cable: True) -> float:
     """The largest of a number over the cables that it is wanted of, NaN where it is of none."""
     return max((number(cable) for cable in scene.cables if wanted(cable)), default=math.nan)
 
 
-def _elastic_numbers(scene, scales):
+def _elastic_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     numbers = {"strain": _largest(scene, lambda c: c.strain(scales.tension[c.name]))}
     sagging = {c.name for c in scene.cables if scales.along[c.name] > 0.0 and scales.chord[c.name] > 0.0 and not c.inextensible}
     if scales.g > 0.0 and sagging:
@@ -115,7 +117,7 @@ def _elastic_numbers(scene, scales):
     return numbers
 
 
-def _slowest_damping(scene, scales):
+def _slowest_damping(scene: Scene, scales: Scales) -> dict[str, float]:
     """Of the first axial mode."""
     return {
         "damping ratio, first axial mode": _largest(
@@ -126,87 +128,89 @@ def _slowest_damping(scene, scales):
     }
 
 
-def _drag_number(scene, scales, density, speed):
+def _drag_number(scene: Scene, scales: Scales, density: float, speed: float) -> float:
     return _largest(
         scene,
-        lambda c: dimensionless.drag_over_weight(density, speed, c.diameter, c.Cdn, c.mass_per_length * scales.g),
+        lambda c: dimensionless.drag_over_weight(density, speed, c.diameter or 0.0, c.Cdn, c.mass_per_length * scales.g),
         lambda c: c.diameter is not None and scales.g > 0.0,
     )
 
 
-def _air_numbers(scene, scales):
+def _air_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     return {"drag/weight": _drag_number(scene, scales, _effect(scene, "air").density, scales.air_speed)}
 
 
-def _water_numbers(scene, scales):
+def _water_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     water = _effect(scene, "water")
     density, wave = water.density, water.wave
-    thickest = max(cable.diameter for cable in scene.cables)
+    thickest = max(cable.diameter or 0.0 for cable in scene.cables)
     return {
         "drag/weight": _drag_number(scene, scales, density, scales.speed),
-        "buoyancy/weight": _largest(scene, lambda c: dimensionless.buoyancy_over_weight(density, c.diameter, c.mass_per_length)),
+        "buoyancy/weight": _largest(
+            scene, lambda c: dimensionless.buoyancy_over_weight(density, c.diameter or 0.0, c.mass_per_length)
+        ),
         "Froude": dimensionless.froude(scales.speed, _largest(scene, lambda c: c.length), scales.g) if scales.g else math.nan,
         "Keulegan-Carpenter": dimensionless.keulegan_carpenter(scales.speed, wave.period if wave else scales.swing, thickest),
     }
 
 
-def _bending_numbers(scene, scales):
-    def number(cable):
+def _bending_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
+    def number(cable: Cable) -> float:
         tension = scales.tension[cable.name]
         return dimensionless.bending_over_segment(cable.EI, tension, cable.L0) if tension > 0.0 else math.inf
 
     return {"√(EI/T)/L0": _largest(scene, number, lambda c: c.EI > 0.0)}
 
 
-def _damping_numbers(scene, scales):
+def _damping_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     rate = _effect(scene, "viscous_damping").rate
     return {"damping ratio of a swing": dimensionless.damping_ratio(rate, 2.0 * math.pi / scales.swing)}
 
 
-def _gravity_numbers(scene, scales):
+def _gravity_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     longest = _largest(scene, lambda c: c.length)
     return {"Froude": dimensionless.froude(scales.speed, longest, scales.g) if scales.g > 0.0 else math.inf}
 
 
-def _payload_numbers(scene, scales):
+def _payload_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     cables = sum(cable.mass_per_length * cable.length for cable in scene.cables)
     return {"payload/cables": dimensionless.payload_over_cables(sum(_masses(scene)), cables)}
 
 
-def _ground_numbers(scene, scales):
+def _ground_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     ground = _effect(scene, "ground")
     return {
         "depth/diameter": _largest(
             scene,
-            lambda c: dimensionless.penetration(c.mass_per_length * scales.g, ground.stiffness, c.diameter),
+            lambda c: dimensionless.penetration(c.mass_per_length * scales.g, ground.stiffness, c.diameter or 0.0),
             lambda c: c.diameter is not None,
         )
     }
 
 
-def _masses(scene):
+def _masses(scene: Scene) -> list[float]:
     return [point.mass for point in scene.points if isinstance(point, Free)]
 
 
-def _unloaded(scene):
+def _unloaded(scene: Scene) -> Scene:
     points = tuple(replace(point, mass=0.0) if isinstance(point, Free) else point for point in scene.points)
     return replace(scene, points=points)
 
 
-def _lacking(sentence):
+def _lacking(sentence: str) -> Callable[[Scene, float | None], Scene]:
     """What raises the sentence: the data that an effect would need."""
 
-    def refuse(scene, level):
+    def refuse(scene: Scene, level: float | None) -> NoReturn:
         raise SceneError(sentence)
 
     return refuse
 
 
-def _in_air(scene, level):
+def _in_air(scene: Scene, level: float | None) -> Scene:
     return _if_thick("air", scene, lambda: REGISTRY["air"]())
 
 
-def _in_water(scene, level):
+def _in_water(scene: Scene, level: float | None) -> Scene:
     if level is None:
         raise SceneError("It needs the level of the water [m], as in water_level=0.0.")
     if "water" not in REGISTRY:
@@ -214,28 +218,30 @@ def _in_water(scene, level):
     return _if_thick("water", scene, lambda: REGISTRY["water"](level=level))
 
 
-def _if_thick(name, scene, make):
+def _if_thick(name: str, scene: Scene, make: Callable[[], Effect]) -> Scene:
     thin = [cable.name for cable in scene.cables if cable.diameter is None]
     if thin:
         raise SceneError(f'It needs the `diameter` [m] of every cable, but "{thin[0]}" has none.')
     return _with(scene, make())
 
 
-def _bent(scene, level):
+def _bent(scene: Scene, level: float | None) -> Scene:
     if not any(cable.EI > 0.0 for cable in scene.cables):
         raise SceneError("It needs cables with an `EI` [N·m²], but none has any.")
     return _with(scene, REGISTRY["bending"]())
 
 
-def _axial_frequency(scene):
+def _axial_frequency(scene: Scene) -> float:
     return max(mode.omega for mode in top_modes(scene).values())
 
 
-def _in_scene(name):
+def _in_scene(name: str) -> Callable[[Scene], bool]:
     return lambda scene: _effect(scene, name) is not None
 
 
-def _registered(name, with_it, numbers):
+def _registered(
+    name: str, with_it: Callable[[Scene, float | None], Scene], numbers: Callable[[Scene, Scales], dict[str, float]]
+) -> Audited:
     return Audited(
         _in_scene(name),
         lambda scene: _without(scene, name),
@@ -271,7 +277,7 @@ AUDITED: dict[str, Audited] = {
 }
 
 
-def audited_in(scene):
+def audited_in(scene: Scene) -> dict[str, Audited]:
     """How each effect is audited, by name: those above, and whatever else the scene has."""
-    others = [name for effect in scene.effects if (name := REGISTRY.name_of(effect)) not in AUDITED]
+    others = [name for effect in scene.effects if (name := REGISTRY.name_of(effect)) and name not in AUDITED]
     return AUDITED | {name: _registered(name, _lacking(""), lambda scene, scales: {}) for name in others}

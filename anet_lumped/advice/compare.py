@@ -7,14 +7,16 @@ with the catenary at the same unstretched arc length, and with the nearest point
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from anet_lumped.scene.scene import Free
-from anet_lumped.statics.catenary_net import catenaries_between_ends, catenary_net
+from anet_lumped.results.run import State
+from anet_lumped.scene.scene import Cable, Free
+from anet_lumped.statics.catenary_net import Turned, catenaries_between_ends, catenary_net
 
 CURVE_POINTS = 4001  # chords of a curve drawn with 4,000 miss it by 1e-8 of its length
 
 
-def rmse(observed, predicted):
+def rmse(observed: ArrayLike, predicted: ArrayLike) -> float:
     """Root mean square of the distance between observed and predicted values or points.
 
     RMSE = sqrt(sum |Y_i - Yhat_i|^2 / n).
@@ -35,7 +37,7 @@ def rmse(observed, predicted):
     return float(np.sqrt((error**2).sum() / len(error))) if len(error) else np.nan
 
 
-def r_squared(observed, predicted):
+def r_squared(observed: ArrayLike, predicted: ArrayLike) -> float:
     """Coefficient of determination.
 
     R^2 = 1 - sum (Y_i - Yhat_i)^2 / sum (Y_i - Ybar)^2, with Ybar the mean of the observations. Y should be one
@@ -62,7 +64,7 @@ def r_squared(observed, predicted):
     return float(1 - ((observed - predicted) ** 2).sum() / spread)
 
 
-def project(points, curve):
+def project(points: np.ndarray, curve: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Nearest points of a polyline.
 
     Parameters
@@ -87,7 +89,7 @@ def project(points, curve):
     return distance[rows, segment], segment + fraction, start[segment] + fraction[:, None] * along[segment]
 
 
-def below_chord(points, start, end, up):
+def below_chord(points: np.ndarray, start: np.ndarray, end: np.ndarray, up: np.ndarray) -> np.ndarray:
     """Distance of points below the straight line through a cable's ends, along gravity; its largest value is the sag.
 
     Parameters
@@ -165,11 +167,11 @@ class Comparison:
     """A state of the lumped model against catenaries: `cables`, a list of CableMismatch, and `points`, for each free
     point the (3,) error of its place [m], lumped minus catenary."""
 
-    cables: list
-    points: dict
+    cables: list[CableMismatch]
+    points: dict[str, np.ndarray]
 
 
-def compare(state, *, reference="net", elastic=True):
+def compare(state: State, *, reference: str = "net", elastic: bool = True) -> Comparison:
     """Compare a state of the lumped model with the catenary.
 
     Parameters
@@ -205,7 +207,7 @@ def compare(state, *, reference="net", elastic=True):
     )
 
 
-def _compare_cable(state, cable, catenary, up):
+def _compare_cable(state: State, cable: Cable, catenary: Turned, up: np.ndarray) -> CableMismatch:
     nodes, tension = state.shape(cable.name), state.tension(cable.name)
     arc = np.linspace(0.0, cable.length, cable.segments + 1)
     exact, curve = catenary.point(arc), catenary.point(np.linspace(0.0, cable.length, CURVE_POINTS))
@@ -237,7 +239,7 @@ def _compare_cable(state, cable, catenary, up):
     )
 
 
-def _end_force_error(cable, nodes, tension, catenary, gravity):
+def _end_force_error(cable: Cable, nodes: np.ndarray, tension: np.ndarray, catenary: Turned, gravity: np.ndarray) -> float:
     half = 0.5 * cable.mass_per_length * cable.L0 * gravity
     forces = []
     for end, inner, pull in ((nodes[0], nodes[1], tension[0]), (nodes[-1], nodes[-2], tension[-1])):

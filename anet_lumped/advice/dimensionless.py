@@ -7,7 +7,7 @@ with and without the effect tells (`effect_audit`).
 import math
 
 
-def irvine(weight, chord, inclination, tension, EA):
+def irvine(weight: float, chord: float, inclination: float, tension: float, EA: float) -> float:
     """Irvine's parameter lambda^2, the stiffness of a cable's stretch over that of its sag.
 
     lambda^2 = (w l cos(theta)/H)^2 EA l/(H L_e) with L_e = l (1 + (w l cos(theta)/H)^2/8), for a parabola of small sag. Well below
@@ -31,7 +31,7 @@ def irvine(weight, chord, inclination, tension, EA):
     return slope * slope * EA * chord / (tension * stretched)
 
 
-def drag_over_weight(density, speed, diameter, Cd, weight):
+def drag_over_weight(density: float, speed: float, diameter: float, Cd: float, weight: float) -> float:
     """Drag across a cable over its weight, (rho/2) d Cd U^2/(mu g): the tangent of the angle at which it trails when it is towed.
 
     Parameters
@@ -49,7 +49,7 @@ def drag_over_weight(density, speed, diameter, Cd, weight):
     return 0.5 * density * diameter * Cd * speed**2 / weight
 
 
-def bending_over_segment(EI, tension, L0):
+def bending_over_segment(EI: float, tension: float, L0: float) -> float:
     """Bending length sqrt(EI/T) over a segment's: below 1 the boundary layers that bending makes fit into one segment.
 
     Source
@@ -59,7 +59,7 @@ def bending_over_segment(EI, tension, L0):
     return math.sqrt(EI / tension) / L0
 
 
-def damping_ratio(rate, omega):
+def damping_ratio(rate: float, omega: float) -> float:
     """Damping ratio zeta = rate/(2 omega) of a mode of frequency omega [rad/s] by damping of rate [1/s], f = -rate m v.
 
     Source
@@ -69,7 +69,7 @@ def damping_ratio(rate, omega):
     return 0.5 * rate / omega
 
 
-def axial_damping_ratio(BA, EA, mass_per_length, length):
+def axial_damping_ratio(BA: float, EA: float, mass_per_length: float, length: float) -> float:
     """Damping ratio BA omega/(2 EA) of a cable's first axial mode between fixed ends, omega = (pi/L) sqrt(EA/mu).
 
     Source
@@ -79,7 +79,7 @@ def axial_damping_ratio(BA, EA, mass_per_length, length):
     return 0.5 * BA / EA * math.pi / length * math.sqrt(EA / mass_per_length)
 
 
-def froude(speed, length, g):
+def froude(speed: float, length: float, g: float) -> float:
     """Froude number U/sqrt(g L): inertia of a motion over weight, or of a flow over the waves it makes.
 
     Source
@@ -89,7 +89,7 @@ def froude(speed, length, g):
     return speed / math.sqrt(g * length)
 
 
-def keulegan_carpenter(speed, period, diameter):
+def keulegan_carpenter(speed: float, period: float, diameter: float) -> float:
     """Keulegan-Carpenter number U T/d: how many diameters a flow that oscillates goes; drag over inertia of the fluid.
 
     Source
@@ -99,17 +99,17 @@ def keulegan_carpenter(speed, period, diameter):
     return speed * period / diameter
 
 
-def payload_over_cables(payload, cables):
+def payload_over_cables(payload: float, cables: float) -> float:
     """Mass carried over that of the cables [kg]/[kg]."""
     return payload / cables
 
 
-def buoyancy_over_weight(density, diameter, mass_per_length):
+def buoyancy_over_weight(density: float, diameter: float, mass_per_length: float) -> float:
     """Weight of the fluid that a cable displaces over its own, rho pi d^2/(4 mu). Source: Archimedes."""
     return density * 0.25 * math.pi * diameter**2 / mass_per_length
 
 
-def penetration(weight, stiffness, diameter):
+def penetration(weight: float, stiffness: float, diameter: float) -> float:
     """Depth w/(k d) that a lying cable of w = mu g [N/m] is pressed into a ground of k [Pa/m], over its diameter.
 
     Source

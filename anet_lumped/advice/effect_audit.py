@@ -7,17 +7,18 @@ cable where they are largest, speeds and tensions are those of the run.
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE, time_scale
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.motion.times import stops
-from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Free, SceneError
+from anet_lumped.results.run import Run, State
+from anet_lumped.scene.scene import Free, Scene, SceneError
 from anet_lumped.statics.equilibrium import EquilibriumError
 
-from .audited_effects import audited_in, scales
+from .audited_effects import Audited, Scales, audited_in, scales
 
 SAVES = 40  # times at which runs are compared
 KNOWN_TO = 0.1  # of the error, the run at the step that is used
@@ -80,7 +81,16 @@ class EffectAudit:
         return {verdict.effect: verdict for verdict in self.verdicts}[effect]
 
 
-def audit_effects(scene, error, *, at=None, tension=None, t_end=None, start="equilibrium", water_level=None):
+def audit_effects(
+    scene: Scene,
+    error: float,
+    *,
+    at: str | None = None,
+    tension: str | None = None,
+    t_end: float | None = None,
+    start: str | State = "equilibrium",
+    water_level: float | None = None,
+) -> EffectAudit:
     """Judge each effect that a scene has, and each that it lacks though all that it needs is known.
 
     Parameters
@@ -132,17 +142,17 @@ def audit_effects(scene, error, *, at=None, tension=None, t_end=None, start="equ
 class _Runs:
     """Runs of one question, all with one step."""
 
-    def __init__(self, error, at, tension, t_end, start, dt):
+    def __init__(self, error: float, at: str | None, tension: str | None, t_end: float, start: str | State, dt: float) -> None:
         self.error, self.at, self.tension, self.t_end, self.start = error, at, tension, t_end, start
         self.save = t_end / SAVES
         self.dt = self.save / math.ceil(self.save / dt - 1e-9)
 
-    def run(self, scene, start=None, dt=None, check=False):
+    def run(self, scene: Scene, start: str | State | None = None, dt: float | None = None, check: bool = False) -> Run:
         """A run of edmc, which takes all cables and any stiffness."""
-        settings = dict(method="edmc", dt=dt or self.dt, save_every=self.save, check=check)
+        settings: dict[str, Any] = dict(method="edmc", dt=dt or self.dt, save_every=self.save, check=check)
         return simulate(scene, self.t_end, start=self.start if start is None else start, **settings)
 
-    def beside(self, scene, reference):
+    def beside(self, scene: Scene, reference: Run) -> tuple[Run, State | None]:
         """A run of another scene, and what it starts from: as without weight nothing may rest, where the reference does."""
         try:
             return self.run(scene), None
@@ -150,7 +160,7 @@ class _Runs:
             start = State(reference.model, 0.0, reference.q[0], reference.v[0], reference.segment_tension[0])
             return self.run(scene, start), start
 
-    def reference(self, scene):
+    def reference(self, scene: Scene) -> tuple[Run, float]:
         """The run of the scene as it is, and to what it is known; chooses the step."""
         run = self.run(scene, check=True)
         for _ in range(HALVINGS):
@@ -161,25 +171,34 @@ class _Runs:
             run, self.dt = finer, 0.5 * self.dt
         return run, known_to
 
-    def quantity(self, run):
+    def quantity(self, run: Run) -> np.ndarray:
         """(k, m, d) what is asked for at the saved times."""
         if self.tension is not None:
             return run.tension(self.tension)[:, :, None]
         free = [self.at] if self.at else [point.name for point in run.scene.points if isinstance(point, Free)]
         return np.stack([run.position(name) for name in free], axis=1) if free else run.q
 
-    def apart(self, one, other):
+    def apart(self, one: Run, other: Run) -> float:
         """Largest difference of what is asked for between two runs."""
         return float(np.linalg.norm(self.quantity(one) - self.quantity(other), axis=2).max())
 
-    def cost(self, with_it, without, start):
+    def cost(self, with_it: Scene, without: Scene, start: State | None) -> float:
         """Time of the motion with an effect over that without, less 1; they take turns."""
         took = np.array([[self.run(scene, start).wall_time for scene in (with_it, without)] for _ in range(REPEATS)])
-        with_it, without = took.min(axis=0)
-        return float(with_it / without - 1.0)
+        longer, shorter = took.min(axis=0)
+        return float(longer / shorter - 1.0)
 
 
-def _verdict(name, audited, scene, reference, runs, sizes, known_to, water_level):
+def _verdict(
+    name: str,
+    audited: Audited,
+    scene: Scene,
+    reference: Run,
+    runs: _Runs,
+    sizes: Scales,
+    known_to: float,
+    water_level: float | None,
+) -> Verdict:
     """What is found of one effect."""
     present = audited.present(scene)
     try:
@@ -193,12 +212,12 @@ def _verdict(name, audited, scene, reference, runs, sizes, known_to, water_level
         reason = f"The run {'without' if present else 'with'} it ended at t={run.t[-1]:.4g} s: {run.message}"
         return Verdict(name, present, numbers, math.nan, math.nan, stiffness, UNDECIDED, reason)
     change = runs.apart(reference, run)
-    cost = runs.cost(*((scene, other) if present else (other, scene)), start)
+    cost = runs.cost(having, other if present else scene, start)
     verdict, reason = _judged(change, known_to, runs.error, stiffness, "N" if runs.tension else "m")
     return Verdict(name, present, numbers, change, cost, stiffness, verdict, reason)
 
 
-def _judged(change, known_to, error, stiffness, unit):
+def _judged(change: float, known_to: float, error: float, stiffness: float, unit: str) -> tuple[str, str]:
     """The verdict on a change, and a sentence."""
     changes = f"changes {change:.3g} {unit} where {error:g} {unit} matter"
     if known_to > KNOWN_TO * error and change - known_to <= error:

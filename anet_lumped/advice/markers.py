@@ -13,8 +13,10 @@ import csv
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from anet_lumped.results.run import State
@@ -65,7 +67,7 @@ class Sequence:
     distance: np.ndarray
     sigma: float
 
-    def along(self, cable):
+    def along(self, cable: int) -> np.ndarray:
         """Row numbers of the cable's markers in the order of arc length."""
         rows = np.flatnonzero(self.cable == cable)
         return rows[np.argsort(self.arc[rows])]
@@ -83,12 +85,12 @@ class CableMatch:
     cable: str
     markers: int
     missing: int | None
-    covered: tuple
+    covered: tuple[float, float]
     largest_gap: float
     rmse_before: float
     rmse_after: float
-    r_squared_before: tuple
-    r_squared_after: tuple
+    r_squared_before: tuple[float, ...]
+    r_squared_after: tuple[float, ...]
     length_before: float
     length_after: float
     length_standard_error: float
@@ -122,12 +124,12 @@ class MarkerFit:
     before: State
     after: State
     sequence: Sequence
-    cables: list
+    cables: list[CableMatch]
     outliers: int
     offset: np.ndarray
 
 
-def read_markers(path, scene, unit=None):
+def read_markers(path: str | Path, scene: Scene, unit: str | None = None) -> Markers:
     """Read a CSV file of marker positions.
 
     A header names the columns x, y and z, in any order; other columns are left alone, rows may come in any order, and
@@ -158,8 +160,8 @@ def read_markers(path, scene, unit=None):
         if any(header.count(name) != 1 for name in "xyz"):
             raise MarkerError(f"A marker file must have a header with one x, one y and one z, but {path} has {header}.")
         columns = [header.index(name) for name in "xyz"]
-        xyz = [_row(row, columns, f"{path}, line {rows.line_num}") for row in rows if any(cell.strip() for cell in row)]
-    xyz = np.array(xyz, dtype=float).reshape(-1, 3)
+        cells = [_row(row, columns, f"{path}, line {rows.line_num}") for row in rows if any(cell.strip() for cell in row)]
+    xyz = np.array(cells, dtype=float).reshape(-1, 3)
     seen = np.isfinite(xyz).all(axis=1)
     if not seen.any():
         raise MarkerError(f"A marker file needs at least one row with x, y and z, but {path} has none.")
@@ -167,7 +169,7 @@ def read_markers(path, scene, unit=None):
     return Markers(xyz, unit, int((~seen).sum()))
 
 
-def _row(row, columns, where):
+def _row(row: list[str], columns: list[int], where: str) -> list[float]:
     try:
         cells = [row[column].strip() if column < len(row) else "" for column in columns]
         return [float(cell) if cell else math.nan for cell in cells]
@@ -175,7 +177,7 @@ def _row(row, columns, where):
         raise MarkerError(f"A marker's x, y and z must be numbers, but {where} has {cells}.") from None
 
 
-def _in_metres(xyz, scene, unit, path):
+def _in_metres(xyz: np.ndarray, scene: Scene, unit: str | None, path: str | Path) -> tuple[np.ndarray, str]:
     if unit is None:
         # Medians, because one stray point must not decide the unit.
         cloud = np.median(np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1))
@@ -192,7 +194,7 @@ def _in_metres(xyz, scene, unit, path):
     return xyz * {"m": 1.0, "mm": 1e-3}[unit], unit
 
 
-def sequence(xyz, state):
+def sequence(xyz: np.ndarray, state: State) -> Sequence:
     """Sequence markers: to the nearest cable, in the order of arc length, outliers set apart.
 
     The distance of a marker from its curve has two independent coordinates, so that sigma = median / sqrt(2 ln 2),
@@ -224,7 +226,7 @@ def sequence(xyz, state):
     return Sequence(np.where(distance > CUT * sigma + max(rise), -1, cable), arc, nearest, distance, sigma)
 
 
-def fit_markers(xyz, scene):
+def fit_markers(xyz: ArrayLike, scene: Scene) -> MarkerFit:
     """Fit the length of each cable to measured markers, and compare the model with them before and after.
 
     Minimises over the lengths the sum of |x_i - c_i|^2 over the markers that are no outliers, c_i the nearest point of
@@ -281,14 +283,16 @@ def fit_markers(xyz, scene):
     )
 
 
-def _fit_lengths(xyz, state, order, fitted, shifted=False):
+def _fit_lengths(
+    xyz: np.ndarray, state: State, order: Sequence, fitted: list[int], shifted: bool = False
+) -> tuple[State, dict[int, float], np.ndarray]:
     """Fitted state, standard error of each fitted length [m] by cable, and the shift (3,) [m] if that is fitted too."""
     scene = state.scene
     start = np.array([scene.cables[i].length for i in fitted])
     n, size = len(start), start.max()
     rows = [(cable, order.along(i)) for i, cable in enumerate(scene.cables)]
 
-    def residual(unknowns):
+    def residual(unknowns: np.ndarray) -> np.ndarray:
         shape = _rest(_with_lengths(scene, fitted, start * unknowns[:n]))
         if shape is None:
             return np.full(3 * sum(len(row) for _, row in rows), 1e3 * order.sigma)
@@ -301,7 +305,7 @@ def _fit_lengths(xyz, state, order, fitted, shifted=False):
     return equilibrium(_with_lengths(scene, fitted, start * found.x[:n])), errors, size * (found.x[n:] - 1)
 
 
-def _standard_errors(found):
+def _standard_errors(found: Any) -> np.ndarray:
     """sqrt of the diagonal of s^2 (J^T J)^-1, with s^2 the mean square over the two free coordinates of each marker."""
     degrees = 2 * len(found.fun) // 3 - len(found.x)
     if degrees <= 0:
@@ -310,21 +314,21 @@ def _standard_errors(found):
     return np.sqrt(variance * np.diag(np.linalg.pinv(found.jac.T @ found.jac)))
 
 
-def _rest(scene):
+def _rest(scene: Scene) -> State | None:
     try:
         return equilibrium(scene)
     except EquilibriumError:
         return None
 
 
-def _with_lengths(scene, which, lengths):
+def _with_lengths(scene: Scene, which: list[int], lengths: np.ndarray) -> Scene:
     cables = list(scene.cables)
     for i, length in zip(which, lengths, strict=True):
         cables[i] = replace(cables[i], length=float(length))
     return replace(scene, cables=tuple(cables))
 
 
-def _match(xyz, before, after, order, i, error):
+def _match(xyz: np.ndarray, before: State, after: State, order: Sequence, i: int, error: float) -> CableMatch:
     cable = after.scene.cables[i]
     rows = order.along(i)
     seen, arc = xyz[rows], order.arc[rows]
@@ -346,15 +350,15 @@ def _match(xyz, before, after, order, i, error):
         length_before=before.scene.cables[i].length,
         length_after=cable.length,
         length_standard_error=error,
-        sag_measured=float(below_chord(seen, *ends[1], up).max()) if len(rows) else math.nan,
-        sag_before=float(below_chord(shapes[0], *ends[0], up).max()),
-        sag_after=float(below_chord(shapes[1], *ends[1], up).max()),
+        sag_measured=float(below_chord(seen, ends[1][0], ends[1][1], up).max()) if len(rows) else math.nan,
+        sag_before=float(below_chord(shapes[0], ends[0][0], ends[0][1], up).max()),
+        sag_after=float(below_chord(shapes[1], ends[1][0], ends[1][1], up).max()),
         tension_before=float(before.tension(cable.name).max()),
         tension_after=float(after.tension(cable.name).max()),
     )
 
 
-def _missing(gaps):
+def _missing(gaps: np.ndarray) -> int | None:
     """Markers hidden between the first and the last, from gaps that are whole multiples of a spacing; else None."""
     if len(gaps) < 4:
         return None

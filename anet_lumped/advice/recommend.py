@@ -7,6 +7,7 @@ q_N - q_2N = 3/4 of the error of q_N. Cost grows as segments over step, which is
 import math
 import time
 from dataclasses import dataclass, replace
+from typing import Any, cast
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from anet_lumped.motion.choice import EXPLICIT_COST, SHARE_OF_LIMIT, SHARE_OF_TI
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.motion.stability import predict
 from anet_lumped.motion.times import stops
-from anet_lumped.scene.scene import Free, SceneError
+from anet_lumped.scene.scene import Free, Scene, SceneError
 from integrators import schemes
 
 SAVES = 40  # times at which places are compared
@@ -42,7 +43,7 @@ class Candidate:
     extrapolate: bool = False
 
     @property
-    def stepping(self):
+    def stepping(self) -> dict[str, Any]:
         """Arguments of `simulate`."""
         found = {"method": self.method} | ({"dt": self.dt} if self.rtol is None else {"rtol": self.rtol})
         return found | ({"extrapolate": True} if self.extrapolate else {})
@@ -65,7 +66,7 @@ class Recommendation:
     fast_enough : bool, whether it reaches the pace asked for
     """
 
-    scene: object
+    scene: Scene
     best: Candidate
     runner_up: Candidate | None
     points: tuple[str, ...]
@@ -79,12 +80,20 @@ class Recommendation:
     fast_enough: bool
 
     @property
-    def segments(self):
+    def segments(self) -> dict[str, int]:
         """Segments of each cable by name."""
         return {cable.name: cable.segments for cable in self.scene.cables}
 
 
-def recommend(scene, error, *, at=None, t_end=None, start="equilibrium", realtime=None):
+def recommend(
+    scene: Scene,
+    error: float,
+    *,
+    at: str | None = None,
+    t_end: float | None = None,
+    start: str = "equilibrium",
+    realtime: float | None = None,
+) -> Recommendation:
     """Find the cheapest segments, method and step for which places are within an error.
 
     Parameters
@@ -145,7 +154,7 @@ def recommend(scene, error, *, at=None, t_end=None, start="equilibrium", realtim
     )
 
 
-def _default_end(scene):
+def _default_end(scene: Scene) -> float:
     swing = 2.0 * math.pi * time_scale(scene)
     return float(max(stops(scene).max(initial=0.0), 0.0) + 2.0 * swing)
 
@@ -153,28 +162,28 @@ def _default_end(scene):
 class _Search:
     """Pilots of one scene, each run once."""
 
-    def __init__(self, scene, points, t_end, start):
+    def __init__(self, scene: Scene, points: tuple[str, ...], t_end: float, start: str) -> None:
         self.scene, self.points, self.t_end, self.start = scene, points, t_end, start
         most = max(cable.segments for cable in scene.cables)
         self.shares = [cable.segments / most for cable in scene.cables]
         self.first_step = SHARE_OF_TIME_SCALE * time_scale(scene)
-        self.runs = {}
+        self.runs: dict[Any, np.ndarray] = {}
 
-    def divided(self, count):
+    def divided(self, count: int) -> Scene:
         """The scene with that many segments in its finest cable."""
         cables = [replace(c, segments=max(1, round(count * s))) for c, s in zip(self.scene.cables, self.shares, strict=True)]
         return replace(self.scene, cables=tuple(cables))
 
-    def doubled(self, scene):
+    def doubled(self, scene: Scene) -> Scene:
         """The scene with twice the segments in every cable."""
         return replace(scene, cables=tuple(replace(cable, segments=2 * cable.segments) for cable in scene.cables))
 
-    def step(self, dt):
+    def step(self, dt: float) -> float:
         """The largest step up to dt that ends on what is saved."""
         save = self.t_end / SAVES
         return save / math.ceil(save / dt - 1e-9)
 
-    def places(self, scene, **stepping):
+    def places(self, scene: Scene, **stepping: Any) -> np.ndarray:
         """(SAVES + 1, points, 3) places of the points that count."""
         key = scene, tuple(stepping.items())
         if key not in self.runs:
@@ -187,12 +196,12 @@ class _Search:
             self.runs[key] = np.stack(places, axis=1)
         return self.runs[key]
 
-    def apart(self, one, other):
+    def apart(self, one: tuple[Scene, dict[str, Any]], other: tuple[Scene, dict[str, Any]]) -> float:
         """Largest distance between the places of two runs [m]."""
         apart = self.places(one[0], **one[1]) - self.places(other[0], **other[1])
         return float(np.linalg.norm(apart, axis=2).max())
 
-    def segments(self, share):
+    def segments(self, share: float) -> tuple[int, float]:
         """Number of segments whose error is within a share, and that error [m]."""
         count, stepping = 8, {"method": "edmc", "dt": self.step(0.5 * self.first_step)}
         for _ in range(ATTEMPTS):
@@ -209,28 +218,29 @@ class _Search:
             count = enough
         raise RecommendError(f"The error does not fall as the square of the segments: {error:.3g} m at {count} of them.")
 
-    def candidates(self, count, share):
+    def candidates(self, count: int, share: float) -> list[Candidate]:
         """Methods that keep a share of the error, the cheapest first."""
         scene = self.divided(count)
-        found = [self.fixed(scene, share), self.adaptive(scene, share)]
+        plain = cast(Candidate, self.fixed(scene, share))  # None is for extrapolation alone
+        found = [plain, self.adaptive(scene, share)]
         if all(cable.breaking_tension is None for cable in scene.cables):
             found.append(self.fixed(scene, share, extrapolate=True))
         if not any(cable.inextensible for cable in scene.cables):
             limit = predict(scene, schemes=("verlet",)).limits["verlet"].step
-            dt, implicit = self.step(SHARE_OF_LIMIT * limit), self.t_end / found[0].times_real_time
+            dt, implicit = self.step(SHARE_OF_LIMIT * limit), self.t_end / plain.times_real_time
             if EXPLICIT_COST * build(scene).n * self.t_end / dt < PATIENCE * implicit:
                 found.append(self.candidate(scene, "verlet", self.halves(scene, "verlet", dt), dt=dt))
         return sorted((c for c in found if c and c.error <= share), key=lambda c: -c.times_real_time)
 
-    def halves(self, scene, method, dt, order=2, **options):
+    def halves(self, scene: Scene, method: str, dt: float, order: int = 2, **options: Any) -> float:
         """Error of a step of a method [m]."""
         coarse, fine = ({"method": method, "dt": step} | options for step in (dt, 0.5 * dt))
         return self.apart((scene, coarse), (scene, fine)) / (1.0 - 2.0**-order)
 
-    def fixed(self, scene, share, extrapolate=False):
+    def fixed(self, scene: Scene, share: float, extrapolate: bool = False) -> Candidate | None:
         """The largest step of edmc whose error is within a share; None if extrapolation does not get there."""
         dt, edmc = self.step(self.first_step), schemes.scheme("edmc")
-        order = edmc.extrapolated_order if extrapolate else edmc.order
+        order = cast(int, edmc.extrapolated_order if extrapolate else edmc.order)
         options = {"extrapolate": True} if extrapolate else {}
         for _ in range(2 * ATTEMPTS):
             error = self.halves(scene, "edmc", dt, order, **options)
@@ -242,7 +252,7 @@ class _Search:
             return None
         raise RecommendError(f"The error does not fall as the square of the step: {error:.3g} m at {dt:.3g} s.")
 
-    def adaptive(self, scene, share):
+    def adaptive(self, scene: Scene, share: float) -> Candidate | None:
         """The largest tolerance of adaptive edmc whose error is within a share, or None."""
         rtol = 1e-4
         for _ in range(ATTEMPTS):
@@ -252,7 +262,9 @@ class _Search:
             rtol *= 0.8 * (share / error) ** 1.5  # an error in a step of h^3 makes a whole error of rtol^(2/3)
         return None
 
-    def candidate(self, scene, method, error, dt=None, rtol=None, extrapolate=False):
+    def candidate(
+        self, scene: Scene, method: str, error: float, dt: float | None = None, rtol: float | None = None, extrapolate: bool = False
+    ) -> Candidate:
         """A method with its pace."""
         one = Candidate(method, dt, rtol, error, np.inf, extrapolate)
         took = []
@@ -262,15 +274,15 @@ class _Search:
             took.append(time.perf_counter() - began)
         return replace(one, times_real_time=self.t_end / min(took))  # what else the machine does only adds
 
-    def check(self, count, best):
+    def check(self, count: int, best: Candidate) -> float:
         """Distance of the recommended run from one with twice the segments and half the step, over what that leaves [m]."""
         scene = self.divided(count)
-        finer = best.stepping | ({"dt": 0.5 * best.dt} if best.rtol is None else {"rtol": 0.1 * best.rtol})
+        finer = best.stepping | ({"dt": 0.5 * cast(float, best.dt)} if best.rtol is None else {"rtol": 0.1 * best.rtol})
         if best.method == "verlet":
             finer["dt"] *= 0.5  # twice the segments halve its limit
         return self.apart((scene, best.stepping), (self.doubled(scene), finer)) / DOUBLED
 
-    def elasticity(self, count, best):
+    def elasticity(self, count: int, best: Candidate) -> float:
         """What stretching changes [m]: the same net with EA = inf."""
         scene = self.divided(count)
         rigid = replace(scene, cables=tuple(replace(cable, EA=math.inf, tension_strain=None) for cable in scene.cables))

@@ -6,15 +6,17 @@ that and without a wrapper for Python a function compiles in half the time.
 
 from numba import njit
 
-_SHARED = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}, "_nrt": False}
+from integrators.jit import SHARED, WITHOUT_ADDRESS, WITHOUT_PYTHON
 
-inlined = njit(forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **_SHARED)
+_SHARED = SHARED | {"fastmath": {"contract"}}
+
+inlined = njit(forceinline=True, **_SHARED, **WITHOUT_PYTHON, **WITHOUT_ADDRESS)
 """A part of a kernel, written once, copied into every kernel that calls it."""
 
-internal = njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_SHARED)
+internal = njit(**_SHARED, **WITHOUT_PYTHON, **WITHOUT_ADDRESS)
 """A part of a kernel that is called as it stands."""
 
-on_demand = njit(no_cpython_wrapper=True, **_SHARED)
+on_demand = njit(**_SHARED, **WITHOUT_PYTHON)
 """A kernel that other kernels call by its address, compiled when a scene first needs it, see `addresses.address_of`."""
 
 

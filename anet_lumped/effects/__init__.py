@@ -18,7 +18,7 @@ class Registry(MutableMapping):
     Such a file is imported when its effect is looked up.
     """
 
-    def __init__(self, classes: dict[str, str | type]):
+    def __init__(self, classes: dict[str, str | type]) -> None:
         self.classes = classes
 
     def __getitem__(self, name: str) -> type:
@@ -74,7 +74,7 @@ REGISTRY = Registry(
 )
 
 OWN = ("node_energy", "node_force", "segment_energy", "segment_force")  # make an effect of a user's law
-__all__ = ["REGISTRY", "Effect", *OWN, *(kind for kind in REGISTRY.classes.values())]
+__all__ = ["REGISTRY", "Effect", *OWN, *REGISTRY.class_names]
 
 
 def __getattr__(attribute: str) -> Any:

@@ -1,7 +1,8 @@
 """Drag of the air, at rest or in wind, on cables and on what free points carry."""
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numba import njit
@@ -43,12 +44,12 @@ class Air(Effect):
     """
 
     density: float = 1.225
-    wind: Wind | tuple[Wind, ...] | None = None
+    wind: Wind | Sequence[Wind] | None = None
     surface: float | None = None
 
     coupled_neighbours: ClassVar[int] = 1
 
-    def check_parameters(self):
+    def check_parameters(self) -> None:
         self._set(
             density=check_number("density", self.density, "kg/m3", self._called, sign="positive"),
             wind=check_winds("wind", self.wind, self._called),
@@ -56,11 +57,11 @@ class Air(Effect):
         )
 
     @property
-    def no_force_at_rest(self):
+    def no_force_at_rest(self) -> bool:
         """Without wind."""
         return self.wind is None
 
-    def table(self, model):
+    def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
         """Index and parameters for the compiled functions below.
 
         Returns
@@ -88,7 +89,7 @@ class Air(Effect):
         index = np.concatenate([[model.n_segments], model.ends.ravel(), nodes]).astype(np.int64)
         return index, np.concatenate([header, winds, of_cable[model.cable_of].ravel(), of_point.ravel()])
 
-    def kernels(self):
+    def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy}
 
 

@@ -1,7 +1,8 @@
 """Damping of motion along the cables, proportional to mass: the part a M of Rayleigh's damping."""
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numba import njit
@@ -41,14 +42,14 @@ class AxialDamping(Effect):
     coupled_neighbours: ClassVar[int] = 1
     no_force_at_rest: ClassVar[bool] = True
 
-    def check_parameters(self):
+    def check_parameters(self) -> None:
         self._set(rate=check_number_by_name("rate", self.rate, "1/s", self._called, sign="non-negative"))
 
     @classmethod
-    def example(cls, scene):
+    def example(cls, scene: Any) -> Self:
         return cls(0.5)
 
-    def table(self, model):
+    def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
         """Index and parameters for the compiled functions below.
 
         Returns
@@ -62,24 +63,24 @@ class AxialDamping(Effect):
         """
         cables = model.scene.cables
         rates = np.zeros(len(cables))
-        if isinstance(self.rate, tuple):
-            for name, rate in self.rate:
-                rates[cables.index(model.scene.cable(name))] = rate
-        else:
+        if isinstance(self.rate, float):
             rates[:] = self.rate
+        else:
+            for name, rate in dict(self.rate).items():
+                rates[cables.index(model.scene.cable(name))] = rate
         found = np.flatnonzero(rates[model.cable_of])
         of = model.cable_of[found]
         L0 = np.array([cable.L0 for cable in cables])[of]
         half = 0.5 * rates[of] * np.array([cable.mass_per_length for cable in cables])[of] * L0
         return np.column_stack([model.ends[found], found]).ravel(), np.column_stack([L0, half]).ravel()
 
-    def after_break(self, pieces, cables):
+    def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
         if not isinstance(self.rate, tuple):
             return self
         of = [(piece, rate) for name, rate in self.rate for piece in names_left(name, pieces)]
         return AxialDamping(tuple(of)) if of else None
 
-    def kernels(self):
+    def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy}
 
 

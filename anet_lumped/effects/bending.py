@@ -18,8 +18,9 @@ Source: Bergou et al., ACM Trans. Graph. 27 (2008) 63, for the energy; Gonzalez,
 """
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numba import njit
@@ -51,16 +52,16 @@ class Bending(Effect):
 
     coupled_neighbours: ClassVar[int] = 2
 
-    def check_parameters(self):
+    def check_parameters(self) -> None:
         pairs = check_pairs("clamped", self.clamped, "a point's name and a direction", self._called, may_be_empty=True)
         where = f'{self._called} at point "{{}}"'
         self._set(clamped=tuple((name, check_direction("clamped", at, where.format(name))) for name, at in pairs))
 
-    def highest_frequency(self, scene):
+    def highest_frequency(self, scene: Any) -> float:
         """Of a free chain with a bending spring at each node."""
         return max((_stiffness(cable)[2] for cable in scene.cables), default=0.0)
 
-    def table(self, model):
+    def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
         """Index and parameters for the compiled functions below.
 
         Returns
@@ -95,7 +96,7 @@ class Bending(Effect):
             numbers += [*_stiffness(cable), *(np.array(direction) / np.linalg.norm(direction))]
         return np.array([pairs, *index], np.int64), np.array(numbers)
 
-    def _clamped_cable(self, model, name):
+    def _clamped_cable(self, model: Any, name: str) -> Any:
         if model.node(name) < model.n_free:
             raise SceneError(f'A clamp must be at a fixed or driven point, but effect Bending clamps free point "{name}".')
         there = [cable for cable in model.scene.cables if name in (cable.start, cable.end) and cable.EI > 0.0]
@@ -103,16 +104,16 @@ class Bending(Effect):
             raise SceneError(f'A clamp must hold one cable that has an `EI`, but {len(there)} of them end at point "{name}".')
         return there[0]
 
-    def after_break(self, pieces, cables):
+    def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
         """Without the clamps of cables that have fallen off."""
         bent = {name for cable in cables if cable.EI > 0.0 for name in (cable.start, cable.end)}
         return Bending(tuple((name, at) for name, at in self.clamped if name in bent)) if bent else None
 
-    def kernels(self):
+    def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step}
 
 
-def _stiffness(cable):
+def _stiffness(cable: Any) -> list[float]:
     return [cable.EI / cable.L0, cable.L0, 4.0 * math.sqrt(cable.EI / cable.mass_per_length) / cable.L0**2]
 
 

@@ -1,13 +1,14 @@
 """Uniform gravity."""
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import check_direction, check_number
+from anet_lumped.checks import Vector, check_direction, check_number
 
 from .effect import Effect
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE
@@ -31,23 +32,23 @@ class Gravity(Effect):
     dead_load: ClassVar[bool] = True
     jax_traceable: ClassVar[bool] = True
 
-    def check_parameters(self):
+    def check_parameters(self) -> None:
         self._set(
             g=check_number("g", self.g, "m/s2", self._called, sign="non-negative"),
             direction=check_direction("direction", self.direction, self._called),
         )
 
     @property
-    def uniform_acceleration(self):
+    def uniform_acceleration(self) -> Vector:
         size = math.hypot(*self.direction)
         x, y, z = self.direction
         return self.g * x / size, self.g * y / size, self.g * z / size
 
-    def table(self, model):
+    def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
         """No index; the acceleration [m/s2] and the mass of each moving node [kg]."""
         return np.empty(0, np.int64), np.concatenate([self.uniform_acceleration, model.mass[: model.n_free]])
 
-    def kernels(self):
+    def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "energy": energy}
 
 

@@ -15,7 +15,9 @@ a damper that grows with the depth; Armero & Petocz, Comput. Methods Appl. Mech.
 """
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 from numba import njit
@@ -57,22 +59,22 @@ class Ground(Effect):
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
     slip_speed: float = 1e-3
 
-    def check_parameters(self):
+    def check_parameters(self) -> None:
         signs = {"height": ("m", ""), "stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative")}
         signs |= {"friction": ("", "non-negative"), "slip_speed": ("m/s", "positive")}
         for key, (unit, sign) in signs.items():
             self._set(**{key: check_number(key, getattr(self, key), unit, self._called, sign=sign)})
         self._set(normal=check_direction("normal", self.normal, self._called))
 
-    def highest_frequency(self, scene):
+    def highest_frequency(self, scene: Any) -> float:
         """Of the mass of a segment on the springs under it, sqrt(k d/mu)."""
         return max(math.sqrt(self.stiffness * (cable.diameter or 0.0) / cable.mass_per_length) for cable in scene.cables)
 
     @classmethod
-    def example(cls, scene):
+    def example(cls, scene: Any) -> Self:
         return cls(height=height_under(scene))
 
-    def table(self, model):
+    def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
         """Index and parameters for the compiled functions below.
 
         Returns
@@ -101,10 +103,10 @@ class Ground(Effect):
         normal = np.array(self.normal) / np.linalg.norm(self.normal)
         return np.empty(0, np.int64), np.array([*normal, self.height, self.friction, self.slip_speed, *nodes.ravel()])
 
-    def kernels(self):
+    def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step}
 
-    def force_on(self, state):
+    def force_on(self, state: Any) -> np.ndarray:
         """Force that each node exerts on the ground in a State, (n, 3) [N]."""
         f = np.zeros_like(state.q)
         force(state.t, state.q, state.v, *self.table(state.model), f)

@@ -1,7 +1,8 @@
 """The compiled functions of an effect must fit their slots: checked when it is made, before an address of theirs is taken."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
+from typing import Any
 
 from numba.core.dispatcher import Dispatcher
 
@@ -14,7 +15,7 @@ OF_DEAD_LOADS = ("force", "energy")
 OF_OTHERS = ("force", "energy", "tangent")
 
 
-def check_kernels(effect):
+def check_kernels(effect: Any) -> None:
     """Refuse an effect whose compiled functions are missing, unknown, of another signature or able to raise.
 
     Raises
@@ -60,14 +61,14 @@ def check_kernels(effect):
             )
 
 
-def _signatures(kernel):
+def _signatures(kernel: Any) -> list[Any]:
     return [overload.signature for overload in kernel.overloads.values()]
 
 
 @cache
-def _raises(kernel):
+def _raises(kernel: Any) -> tuple[str, ...]:
     return may_raise(kernel)
 
 
-def _listed(words, quote="`"):
+def _listed(words: Iterable[Any], quote: str = "`") -> str:
     return ", ".join(f"{quote}{word}{quote}" for word in words)

@@ -1,6 +1,8 @@
 """Cables that are paid out or reeled in."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 from anet_lumped.checks import SceneError, check_pairs
 from anet_lumped.prescribed import signals
@@ -27,7 +29,7 @@ class LineChange(Effect):
 
     paid_out: dict[str, Signal] | tuple[tuple[str, Signal], ...]
 
-    def check_parameters(self):
+    def check_parameters(self) -> None:
         pairs = check_pairs("paid_out", self.paid_out, "a cable's name and a signal", self._called)
         for name, signal in pairs:
             if not isinstance(signal, Signal):
@@ -38,24 +40,24 @@ class LineChange(Effect):
         self._set(paid_out=pairs)
 
     @property
-    def signals(self):
-        return tuple(signal for _, signal in self.paid_out)
+    def signals(self) -> tuple[Signal, ...]:
+        return tuple(dict(self.paid_out).values())
 
     @classmethod
-    def example(cls, scene):
+    def example(cls, scene: Any) -> Self:
         return cls({scene.cables[0].name: signals.line(0.0, 0.01, 0.0)})
 
-    def length_changes(self, scene):
+    def length_changes(self, scene: Any) -> Sequence[LengthChange]:
         """The length paid out of each cable named.
 
         Raises
         ------
         SceneError : an unknown cable, or one that may break, since the length on the winch would then be unknown
         """
-        for name, _ in self.paid_out:
+        for name in dict(self.paid_out):
             if scene.cable(name).breaking_tension is not None:
                 raise SceneError(
                     f'A cable that is paid out must have no `breaking_tension`, but cable "{name}" of LineChange has '
                     f"breaking_tension={scene.cable(name).breaking_tension} N."
                 )
-        return [LengthChange(scene.cable(name).name, PAID_OUT, 1.0, signal) for name, signal in self.paid_out]
+        return [LengthChange(scene.cable(name).name, PAID_OUT, 1.0, signal) for name, signal in dict(self.paid_out).items()]

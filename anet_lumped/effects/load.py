@@ -1,12 +1,14 @@
 """A distributed load: a force per unstretched length that does not depend on the shape of a cable."""
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 from numba import njit
 
 from anet_lumped.checks import check_names, check_number, check_vector
-from anet_lumped.prescribed.smoothstep import ramped
+from anet_lumped.prescribed.smoothstep_kernel import ramped
 
 from .effect import Effect, names_left
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
@@ -30,10 +32,10 @@ class Load(Effect):
     """
 
     per_length: tuple[float, float, float]
-    cables: tuple[str, ...] | None = None
+    cables: Sequence[str] | None = None
     ramp: float = 0.0
 
-    def check_parameters(self):
+    def check_parameters(self) -> None:
         self._set(
             per_length=check_vector("per_length", self.per_length, "N/m", self._called),
             cables=check_names("cables", self.cables, self._called),
@@ -41,15 +43,15 @@ class Load(Effect):
         )
 
     @property
-    def dead_load(self):
+    def dead_load(self) -> bool:
         """Unless it grows in time."""
         return self.ramp == 0.0
 
     @classmethod
-    def example(cls, scene):
+    def example(cls, scene: Any) -> Self:
         return cls((0.0, 0.1, 0.0))
 
-    def table(self, model):
+    def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
         """No index; ramp [s] and the load on each moving node [N].
 
         Raises
@@ -64,11 +66,11 @@ class Load(Effect):
             f[nodes[1:]] += half
         return np.empty(0, np.int64), np.concatenate([[self.ramp], f[: model.n_free].ravel()])
 
-    def kernels(self):
-        dead = {"force": force, "energy": energy}
+    def kernels(self) -> Mapping[str, Callable[..., Any]]:
+        dead: dict[str, Callable[..., Any]] = {"force": force, "energy": energy}
         return dead if self.dead_load else dead | {"tangent": tangent}
 
-    def after_break(self, pieces, cables):
+    def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
         if self.cables is None:
             return self
         names = [piece for name in self.cables for piece in names_left(name, pieces)]

@@ -30,6 +30,8 @@ A net holds the addresses of these functions, as plain integers and 0 for none, 
 are; `as_force` and its like make an address callable in compiled code.
 """
 
+from typing import Any
+
 from numba import types
 
 from anet_lumped.compiled.addresses import address, callable_at
@@ -53,7 +55,7 @@ SIGNATURES = {
 SLOTS = tuple(SIGNATURES)  # in the order of the SLOT_ columns in `model.tables`
 
 
-def addresses(effect):
+def addresses(effect: Any) -> list[int]:
     """Addresses of an effect's compiled functions in the order of `SLOTS`; 0 for those that it does not have."""
     kernels = effect.kernels()
     return [address(kernels[slot]) if slot in kernels else 0 for slot in SLOTS]

@@ -1,6 +1,8 @@
 """Thermal expansion: an eigenstrain alpha dT of whole cables."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 from anet_lumped.checks import check_number_by_name
 from anet_lumped.prescribed.signals import Signal, check_number_or_signal
@@ -27,30 +29,31 @@ class Temperature(Effect):
     expansion: float | dict[str, float] | tuple[tuple[str, float], ...]
     change: float | Signal
 
-    def check_parameters(self):
+    def check_parameters(self) -> None:
         expansion = check_number_by_name("expansion", self.expansion, "1/K", self._called)
         self._set(expansion=expansion, change=check_number_or_signal("change", self.change, "K", self._called))
 
     @property
-    def signals(self):
+    def signals(self) -> tuple[Signal, ...]:
         return (self.change,) if isinstance(self.change, Signal) else ()
 
     @classmethod
-    def example(cls, scene):
+    def example(cls, scene: Any) -> Self:
         return cls(expansion=1e-5, change=10.0)
 
-    def after_break(self, pieces, cables):
+    def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
         if not isinstance(self.expansion, tuple):
             return self
         of = [(piece, alpha) for name, alpha in self.expansion for piece in names_left(name, pieces)]
         return Temperature(tuple(of), self.change) if of else None
 
-    def length_changes(self, scene):
+    def length_changes(self, scene: Any) -> Sequence[LengthChange]:
         """The strain alpha dT of each cable.
 
         Raises
         ------
         SceneError : an unknown cable
         """
-        pairs = self.expansion if isinstance(self.expansion, tuple) else [(cable.name, self.expansion) for cable in scene.cables]
-        return [LengthChange(scene.cable(name).name, STRAIN, alpha, self.change) for name, alpha in pairs]
+        names = [cable.name for cable in scene.cables]
+        of = dict.fromkeys(names, self.expansion) if isinstance(self.expansion, float) else dict(self.expansion)
+        return [LengthChange(scene.cable(name).name, STRAIN, alpha, self.change) for name, alpha in of.items()]

@@ -1,7 +1,8 @@
 """Damping by the surroundings, proportional to mass and velocity: the only damping of the thesis's model."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numba import njit
@@ -29,22 +30,22 @@ class ViscousDamping(Effect):
     passive: ClassVar[bool] = True
     jax_traceable: ClassVar[bool] = True
 
-    def check_parameters(self):
+    def check_parameters(self) -> None:
         self._set(rate=check_number("rate", self.rate, "1/s", self._called, sign="non-negative"))
 
     @property
-    def mass_damping_rate(self):
+    def mass_damping_rate(self) -> float:
         return self.rate
 
     @classmethod
-    def example(cls, scene):
+    def example(cls, scene: Any) -> Self:
         return cls(0.5)
 
-    def table(self, model):
+    def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
         """No index; rate times the mass of each moving node [N s/m]."""
         return np.empty(0, np.int64), self.rate * model.mass[: model.n_free]
 
-    def kernels(self):
+    def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy}
 
 

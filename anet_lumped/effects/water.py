@@ -23,8 +23,9 @@ ch. 8 (effective tension).
 """
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numba import njit
@@ -69,14 +70,14 @@ class Water(Effect):
 
     density: float = 1025.0
     level: float = 0.0
-    current: Wind | tuple[Wind, ...] | None = None
+    current: Wind | Sequence[Wind] | None = None
     wave: Airy | None = None
     g: float | None = None
 
     coupled_neighbours: ClassVar[int] = 1
     stiff: ClassVar[bool] = True
 
-    def check_parameters(self):
+    def check_parameters(self) -> None:
         owner = self._called
         self._set(
             density=check_number("density", self.density, "kg/m3", owner, sign="positive"),
@@ -88,11 +89,11 @@ class Water(Effect):
             raise SceneError(f"Argument `wave` must be a wave of anet_lumped.waves or None, but {owner} has wave={self.wave!r}.")
 
     @property
-    def time_scales(self):
+    def time_scales(self) -> tuple[float, ...]:
         """2/omega of the wave, as for a point that is shaken."""
         return () if self.wave is None else (2.0 / self.wave.frequency,)
 
-    def gravity(self, scene):
+    def gravity(self, scene: Any) -> float:
         """Acceleration of gravity of buoyancy and wave [m/s2]."""
         if self.g is not None:
             return self.g
@@ -102,10 +103,10 @@ class Water(Effect):
         return -z
 
     @classmethod
-    def example(cls, scene):
+    def example(cls, scene: Any) -> Self:
         return cls(level=height_under(scene))
 
-    def table(self, model):
+    def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
         """Index and parameters for the compiled functions below.
 
         Returns
@@ -137,16 +138,16 @@ class Water(Effect):
             np.concatenate([header, current, wave, of_cable[model.cable_of].ravel(), of_point.ravel()]),
         )
 
-    def _of_cable(self, cable, g):
+    def _of_cable(self, cable: Any, g: float) -> tuple[float, ...]:
         normal, along = segment_coefficients(self.density, cable)  # of half a segment
         mass = self.density * 0.25 * math.pi * cable.diameter**2 * cable.L0
         return cable.L0, cable.diameter, 2.0 * normal, 2.0 * along, g * mass, mass, cable.Can, cable.Cat
 
-    def _of_point(self, point, g):
+    def _of_point(self, point: Any, g: float) -> tuple[float, ...]:
         mass = self.density * point.volume
         return sphere(point), point_coefficient(self.density, point), g * mass, mass, point.Ca
 
-    def kernels(self):
+    def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "inertia": inertia}
 
 

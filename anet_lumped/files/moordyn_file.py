@@ -142,10 +142,11 @@ def _options(rows: list[Row]) -> dict[str, tuple[Row, float | str]]:
             raise row.error(f"unknown option {key}" + (nearest(key.lower(), OPTIONS) or "."))
         if name in found:
             raise row.error(f"an option must be given once, but {name} is given before.")
-        found[name] = row, row.number(0, name) if name in ENVIRONMENT else _value(word)
-        if name in MUST_BE_ZERO and found[name][1] != 0.0:
+        value = row.number(0, name) if name in ENVIRONMENT else _value(word)
+        found[name] = row, value
+        if name in MUST_BE_ZERO and value != 0.0:
             raise row.error(f"{MUST_BE_ZERO[name]} not supported; {name} must be 0.")
-        if name in ENVIRONMENT and found[name][1] < 0.0:
+        if name in ENVIRONMENT and isinstance(value, float) and value < 0.0:
             raise row.error(f"{name} must not be negative.")
     return found
 

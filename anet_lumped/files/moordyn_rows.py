@@ -46,15 +46,15 @@ class Row(NamedTuple):
 
     where: str
     text: str
-    words: tuple
-    columns: tuple
+    words: tuple[str, ...]
+    columns: tuple[str, ...]
     name: str | None
 
-    def error(self, why):
+    def error(self, why: str) -> SceneError:
         """SceneError that says where the row stands, what it says and why that does not do."""
         return SceneError(f'{self.where}, "{self.text}": {why}')
 
-    def number(self, column, what):
+    def number(self, column: int, what: str) -> float:
         """Number in a column; `what` it is, for messages."""
         word = self.words[column]
         try:
@@ -65,7 +65,7 @@ class Row(NamedTuple):
             raise self.error(f"{what} must be a finite number, but is {word}.")
         return value
 
-    def count(self, column, what):
+    def count(self, column: int, what: str) -> int:  # type: ignore[override]  # no use is made of that of a tuple
         """Integer of at least 1 in a column."""
         word = self.words[column]
         if not word.isdecimal() or int(word) < 1:
@@ -73,7 +73,7 @@ class Row(NamedTuple):
         return int(word)
 
 
-def rows_by_section(text, source):
+def rows_by_section(text: str, source: str) -> dict[str, list[Row]]:
     """Split the text of an input file.
 
     Parameters
@@ -89,7 +89,10 @@ def rows_by_section(text, source):
     ------
     SceneError : a section that MoorDyn does not have, or that is there twice
     """
-    found, section, columns, above = {}, None, (), 0
+    found: dict[str, list[Row]] = {}
+    section: str | None = None
+    columns: tuple[str, ...] = ()
+    above = 0
     for number, line in enumerate(text.splitlines(), start=1):
         where = f"{source}, line {number}"
         if "---" in line:
@@ -99,7 +102,7 @@ def rows_by_section(text, source):
             if fits and section in found:
                 raise SceneError(f'{where}: a section must come once, but "{heading}" comes again.')
             if fits:
-                found[section] = []
+                found[fits[0]] = []
             columns, above = (), 2 if fits and section not in WITHOUT_COLUMN_NAMES else 0
             continue
         if section is None:
@@ -119,7 +122,7 @@ def rows_by_section(text, source):
     return found
 
 
-def named(name):
+def named(name: str) -> str:
     """Remark that gives a row its name."""
     quoted = json.dumps(name, ensure_ascii=not name.isprintable())
     return "  ! name: " + (quoted.replace("-", "\\u002d") if "---" in name else quoted)

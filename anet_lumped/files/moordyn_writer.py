@@ -161,7 +161,7 @@ def _name(effect: Any) -> str | None:
 
 def _environment(scene: Scene, far: float) -> dict[str, float]:
     """Options that stand for the effects of a scene, whose points start no farther from z=0 than ``far`` [m]."""
-    given = {_name(effect): effect for effect in scene.effects}
+    given: dict[str | None, Any] = {_name(effect): effect for effect in scene.effects}
     for name, effect in given.items():
         if name not in ("gravity", "water", "ground", "bending"):
             raise SceneError(f"A scene must have no {type(effect).__name__} to be written for MoorDyn, which has no such effect.")

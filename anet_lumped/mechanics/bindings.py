@@ -1,32 +1,88 @@
-"""The compiled functions of a net, handed to an integrator as its `System`."""
+"""The compiled functions of a net, handed to an integrator as its `System`; a run compiles those that its method asks for."""
 
 import numpy as np
+from numba import types
 
-from anet_lumped.mechanics import force, memory, newton_step, observe, prescribe, residual, settle
+from anet_lumped.mechanics import observe, prescribe
 from integrators.system import System, first_class
 
+NEWTON = ("residual", "direction", "correct", "settle", "adopt", "forget")
+"""Functions that only an implicit method asks for."""
 
-def system(model):
+
+class _Absent(types.WrapperAddressProtocol):
+    """A function that a method does not ask for: it has no address."""
+
+    def __wrapper_address__(self):
+        return 0
+
+    def signature(self):
+        raise TypeError("The function of a system that its method does not ask for has no signature.")
+
+
+def system(model, force=True, newton=True, mean=True):
     """`System` of a model.
+
+    Parameters
+    ----------
+    model : Model
+    force : bool
+        Whether forces at one time are asked of it. Without them its `force` writes no force, and no power.
+    newton : bool
+        Whether stages of an implicit method are asked of it. Without them its functions in `NEWTON` are absent.
+    mean : bool
+        Whether the mean of tensions over stages is asked of it.
 
     Returns
     -------
     System
     """
+    if force:
+        from anet_lumped.mechanics.force import force as of_forces
+    else:
+        from anet_lumped.mechanics.no_force import no_force as of_forces
+    events = len(model.breaking_tension) > 0
     return System(
         prescribe=first_class(prescribe.prescribe),
-        force=first_class(force.force),
-        residual=first_class(residual.residual),
-        direction=first_class(newton_step.direction),
-        correct=first_class(newton_step.correct),
-        settle=first_class(settle.settle),
-        adopt=first_class(newton_step.adopt),
-        forget=first_class(newton_step.forget),
-        remember=first_class(memory.remember),
-        average=first_class(memory.average),
+        force=first_class(of_forces),
+        **(_newton() if newton else dict.fromkeys(NEWTON, _Absent())),
+        average=_average() if newton and mean else _Absent(),
+        remember=_remember() if events else _Absent(),
         observe=first_class(observe.observe),
         energy=first_class(observe.energies),
-        margin=first_class(observe.margin),
+        margin=_margin() if events else first_class(observe.no_margin),
         per_mass=np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(-1, 3),  # a support may hold nothing
         n_free=model.n_free,
     )
+
+
+def _newton():
+    from anet_lumped.mechanics import newton_step, residual, settle
+
+    functions = {
+        "residual": residual.residual,
+        "direction": newton_step.direction,
+        "correct": newton_step.correct,
+        "settle": settle.settle,
+        "adopt": newton_step.adopt,
+        "forget": newton_step.forget,
+    }
+    return {name: first_class(function) for name, function in functions.items()}
+
+
+def _average():
+    from anet_lumped.mechanics.mean_tension import average
+
+    return first_class(average)
+
+
+def _margin():
+    from anet_lumped.mechanics.breaking import margin
+
+    return first_class(margin)
+
+
+def _remember():
+    from anet_lumped.mechanics.memory import remember
+
+    return first_class(remember)

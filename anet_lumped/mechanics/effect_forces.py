@@ -1,10 +1,10 @@
 """What all effects of a net need: their added masses, and the middle of a step at which they are taken."""
 
-from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import inlined, internal
 from anet_lumped.effects.signatures import as_inertia
 from anet_lumped.mechanics.linear.node_elimination import inverse, times
 from anet_lumped.model.tables import SLOT_INERTIA, SLOT_TANGENT, SLOT_WHOLE_STEP
+from integrators.flat_view import flat
 
 
 @inlined

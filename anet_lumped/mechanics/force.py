@@ -4,7 +4,6 @@ import math
 
 from numba import float64, int64, types
 
-from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import inlined, kernel, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, shifted
 from anet_lumped.effects.laws.axial import tension_parts
@@ -28,6 +27,7 @@ from anet_lumped.model.tables import (
     KERNEL_SET_LENGTHS,
     SLOT_FORCE,
 )
+from integrators.flat_view import flat
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 
@@ -92,8 +92,8 @@ def force(t, q, v, net_address, f, power):
     net_address : int64
     f : (n, 3) float64 [N], overwritten; on a node with added mass A the share m (m I + A)^-1 that accelerates its own mass. Where
         masses change, f is multiplied by m0/m(t), so that f/m0 is the acceleration for the masses m0 of the model
-    power : (2,) float64 [W], overwritten: dissipated by dampers and effects; put in by prescribed nodes and by what changes the
-        rest lengths
+    power : (3,) float64 [W], overwritten: taken by dampers, taken by effects, put in by prescribed nodes and by what changes
+        the rest lengths
     """
     net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:
@@ -101,20 +101,19 @@ def force(t, q, v, net_address, f, power):
     for i in range(net.n_interior, f.shape[0]):
         for x in range(3):
             f[i, x] = 0.0
-    dissipated = 0.0
+    by_dampers, by_effects, put_in = 0.0, 0.0, 0.0
     if net.cable_groups.shape[0] > 0:
-        dissipated += as_cable_force(net.kernels[KERNEL_FORCE_GROUPS])(net_address, q, v, f)
+        by_dampers += as_cable_force(net.kernels[KERNEL_FORCE_GROUPS])(net_address, q, v, f)
     if net.single_cables.shape[0] > 0:
-        dissipated += as_cable_force(net.kernels[KERNEL_FORCE_SINGLES])(net_address, q, v, f)
+        by_dampers += as_cable_force(net.kernels[KERNEL_FORCE_SINGLES])(net_address, q, v, f)
     effects = net.effects
     for e in range(effects.address.shape[0]):
         index, params = numbers_of(effects, e)
-        dissipated += as_force(effects.address[e, SLOT_FORCE])(t, q, v, index, params, f)
+        by_effects += as_force(effects.address[e, SLOT_FORCE])(t, q, v, index, params, f)
     if net.added_mass.shape[0] > 0:
-        dissipated += share_with_fluid(net, t, q, v, f)
-    put_in = 0.0
+        by_effects += share_with_fluid(net, t, q, v, f)
     if net.lengths.cable.shape[0] > 0:
         put_in = as_power_of_lengths(net.kernels[KERNEL_POWER_OF_LENGTHS])(net_address, t, q, v, f)
     for i in range(net.n_driven, q.shape[0]):
         put_in -= f[i, 0] * v[i, 0] + f[i, 1] * v[i, 1] + f[i, 2] * v[i, 2]
-    power[0], power[1] = dissipated, put_in
+    power[0], power[1], power[2] = by_dampers, by_effects, put_in

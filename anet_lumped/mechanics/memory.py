@@ -1,14 +1,10 @@
 """What one step of a method leaves to the next."""
 
-from numba import float64, int64, void
+from numba import int64, void
 
-from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import inlined, kernel
-from anet_lumped.mechanics.effect_forces import clear
 from anet_lumped.model.net import view_net
-from anet_lumped.model.tables import (
-    LINEARISED_MEAN_STEP,
-)
+from integrators.flat_view import flat
 
 
 @inlined
@@ -30,15 +26,3 @@ def remember(net_address, back):
     at = _exchange(net.tension, net.remembered, at, back)
     at = _exchange(net.mean_tension, net.remembered, at, back)
     _exchange(net.linearised, net.remembered, at, back)
-
-
-@kernel(void(int64, float64, float64))
-def average(net_address, share, h):
-    """Add a share of the tensions that balance the stage solved last to their mean over a step of h seconds; 0 begins one."""
-    net = view_net(net_address)
-    if share == 0.0:
-        clear(net.mean_tension)
-        net.linearised[LINEARISED_MEAN_STEP] = h
-        return
-    for s in range(net.mean_tension.shape[0]):
-        net.mean_tension[s] += share * net.tension[s]

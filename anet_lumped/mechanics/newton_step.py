@@ -4,7 +4,6 @@ import math
 
 from numba import float64, int64, types, void
 
-from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import inlined, kernel, on_demand
 from anet_lumped.compiled.lanes import column, group_members, lane, load, load_four, max_of_lanes, select, shifted, store
 from anet_lumped.mechanics.cable_rows import row3, segment_count
@@ -50,6 +49,7 @@ from anet_lumped.model.tables import (
     SEGMENT_STRETCH_BEFORE,
     SEGMENT_TENSION,
 )
+from integrators.flat_view import flat
 from integrators.stage import LAW_AT_END, LAW_BETWEEN, STAGE
 
 _f2 = float64[:, ::1]

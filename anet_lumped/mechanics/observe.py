@@ -116,12 +116,6 @@ def energies(t, q, v, net_address, energy):
 
 
 @kernel(float64(_f2, _f2, int64))
-def margin(q, v, net_address):
-    """Largest of T/T_max - 1 over the segments of cables that may break, T as in `observe`; `NO_EVENTS` if there are none."""
-    net = view_net(net_address)
-    largest = NO_EVENTS
-    if net.breaking_tension.shape[0] > 0:
-        observe(q, v, net_address, net.observed_tension)
-        for s in range(net.breaking_tension.shape[0]):
-            largest = max(largest, net.observed_tension[s] / net.breaking_tension[s] - 1.0)
-    return largest
+def no_margin(q, v, net_address):
+    """`System.margin` of a net whose cables do not break: `NO_EVENTS`."""
+    return NO_EVENTS

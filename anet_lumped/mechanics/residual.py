@@ -2,7 +2,6 @@
 
 from numba import float64, int64, types
 
-from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import inlined, internal, kernel, on_demand
 from anet_lumped.compiled.lanes import (
     WIDTH,
@@ -58,6 +57,7 @@ from anet_lumped.model.tables import (
     SLOT_TANGENT,
     SLOT_WHOLE_STEP,
 )
+from integrators.flat_view import flat
 from integrators.stage import LAW_AT_END, LAW_BETWEEN, STAGE
 
 _f2 = float64[:, ::1]

@@ -4,7 +4,6 @@ import math
 
 from numba import float64, int64, types
 
-from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import inlined, kernel, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, is_below, load, select, shifted, store
 from anet_lumped.effects.signatures import as_force, as_whole_step
@@ -39,6 +38,7 @@ from anet_lumped.model.tables import (
     SLOT_FORCE,
     SLOT_WHOLE_STEP,
 )
+from integrators.flat_view import flat
 from integrators.stage import STAGE
 
 _f1, _f2 = float64[::1], float64[:, ::1]

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from anet_lumped.model.tables import AXIAL_STIFFNESS
+from anet_lumped.results.energy_balance import BY_DAMPERS, ELASTIC, KINETIC, POTENTIAL, WORK
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 
@@ -39,9 +40,10 @@ def energy_gain(run, adaptive=False):
     float
     """
     rows, model = run.energy, run.model
-    own = rows[:, :3].sum(axis=1) - rows[:, 3]
+    own = rows[:, :WORK].sum(axis=1) - rows[:, WORK]
     if not all(effect.passive for effect in run.scene.effects):
-        own = own + rows[:, 4]  # what dampers and effects took: a wind gives energy, and stiff effects may be pumped unnoticed
+        # add what was taken: a wind gives energy, and a step may pump a stiff effect while dampers take the energy again
+        own = own + rows[:, BY_DAMPERS:].sum(axis=1)
     swings = schemes.scheme(run.method).energy is EnergyPromise.SWINGS_ABOUT
     if adaptive:
         own = own[[0, -1]]
@@ -50,7 +52,9 @@ def energy_gain(run, adaptive=False):
     reach = np.abs(run.q).max()
     weight = model.mass[: model.n_free].sum() * np.linalg.norm(run.scene.gravity)
     rounding = WEIGHT_TOLERANCE * weight * reach + STIFFNESS_TOLERANCE * model.axial[:, AXIAL_STIFFNESS].max(initial=0.0) * reach**2
-    in_play = max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max()) + rounding
+    in_play = (
+        max(rows[:, KINETIC].max(), rows[:, ELASTIC].max(), np.ptp(rows[:, POTENTIAL]), np.abs(rows[:, WORK]).max()) + rounding
+    )
     return float((own - np.minimum.accumulate(own)).max() / in_play) if in_play else 0.0
 
 

@@ -14,13 +14,12 @@ from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import Remainder, remainder
 from anet_lumped.model.tables import CABLE_SEGMENTS
+from anet_lumped.results.energy_balance import BY_EFFECTS, POTENTIAL, WORK
 from anet_lumped.results.events import BREAK, PAYLOAD, Event, broken
 from anet_lumped.results.run import STATUS, RunInterrupt, Work
-from integrators.system import BALANCE, DONE, EVENT, SAME_TIME
+from integrators.system import BALANCE, DONE, ENERGIES, EVENT, SAME_TIME
 
 from .times import Leg
-
-POTENTIAL, WORK, DISSIPATED = 2, 3, 4  # of the energies
 
 
 class Start(NamedTuple):
@@ -110,7 +109,7 @@ class _Legs:
         self.events, self.broken = list(start.events), broken(start.events)
         earlier = sorted((event for event in scene.events if event.t < start.t), key=lambda event: event.t)
         self.masses = {event.point: event.mass for event in earlier}
-        self.runs, self.rows, self.carried = [], [], np.zeros(5)
+        self.runs, self.rows, self.carried = [], [], np.zeros(ENERGIES)
         self._reduce()
 
     def _reduce(self):
@@ -136,12 +135,12 @@ class _Legs:
         self.rows.append(_Rows(own, *(np.array([part]) for part in row)))
 
     def energies(self):
-        """Kinetic, elastic and potential energy now, work and dissipated energy so far, (5,) [J]."""
+        """Kinetic, elastic and potential energy now, work and what was taken so far, (7,) [J]."""
         from anet_lumped.mechanics.bindings import system  # compiled on first use
 
-        own, net, energy = self.left, fresh_net(self.left.model), np.zeros(BALANCE)
-        system(own.model).energy(self.t, self.q[own.node], self.v[own.node], net.address, energy)
-        return energy[:5] + self.carried
+        own, net, energy = self.left, fresh_net(self.left.model, force=False, newton=False), np.zeros(BALANCE)
+        system(own.model, force=False, newton=False).energy(self.t, self.q[own.node], self.v[own.node], net.address, energy)
+        return energy[:ENERGIES] + self.carried
 
     def change_payloads(self, t):
         """Change the payloads whose events are at t."""
@@ -159,7 +158,7 @@ class _Legs:
             brought = body if more > 0.0 else V
             self.carried[POTENTIAL] += potential - self.energies()[POTENTIAL]
             self.carried[WORK] += 0.5 * more * float(brought @ brought)
-            self.carried[DISSIPATED] += lost
+            self.carried[BY_EFFECTS] += lost
             self.events.append(Event(self.t, PAYLOAD, change.point, lost, mass=change.mass))
 
     def _inertia(self, node):
@@ -199,7 +198,7 @@ class _Legs:
             self.broken[cable.name] = tuple(sorted((*self.broken.get(cable.name, ()), number)))
             self._reduce()
             lost = float(np.sum((before - self.energies())[: POTENTIAL + 1]))
-            self.carried[DISSIPATED] += lost
+            self.carried[BY_EFFECTS] += lost
             tension = float(self.tension[segment])
             self.tension[segment] = 0.0
             self.events.append(Event(self.t, BREAK, cable.name, lost, segment=number, tension=tension))

@@ -9,7 +9,7 @@ from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.net import Net
 from anet_lumped.results.run import STATUS, Run, Work
 from integrators.adapters.outcome import Outcome, Task
-from integrators.system import DISSIPATED, DIVERGED, DONE, ENERGIES, PUT_IN, System
+from integrators.system import DIVERGED, DONE, ENERGIES, SUMMED_UP, System
 
 from .times import stops
 
@@ -47,7 +47,7 @@ def prepare(model, choice, leg, start, settings):
         choice.method, leg.begin, leg.end, stops(model.scene), start.q, start.v, leg.times(), choice.dt,
         rtol=max(0.5 * rtol, 1e-13), atol=atol + 0.5 * rtol * reach,
     )  # fmt: skip
-    return Prepared(fresh_net(model), system(model), task)
+    return Prepared(fresh_net(model, newton=False), system(model, newton=False), task)
 
 
 def run_of(model, choice, settings, prepared: Prepared, out: Outcome):
@@ -70,7 +70,7 @@ def run_of(model, choice, settings, prepared: Prepared, out: Outcome):
     k, free, address, bound = len(out.t), model.n_free, prepared.net.address, prepared.system
     q, v, energy = np.tile(prepared.task.q, (k, 1, 1)), np.zeros((k, model.n, 3)), np.zeros((k, ENERGIES))
     q[:, :free], v[:, :free] = out.q, out.v
-    energy[:, PUT_IN], energy[:, DISSIPATED] = out.put_in, out.dissipated
+    energy[:, SUMMED_UP] = out.work
     for row, t in enumerate(out.t):
         bound.prescribe(t, address, q[row], v[row])
         bound.energy(t, q[row], v[row], address, energy[row])

@@ -32,7 +32,9 @@ def march(model, choice, leg, start, settings):
     """
     from anet_lumped.mechanics.bindings import system  # compiled on first use: a scene or its equilibrium need none of it
 
-    scheme, net, bound = schemes.scheme(choice.method), fresh_net(model), system(model)
+    scheme = schemes.scheme(choice.method)
+    needs = {"force": scheme.evaluates_force, "newton": not scheme.explicit}
+    net, bound = fresh_net(model, **needs), system(model, **needs, mean=scheme.observes_mean_over_stages)
     net.tension[:] = start.tension
     if settings.adaptive:
         times = AdaptiveSteps(leg.begin, leg.end, choice.dt, *settings.tolerances, stops(model.scene))

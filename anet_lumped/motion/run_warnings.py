@@ -17,6 +17,7 @@ from .energy_gain import ALLOWED_GAIN
 
 EXCESS_STRETCH = 0.1  # by which a cable may be stretched more than its tension stretches it, over the latter
 SHARE_OF_PATH = 0.05  # of the path of a node: error of the finer of two runs up to which they are extrapolated
+ALLOWED_LOSS = 0.01  # of the energy in play, which a method may take without a warning
 TOLERANCE = 1e-7  # of its length: what Newton's tolerance leaves
 
 
@@ -24,6 +25,7 @@ class Finding(Enum):
     """What a warning is about."""
 
     UNACCOUNTED_ENERGY = "energy that work and dissipation do not account for"
+    TAKEN_BY_METHOD = "energy that the method took"
     EXCESS_LENGTH = "a cable longer than its tension can hold it"
     FAR_FROM_LIMIT = "two extrapolated runs that are far apart"
 
@@ -43,6 +45,7 @@ def findings(run, adaptive=False):
     step = "a smaller tolerance" if adaptive else f"a smaller step than dt={run.dt:.3g} s"
     texts = {
         Finding.UNACCOUNTED_ENERGY: _unaccounted_energy(run, step),
+        Finding.TAKEN_BY_METHOD: _taken_by_method(run, step),
         Finding.EXCESS_LENGTH: _excess_length(run, step),
         Finding.FAR_FROM_LIMIT: _far_from_limit(run, step),
     }
@@ -59,7 +62,7 @@ def _unaccounted_energy(run, step):
     balance = run.energy_balance
     if balance.imbalance <= ALLOWED_GAIN:
         return ""
-    change = balance.kinetic + balance.elastic + balance.gravitational - balance.work + balance.dissipated
+    change = balance.unaccounted
     if any(isinstance(point, Driven) for point in run.scene.points):
         what = "are not accounted for by dampers, drag and the work of driven points"
     elif change < 0.0:
@@ -67,6 +70,18 @@ def _unaccounted_energy(run, step):
     else:
         what = "were dissipated beyond what was there: its steps put that in, or its dampers took less than their rates say"
     return f'{run.method}: {balance.imbalance:.2g} of the energy in play {what}; take {step}, or method="edmc".'
+
+
+def _taken_by_method(run, step):
+    """Energy that the steps themselves took, if it is more than `ALLOWED_LOSS` of the energy in play and not said already."""
+    balance = run.energy_balance
+    if balance.imbalance > ALLOWED_GAIN or balance.lost_to_method <= ALLOWED_LOSS * balance.in_play:
+        return ""
+    other = "rho_inf=1" if run.method == "edmc" else 'method="edmc"'
+    return (
+        f"{run.method}: its steps took {balance.lost_to_method:.3g} J, {balance.lost_to_method / balance.in_play:.1%} of the "
+        f"energy in play, which no damper and no effect took; take {step}, or {other}."
+    )
 
 
 def _excess_length(run, step):

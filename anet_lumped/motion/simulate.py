@@ -2,21 +2,24 @@
 
 import math
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from anet_lumped.checks import nearest
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
+from anet_lumped.model.model import Model
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
-from anet_lumped.results.run import RunInterrupt, State
-from anet_lumped.scene.scene import Driven, Fixed, SceneError
+from anet_lumped.results.run import Run, RunInterrupt, State
+from anet_lumped.scene.scene import Driven, Fixed, Scene, SceneError
 from anet_lumped.statics.equilibrium import equilibrium
 from integrators import schemes
-from integrators.schemes.record import Origin
+from integrators.schemes.record import Origin, Scheme
 
 from .choice import choose
 from .energy_gain import flag_energy_gain
@@ -35,15 +38,16 @@ class StabilityWarning(UserWarning):
 class RunError(RuntimeError):
     """A run that is not "done"; ``run`` holds what there is of it."""
 
-    def __init__(self, run):
+    def __init__(self, run: Run) -> None:
         super().__init__(run.message)
         self.run = run
 
 
 def simulate(
-    scene, t_end, *, method=None, dt=None, start="equilibrium", save_every=None, rtol=None, atol=None, rho_inf=None,
-    extrapolate=False, audit=False, check=False
-):  # fmt: skip
+    scene: Scene, t_end: float, *, method: str | None = None, dt: float | None = None, start: str | State = "equilibrium",
+    save_every: float | None = None, rtol: float | None = None, atol: float | None = None, rho_inf: float | None = None,
+    extrapolate: bool = False, audit: bool | float = False, check: bool = False,
+) -> Run:  # fmt: skip
     """Motion of a scene from rest or from a State, through its events and the breaks of its cables (`Run.events`).
 
     Parameters
@@ -97,8 +101,8 @@ def simulate(
     scheme = schemes.scheme(choice.method)
     _check_breaks(scene, scheme, extrapolate)
     if dt is None and not adaptive:
-        whole = save_every or t_end
-        choice = replace(choice, dt=whole / math.ceil(whole / choice.dt))  # steps that end on what is saved
+        span = save_every or t_end
+        choice = replace(choice, dt=span / math.ceil(span / choice.dt))  # steps that end on what is saved
     for text in choice.warnings:
         warnings.warn(text, StabilityWarning, stacklevel=2)
     settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
@@ -108,6 +112,7 @@ def simulate(
         every = run.t[1] - run.t[0] if len(run.t) > 2 else t_end
         run = extrapolated(run, whole(replace(choice, dt=0.5 * choice.dt), save_every=every))
     if audit and run.ok:
+        finer: dict[str, Any]
         if adaptive:
             finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), settings.tolerances, strict=True)}
         else:
@@ -125,14 +130,14 @@ def simulate(
     return run
 
 
-def _tolerances(rtol, atol):
+def _tolerances(rtol: float | None, atol: float | None) -> tuple[float, float]:
     """Relative and absolute tolerance [m] with their defaults: one that is given alone stands alone."""
     if rtol is None and atol is None:
         return DEFAULT_RTOL, DEFAULT_ATOL
     return rtol or 0.0, atol or 0.0
 
 
-def _march_of(scheme):
+def _march_of(scheme: Scheme) -> Callable[..., Any]:
     """What marches a leg with a scheme; JAX is imported, and computes in float64 from then on, for the solvers of diffrax."""
     if scheme.origin is Origin.OWN:
         from .own_methods import march
@@ -149,7 +154,7 @@ def _march_of(scheme):
     return march
 
 
-def _start(model, start):
+def _start(model: Model, start: str | State) -> State:
     """State to start from, with arrays of its own."""
     if isinstance(start, State):
         return _adopt(model, start)
@@ -161,7 +166,7 @@ def _start(model, start):
     raise ValueError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {start!r}.')
 
 
-def straight(model):
+def straight(model: Model) -> np.ndarray:
     """(n, 3) places with every cable's nodes evenly spaced between its points' places [m]."""
     at = {}
     for point in model.scene.points:
@@ -177,7 +182,7 @@ def straight(model):
     return q
 
 
-def _adopt(model, state):
+def _adopt(model: Model, state: State) -> State:
     """A State of the same or of a like scene as one of this model, matched by names."""
     q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
     for cable in model.scene.cables:
@@ -196,7 +201,7 @@ def _adopt(model, state):
     return State(model, float(state.t), q, v, tension, events=state.events)
 
 
-def _check_breaks(scene, scheme, extrapolate):
+def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:
     """Cables that may break need a march that looks for it, and one motion."""
     brittle = next((cable.name for cable in scene.cables if cable.breaking_tension is not None), None)
     if brittle is not None and (extrapolate or not scheme.stops_at_events):
@@ -208,7 +213,7 @@ def _check_breaks(scene, scheme, extrapolate):
         )
 
 
-def _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit):
+def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: Any, rho_inf: Any, audit: Any) -> None:
     sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=None if isinstance(audit, bool) else audit)
     for name, value in sizes.items():
         if value is not None and not (isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0):

@@ -10,10 +10,12 @@ linear statement leaves open.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from anet_lumped.checks import nearest
+from anet_lumped.scene.scene import Cable, Scene
 from integrators.schemes import MODULES, names
 from integrators.schemes import scheme as record_of
 
@@ -69,7 +71,7 @@ class Prediction:
         )
 
 
-def step_limit(scheme: str, omega, zeta=0.0, rate=0.0):
+def step_limit(scheme: str, omega: float | np.ndarray, zeta: float | np.ndarray = 0.0, rate: float | np.ndarray = 0.0) -> Any:
     """Largest step up to which a scheme is stable for one mode.
 
     Spectral radius of the amplification matrix <= 1, with d = 2 zeta omega + rate: explicit Euler h omega^2 <= d and
@@ -90,7 +92,7 @@ def step_limit(scheme: str, omega, zeta=0.0, rate=0.0):
         return limit.largest_step(omega, 2.0 * zeta * omega + rate)[()]
 
 
-def damping_limit(scheme: str, omega, dt, rate=0.0):
+def damping_limit(scheme: str, omega: float | np.ndarray, dt: float | np.ndarray, rate: float | np.ndarray = 0.0) -> Any:
     """Largest damping ratio that is stable at a step dt; in dampers BA = 2 zeta EA/omega, c = 2 zeta k/omega.
 
     With x = omega dt: symplectic Euler (4 - x^2)/(4x); Verlet (4 - x^2)/(8x); else (X/x + x/X)/2, where X ends the
@@ -105,14 +107,21 @@ def damping_limit(scheme: str, omega, dt, rate=0.0):
     return np.where(zeta >= 0.0, zeta, -np.inf)[()]
 
 
-def frequency_limit(scheme: str, dt, zeta=0.0, rate=0.0):
+def frequency_limit(scheme: str, dt: float | np.ndarray, zeta: float | np.ndarray = 0.0, rate: float | np.ndarray = 0.0) -> Any:
     """Highest frequency [rad/s] that is stable at a step dt [s]: the inverse of `step_limit`; inf if every one is."""
     limit, dt, zeta, rate = _checked(scheme, dt=dt, zeta=zeta, rate=rate)
     with np.errstate(divide="ignore", invalid="ignore"):
         return (limit.highest_frequency(zeta, rate * dt) / dt)[()]
 
 
-def stretch_floor(scheme: str, dt, omega, strain, zeta=0.0, rate=0.0):
+def stretch_floor(
+    scheme: str,
+    dt: float | np.ndarray,
+    omega: float | np.ndarray,
+    strain: float | np.ndarray,
+    zeta: float | np.ndarray = 0.0,
+    rate: float | np.ndarray = 0.0,
+) -> Any:
     """Smallest static stretch that a step permits: EA lowered, or raised, to where the step is just stable.
 
     eps = (T/EA) (omega/omega_s)^2, omega_s the highest frequency stable at dt; since omega^2 grows as EA, EA drops
@@ -125,7 +134,15 @@ def stretch_floor(scheme: str, dt, omega, strain, zeta=0.0, rate=0.0):
         return np.asarray(strain) * (omega / frequency_limit(scheme, dt, zeta, rate)) ** 2
 
 
-def hanging_stretch_floor(scheme: str, dt, length, segments, gravity=9.81, zeta=0.0, rate=0.0):
+def hanging_stretch_floor(
+    scheme: str,
+    dt: float | np.ndarray,
+    length: float | np.ndarray,
+    segments: float | np.ndarray,
+    gravity: float = 9.81,
+    zeta: float | np.ndarray = 0.0,
+    rate: float | np.ndarray = 0.0,
+) -> Any:
     """Smallest mean stretch that a step permits for a cable hung from one end, whatever its mass and material.
 
     eps = 2 g N^2 dt^2/(S^2 L), S = omega_s dt: `stretch_floor` with T = mu g L/2 and omega = (2N/L) sqrt(EA/mu), which
@@ -135,7 +152,7 @@ def hanging_stretch_floor(scheme: str, dt, length, segments, gravity=9.81, zeta=
     return stretch_floor(scheme, dt, 2.0 * np.asarray(segments) / length, gravity * length / 2.0, zeta, rate)
 
 
-def top_mode(cable, start_mass: float = np.inf, end_mass: float = np.inf) -> TopMode:
+def top_mode(cable: Cable, start_mass: float = np.inf, end_mass: float = np.inf) -> TopMode:
     """Exact top axial mode of a cable drawn straight.
 
     omega_j = (2/L0) sqrt(EA/mu) sin(j pi/2N), j = 1 .. N-1, between fixed ends (the default), sin((2j-1) pi/4N),
@@ -158,7 +175,7 @@ def top_mode(cable, start_mass: float = np.inf, end_mass: float = np.inf) -> Top
     return TopMode(cable.name, omega, cable.dashpot / cable.stiffness * omega / 2.0)
 
 
-def top_modes(scene) -> dict[str, TopMode]:
+def top_modes(scene: Scene) -> dict[str, TopMode]:
     """Top mode of each cable of a scene, by name; the highest is a rigorous bound of the scene's frequencies.
 
     Cables that meet share the mass of their point in proportion to their stiffness. With M and K sums over the
@@ -178,7 +195,7 @@ def top_modes(scene) -> dict[str, TopMode]:
     return modes | {c.name: top_mode(c, c.stiffness * share[c.start], c.stiffness * share[c.end]) for c in elastic}
 
 
-def predict(scene, strain: float = 0.1, schemes: tuple[str, ...] | None = None) -> Prediction:
+def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None = None) -> Prediction:
     """Predict the stability of some schemes for a scene, without a run; None: of all of them, explicit ones first.
 
     `strain` is the largest stretch expected in the motion: swings stay below omega sqrt(strain/(1 + strain)).
@@ -200,11 +217,11 @@ def predict(scene, strain: float = 0.1, schemes: tuple[str, ...] | None = None) 
         swing = step_limit(one.name, omega * np.sqrt(strain / (1.0 + strain)), 0.0, rate)
         step = np.minimum(axial, swing)
         cable = list(modes)[step.argmin()] if np.isfinite(step.min()) else ""
-        limits[one.name] = SchemeLimit(*(float(x.min()) for x in (step, axial, swing)), cable, one.note)
+        limits[one.name] = SchemeLimit(float(step.min()), float(axial.min()), float(swing.min()), cable, one.note)
     return Prediction(modes, rate, limits)
 
 
-def _checked(scheme: str, **values) -> list:
+def _checked(scheme: str, **values: float | np.ndarray) -> list:
     """The limit of a scheme, and values as float arrays of one shape; ValueError for an unknown scheme or a negative value."""
     if scheme not in MODULES:
         hint = nearest(str(scheme), MODULES) or ", known are " + ", ".join(MODULES) + "."

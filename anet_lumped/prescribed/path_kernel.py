@@ -5,7 +5,7 @@ import math
 from numba import float64, int64, njit, types, void
 
 from .paths import DEGREE, PathTable
-from .smoothstep import ramped
+from .smoothstep_kernel import ramped
 
 TABLE = types.NamedTuple((int64[::1], float64[::1], float64[:, :, ::1], int64[::1], float64[:, ::1], float64[:, ::1]), PathTable)
 _DEGREE = int(DEGREE)

@@ -5,7 +5,7 @@ path in plain Python; `pack` lays several out as the flat arrays that `path_kern
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -74,10 +74,10 @@ class Path:
             amplitude, omega, phase, ramp = self.sine
             e, de, dde = ramped(t, ramp)
             s, c = math.sin(omega * t + phase), math.cos(omega * t + phase)
-            amplitude = np.array(amplitude)
-            q += amplitude * (e * s)
-            v += amplitude * (de * s + e * omega * c)
-            a += amplitude * (dde * s + 2.0 * de * omega * c - e * omega**2 * s)
+            swing = np.array(amplitude)
+            q += swing * (e * s)
+            v += swing * (de * s + e * omega * c)
+            a += swing * (dde * s + 2.0 * de * omega * c - e * omega**2 * s)
         return q, v, a
 
 
@@ -194,7 +194,7 @@ def harmonic(center: Vector, amplitude: Vector, frequency: float, phase: float =
     return Path("harmonic", parameters, np.zeros(1), coefficients, np.zeros(0), sine)
 
 
-KINDS = {"line": line, "samples": samples, "harmonic": harmonic}
+KINDS: dict[str, Callable[..., Path]] = {"line": line, "samples": samples, "harmonic": harmonic}
 
 
 class PathTable(NamedTuple):

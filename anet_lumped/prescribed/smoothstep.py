@@ -1,20 +1,16 @@
 """The quintic smoothstep 6 s^5 - 15 s^4 + 10 s^3, by which paths, loads and waves set in.
 
-It goes from 0 to 1 and has neither slope nor curvature at its ends. Python, compiled code, JAX and symbolic expressions all
-evaluate these lines.
+It goes from 0 to 1 and has neither slope nor curvature at its ends. Python, compiled code (`smoothstep_kernel`), JAX and
+symbolic expressions all evaluate these lines.
 """
 
-from numba.extending import register_jitable
 
-
-@register_jitable(error_model="numpy")
 def smoothstep(s):
     """Value, slope and curvature of the smoothstep at s, which is between 0 and 1."""
     both = s * (1.0 - s)
     return s * s * s * (10.0 + s * (6.0 * s - 15.0)), 30.0 * both * both, 60.0 * both * (1.0 - 2.0 * s)
 
 
-@register_jitable(error_model="numpy")
 def ramped(t, ramp):
     """Smoothstep of t/ramp, and its first two derivatives in time; 0 before t = 0, 1 after the ramp or without one.
 

@@ -2,7 +2,9 @@
 
 import time
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -38,12 +40,12 @@ class Audit:
     reason: str = ""
 
     @property
-    def passed(self):
+    def passed(self) -> bool:
         """Whether nothing was found."""
         return not self.reason
 
 
-def audited(run, finer, order, allowed=None):
+def audited(run: Any, finer: Callable[[], Any], order: float | None, allowed: float | None = None) -> Any:
     """A run that reached its end, with its audit; its status is "audit failed" if it did not pass.
 
     Parameters

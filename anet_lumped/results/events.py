@@ -1,5 +1,6 @@
 """What happens at once in a run: payloads that change at given times, which a user writes, and all that did happen."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 PAYLOAD, BREAK = "payload changed", "broke"
@@ -28,16 +29,16 @@ class Event:
     segment: int | None = None
     tension: float | None = None
 
-    def __str__(self):
+    def __str__(self) -> str:
         if self.kind == BREAK:
             return f't={self.t:.6g} s: segment {self.segment} of cable "{self.where}" broke at {self.tension:.4g} N'
         return f't={self.t:.6g} s: the payload at point "{self.where}" became {self.mass:.4g} kg'
 
 
-def broken(events):
+def broken(events: Iterable[Event]) -> dict[str, tuple[int, ...]]:
     """Segments that events broke: a dict of each cable's name to a tuple of them, increasing."""
-    found = {}
+    found: dict[str, tuple[int, ...]] = {}
     for event in events:
-        if event.kind == BREAK:
+        if event.kind == BREAK and event.segment is not None:
             found[event.where] = tuple(sorted((*found.get(event.where, ()), event.segment)))
     return found

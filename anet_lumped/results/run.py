@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from os import PathLike
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS,
 
 from . import run_file
 from .audit import Audit
+from .energy_balance import EnergyBalance
 from .events import BREAK, Event, broken
 
 STATUS = {
@@ -29,12 +31,12 @@ STATUS = {
 class RunInterrupt(KeyboardInterrupt):
     """Ctrl-C during a run; ``run`` holds what it had done."""
 
-    def __init__(self, run):
+    def __init__(self, run: "Run") -> None:
         super().__init__(run.message)
         self.run = run
 
 
-def segment_tensions(model, q, v):
+def segment_tensions(model: Model, q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Tension of every segment by its law.
 
     Parameters
@@ -80,27 +82,27 @@ class State:
     events: tuple[Event, ...] = ()
 
     @property
-    def scene(self):
+    def scene(self) -> Scene:
         """The scene it is a state of."""
         return self.model.scene
 
-    def position(self, point):
+    def position(self, point: str) -> np.ndarray:
         """(3,) place of a point [m]."""
         return self.q[self.model.node(point)]
 
-    def velocity(self, point):
+    def velocity(self, point: str) -> np.ndarray:
         """(3,) velocity of a point [m/s]."""
         return self.v[self.model.node(point)]
 
-    def shape(self, cable):
+    def shape(self, cable: str) -> np.ndarray:
         """(segments + 1, 3) places of a cable's nodes from its start to its end [m]."""
         return self.q[self.model.nodes(cable)]
 
-    def tension(self, cable):
+    def tension(self, cable: str) -> np.ndarray:
         """(segments,) tension of a cable's segments from its start to its end [N]."""
         return self.segment_tension[self.model.segments(cable)]
 
-    def length(self, cable):
+    def length(self, cable: str) -> float:
         """Stretched length of a cable [m], without segments that broke."""
         lengths = np.linalg.norm(np.diff(self.shape(cable), axis=0), axis=1)
         return float(np.delete(lengths, broken(self.events).get(cable, ())).sum())
@@ -119,32 +121,6 @@ class Work:
     factorisations: int = 0
 
 
-@dataclass(frozen=True)
-class EnergyBalance:
-    """Changes of energy over a run [J]: kinetic + elastic + gravitational = work - dissipated, but for the scheme's own.
-
-    ``work`` is done by driven points on the net, and what payloads bring or take with them (see `legs`); ``dissipated`` by dampers
-    and effects (by `edmc` in its numerical damper too), by pick-ups and breaks. ``imbalance`` is what does not add up, relative to
-    the largest energy that was in play: moved between its forms, put in or dissipated.
-    """
-
-    kinetic: float
-    elastic: float
-    gravitational: float
-    work: float
-    dissipated: float
-    imbalance: float
-
-    @staticmethod
-    def of(rows):
-        """Balance of saved rows (k, 5): kinetic, elastic, potential energy, work, dissipated [J]."""
-        kinetic, elastic, potential, work, dissipated = rows[-1] - rows[0]
-        swing = np.ptp(rows[:, 2]) if len(rows) else 0.0
-        in_play = max(rows[:, 0].max(), rows[:, 1].max(), swing, abs(work), abs(dissipated))
-        off = abs(kinetic + elastic + potential - work + dissipated)
-        return EnergyBalance(*map(float, (kinetic, elastic, potential, work, dissipated)), float(off / in_play) if in_play else 0.0)
-
-
 @dataclass(frozen=True, eq=False)
 class Run:
     """A motion: saved states, how it ended, and what it cost.
@@ -154,8 +130,9 @@ class Run:
     model : Model
     t : (k,) float64 [s]
     q, v : (k, n, 3) float64 [m], [m/s]
-    energy : (k, 5) float64 [J]
-        Kinetic, elastic, potential energy; work done by driven points and energy dissipated since the start.
+    energy : (k, 7) float64 [J]
+        Kinetic, elastic, potential energy; since the start, work done and energy taken by dampers, by effects and by the method:
+        `energy_balance.COLUMNS`. Five columns in runs saved by version 0.1, `energy_balance.UNDIVIDED`.
     method : str
     dt : float [s], the fixed or the first step
     reason : str, why this method and step
@@ -188,72 +165,72 @@ class Run:
     error_estimate: float | None = None
     wall_time: float = 0.0
     warnings: tuple[str, ...] = ()
-    segment_tension: np.ndarray | None = None
+    segment_tension: np.ndarray = None  # type: ignore[assignment]  # the law gives it
     audit: Audit | None = None
     events: tuple[Event, ...] = ()
     extrapolated: bool = False
 
     @property
-    def scene(self):
+    def scene(self) -> Scene:
         """The scene that moved."""
         return self.model.scene
 
     @property
-    def ok(self):
+    def ok(self) -> bool:
         """Whether the run reached its end, and nothing was found against it."""
         return self.status == "done"
 
     @property
-    def reached_end(self):
+    def reached_end(self) -> bool:
         """Whether the run reached its end, whatever was found against it."""
         return self.status not in (STATUS[k] for k in (UNCONVERGED, DIVERGED, INTERRUPTED, OUT_OF_STEPS))
 
     @cached_property
-    def energy_balance(self):
+    def energy_balance(self) -> EnergyBalance:
         """Changes of energy over the run and what does not add up, an `EnergyBalance`."""
         return EnergyBalance.of(self.energy)
 
     @property
-    def final(self):
+    def final(self) -> State:
         """State at the last saved time."""
         return self.state(-1)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.segment_tension is None:
             with np.errstate(over="ignore", invalid="ignore"):  # the last state of a run that diverged
                 object.__setattr__(self, "segment_tension", segment_tensions(self.model, self.q, self.v))
 
-    def state(self, k):
+    def state(self, k: int) -> State:
         """State at the k-th saved time."""
         t = float(self.t[k])
         events = tuple(event for event in self.events if event.t < t or (event.t == t and event.kind == BREAK))
         return State(self.model, t, self.q[k], self.v[k], self.segment_tension[k], events=events)
 
-    def position(self, point):
+    def position(self, point: str) -> np.ndarray:
         """(k, 3) places of a point [m]."""
         return self.q[:, self.model.node(point)]
 
-    def velocity(self, point):
+    def velocity(self, point: str) -> np.ndarray:
         """(k, 3) velocities of a point [m/s]."""
         return self.v[:, self.model.node(point)]
 
-    def shape(self, cable):
+    def shape(self, cable: str) -> np.ndarray:
         """(k, segments + 1, 3) places of a cable's nodes from its start to its end [m]."""
         return self.q[:, self.model.nodes(cable)]
 
-    def tension(self, cable):
+    def tension(self, cable: str) -> np.ndarray:
         """(k, segments) tension of a cable's segments from its start to its end [N]."""
         return self.segment_tension[:, self.model.segments(cable)]
 
-    def length(self, cable):
+    def length(self, cable: str) -> np.ndarray:
         """(k,) stretched length of a cable [m], without segments that broke."""
         return (np.linalg.norm(np.diff(self.shape(cable), axis=1), axis=2) * self.holds(cable)).sum(axis=1)
 
-    def pieces(self, cable, k):
+    def pieces(self, cable: str, k: int) -> np.ndarray:
         """(m, 3) places of a cable's nodes at the k-th saved time [m], with a row of NaN where a segment has broken."""
         return np.insert(self.shape(cable)[k], 1 + np.flatnonzero(~self.holds(cable)[k]), np.nan, axis=0)
 
-    def holds(self, cable):
+    def holds(self, cable: str) -> np.ndarray:
         """(k, segments) bool: whether each segment of a cable, from its start to its end, has not broken."""
         whole = np.ones((len(self.t), self.scene.cable(cable).segments), bool)
         for event in self.events:
@@ -261,12 +238,12 @@ class Run:
                 whole[self.t > event.t, event.segment] = False
         return whole
 
-    def save(self, path):
+    def save(self, path: str | PathLike[str]) -> None:
         """Write the run, its scene and its account to one netCDF file."""
         run_file.write(self, path)
 
 
-def load_run(path):
+def load_run(path: str | PathLike[str]) -> Run:
     """Read what `Run.save` wrote.
 
     Returns

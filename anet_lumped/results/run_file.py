@@ -2,18 +2,20 @@
 
 import json
 from dataclasses import asdict
+from os import PathLike
+from typing import Any
 
 import numpy as np
 
+from anet_lumped.results.energy_balance import COLUMNS, UNDIVIDED
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 
-ENERGIES = ("kinetic", "elastic", "potential", "work", "dissipated")
 
-
-def write(run, path):
+def write(run: Any, path: str | PathLike[str]) -> None:
     """Write a run, its scene and its account."""
     import xarray as xr
 
+    columns = list(COLUMNS if run.energy.shape[1] == len(COLUMNS) else UNDIVIDED)
     account = {
         "scene": json.dumps(scene_to_dict(run.scene)),
         "work": json.dumps(asdict(run.work)),
@@ -36,12 +38,12 @@ def write(run, path):
             "tension": (("t", "segment"), run.segment_tension, {"units": "N"}),
             "energy": (("t", "energy_of"), run.energy, {"units": "J"}),
         },
-        coords={"t": ("t", run.t, {"units": "s"}), "axis": list("xyz"), "energy_of": list(ENERGIES)},
+        coords={"t": ("t", run.t, {"units": "s"}), "axis": list("xyz"), "energy_of": columns},
         attrs=account,
     ).to_netcdf(path, engine="scipy")
 
 
-def read(path):
+def read(path: str | PathLike[str]) -> dict[str, Any]:
     """Read what `write` wrote.
 
     Returns

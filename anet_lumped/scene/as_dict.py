@@ -6,9 +6,9 @@ by the classes themselves.
 
 import dataclasses
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any, get_args
+from typing import Any, Literal, get_args, get_origin
 
 from anet_lumped.checks import SceneError, nearest
 from anet_lumped.effects.flow import waves, wind
@@ -25,7 +25,7 @@ POINTS = {"fixed": Fixed, "driven": Driven, "free": Free}
 
 
 # What is written as a table with a `kind` inside another.
-PARTS = {
+PARTS: dict[Any, tuple[str, Mapping[str, Callable]]] = {
     Path: ("path", paths.KINDS), Signal: ("signal", signals.KINDS), Wind: ("wind", wind.KINDS), Airy: ("wave", waves.KINDS)
 }  # fmt: skip
 
@@ -123,7 +123,7 @@ def _mentions(annotation: Any, part: type) -> bool:
     return part is annotation or any(_mentions(inner, part) for inner in get_args(annotation))
 
 
-def _made(what: str, kinds: dict[str, Callable], value: Any, place: str, may_be_number: bool = False) -> Any:
+def _made(what: str, kinds: Mapping[str, Callable], value: Any, place: str, may_be_number: bool = False) -> Any:
     if isinstance(value, list):
         return [_made(what, kinds, entry, f"{place}[{i}]", isinstance(entry, str)) for i, entry in enumerate(value)]
     if isinstance(value, dict) and value and all(isinstance(entry, dict) for entry in value.values()):
@@ -131,7 +131,7 @@ def _made(what: str, kinds: dict[str, Callable], value: Any, place: str, may_be_
     return value if may_be_number and not isinstance(value, dict) else _part(what, kinds, value, place)
 
 
-def _part(what: str, kinds: dict[str, Callable], value: Any, place: str) -> Any:
+def _part(what: str, kinds: Mapping[str, Callable], value: Any, place: str) -> Any:
     maker, arguments = _take_kind(_table(value, place), kinds, what, place)
     return _make(maker, arguments, place)
 
@@ -166,20 +166,26 @@ def _schema(maker: Callable) -> Any:
     from pydantic import ConfigDict, create_model
 
     fields: dict[str, Any] = {
-        argument.name: (argument.annotation, ... if argument.default is argument.empty else argument.default)
+        argument.name: (_type(argument), ... if argument.default is argument.empty else argument.default)
         for argument in _arguments(maker).values()
     }
     return create_model(maker.__name__, __config__=ConfigDict(strict=True, extra="forbid", arbitrary_types_allowed=True), **fields)
 
 
-def _take_kind(entry: dict[str, Any], kinds: dict[str, Callable], what: str, place: str) -> tuple[Callable, dict]:
+def _type(argument: inspect.Parameter) -> Any:
+    """The type that a table must give: any string for words to choose from, as the class itself says which there are."""
+    annotation = str if get_origin(argument.annotation) is Literal else argument.annotation
+    return annotation | None if argument.default is None else annotation
+
+
+def _take_kind(entry: dict[str, Any], kinds: Mapping[str, Callable], what: str, place: str) -> tuple[Callable, dict]:
     if "kind" not in entry:
         raise SceneError(f"{place}: key `kind` is missing; a {what} is one of {_list(kinds)}.")
     kind = _choose(entry["kind"], kinds, what, place)
     return kind, {key: value for key, value in entry.items() if key != "kind"}
 
 
-def _choose(name: Any, known: dict[str, Callable], what: str, place: str) -> Callable:
+def _choose(name: Any, known: Mapping[str, Callable], what: str, place: str) -> Callable:
     if not isinstance(name, str) or name not in known:
         hint = nearest(str(name), known) or f"; known: {_list(known)}."
         raise SceneError(f"{place}: unknown {what} {name!r}{hint}")

@@ -26,7 +26,7 @@ class PayloadChange:
     mass: float
     velocity: Vector = (0.0, 0.0, 0.0)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_name(self.point, "point")
         owner = f'the change of payload at point "{self.point}"'
         object.__setattr__(self, "t", check_number("t", self.t, "s", owner, sign="non-negative"))

@@ -30,6 +30,7 @@ fit.
 
 import warnings
 from dataclasses import dataclass
+from typing import cast
 
 from anet_lumped.checks import SceneError, check_number, nearest
 
@@ -79,7 +80,7 @@ class Rope:
 
     def static_EA(self, diameter: float) -> float:
         """Return the static (quasi-static) axial stiffness [N] of a rope of a nominal diameter [m]."""
-        return self.e2 * diameter**2 if self.r is None else self.r * self.breaking_load(diameter)
+        return cast(float, self.e2) * diameter**2 if self.r is None else self.r * self.breaking_load(diameter)
 
 
 FIBRE_IN_WATER = {"Can": 1.1, "Cat": 0.15}

@@ -1,11 +1,11 @@
 """What a user writes: points, cables and effects, checked when made and never changed afterwards."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
 
 from anet_lumped.checks import SceneError, Vector, check_count, check_name, check_number, check_vector, nearest
 from anet_lumped.effects.effect import Effect
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["COMPRESSION", "Cable", "Driven", "Fixed", "Free", "Point", "Scene", "SceneError"]
 
-COMPRESSION = ("none", "damped", "linear")
+Compression = Literal["none", "damped", "linear"]
+COMPRESSION: tuple[str, ...] = get_args(Compression)
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Fixed:
     name: str
     at: Vector
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_name(self.name, "point")
         object.__setattr__(self, "at", check_vector("at", self.at, "m", f'fixed point "{self.name}"'))
 
@@ -51,7 +52,7 @@ class Driven:
     name: str
     path: Path
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_name(self.name, "point")
         if not isinstance(self.path, Path):
             raise SceneError(
@@ -81,7 +82,7 @@ class Free:
     volume: float = field(default=0.0, kw_only=True)
     Ca: float = field(default=0.0, kw_only=True)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_name(self.name, "point")
         owner = f'free point "{self.name}"'
         for key, unit in (("mass", "kg"), ("CdA", "m²"), ("volume", "m³"), ("Ca", "")):
@@ -128,8 +129,8 @@ class Cable:
     segments: int = field(kw_only=True)
     zeta: float = field(default=0.0, kw_only=True)
     BA: float | None = field(default=None, kw_only=True)
-    compression: str = field(default="none", kw_only=True)
-    name: str | None = field(default=None, kw_only=True)
+    compression: Compression = field(default="none", kw_only=True)
+    name: str = field(default=None, kw_only=True)  # type: ignore[assignment]  # its ends name it
     diameter: float | None = field(default=None, kw_only=True)
     Cdn: float = field(default=1.2, kw_only=True)
     Cdt: float = field(default=0.01, kw_only=True)
@@ -138,9 +139,9 @@ class Cable:
     EI: float = field(default=0.0, kw_only=True)
     breaking_tension: float | None = field(default=None, kw_only=True)
     EA_compression: float = field(default=0.0, kw_only=True)
-    tension_strain: tuple[tuple[float, float], ...] | None = field(default=None, kw_only=True)
+    tension_strain: Sequence[tuple[float, float]] | None = field(default=None, kw_only=True)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for point in (self.start, self.end):
             check_name(point, "point")
         name = f"{self.start}-{self.end}" if self.name is None else check_name(self.name, "cable")
@@ -275,15 +276,15 @@ class Scene:
         is not at a free point or changes twice at a time
     """
 
-    points: tuple[Point, ...]
-    cables: tuple[Cable, ...]
-    effects: tuple[Effect, ...] = ()
-    events: tuple[PayloadChange, ...] = ()
+    points: Sequence[Point]  # each of the four is kept as a tuple
+    cables: Sequence[Cable]
+    effects: Sequence[Effect] = ()
+    events: Sequence[PayloadChange] = ()
 
     whole: ClassVar[bool] = True  # as its user wrote it: every free point holds a cable, and there is one
     stubs: ClassVar[tuple[tuple[str, Cable], ...]] = ()  # of what is left of a scene, see `remainder`
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for argument, kinds in (("points", Point), ("cables", Cable)):
             entries = _as_tuple(argument, getattr(self, argument))
             wrong = [entry for entry in entries if not isinstance(entry, kinds)]
@@ -298,7 +299,7 @@ class Scene:
         self._check_effects()
         self._check_events()
 
-    def _check_names(self):
+    def _check_names(self) -> None:
         names = set()
         for point in self.points:
             if point.name in names:
@@ -324,7 +325,7 @@ class Scene:
             if self.whole and isinstance(point, Free) and point.name not in reached:
                 raise SceneError(f'A free point must hold at least one cable, but no cable ends at "{point.name}".')
 
-    def _check_effects(self):
+    def _check_effects(self) -> None:
         if not self.effects:
             return
         from anet_lumped.effects import REGISTRY
@@ -340,7 +341,7 @@ class Scene:
                 raise SceneError(f"A scene may have one effect of a type, but {type(effect).__name__} is given twice.")
             seen.add(type(effect))
 
-    def _check_events(self):
+    def _check_events(self) -> None:
         seen = set()
         for event in self.events:
             if not isinstance(event, PayloadChange):
@@ -414,7 +415,7 @@ def _check_curve(value: Any, owner: str) -> tuple[tuple[float, float], ...]:
     return curve
 
 
-def _slopes(curve: tuple[tuple[float, float], ...]) -> list[float]:
+def _slopes(curve: Sequence[tuple[float, float]]) -> list[float]:
     """Slope of each piece of a curve [N]."""
     before = ((0.0, 0.0), *curve[:-1])
     return [(T - T_before) / (eps - eps_before) for (eps, T), (eps_before, T_before) in zip(curve, before, strict=True)]

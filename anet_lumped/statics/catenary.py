@@ -12,6 +12,7 @@ Shape from end force is explicit; end force from end points is the root of one m
 import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -84,7 +85,7 @@ class Catenary:
         half_made = cls(p1, p1, float(length), EA, weight_per_length, H, float(force[-1]), _direction(force, H))
         return replace(half_made, p2=half_made._place(half_made.length))
 
-    def _piece(self, s):
+    def _piece(self, s: Any) -> tuple[Any, Any, Any]:
         """V_m, T_m and kappa of the piece [0, s]; s may lie beyond the ends."""
         V = self.V1 + self.weight_per_length * s
         T_m = (math.hypot(self.H, self.V1) + np.hypot(self.H, V)) / 2
@@ -97,16 +98,16 @@ class Catenary:
         kappa = np.divide(angle, y, out=np.ones_like(angle), where=y != 0)
         return self.V1 + self.weight_per_length * s / 2, T_m, kappa
 
-    def _plane(self, s):
+    def _plane(self, s: Any) -> tuple[np.ndarray, np.ndarray]:
         """Horizontal and vertical distance from p1."""
         V_m, T_m, kappa = self._piece(s)
         return s * self.H * (kappa / T_m + 1 / self.EA), s * V_m * (1 / T_m + 1 / self.EA)
 
-    def _place(self, s):
+    def _place(self, s: Any) -> np.ndarray:
         x, z = self._plane(s)
         return self.p1 + np.concatenate([np.multiply.outer(x, self.direction), np.expand_dims(z, -1)], axis=-1)
 
-    def _on_cable(self, s):
+    def _on_cable(self, s: ArrayLike) -> np.ndarray:
         s = np.asarray(s, dtype=float)
         slop = 1e-12 * self.length  # sums of segment lengths may overshoot by round-off
         outside = ~((s >= -slop) & (s <= self.length + slop))
@@ -270,7 +271,7 @@ def _half_angle(d: float, h: float, c: float, excess: float, e: float) -> float:
     """
     from scipy.optimize import brentq  # late: it takes longer to import than everything else here together
 
-    def mismatch(log_ratio):
+    def mismatch(log_ratio: float) -> float:
         u = low * math.exp(log_ratio)
         t = math.tanh(u)
         across = (2 * c * _sinh_less_argument(u) + 2 * excess * u - e) / (2 * u + e)
@@ -313,7 +314,7 @@ def _vectors(**named: ArrayLike) -> list[np.ndarray]:
     return vectors
 
 
-def _material(length, EA, mass_per_length, gravity) -> tuple[float, float]:
+def _material(length: float, EA: float | None, mass_per_length: float, gravity: float) -> tuple[float, float]:
     """EA [N], inf for None, and mu g [N/m]."""
     for name, value in (("length", length), ("EA", 1.0 if EA is None else EA), ("mass_per_length", mass_per_length)):
         if not 0 < value < math.inf:

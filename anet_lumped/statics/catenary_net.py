@@ -5,11 +5,13 @@ takes the stiffness of a catenary between its ends in closed form.
 """
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from anet_lumped.scene.scene import Free
+from anet_lumped.scene.scene import Cable, Free, Scene
 
 from .catenary import Catenary, catenary
 
@@ -32,26 +34,26 @@ class Turned:
     curve: Catenary
     turn: np.ndarray
 
-    def point(self, s):
+    def point(self, s: ArrayLike) -> np.ndarray:
         """Places (..., 3) [m] at unstretched arc lengths s [m] from the cable's start."""
         return self.curve.point(s) @ self.turn
 
-    def tension(self, s):
+    def tension(self, s: ArrayLike) -> np.ndarray:
         """Tensions (...) [N] at unstretched arc lengths s [m]."""
         return self.curve.tension(s)
 
     @property
-    def length(self):
+    def length(self) -> float:
         """Stretched length [m]."""
         return self.curve.stretched_length
 
     @property
-    def sag(self):
+    def sag(self) -> float:
         """Largest distance below the chord, along gravity [m]."""
         return self.curve.sag
 
     @property
-    def end_forces(self):
+    def end_forces(self) -> np.ndarray:
         """Pulls (2, 3) [N] on the cable's start and end."""
         return self.curve.end_forces @ self.turn
 
@@ -60,12 +62,12 @@ class Turned:
 class CatenaryNet:
     """Places of the points {name: (3,) [m]} and the cables {name: Turned}; `rounds` Newton steps were taken."""
 
-    points: dict
-    cables: dict
+    points: dict[str, np.ndarray]
+    cables: dict[str, Turned]
     rounds: int = 0
 
 
-def catenary_net(scene, places, *, elastic=True):
+def catenary_net(scene: Scene, places: Mapping[str, ArrayLike], *, elastic: bool = True) -> CatenaryNet:
     """Rest of the continuous net whose supports are where `places` says.
 
     Sum over the cables of the pull on a free point + its mass times g = 0, for each free point. Cables that end loosely
@@ -99,17 +101,19 @@ def catenary_net(scene, places, *, elastic=True):
     return hung.net(x, rounds)
 
 
-def catenaries_between_ends(scene, places, *, elastic=True):
+def catenaries_between_ends(scene: Scene, places: Mapping[str, ArrayLike], *, elastic: bool = True) -> CatenaryNet:
     """Each cable as the catenary between given ends, balanced or not; arguments and errors as for `catenary_net`."""
     hung = _Hung(scene, places, elastic)
     cables = {cable.name: hung.between(cable, hung.at[cable.start], hung.at[cable.end]) for cable in scene.cables}
-    return CatenaryNet(dict(places), {name: Turned(curve, hung.turn) for name, curve in cables.items()})
+    return CatenaryNet(
+        {name: np.asarray(xyz) for name, xyz in places.items()}, {name: Turned(curve, hung.turn) for name, curve in cables.items()}
+    )
 
 
 class _Hung:
     """The scene turned so that gravity points along -z, its loose ends cut off and hung on as weights."""
 
-    def __init__(self, scene, places, elastic):
+    def __init__(self, scene: Scene, places: Mapping[str, ArrayLike], elastic: bool) -> None:
         self.g = float(np.linalg.norm(scene.gravity))
         if self.g == 0:
             raise ValueError("A catenary needs gravity, but the scene has no Gravity effect or g = 0.")
@@ -123,35 +127,35 @@ class _Hung:
                 f'A cable with a tension-strain curve, such as "{curved}", has no catenary in closed form; take elastic=False.'
             )
         self.EA = {c.name: c.EA if elastic else INEXTENSIBLE * self.weight for c in scene.cables}
-        self.cables, self.loose = list(scene.cables), []
-        while cut := next((c for c in self.cables if self._loose_end(c)), None):
-            self._cut(cut)
+        self.cables = list(scene.cables)
+        self.loose: list[tuple[Cable, str, str]] = []
+        while cut := next(((c, end) for c in self.cables if (end := self._loose_end(c))), None):
+            self._cut(*cut)
         self.free = [name for name in self.load if any(name in (c.start, c.end) for c in self.cables)]
 
-    def _loose_end(self, cable):
+    def _loose_end(self, cable: Cable) -> str | None:
         """The end of a cable that hangs on nothing else, or None."""
         for end in (cable.start, cable.end):
             if end in self.load and sum(end in (c.start, c.end) for c in self.cables) == 1:
                 return end
         return None
 
-    def _cut(self, cable):
-        end = self._loose_end(cable)
+    def _cut(self, cable: Cable, end: str) -> None:
         held = cable.end if end == cable.start else cable.start
         self.cables.remove(cable)
         self.loose.append((cable, held, end))
         if held in self.load:
             self.load[held] += self.load[end] + self.g * cable.mass_per_length * cable.length
 
-    def between(self, cable, p1, p2, stiffest=math.inf):
+    def between(self, cable: Cable, p1: np.ndarray, p2: np.ndarray, stiffest: float = math.inf) -> Catenary:
         EA = min(self.EA[cable.name], stiffest)
         return catenary(p1, p2, cable.length, EA=EA, mass_per_length=cable.mass_per_length, gravity=self.g)
 
-    def curves(self, x, stiffest):
+    def curves(self, x: np.ndarray, stiffest: float) -> list[Catenary]:
         at = {**self.at, **dict(zip(self.free, x, strict=True))}
         return [self.between(cable, at[cable.start], at[cable.end], stiffest) for cable in self.cables]
 
-    def residual(self, curves):
+    def residual(self, curves: Sequence[Catenary]) -> np.ndarray:
         """Force on each free point, (n, 3) [N]."""
         force = np.zeros((len(self.free), 3))
         force[:, 2] = [-self.load[name] for name in self.free]
@@ -161,7 +165,7 @@ class _Hung:
                     force[self.free.index(name)] += pull
         return force
 
-    def stiffness(self, curves):
+    def stiffness(self, curves: Sequence[Catenary]) -> np.ndarray:
         """Minus the derivative of `residual` in the free points' places, (3n, 3n) [N/m]."""
         K = np.zeros((len(self.free), 3, len(self.free), 3))
         for cable, curve in zip(self.cables, curves, strict=True):
@@ -173,7 +177,7 @@ class _Hung:
                         K[i, :, j, :] += S if i == j else -S
         return K.reshape(3 * len(self.free), -1)
 
-    def balance(self):
+    def balance(self) -> tuple[np.ndarray, int]:
         """Places of the free points, (n, 3) [m], and the number of Newton steps that it took."""
         start = np.array([self.at[name] for name in self.free]).reshape(-1, 3)
         x, rounds, left = self._newton(start, math.inf, DIRECT)
@@ -191,7 +195,7 @@ class _Hung:
             )
         return x, rounds
 
-    def _newton(self, x, stiffest, most):
+    def _newton(self, x: np.ndarray, stiffest: float, most: int) -> tuple[np.ndarray, int, float]:
         """At most `most` Newton steps, no EA above `stiffest` [N]: places, steps, force left (0 if balanced).
 
         The energy is convex in the places, so a step is halved until it no longer overshoots the least energy along it.
@@ -219,7 +223,7 @@ class _Hung:
             x = x + step
         return x, most, size
 
-    def net(self, x, rounds):
+    def net(self, x: np.ndarray, rounds: int) -> CatenaryNet:
         at = {**self.at, **dict(zip(self.free, x, strict=True))}
         found = {cable.name: self.between(cable, at[cable.start], at[cable.end]) for cable in self.cables}
         for cable, held, end in reversed(self.loose):
@@ -227,7 +231,7 @@ class _Hung:
         cables = {name: Turned(curve, self.turn) for name, curve in found.items()}
         return CatenaryNet({name: self.turn.T @ xyz for name, xyz in at.items()}, cables, rounds)
 
-    def _hang(self, cable, top, load, upwards):
+    def _hang(self, cable: Cable, top: np.ndarray, load: float, upwards: bool) -> tuple[Catenary, np.ndarray]:
         """A loose cable straight down from `top`, and where its lower end is; `upwards` if it starts there."""
         weight = self.g * cable.mass_per_length * cable.length
         drop = cable.length * (1 + (load + weight / 2) / self.EA[cable.name])
@@ -240,7 +244,7 @@ class _Hung:
         return curve, end
 
 
-def _end_stiffness(curve):
+def _end_stiffness(curve: Catenary) -> np.ndarray:
     """Stiffness of a catenary between its ends, (3, 3) [N/m]: pull of the one end per displacement of the other."""
     w, L = curve.weight_per_length, curve.length
     V1, V2 = curve.V1, curve.V1 + w * L
@@ -256,7 +260,7 @@ def _end_stiffness(curve):
     return plane.T @ np.linalg.inv(flexibility) @ plane + np.outer(aside, aside) / across
 
 
-def _turn_down(down):
+def _turn_down(down: np.ndarray) -> np.ndarray:
     """A rotation, (3, 3), that takes the unit vector `down` to -z; the identity if it is that already."""
     axis, cosine = np.cross(down, (0.0, 0.0, -1.0)), -down[2]
     if cosine < -1 + 1e-12:

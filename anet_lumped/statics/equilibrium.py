@@ -13,6 +13,8 @@ u of each segment is an unknown of its own, |F| u = F, so that a slack cable clo
 idea of Andersen, Christiansen, Conn & Overton, SIAM J. Sci. Comput. 22 (2000) 243).
 """
 
+from typing import Any
+
 import numpy as np
 from numba import float64, int64, njit, types
 
@@ -21,6 +23,7 @@ from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.mechanics.linear import junctions
 from anet_lumped.mechanics.linear import node_elimination as elimination
 from anet_lumped.model.build import build
+from anet_lumped.model.model import Model
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_INEXTENSIBLE,
@@ -35,9 +38,8 @@ from anet_lumped.model.tables import (
     CABLE_SEGMENTS,
     CABLE_START,
 )
-from anet_lumped.prescribed.path_kernel import evaluate
 from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Fixed, Free
+from anet_lumped.scene.scene import Fixed, Free, Scene
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 EPS = 2.220446049250313e-16
@@ -274,7 +276,7 @@ def unroll(net_address, load, EA, H, q, tension):
                 fx, fy, fz = fx - load[i, 0], fy - load[i, 1], fz - load[i, 2]
 
 
-def equilibrium(scene, tolerance=1e-12):
+def equilibrium(scene: Scene, tolerance: float = 1e-12) -> State:
     """Static shape of a scene, with driven points where they are at t = 0.
 
     Parameters
@@ -303,7 +305,9 @@ def equilibrium(scene, tolerance=1e-12):
     net = fresh_net(model, force=False, newton=False)
     v = np.zeros_like(q)
     if model.n_driven < model.n:
-        evaluate(0.0, net.paths, q[model.n_driven :], v[model.n_driven :], np.zeros((model.n - model.n_driven, 3)))
+        from anet_lumped.mechanics.drive import drive  # compiled for scenes with driven points
+
+        drive(0.0, net.address, q, v)
     load = dead_load(model, net, q)
     finite = [cable.EA for cable in scene.cables if not cable.inextensible]
     total = float(np.linalg.norm(load[: model.n_free], axis=1).sum())
@@ -345,7 +349,7 @@ def equilibrium(scene, tolerance=1e-12):
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance)
 
 
-def dead_load(model, net, q):
+def dead_load(model: Model, net: Any, q: np.ndarray) -> np.ndarray:
     """(n, 3) force of the dead loads among a model's effects [N]."""
     load, v, of = np.zeros_like(q), np.zeros_like(q), net.effects
     for e, effect in enumerate(model.forces):
@@ -355,7 +359,7 @@ def dead_load(model, net, q):
     return load
 
 
-def _first_guess(model, load, q, scale):
+def _first_guess(model: Model, load: np.ndarray, q: np.ndarray, scale: float) -> np.ndarray:
     """(n_cables, 3) force at each cable's start: half of its own load, and about as much again along its chord."""
     H = np.zeros((len(model.cable), 3))
     for c, (_, count, node, start, end) in enumerate(model.cable[:, : CABLE_END + 1]):
@@ -369,7 +373,7 @@ def _first_guess(model, load, q, scale):
     return H
 
 
-def _check_supports(scene):
+def _check_supports(scene: Scene) -> None:
     """Every part of the net must hang on a fixed or driven point."""
     group = {point.name: {point.name} for point in scene.points}
     for cable in scene.cables:
@@ -385,7 +389,7 @@ def _check_supports(scene):
             )
 
 
-def _check_slack(model, tension, total, scale):
+def _check_slack(model: Model, tension: np.ndarray, total: float, scale: float) -> None:
     """A slack cable is a static shape only where its own load shapes it and where it need not push."""
     for cable in model.scene.cables:
         smallest = tension[model.segments(cable.name)].min()

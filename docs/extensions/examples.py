@@ -125,7 +125,7 @@ def run(example, names, folder, file="document"):
 
 
 def run_command(command, folder):
-    """Return what `anet-lumped ...` prints, without the bars of its progress; SystemError if it fails."""
+    """Return what `anet-lumped ...` prints, without progress and the line that it compiles; SystemError if it fails."""
     words = command.split()
     if words[0] != "anet-lumped":
         raise ValueError(
@@ -136,6 +136,9 @@ def run_command(command, folder):
     if done.returncode:
         raise SystemError(f"{command} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
     told = [line for line in done.stderr.splitlines() if line.startswith("anet-lumped: ")]
+    told = [
+        line for line in told if not line.startswith("anet-lumped: Compiling")
+    ]  # the first run on a machine alone
     lines = [line.rstrip() for line in [*done.stdout.splitlines(), *told]]
     return "".join(
         f"{line}\n" for line, after in zip(lines, [*lines[1:], "end"], strict=True) if line or after

@@ -1,6 +1,6 @@
-"""diffrax's solvers on M dv/dt = f(t, q, v), with the work put in and the energy dissipated carried along.
+"""diffrax's solvers on M dv/dt = f(t, q, v), with the work of all forces carried along.
 
-The state is y = (q, v) of the moving nodes and two integrals of powers that the force returns anyway; these decide about no
+The state is y = (q, v) of the moving nodes and three integrals of powers that the force returns anyway; these decide about no
 step. Steps are taken one by one with diffrax's solver and step size controller, in one compiled loop, so that what each took
 can be counted.
 
@@ -50,7 +50,7 @@ class Motion(Protocol):
     mass: jax.Array  # (n_free,) [kg]
 
     def force(self, t, stop, q, v):
-        """Force (n_free, 3) [N], and powers (2,) [W]: dissipated, put in by what is prescribed."""
+        """Force (n_free, 3) [N], and powers (3,) [W]: taken inside, taken outside, put in."""
 
     def factor(self, t, stop, q, v, tau):
         """Whatever `solve` needs of M - tau df/dv - tau^2 df/dq."""
@@ -60,7 +60,7 @@ class Motion(Protocol):
 
 
 class _State(NamedTuple):
-    """y, or dy/dt, or a tolerance: places, velocities, (dissipated, put in), and a slot in which a stage counts its iterations."""
+    """y, or dy/dt, or a tolerance: positions, velocities, work (3,), and a slot in which a stage counts its iterations."""
 
     q: Any
     v: Any
@@ -234,7 +234,7 @@ def march(motion: Motion, task: Task) -> Outcome:
     rtol, atol, times = jnp.asarray(task.rtol, float), jnp.asarray(task.atol, float), task.saved_times()
     solver, controller = _solver(task.method, rtol, atol), diffrax.PIDController(rtol, atol, norm=_norm)
     q, v = (x[: len(motion.mass)] for x in (task.q, task.v))
-    y = _State(jnp.asarray(q, float), jnp.asarray(v, float), jnp.zeros(2), jnp.zeros(()))
+    y = _State(jnp.asarray(q, float), jnp.asarray(v, float), jnp.zeros(3), jnp.zeros(()))
     out = jax.tree.map(lambda a: jnp.zeros((len(times) + 1, *a.shape)).at[0].set(a), y)
     zero = jnp.array(0)
     m = _March(jnp.asarray(float(task.t0)), None, y, None, None, zero + 1, out, zero, zero, zero, zero, zero)
@@ -271,7 +271,7 @@ def march(motion: Motion, task: Task) -> Outcome:
             rows[saved] = a
         saved += 1
     return Outcome(
-        status, reason, node, times[:saved], out[0][:saved], out[1][:saved], out[2][:saved, 1], out[2][:saved, 0],
+        status, reason, node, times[:saved], out[0][:saved], out[1][:saved], out[2][:saved],
         _counts(solver, m, starts), time.perf_counter() - began,
     )  # fmt: skip
 

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from integrators.system import POWER_INSIDE, POWER_OUTSIDE, POWER_PUT_IN
+
 LARGEST_COORDINATE = 1e12  # [m], [m/s], beyond which a motion has diverged
 
 
@@ -60,7 +62,7 @@ class Outcome:
     t : (k,) float64 [s]
         Times asked for, as far as it came, and at last the time that it reached.
     q, v : (k, n_free, 3) float64 [m], [m/s], of the moving nodes at these times
-    put_in, dissipated : (k,) float64 [J], since the start
+    work : (k, 3) float64 [J], taken inside, taken outside and put in since the start, see `integrators.system`
     wall_time : float [s], without that of compiling
     """
 
@@ -70,10 +72,19 @@ class Outcome:
     t: np.ndarray
     q: np.ndarray
     v: np.ndarray
-    put_in: np.ndarray
-    dissipated: np.ndarray
+    work: np.ndarray
     counts: np.ndarray
     wall_time: float
+
+    @property
+    def put_in(self):
+        """(k,) float64 [J], since the start."""
+        return self.work[:, POWER_PUT_IN]
+
+    @property
+    def dissipated(self):
+        """(k,) float64 [J], taken inside and outside since the start."""
+        return self.work[:, POWER_INSIDE] + self.work[:, POWER_OUTSIDE]
 
 
 def fastest_node(rates):

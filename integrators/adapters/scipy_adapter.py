@@ -1,7 +1,7 @@
-"""scipy's adaptive solvers on M dv/dt = f(t, q, v), with the work put in and the energy dissipated carried along.
+"""scipy's adaptive solvers on M dv/dt = f(t, q, v), with the work of all forces carried along.
 
-The state handed to scipy is y = (q, v, work, dissipated) of the moving nodes. The last two are integrals of powers that
-the force kernel returns anyway: they have a huge absolute tolerance, so that they never decide about a step, and
+The state handed to scipy is y = (q, v, work) of the moving nodes. The work (3,) is the integral of powers that the force kernel
+returns anyway: taken inside, taken outside, put in. It has a huge absolute tolerance, so that it never decides about a step, and
 tolerances are scaled where a solver's norm is a mean over all components, so that its steps are those of (q, v) alone.
 """
 
@@ -33,7 +33,7 @@ class Motion(NamedTuple):
     prescribe(t, q, v)
         Write the prescribed rows of q and v (n, 3) [m], [m/s].
     force(t, q, v, f, power)
-        Write the force f (n, 3) [N]; power (2,) [W] is dissipated and put in by prescribed nodes.
+        Write the force f (n, 3) [N]; power (3,) [W] is taken inside, taken outside and put in, see `integrators.system`.
     jacobian(t, q, v) -> csc_array (6 n_free, 6 n_free)
         Of dy/dt for y = (q, v) of the moving nodes, with a fixed pattern.
     mass : (n_free,) float64 [kg]
@@ -53,20 +53,20 @@ class _StopError(Exception):
 
 
 class _Equations:
-    """dy/dt and its Jacobian as scipy wants them; component i of its y is ``order[i]`` of (q, v, work, dissipated)."""
+    """dy/dt and its Jacobian as scipy wants them; component i of its y is ``order[i]`` of (q, v, work)."""
 
     def __init__(self, motion, q, v):
         self.motion, self.calls = motion, 0
-        self.q, self.v, self.f, self.power = q.copy(), v.copy(), np.zeros_like(q), np.zeros(2)
+        self.q, self.v, self.f, self.power = q.copy(), v.copy(), np.zeros_like(q), np.zeros(3)
         self.free, self.half = slice(0, len(motion.mass)), 3 * len(motion.mass)
-        self.per_mass, self.size = 1.0 / motion.mass[:, None], 2 * self.half + 2
+        self.per_mass, self.size = 1.0 / motion.mass[:, None], 2 * self.half + 3
         self.order, self.y, self.rate = np.arange(self.size), np.zeros(self.size), np.zeros(self.size)
-        self.y[:-2] = np.concatenate([q[self.free].ravel(), v[self.free].ravel()])
+        self.y[:-3] = np.concatenate([q[self.free].ravel(), v[self.free].ravel()])
 
     def nodes_at(self, t, y):
         """Places and velocities of all nodes at (t, y), y in the natural order."""
         self.q[self.free] = y[: self.half].reshape(-1, 3)
-        self.v[self.free] = y[self.half : -2].reshape(-1, 3)
+        self.v[self.free] = y[self.half : -3].reshape(-1, 3)
         self.motion.prescribe(t, self.q, self.v)
         return self.q, self.v
 
@@ -79,16 +79,16 @@ class _Equations:
         self.nodes_at(t, self.y)
         self.motion.force(t, self.q, self.v, self.f, self.power)
         rate = self.rate
-        rate[: self.half] = self.y[self.half : -2]
-        rate[self.half : -2] = (self.per_mass * self.f[self.free]).ravel()
-        rate[-2], rate[-1] = self.power[1], self.power[0]
+        rate[: self.half] = self.y[self.half : -3]
+        rate[self.half : -3] = (self.per_mass * self.f[self.free]).ravel()
+        rate[-3:] = self.power
         return rate[self.order]
 
     def matrix(self, t, y):
         """Jacobian of dy/dt, sparse, in the natural order."""
         self.y[self.order] = y
         J = self.motion.jacobian(t, *self.nodes_at(t, self.y))
-        return csc_array((J.data, J.indices, np.append(J.indptr, J.indptr[[-1, -1]])), shape=(self.size, self.size))
+        return csc_array((J.data, J.indices, np.append(J.indptr, J.indptr[[-1, -1, -1]])), shape=(self.size, self.size))
 
     def margin(self, t, y):
         """Margin of the motion at (t, y), y in the natural order."""
@@ -153,23 +153,23 @@ def march(motion: Motion, task: Task) -> Outcome:
             times[saved], states[saved] = t, y
             saved += 1
     counts[FORCES] = equations.calls
-    node = fastest_node(np.abs(equations.rate[:-2]).reshape(2, -1, 3).max(axis=0)) if status == DIVERGED else -1
-    q, v = np.moveaxis(states[:saved, :-2].reshape(saved, 2, -1, 3), 1, 0)
-    put_in, dissipated = states[:saved, -2:].T
-    return Outcome(status, reason, node, times[:saved], q, v, put_in, dissipated, counts, time.perf_counter() - began)
+    node = fastest_node(np.abs(equations.rate[:-3]).reshape(2, -1, 3).max(axis=0)) if status == DIVERGED else -1
+    q, v = np.moveaxis(states[:saved, :-3].reshape(saved, 2, -1, 3), 1, 0)
+    work = states[:saved, -3:]
+    return Outcome(status, reason, node, times[:saved], q, v, work, counts, time.perf_counter() - began)
 
 
 def _steps(equations, task, counts):
     """Time, state in the natural order and the maker of dense output after each step of a march."""
     t, y, options, make = task.t0, equations.y.copy(), {}, getattr(scipy.integrate, task.method)
-    rtol, atol = task.rtol, np.append(np.full(equations.size - 2, task.atol), [FREE, FREE])
+    rtol, atol = task.rtol, np.append(np.full(equations.size - 3, task.atol), [FREE] * 3)
     if not np.isfinite(equations.rates(t, y)).all():
         raise _StopError(DIVERGED, "the force at the start is not finite")
     if task.method == "LSODA":
         options = equations.narrow(t)
     else:
-        shrink = np.sqrt(1.0 - 2.0 / equations.size)  # so that the mean square over y is the one over (q, v)
-        rtol, atol[:-2] = shrink * rtol, shrink * atol[:-2]
+        shrink = np.sqrt(1.0 - 3.0 / equations.size)  # so that the mean square over y is the one over (q, v)
+        rtol, atol[:-3] = shrink * rtol, shrink * atol[:-3]
         if task.method in ("Radau", "BDF"):
             options = {"jac": equations.matrix}
     order, atol, position = equations.order, atol[equations.order], np.argsort(equations.order)
@@ -183,7 +183,7 @@ def _steps(equations, task, counts):
             counts[FACTORISATIONS] += solver.nlu - factorisations
             if failure is not None:
                 raise _StopError(UNCONVERGED if np.isfinite(equations.rate).all() else DIVERGED, failure)
-            if not np.abs(solver.y[position[:-2]]).max() < LARGEST_COORDINATE:
+            if not np.abs(solver.y[position[:-3]]).max() < LARGEST_COORDINATE:
                 raise _StopError(DIVERGED, "places or velocities are beyond any sense")
             t, y = stop if solver.status == "finished" else solver.t, solver.y[position]
             yield t, y, solver.dense_output

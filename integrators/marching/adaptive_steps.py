@@ -8,9 +8,11 @@ Source: Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (199
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
-from integrators.states import NONE, SAVED, TWO, copy, copy_of, copy_state, save, worst_node
+from integrators.flat_view import flat
+from integrators.jit import internal, march_loop
+from integrators.states import NONE, SAVED, SCRATCH, TWO, copy, copy_state, save, worst_node
 from integrators.step_ends import evaluate_start
 from integrators.system import (
     DONE,
@@ -58,7 +60,7 @@ class AdaptiveSteps(NamedTuple):
 ADAPTIVE_STEPS = types.NamedTuple((types.float64,) * 5 + (types.Array(types.float64, 1, "C"),), AdaptiveSteps)
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def interpolate(theta, h, start, end, q, v):
     """Cubic Hermite polynomial of a step between two states at theta of its length h, and its derivative."""
     u, q_a, v_a, q_b, v_b = 1.0 - theta, start.q, start.v, end.q, end.v
@@ -71,7 +73,16 @@ def interpolate(theta, h, start, end, q, v):
             v[i, x] = slope / h
 
 
-@njit(cache=True, error_model="numpy")
+@internal
+def largest_coordinate(q):
+    """Largest coordinate of any node [m]."""
+    largest = 0.0
+    for x in flat(q):
+        largest = max(largest, abs(x))
+    return largest
+
+
+@internal
 def double_step(stepper, t, h, order, start, state, whole):
     """Take a step of h, then two of h/2 from the same start.
 
@@ -91,7 +102,7 @@ def double_step(stepper, t, h, order, start, state, whole):
     """
     if take_step(stepper, t, h, state) != DONE:
         return np.inf, 0.0
-    copy(state.q.ravel(), whole.ravel())
+    copy(flat(state.q), flat(whole))
     copy_state(start, state)
     if take_step(stepper, t, 0.5 * h, state) != DONE or take_step(stepper, t + 0.5 * h, 0.5 * h, state) != DONE:
         return np.inf, 0.0
@@ -103,8 +114,8 @@ def double_step(stepper, t, h, order, start, state, whole):
     return error / (2.0**order - 1.0) if worst_node(state.q, state.v) < 0 else np.inf, size
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
-def adaptive_steps(stepper, times, order, carried_rows, state, saved, stop):
+@march_loop
+def adaptive_steps(stepper, times, order, state, scratch, saved, stop):
     """March from t0 to t_end, saving at the times in ``saved.t`` by interpolation.
 
     Steps end on the corners of the prescribed motions and on t_end. The march ends at an event, see `events.locate`; its last
@@ -115,7 +126,7 @@ def adaptive_steps(stepper, times, order, carried_rows, state, saved, stop):
     stepper : Stepper
     times : AdaptiveSteps
     order : int64, of the scheme
-    carried_rows, state, saved, stop
+    state, scratch, saved, stop
         As in `fixed_steps.fixed_steps`.
 
     Returns
@@ -127,9 +138,9 @@ def adaptive_steps(stepper, times, order, carried_rows, state, saved, stop):
     system, t0, t_end, atol, rtol = system_at(system_address), times.t0, times.t_end, times.atol, times.rtol
     evaluate_start(system_address, data_address, t0, state, counts)
     rows = save(system_address, data_address, NONE, t0, state, saved)
-    observed_a, observed_b = saved.observed[0].copy(), saved.observed[0].copy()
+    start, whole, shown, observed_a, observed_b = scratch.start, scratch.q, scratch.balance, scratch.observed_a, scratch.observed_b
+    copy(saved.observed[0], observed_b)
     t, h, total, before, rejections, corner = t0, times.first, 0.0, 1.0, 0, NONE
-    start, whole, shown = copy_of(state, carried_rows), state.q.copy(), state.balance.copy()
     margin, watched, status = -1.0, margin_of(stepper, state) > NO_EVENTS, DONE
     while t < t_end:
         if stop[0] != 0:
@@ -152,7 +163,7 @@ def adaptive_steps(stepper, times, order, carried_rows, state, saved, stop):
                 return UNCONVERGED, rows, t, -1, total
             continue
         counts[STEPS] += 1
-        total += error * (atol + rtol * np.max(np.abs(state.q)))
+        total += error * (atol + rtol * largest_coordinate(state.q))
         end = goal if t + h >= goal - 1e-9 * h else t + h
         if watched:
             margin_before, margin = margin, margin_of(stepper, state)
@@ -183,4 +194,4 @@ def adaptive_steps(stepper, times, order, carried_rows, state, saved, stop):
 def compiled_adaptive_steps():
     """`adaptive_steps`, compiled (or loaded from the cache) when it is first asked for."""
     stop = types.Array(types.int64, 1, "C")
-    return compiled(adaptive_steps, (STEPPER, ADAPTIVE_STEPS, types.int64, types.int64, STEP_STATE, SAVED, stop))
+    return compiled(adaptive_steps, (STEPPER, ADAPTIVE_STEPS, types.int64, STEP_STATE, SCRATCH, SAVED, stop))

@@ -3,13 +3,13 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
+from integrators.jit import internal, march_loop
 from integrators.schemes.embedded_pair import dense_output, judge_step, prepare_dense_output
-from integrators.states import NONE, ONE, SAVED, copy, copy_of, copy_state, save, worst_node
+from integrators.states import NONE, ONE, SAVED, SCRATCH, copy, copy_state, save, worst_node
 from integrators.step_ends import evaluate_start
 from integrators.system import (
-    DISSIPATED,
     DIVERGED,
     DONE,
     ENERGIES,
@@ -21,6 +21,7 @@ from integrators.system import (
     REJECTED,
     STEP_STATE,
     STEPS,
+    TAKEN_BY_METHOD,
     UNCONVERGED,
     StepState,
     compiled,
@@ -37,6 +38,21 @@ SUSTAINED, RELIEVED = 15, 6  # steps in a row (Hairer & Wanner): held by stabili
 MOST_GROWTH = 5.0  # of a step after another
 
 
+class PairLimits(NamedTuple):
+    """Numbers by which an embedded pair is marched.
+
+    ``order`` of the pair; ``most`` steps that may be tried; ``stiff_beyond``, h |lambda| of the last two stages above which a step
+    is held by stability.
+    """
+
+    order: int
+    most: int
+    stiff_beyond: float
+
+
+PAIR_LIMITS = types.NamedTuple((types.int64, types.int64, types.float64), PairLimits)
+
+
 class Stiffness(NamedTuple):
     """Steps that stability holds to a length at which accuracy would let them grow.
 
@@ -50,7 +66,7 @@ class Stiffness(NamedTuple):
     row_for: float  # [s] time of those in a row that do not count yet
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def count_held(known, is_held, h):
     """Add a step of h [s] that is held, or free, to what is known."""
     held, held_for, row_for = known.held, known.held_for, known.row_for
@@ -65,12 +81,11 @@ def count_held(known, is_held, h):
     return Stiffness(held, held_for, held_in_row, free_in_row, row_for)
 
 
-@njit(cache=True, error_model="numpy")
-def save_within(stepper, t, h, end, start, state, rows, saved):
+@internal
+def save_within(stepper, t, h, end, scratch, state, rows, saved):
     """Save at the times that a step from t to ``end`` has passed, by dense output; returns the rows written so far."""
     system, data_address = system_at(stepper.system_address), stepper.data_address
-    memory, parameters, ready = state.memory, stepper.parameters, False
-    balance = state.balance.copy()
+    memory, parameters, ready, start, balance = state.memory, stepper.parameters, False, scratch.start, scratch.balance
     while rows < saved.t.shape[0] and saved.t[rows] <= end:
         at, shown = saved.t[rows], StepState(saved.q[rows], saved.v[rows], memory[:0], balance)
         copy_state(state, shown)
@@ -78,7 +93,8 @@ def save_within(stepper, t, h, end, start, state, rows, saved):
             if not ready:
                 prepare_dense_output(stepper.system_address, data_address, t, h, start, memory, parameters, stepper.counts)
                 ready = True
-            balance[DISSIPATED], balance[PUT_IN] = start.balance[DISSIPATED], start.balance[PUT_IN]
+            for k in range(PUT_IN, TAKEN_BY_METHOD + 1):
+                balance[k] = start.balance[k]
             dense_output((at - t) / h, h, start, memory, parameters, system.n_free, shown)
         system.prescribe(at, data_address, shown.q, shown.v)
         system.observe(shown.q, shown.v, data_address, saved.observed[rows])
@@ -88,8 +104,8 @@ def save_within(stepper, t, h, end, start, state, rows, saved):
     return rows
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
-def embedded_steps(stepper, times, order, stiff_beyond, most, state, saved, stop):
+@march_loop
+def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
     """March with steps chosen by the error that an embedded pair estimates.
 
     A step is taken when its error (see `embedded_pair.judge_step`) is at most atol + rtol max|q|, and the next is chosen by a PI
@@ -100,12 +116,8 @@ def embedded_steps(stepper, times, order, stiff_beyond, most, state, saved, stop
     ----------
     stepper : Stepper
     times : AdaptiveSteps
-    order : int64, of the pair
-    stiff_beyond : float64
-        h |lambda| of the last two stages above which a step is held by stability.
-    most : int64
-        Steps that may be tried.
-    state, saved, stop
+    pair : PairLimits
+    state, scratch, saved, stop
         As in `fixed_steps.fixed_steps`.
 
     Returns
@@ -119,11 +131,11 @@ def embedded_steps(stepper, times, order, stiff_beyond, most, state, saved, stop
     evaluate_start(system_address, data_address, t0, state, counts)
     rows = save(system_address, data_address, NONE, t0, state, saved)
     t, h, total, before, rejections, tried = t0, times.first, 0.0, 1.0, 0, 0
-    start, stiffness = copy_of(state, ONE), Stiffness(NONE, 0.0, NONE, NONE, 0.0)
+    start, stiffness = scratch.start, Stiffness(NONE, 0.0, NONE, NONE, 0.0)
     corner = next_corner(corners, NONE, t, 1e-12 * (t_end - t0))
     status, node, margin, watched = DONE, -1, -1.0, margin_of(stepper, state) > NO_EVENTS
     while t < t_end:
-        if stop[0] != 0 or tried == most:
+        if stop[0] != 0 or tried == pair.most:
             status = INTERRUPTED if stop[0] != 0 else OUT_OF_STEPS
             break
         tried += 1
@@ -145,28 +157,28 @@ def embedded_steps(stepper, times, order, stiff_beyond, most, state, saved, stop
             rejections += 1
             node = worst_node(state.q, state.v)
             copy_state(start, state)
-            h *= shrinkage(error, 1.0 * order)
+            h *= shrinkage(error, 1.0 * pair.order)
             if rejections > MOST_REJECTIONS or t + 0.1 * h <= t:
                 status = UNCONVERGED if error < np.inf else DIVERGED
                 break
             continue
         counts[STEPS] += 1
         total += of_places
-        stiffness = count_held(stiffness, fastest > stiff_beyond, h)
+        stiffness = count_held(stiffness, fastest > pair.stiff_beyond, h)
         end = goal if lands else t + h
         if watched:
             margin_before, margin = margin, margin_of(stepper, state)
             if margin > 0.0:
                 h = locate(stepper, t, h, ONE, margin_before, margin, start, state)
                 end, status = t + h, EVENT
-        rows = save_within(stepper, t, h, end, start, state, rows, saved)
+        rows = save_within(stepper, t, h, end, scratch, state, rows, saved)
         t = end
         if status == EVENT:
             break
         if lands and at_corner:
             corner += 1
             evaluate_start(system_address, data_address, t, state, counts)
-        factor = growth(error, before, 1.0 * order, MOST_GROWTH if rejections == 0 else 1.0)
+        factor = growth(error, before, 1.0 * pair.order, MOST_GROWTH if rejections == 0 else 1.0)
         h = max(h * factor, full if h < full and error < 0.5 else 0.0)
         before, rejections = error, 0
     if status != DONE and saved.t[rows - 1] < t and rows < saved.t.shape[0]:  # the state that was reached
@@ -176,5 +188,5 @@ def embedded_steps(stepper, times, order, stiff_beyond, most, state, saved, stop
 
 def compiled_embedded_steps():
     """`embedded_steps`, compiled (or loaded from the cache) when it is first asked for."""
-    i, f, stop = types.int64, types.float64, types.Array(types.int64, 1, "C")
-    return compiled(embedded_steps, (STEPPER, ADAPTIVE_STEPS, i, f, i, STEP_STATE, SAVED, stop))
+    stop = types.Array(types.int64, 1, "C")
+    return compiled(embedded_steps, (STEPPER, ADAPTIVE_STEPS, PAIR_LIMITS, STEP_STATE, SCRATCH, SAVED, stop))

@@ -1,7 +1,6 @@
 """The event that ends a march: where the margin of a system turns positive within a step."""
 
-from numba import njit
-
+from integrators.jit import internal
 from integrators.states import copy_state
 from integrators.system import DONE, SAME_TIME, system_at
 
@@ -11,26 +10,26 @@ NEAR = 1e-8  # margin of an event to which its time is found, or else to `SAME_T
 TRIALS = 60  # steps that finding it may take
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def remember(stepper):
     """Have the system copy what its steps leave to the next."""
     system_at(stepper.system_address).remember(stepper.data_address, 0)
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def margin_of(stepper, state):
     """How far a state is beyond an event, see `System.margin`."""
     return system_at(stepper.system_address).margin(state.q, state.v, stepper.data_address)
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def _back(stepper, start, state):
     """Go back to the start of the step."""
     copy_state(start, state)
     system_at(stepper.system_address).remember(stepper.data_address, 1)
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def locate(stepper, t, h, parts, before, after, start, state):
     """Find the event within a step, at whose end the margin is positive: the step is taken again, from its start and shorter.
 

@@ -3,9 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
-from integrators.states import NONE, ONE, SAVED, copy_of, copy_state, save, worst_node
+from integrators.jit import march_loop
+from integrators.states import NONE, ONE, SAVED, SCRATCH, copy_state, save, worst_node
 from integrators.step_ends import evaluate_start
 from integrators.system import (
     DIVERGED,
@@ -51,8 +52,8 @@ class FixedSteps(NamedTuple):
 FIXED_STEPS = types.NamedTuple((types.float64,) * 4 + (types.int64,), FixedSteps)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
-def fixed_steps(stepper, times, explicit, carried_rows, state, saved, stop):
+@march_loop
+def fixed_steps(stepper, times, explicit, state, scratch, saved, stop):
     """March from t0 to t_end; the march ends at an event, see `events.locate`.
 
     Parameters
@@ -61,8 +62,8 @@ def fixed_steps(stepper, times, explicit, carried_rows, state, saved, stop):
     times : FixedSteps
     explicit : bool
         Steps do not fail, so that the state before one is copied only where an event may ask for it.
-    carried_rows : int64, rows of memory that a step leaves to the next
     state : StepState, at the start, and then at the end
+    scratch : Scratch
     saved : Saved, rows to write
     stop : (1,) int64, ends the march when another thread sets it
 
@@ -74,8 +75,7 @@ def fixed_steps(stepper, times, explicit, carried_rows, state, saved, stop):
     system_address, data_address, counts, t = stepper.system_address, stepper.data_address, stepper.counts, times.t0
     evaluate_start(system_address, data_address, t, state, counts)
     rows = save(system_address, data_address, NONE, t, state, saved)
-    margin, watched = -1.0, margin_of(stepper, state) > NO_EVENTS
-    start = copy_of(state, carried_rows)
+    start, margin, watched = scratch.start, -1.0, margin_of(stepper, state) > NO_EVENTS
     last = max(1, int(np.ceil((times.t_end - times.origin) / times.dt - SAME_TIME))) - 1
     for s in range(min(int(np.floor((times.t0 - times.origin) / times.dt + SAME_TIME)), last), last + 1):
         goal = times.t_end if s == last else times.origin + (s + 1) * times.dt
@@ -121,4 +121,4 @@ def fixed_steps(stepper, times, explicit, carried_rows, state, saved, stop):
 def compiled_fixed_steps():
     """`fixed_steps`, compiled (or loaded from the cache) when it is first asked for."""
     stop = types.Array(types.int64, 1, "C")
-    return compiled(fixed_steps, (STEPPER, FIXED_STEPS, types.boolean, types.int64, STEP_STATE, SAVED, stop))
+    return compiled(fixed_steps, (STEPPER, FIXED_STEPS, types.boolean, STEP_STATE, SCRATCH, SAVED, stop))

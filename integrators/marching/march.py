@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from integrators.schemes.record import Scheme
-from integrators.states import Saved
+from integrators.states import Saved, scratch_for
 from integrators.system import (
     BALANCE,
     COUNTS,
@@ -22,6 +22,7 @@ from integrators.system import (
 
 from . import embedded_steps
 from .adaptive_steps import AdaptiveSteps, compiled_adaptive_steps
+from .embedded_steps import PairLimits, compiled_embedded_steps
 from .fixed_steps import FixedSteps, compiled_fixed_steps
 from .interruptible import interruptible
 from .stepper import Stepper
@@ -86,12 +87,13 @@ def march(
     counts = np.zeros(COUNTS, np.int64)
     stepper = Stepper(step, words.ctypes.data, data_address, scheme.parameters() if parameters is None else parameters, counts)
     if adaptive and scheme.embedded:
-        loop, own = embedded_steps.compiled_embedded_steps(), (scheme.order, scheme.stiff_beyond, embedded_steps.MOST)
+        loop, own = compiled_embedded_steps(), PairLimits(scheme.order, embedded_steps.MOST, scheme.stiff_beyond)
     elif adaptive:
-        loop, own = compiled_adaptive_steps(), (scheme.order, scheme.carried_rows)
+        loop, own = compiled_adaptive_steps(), scheme.order
     else:
-        loop, own = compiled_fixed_steps(), (scheme.explicit, scheme.carried_rows)
+        loop, own = compiled_fixed_steps(), scheme.explicit
+    scratch = scratch_for(state, scheme.carried_rows, observed)
     began = time.perf_counter()
-    (status, rows, t, node, *more), interrupted = interruptible(entry_point(loop), stepper, times, *own, state, saved)
+    (status, rows, t, node, *more), interrupted = interruptible(entry_point(loop), stepper, times, own, state, scratch, saved)
     wall_time = time.perf_counter() - began
     return Outcome(status, t, node, Saved(*(part[:rows] for part in saved)), counts, wall_time, interrupted, *more)

@@ -1,12 +1,13 @@
 """Lengths of steps that are chosen: by the error of the last one, and so that some of them end on given times."""
 
 import numpy as np
-from numba import njit
+
+from integrators.jit import internal
 
 MOST_REJECTIONS = 40  # in a row, after which an error is called one that no step keeps small
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def next_corner(corners, corner, t, resolution):
     """Number of the first corner after t, from the number ``corner`` on; one within the resolution [s] is not after t."""
     while corner < corners.shape[0] and corners[corner] <= t + resolution:
@@ -14,7 +15,7 @@ def next_corner(corners, corner, t, resolution):
     return corner
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def shortened(t, h, goal):
     """Length of a step from t that is to be h [s], so that none passes the goal and no short one is left before it.
 
@@ -28,7 +29,7 @@ def shortened(t, h, goal):
     return (0.5 * (goal - t) if t + 2.0 * h > goal else h), False
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def growth(error, error_before, order, most):
     """Factor of the next step after one of an error of 1 at most: a PI controller.
 
@@ -45,7 +46,7 @@ def growth(error, error_before, order, most):
     return min(most, max(0.2, factor))
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def shrinkage(error, order):
     """Factor of the next try after a step whose error is above 1, or is not finite."""
     return max(0.2, 0.9 * error ** (-1.0 / order)) if error < np.inf else 0.25

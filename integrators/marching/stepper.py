@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
+from integrators.jit import internal
 from integrators.system import DONE, STEP
 
 _f1, _i1, _i8 = types.Array(types.float64, 1, "C"), types.Array(types.int64, 1, "C"), types.int64
@@ -23,13 +24,13 @@ class Stepper(NamedTuple):
 STEPPER = types.NamedTuple((types.FunctionType(STEP), _i8, _i8, _f1, _i1), Stepper)
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def take_step(stepper, t, h, state):
     """Take a step of h; returns its status."""
     return stepper.step(stepper.system_address, stepper.data_address, t, h, state, stepper.parameters, stepper.counts)
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def take_parts(stepper, t, h, parts, state):
     """Take h in equal parts; returns the status of the first one that fails, or of all."""
     for part in range(parts):

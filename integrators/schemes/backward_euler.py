@@ -4,8 +4,7 @@ Order 1. For springs that cannot push the step is the minimum of a strictly conv
 eats the motion too. Source: Martin et al., ACM Trans. Graph. 30 (2011) 72, for the variational form.
 """
 
-from numba import njit
-
+from integrators.jit import scheme_step
 from integrators.linear_stability import NoLimit
 from integrators.newton import newton
 from integrators.stage import LAW_BACKWARD, Stage
@@ -15,7 +14,7 @@ from integrators.system import DONE, UNCONVERGED, system_at
 from .record import EnergyPromise, Family, own_scheme
 
 
-@njit(cache=True, error_model="numpy")
+@scheme_step
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; memory[0] is the force at its start, and then at its end."""
     system, q, v = system_at(system_address), state.q, state.v

@@ -12,8 +12,8 @@ are not those that any forces balanced. Of these two the mean over the step is o
 """
 
 import numpy as np
-from numba import njit
 
+from integrators.jit import scheme_step
 from integrators.linear_stability import NoLimit
 from integrators.newton import newton
 from integrators.stage import LAW_AT_END, Stage
@@ -48,7 +48,7 @@ def dirk_scheme(A, b, observes_mean_over_stages=False, **known):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@scheme_step
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; memory[0] is the force at its start, and then at its end."""
     system, q, v, memory = system_at(system_address), state.q, state.v, state.memory

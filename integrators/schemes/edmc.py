@@ -14,17 +14,17 @@ Its error is a series in even powers of the step but for that damper, so that tw
 Source: Simo & Tarnow, Z. angew. Math. Phys. 43 (1992) 757; Armero & Romero, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6783.
 """
 
-from numba import njit
-
+from integrators.flat_view import flat
+from integrators.jit import scheme_step
 from integrators.linear_stability import NoLimit
 from integrators.newton import newton
 from integrators.stage import LAW_BETWEEN, Stage
-from integrators.system import DISSIPATED, DONE, FIRST_OWN, PUT_IN, UNCONVERGED, system_at
+from integrators.system import DONE, FIRST_OWN, PUT_IN, UNCONVERGED, system_at
 
 from .record import EnergyPromise, Family, own_scheme
 
 
-@njit(cache=True, error_model="numpy")
+@scheme_step
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; ``parameters[FIRST_OWN]`` is rho_inf.
 
@@ -32,8 +32,8 @@ def step(system_address, data_address, t, h, state, parameters, counts):
     places is extrapolated: Newton's method then needs one iteration where the motion is smooth.
     """
     system, q, v, memory, rho = system_at(system_address), state.q, state.v, state.memory, parameters[FIRST_OWN]
-    base, target, energy = memory[3], memory[4], memory[5].ravel()
-    Q, V, a, b, Q_a, aim = q.ravel(), v.ravel(), memory[1].ravel(), memory[2].ravel(), base.ravel(), target.ravel()
+    base, target, energy = memory[3], memory[4], flat(memory[5])
+    Q, V, a, b, Q_a, aim = flat(q), flat(v), flat(memory[1]), flat(memory[2]), flat(base), flat(target)
     free, half = 3 * system.n_free, 0.5 * h * h
     for i in range(Q.shape[0]):
         Q_a[i] = Q[i]
@@ -51,8 +51,8 @@ def step(system_address, data_address, t, h, state, parameters, counts):
         b[i] = a[i]
         a[i] = change * per_h
     system.settle(stage, base, q, v, data_address, energy)
-    state.balance[PUT_IN] += energy[0]
-    state.balance[DISSIPATED] += energy[1] + energy[2] + energy[3]
+    for k in range(4):
+        state.balance[PUT_IN + k] += energy[k]  # put in; taken inside, outside and by the method
     return DONE
 
 
@@ -69,6 +69,7 @@ EDMC = own_scheme(
     extrapolated_order=4,
     options={"rho_inf": 0.0},
     takes_rigid_springs=True,
+    evaluates_force=False,
     step=step,
     memory_rows=6,
     carried_rows=3,

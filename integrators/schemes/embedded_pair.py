@@ -12,11 +12,25 @@ Source: Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (199
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from integrators.flat_view import flat, part
+from integrators.jit import inlined, internal, scheme_step
 from integrators.states import worst_node
-from integrators.system import DISSIPATED, DONE, FIRST_OWN, FORCES, POWER_DISSIPATED, POWER_PUT_IN, PUT_IN, system_at
+from integrators.system import (
+    DONE,
+    FIRST_OWN,
+    FORCES,
+    POWER_INSIDE,
+    POWER_OUTSIDE,
+    POWER_PUT_IN,
+    POWERS,
+    PUT_IN,
+    TAKEN_INSIDE,
+    TAKEN_OUTSIDE,
+    system_at,
+)
 
+WORKING_ROWS = 8  # besides those of the stages
 SECOND = 1.0  # [s] over which an error of a velocity is an error of a place
 # Coefficients of a step: numbers of stages, of those before the end, and of the powers of theta; then c, A, A A; both error
 # estimates of v and of q; the dense output.
@@ -44,8 +58,8 @@ class Pair(NamedTuple):
 
 
 def memory_rows(stages):
-    """Rows of memory that a step needs: force, accelerations and powers of the stages, and seven for the sums."""
-    return 2 * stages + 8
+    """Rows of memory that a step needs: force, accelerations and powers of the stages, seven for the sums, and weights."""
+    return 3 * stages + WORKING_ROWS
 
 
 def coefficients(pair):
@@ -56,13 +70,7 @@ def coefficients(pair):
     return np.concatenate([sizes, pair.c, pair.A.ravel(), (A @ A).ravel(), *errors, pair.dense.ravel()]).astype(float)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _row(flat, width, row, n):
-    """The first n numbers of a row; to reshape each row of the memory would cost as much as the sums."""
-    return flat[row * width : row * width + n]
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined
 def _next(parameters, of_v, of_q, j, s):
     """The first of the weights from j on, up to s, that is not zero."""
     while j < s and parameters[of_v + j] == 0.0 and parameters[of_q + j] == 0.0:
@@ -70,9 +78,9 @@ def _next(parameters, of_v, of_q, j, s):
     return j
 
 
-@njit(cache=True, error_model="numpy")
-def _sums(flat, width, parameters, of_v, of_q, s, n, dV, dQ):
-    """Sums of the first s accelerations, rows of ``width`` in ``flat``, with the weights at ``of_v`` and ``of_q``.
+@internal
+def _sums(numbers, width, parameters, of_v, of_q, s, n, dV, dQ):
+    """Sums of the first s accelerations, rows of ``width`` in ``numbers``, with the weights at ``of_v`` and ``of_q``.
 
     Four rows at once, so that the sums are loaded and stored a quarter as often; one that is missing has the weight zero.
     """
@@ -87,8 +95,8 @@ def _sums(flat, width, parameters, of_v, of_q, s, n, dV, dQ):
         v1, q1 = (parameters[of_v + k], parameters[of_q + k]) if k < s else (0.0, 0.0)
         v2, q2 = (parameters[of_v + l], parameters[of_q + l]) if l < s else (0.0, 0.0)
         v3, q3 = (parameters[of_v + m], parameters[of_q + m]) if m < s else (0.0, 0.0)
-        a0, a1 = _row(flat, width, 1 + j, n), _row(flat, width, 1 + (k if k < s else j), n)
-        a2, a3 = _row(flat, width, 1 + (l if l < s else j), n), _row(flat, width, 1 + (m if m < s else j), n)
+        a0, a1 = part(numbers, (1 + j) * width, n), part(numbers, (1 + (k if k < s else j)) * width, n)
+        a2, a3 = part(numbers, (1 + (l if l < s else j)) * width, n), part(numbers, (1 + (m if m < s else j)) * width, n)
         for i in range(n):
             dV[i] += v0 * a0[i] + v1 * a1[i] + v2 * a2[i] + v3 * a3[i]
             dQ[i] += q0 * a0[i] + q1 * a1[i] + q2 * a2[i] + q3 * a3[i]
@@ -109,53 +117,62 @@ class Call(NamedTuple):
     counts: np.ndarray
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined
 def _stage(call, s, q_s, v_s, f):
     """Places and velocities of stage s in q_s and v_s from Q and V; its force in f; its acceleration and powers in memory."""
     system, h, parameters, memory = system_at(call.system_address), call.h, call.parameters, call.memory
-    S, n, width, flat = int(parameters[STAGES]), 3 * system.n_free, call.Q.shape[0], memory.ravel()
+    S, n, width, numbers = int(parameters[STAGES]), 3 * system.n_free, call.Q.shape[0], flat(memory)
     c, row = parameters[TABLEAU + s], TABLEAU + S + s * S
-    Q_s, V_s, F, per_m = q_s.ravel(), v_s.ravel(), f.ravel(), system.per_mass.ravel()
-    dQ, dV = _row(flat, width, 2 * S + 4, n), _row(flat, width, 2 * S + 5, n)
-    _sums(flat, width, parameters, row, row + S * S, s, n, dV, dQ)
+    Q_s, V_s, F, per_m = flat(q_s), flat(v_s), flat(f), flat(system.per_mass)
+    dQ, dV = part(numbers, (2 * S + 4) * width, n), part(numbers, (2 * S + 5) * width, n)
+    _sums(numbers, width, parameters, row, row + S * S, s, n, dV, dQ)
     for i in range(n):
         Q_s[i] = call.Q[i] + h * (c * call.V[i] + h * dQ[i])
         V_s[i] = call.V[i] + h * dV[i]
-    power = memory[1 + S + s, 0, :2]
+    power = memory[1 + S + s, 0]
     system.prescribe(call.t + c * h, call.data_address, q_s, v_s)
     system.force(call.t + c * h, q_s, v_s, call.data_address, f, power)
     call.counts[FORCES] += 1
-    a = _row(flat, width, 1 + s, n)
+    a = part(numbers, (1 + s) * width, n)
     for i in range(n):
         a[i] = per_m[i] * F[i]
 
 
-@njit(cache=True, error_model="numpy")
+@inlined
+def _add_work(balance, duration, powers):
+    """Add what powers do in a time [s] to the energy balance."""
+    balance[TAKEN_INSIDE] += duration * powers[POWER_INSIDE]
+    balance[TAKEN_OUTSIDE] += duration * powers[POWER_OUTSIDE]
+    balance[PUT_IN] += duration * powers[POWER_PUT_IN]
+
+
+@scheme_step
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; memory[0] is the force at its start, and then at its end; the stages stay in memory."""
     system, q, v, memory, balance = system_at(system_address), state.q, state.v, state.memory, state.balance
     S, end, n = int(parameters[STAGES]), int(parameters[END]), 3 * system.n_free
     q_s, v_s = memory[2 * S + 1], memory[2 * S + 2]
-    flat, per_m, width = memory.ravel(), system.per_mass.ravel(), 3 * q.shape[0]
+    numbers, per_m, width = flat(memory), flat(system.per_mass), 3 * q.shape[0]
     for i in range(n):
-        flat[width + i] = per_m[i] * flat[i]
-    memory[1 + S, 0, 0], memory[1 + S, 0, 1] = balance[POWER_DISSIPATED], balance[POWER_PUT_IN]
+        numbers[width + i] = per_m[i] * numbers[i]
+    for k in range(3):
+        memory[1 + S, 0, k] = balance[POWERS + k]
     for i in range(system.n_free, q.shape[0]):
         for x in range(3):
             q_s[i, x], v_s[i, x] = q[i, x], v[i, x]
-    call = Call(system_address, data_address, t, h, q.ravel(), v.ravel(), memory, parameters, counts)
+    call = Call(system_address, data_address, t, h, flat(q), flat(v), memory, parameters, counts)
     for s in range(1, end):
         _stage(call, s, q_s, v_s, memory[2 * S + 3])
     _stage(call, end, q, v, memory[0])
     row = TABLEAU + S + end * S
     for j in range(end):
-        balance[DISSIPATED] += h * parameters[row + j] * memory[1 + S + j, 0, 0]
-        balance[PUT_IN] += h * parameters[row + j] * memory[1 + S + j, 0, 1]
-    balance[POWER_DISSIPATED], balance[POWER_PUT_IN] = memory[1 + S + end, 0, 0], memory[1 + S + end, 0, 1]
+        _add_work(balance, h * parameters[row + j], memory[1 + S + j, 0])
+    for k in range(3):
+        balance[POWERS + k] = memory[1 + S + end, 0, k]
     return DONE
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def judge_step(n_free, h, state, parameters):
     """Error of the step that `step` took last, and how its length compares with the fastest motion.
 
@@ -173,13 +190,13 @@ def judge_step(n_free, h, state, parameters):
     S, end, n = int(parameters[STAGES]), int(parameters[END]), 3 * n_free
     if worst_node(q, v) >= 0:
         return np.inf, np.inf, 0.0, 0.0
-    weights, flat, width = TABLEAU + S + 2 * S * S, state.memory.ravel(), 3 * q.shape[0]
-    fine_dv, fine_dq = _row(flat, width, 2 * S + 4, n), _row(flat, width, 2 * S + 5, n)
-    coarse_dv, coarse_dq = _row(flat, width, 2 * S + 6, n), _row(flat, width, 2 * S + 7, n)
-    _sums(flat, width, parameters, weights, weights + S, end + 1, n, fine_dv, fine_dq)
-    _sums(flat, width, parameters, weights + 2 * S, weights + 3 * S, end + 1, n, coarse_dv, coarse_dq)
-    Q, V, Q_s, V_s = q.ravel(), v.ravel(), _row(flat, width, 2 * S + 1, n), _row(flat, width, 2 * S + 2, n)
-    a, a_s = _row(flat, width, 1 + end, n), _row(flat, width, end, n)
+    weights, numbers, width = TABLEAU + S + 2 * S * S, flat(state.memory), 3 * q.shape[0]
+    fine_dv, fine_dq = part(numbers, (2 * S + 4) * width, n), part(numbers, (2 * S + 5) * width, n)
+    coarse_dv, coarse_dq = part(numbers, (2 * S + 6) * width, n), part(numbers, (2 * S + 7) * width, n)
+    _sums(numbers, width, parameters, weights, weights + S, end + 1, n, fine_dv, fine_dq)
+    _sums(numbers, width, parameters, weights + 2 * S, weights + 3 * S, end + 1, n, coarse_dv, coarse_dq)
+    Q, V, Q_s, V_s = flat(q), flat(v), part(numbers, (2 * S + 1) * width, n), part(numbers, (2 * S + 2) * width, n)
+    a, a_s = part(numbers, (1 + end) * width, n), part(numbers, end * width, n)
     fine_v, fine_q, coarse_v, coarse_q, size, above, below = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(n):
         fine_v, fine_q = max(fine_v, abs(fine_dv[i])), max(fine_q, abs(fine_dq[i]))
@@ -193,31 +210,31 @@ def judge_step(n_free, h, state, parameters):
     return error, of_places, size, np.sqrt(above / below) if below > 0.0 else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def _combined(fine, coarse):
     """Of order 8 for errors of orders 5 and 3: e^2/sqrt(e^2 + E^2/100)."""
     return fine * fine / np.sqrt(fine * fine + 0.01 * coarse * coarse) if fine > 0.0 else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def prepare_dense_output(system_address, data_address, t, h, start, memory, parameters, counts):
     """Stages that the dense output alone needs, of the step from t and the state ``start`` that `step` took last."""
     S, end = int(parameters[STAGES]), int(parameters[END])
-    call = Call(system_address, data_address, t, h, start.q.ravel(), start.v.ravel(), memory, parameters, counts)
+    call = Call(system_address, data_address, t, h, flat(start.q), flat(start.v), memory, parameters, counts)
     for s in range(end + 1, S):
         _stage(call, s, memory[2 * S + 1], memory[2 * S + 2], memory[2 * S + 3])
 
 
-@njit(cache=True, error_model="numpy")
+@internal
 def dense_output(theta, h, start, memory, parameters, n_free, found):
     """State at t + theta h of the step from ``start``: moving nodes of ``found``; adds to the work in its balance."""
     S, n = int(parameters[STAGES]), 3 * n_free
     degree, A, balance = int(parameters[DEGREE]), TABLEAU + S, found.balance
     dense = A + 2 * S * S + 4 * S
-    Q, V, Q_to, V_to = start.q.ravel(), start.v.ravel(), found.q.ravel(), found.v.ravel()
+    Q, V, Q_to, V_to = flat(start.q), flat(start.v), flat(found.q), flat(found.v)
     for i in range(n):
         Q_to[i], V_to[i] = Q[i] + theta * h * V[i], V[i]
-    weights = memory[1 + S : 1 + 2 * S, 0, 2]  # beside the powers of the stages
+    weights = memory[2 * S + WORKING_ROWS :, 0, 0]
     for j in range(S):
         weight = 0.0
         for k in range(degree - 1, -1, -1):
@@ -227,9 +244,8 @@ def dense_output(theta, h, start, memory, parameters, n_free, found):
         of_v, of_q = h * weights[j], 0.0
         for s in range(j + 1, S):
             of_q += h * h * weights[s] * parameters[A + s * S + j]
-        balance[DISSIPATED] += of_v * memory[1 + S + j, 0, 0]
-        balance[PUT_IN] += of_v * memory[1 + S + j, 0, 1]
-        a = memory[1 + j].ravel()
+        _add_work(balance, of_v, memory[1 + S + j, 0])
+        a = flat(memory[1 + j])
         for i in range(n):
             Q_to[i] += of_q * a[i]
             V_to[i] += of_v * a[i]

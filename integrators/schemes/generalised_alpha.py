@@ -8,9 +8,7 @@ beta = (1 - alpha_m + alpha_f)^2/4. Order 2, unconditionally stable for a linear
 infinite frequency. Source: Chung & Hulbert, J. Appl. Mech. 60 (1993) 371.
 """
 
-import numpy as np
-from numba import njit
-
+from integrators.jit import scheme_step
 from integrators.linear_stability import NoLimit
 from integrators.newton import newton
 from integrators.stage import LAW_AT_END, Stage
@@ -20,7 +18,7 @@ from integrators.system import DONE, FIRST_OWN, UNCONVERGED, system_at
 from .record import Family, own_scheme
 
 
-@njit(cache=True, error_model="numpy")
+@scheme_step
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; memory[0] is the force and memory[1] the scheme's acceleration a, ``parameters[FIRST_OWN]`` is rho_inf."""
     system, q, v, memory = system_at(system_address), state.q, state.v, state.memory
@@ -29,7 +27,11 @@ def step(system_address, data_address, t, h, state, parameters, counts):
     rho = parameters[FIRST_OWN]
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma, beta = 0.5 - alpha_m + alpha_f, 0.25 * (1.0 - alpha_m + alpha_f) ** 2
-    if not np.any(a[: system.n_free]):  # at the start, or at rest, where the two agree
+    moving = False
+    for i in range(system.n_free):
+        for x in range(3):
+            moving |= a[i, x] != 0.0
+    if not moving:  # at the start, or at rest, where the two accelerations agree
         for i in range(system.n_free):
             for x in range(3):
                 a[i, x] = f[i, x] * system.per_mass[i, x]

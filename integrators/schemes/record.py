@@ -95,6 +95,7 @@ class Scheme:
     step : function for Numba, see `system.STEP`
     memory_rows : int, rows of (n, 3) numbers that a step works in
     carried_rows : int, the first rows of these, which a step leaves to the next
+    evaluates_force : bool, whether its steps ask a system for the force at one time
     force_evaluations : int, of an explicit step
     stiff_beyond : float
         h |lambda| of the last stages of an embedded pair above which stability holds the step.
@@ -122,6 +123,7 @@ class Scheme:
     step: Callable | None = None
     memory_rows: int = 0
     carried_rows: int = 1
+    evaluates_force: bool = True
     force_evaluations: int = 1
     stiff_beyond: float = np.inf
     coefficients: Callable[[], np.ndarray] = no_coefficients

@@ -4,8 +4,8 @@ Stable for h omega <= 2 sqrt(2) without damping, and for real eigenvalues down t
 Source: Kutta, Z. Math. Phys. 46 (1901) 435.
 """
 
-from numba import njit
-
+from integrators.flat_view import flat
+from integrators.jit import scheme_step
 from integrators.linear_stability import AmplificationPolynomial
 from integrators.step_ends import evaluate_end
 from integrators.system import DONE, FORCES, system_at
@@ -13,12 +13,12 @@ from integrators.system import DONE, FORCES, system_at
 from .record import Family, own_scheme
 
 
-@njit(cache=True, error_model="numpy")
+@scheme_step
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; memory[0] is the force at its start, and then at its end."""
     system, memory = system_at(system_address), state.memory
-    Q, V, per_m = state.q.ravel(), state.v.ravel(), system.per_mass.ravel()
-    f, Q_s, V_s, dQ, dV = memory[0].ravel(), memory[1].ravel(), memory[2].ravel(), memory[3].ravel(), memory[4].ravel()
+    Q, V, per_m = flat(state.q), flat(state.v), flat(system.per_mass)
+    f, Q_s, V_s, dQ, dV = flat(memory[0]), flat(memory[1]), flat(memory[2]), flat(memory[3]), flat(memory[4])
     power, n = memory[5, 0, :2], 3 * system.n_free
     for i in range(n, Q.shape[0]):
         Q_s[i], V_s[i] = Q[i], V[i]

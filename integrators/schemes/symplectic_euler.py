@@ -4,8 +4,8 @@ Order 1, symplectic without damping; stable for h^2 omega^2 + 4 zeta omega h <= 
 Source: Hairer, Lubich & Wanner, Geometric Numerical Integration (2006), I.1.2.
 """
 
-from numba import njit
-
+from integrators.flat_view import flat
+from integrators.jit import scheme_step
 from integrators.linear_stability import LaggingDamping
 from integrators.step_ends import evaluate_end
 from integrators.system import DONE, system_at
@@ -13,11 +13,11 @@ from integrators.system import DONE, system_at
 from .record import EnergyPromise, Family, own_scheme
 
 
-@njit(cache=True, error_model="numpy")
+@scheme_step
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; memory[0] is the force at its start, and then at its end."""
     system = system_at(system_address)
-    Q, V, f, per_m = state.q.ravel(), state.v.ravel(), state.memory[0].ravel(), system.per_mass.ravel()
+    Q, V, f, per_m = flat(state.q), flat(state.v), flat(state.memory[0]), flat(system.per_mass)
     for i in range(3 * system.n_free):
         V[i] += h * per_m[i] * f[i]
         Q[i] += h * V[i]

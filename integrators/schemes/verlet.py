@@ -4,8 +4,8 @@ Order 2, symplectic without damping; stable for h^2 omega^2 + 8 zeta omega h <= 
 Source: Swope et al., J. Chem. Phys. 76 (1982) 637; the predicted velocity as in Groot & Warren, J. Chem. Phys. 107 (1997) 4423.
 """
 
-from numba import njit
-
+from integrators.flat_view import flat
+from integrators.jit import scheme_step
 from integrators.linear_stability import LaggingDamping
 from integrators.step_ends import evaluate_end
 from integrators.system import DONE, system_at
@@ -13,12 +13,12 @@ from integrators.system import DONE, system_at
 from .record import EnergyPromise, Family, own_scheme
 
 
-@njit(cache=True, error_model="numpy")
+@scheme_step
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; memory[0] is the force at its start, and then at its end."""
     system = system_at(system_address)
-    Q, V, per_m = state.q.ravel(), state.v.ravel(), system.per_mass.ravel()
-    f, f_before = state.memory[0].ravel(), state.memory[1].ravel()
+    Q, V, per_m = flat(state.q), flat(state.v), flat(system.per_mass)
+    f, f_before = flat(state.memory[0]), flat(state.memory[1])
     for i in range(3 * system.n_free):
         change = h * per_m[i] * f[i]
         Q[i] += h * (V[i] + 0.5 * change)

@@ -1,1 +1,4 @@
-"""What the study `work_precision` is made of: motions, contestants, references, and comparison at equal error."""
+"""What accuracy costs: motions, the methods and engines that are timed on them, references, and comparisons at equal error.
+
+Whatever a study says of two times comes from `paired_timing`.
+"""

@@ -23,11 +23,11 @@ def on_front(errors, times):
     return found
 
 
-def time_at(errors, times, target):
-    """Least time in which a method meets an error, between two of its runs by a straight line in both logarithms.
+def weights_at(errors, times, target):
+    """Runs of a method between which it meets an error, and their weights in the logarithm of its time.
 
-    The runs that count are those on the method's own front. Nothing is extrapolated: a method whose fastest run is more
-    accurate than asked costs what that run cost.
+    The runs that count are those on the method's own front, between two of which the time is a straight line in both logarithms.
+    Nothing is extrapolated: a method whose fastest run is more accurate than asked costs what that run cost.
 
     Parameters
     ----------
@@ -37,15 +37,33 @@ def time_at(errors, times, target):
 
     Returns
     -------
-    time : float [s], NaN if no run is as accurate
-    error : float, the one that this time is had at: ``target``, or that of the fastest run if it is smaller
+    dict of int to float : index of a run -> weight; one run, two, or none if no run is as accurate
     """
     errors, times = np.asarray(errors, float), np.asarray(times, float)
     front = np.flatnonzero(on_front(errors, times))
-    front = front[np.argsort(times[front])]
-    errors, times = errors[front], times[front]
-    if not len(errors) or errors[-1] > target:
+    front = front[np.argsort(times[front])]  # errors fall along it
+    if not len(front) or errors[front[-1]] > target:
+        return {}
+    after = int(np.argmax(errors[front] <= target))
+    if after == 0:
+        return {int(front[0]): 1.0}
+    a, b = np.log(errors[front[after - 1]]), np.log(errors[front[after]])
+    share = (a - np.log(target)) / (a - b)
+    return {int(front[after - 1]): 1.0 - share, int(front[after]): share}
+
+
+def time_at(errors, times, target):
+    """Least time in which a method meets an error, between two of its runs (see `weights_at`).
+
+    Returns
+    -------
+    time : float [s], NaN if no run is as accurate
+    error : float, the one that this time is had at: ``target``, or that of the fastest run if it is smaller
+    """
+    weights = weights_at(errors, times, target)
+    if not weights:
         return np.nan, np.nan
-    if errors[0] <= target:
-        return float(times[0]), float(errors[0])
-    return float(np.exp(np.interp(-np.log(target), -np.log(errors), np.log(times)))), float(target)
+    times = np.asarray(times, float)
+    time = float(np.exp(sum(weight * np.log(times[i]) for i, weight in weights.items())))
+    (first, *others) = weights
+    return time, float(target) if others else float(np.asarray(errors, float)[first])

@@ -22,7 +22,7 @@ from anet_lumped.motion.simulate import StabilityWarning
 from anet_lumped.motion.stability import predict
 from anet_lumped.scene.as_dict import scene_to_dict
 from integrators import schemes
-from studies.accuracy_cost.cases import fitting
+from studies.accuracy_cost.motions import fitting
 
 EXPLICIT_PAIR, IMPLICIT_PAIR = ("rk4", "verlet"), ("generalised_alpha", "midpoint")
 SHARES = (0.1, 0.2, 0.5)  # of the stable step: the smallest that costs no more than AFFORDABLE
@@ -37,7 +37,7 @@ SOURCES = ("effects/**/*.py", "model/*.py", "prescribed/*.py")  # the physics: a
 class Track:
     """Places (k, 3) [m] of the judged point at the saved times, and the least tension that any segment had then [N]."""
 
-    place: np.ndarray
+    position: np.ndarray
     least_tension: float
 
 
@@ -51,17 +51,17 @@ class Reference:
     def difference(self):
         """Largest distance between the two [m]."""
         first, second = self.tracks.values()
-        return largest_distance(first.place, second.place)
+        return largest_distance(first.position, second.position)
 
     @property
     def taut(self):
         """Whether no segment slackened at a saved time, so that all laws of compression are one."""
         return min(track.least_tension for track in self.tracks.values()) > 0.0
 
-    def error(self, method, place):
-        """Largest distance of places (k, 3) [m] from those of another method than ``method`` [m]."""
+    def error(self, method, position):
+        """Largest distance of positions (k, 3) [m] from those of another method than ``method`` [m]."""
         judges = [track for name, track in self.tracks.items() if name != method]
-        return largest_distance(place, judges[0].place)
+        return largest_distance(position, judges[0].position)
 
 
 def extrapolated(coarse, fine, ratio):
@@ -80,74 +80,78 @@ def cache_folder():
     return Path(home) / "anet-lumped" / "references"
 
 
-def reference(case, folder=None):
-    """Both reference tracks of a case.
+def reference(motion, folder=None):
+    """Both reference tracks of a motion.
 
     Parameters
     ----------
-    case : Case
+    motion : Motion
     folder : where they are kept; `cache_folder()` by default
 
     Returns
     -------
     Reference
     """
-    methods, steps = plan(case)
-    if np.isfinite(case.EA):
-        return Reference({method: track(case, method, steps[method], folder) for method in methods})
+    methods, steps = plan(motion)
+    if np.isfinite(motion.EA):
+        return Reference({method: track(motion, method, steps[method], folder) for method in methods})
     elastic, own = methods
-    soft, stiff = (track(case.with_stiffness(EA), elastic, steps[elastic], folder) for EA in LIMIT_STIFFNESSES)
+    soft, stiff = (track(motion.with_stiffness(EA), elastic, steps[elastic], folder) for EA in LIMIT_STIFFNESSES)
     ratio = LIMIT_STIFFNESSES[1] / LIMIT_STIFFNESSES[0]
-    limit = Track(extrapolated(soft.place, stiff.place, ratio), stiff.least_tension)
-    return Reference({elastic: limit, own: track(case, own, steps[own], folder)})
+    limit = Track(extrapolated(soft.position, stiff.position, ratio), stiff.least_tension)
+    return Reference({elastic: limit, own: track(motion, own, steps[own], folder)})
 
 
-def plan(case):
+def plan(motion):
     """The two methods, and for each the steps [s] that it is run with: one, or two to extrapolate from."""
-    if np.isfinite(case.EA):
-        limits = predict(case.scene, schemes=EXPLICIT_PAIR).limits
+    if np.isfinite(motion.EA):
+        limits = predict(motion.scene, schemes=EXPLICIT_PAIR).limits
         for share in SHARES:
-            steps = {name: (fitting(share * limits[name].step, case.save_every),) for name in EXPLICIT_PAIR}
-            cost = case.t_end / steps[EXPLICIT_PAIR[0]][0] * case.nodes * COST
+            steps = {name: (fitting(share * limits[name].step, motion.save_every),) for name in EXPLICIT_PAIR}
+            cost = motion.t_end / steps[EXPLICIT_PAIR[0]][0] * motion.nodes * COST
             if cost <= AFFORDABLE * (2 if share == SHARES[-1] else 1):
                 return EXPLICIT_PAIR, steps
-    fine = fitting(FINE_STEP, case.save_every)
-    pair = IMPLICIT_PAIR if np.isfinite(case.EA) else INEXTENSIBLE_PAIR
+    fine = fitting(FINE_STEP, motion.save_every)
+    pair = IMPLICIT_PAIR if np.isfinite(motion.EA) else INEXTENSIBLE_PAIR
     return pair, dict.fromkeys(pair, (fine, fine / 2))
 
 
-def track(case, method, steps, folder=None):
+def track(motion, method, steps, folder=None):
     """A track, computed or read; from two steps it is extrapolated by the method's order.
 
     Raises
     ------
     RunError : the method did not reach the end
     """
-    file = Path(folder or cache_folder()) / f"{key(case, method, steps)}.parquet"
+    file = Path(folder or cache_folder()) / f"{cache_key(motion, method, steps)}.parquet"
     if file.exists():
         table = pd.read_parquet(file)
         return Track(table[["x_m", "y_m", "z_m"]].to_numpy(), float(table["least_tension_N"].min()))
-    places, tensions = [], []
+    positions, tensions = [], []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StabilityWarning)
         for dt in steps:
-            run = simulate(case.scene, case.t_end, method=method, dt=dt, start=case.start, save_every=case.save_every, check=True)
-            places.append(run.position(case.point))
-            tensions.append(min(run.tension(cable.name).min() for cable in case.scene.cables))
-    place = places[-1] if len(places) == 1 else extrapolated(*places, (steps[0] / steps[1]) ** schemes.scheme(method).order)
-    table = pd.DataFrame(place, columns=["x_m", "y_m", "z_m"])
+            run = simulate(
+                motion.scene, motion.t_end, method=method, dt=dt, start=motion.start, save_every=motion.save_every, check=True
+            )
+            positions.append(run.position(motion.point))
+            tensions.append(min(run.tension(cable.name).min() for cable in motion.scene.cables))
+    position = (
+        positions[-1] if len(positions) == 1 else extrapolated(*positions, (steps[0] / steps[1]) ** schemes.scheme(method).order)
+    )
+    table = pd.DataFrame(position, columns=["x_m", "y_m", "z_m"])
     table["t_s"], table["least_tension_N"] = run.t, min(tensions)
     file.parent.mkdir(parents=True, exist_ok=True)
     whole = file.with_suffix(f".{os.getpid()}")
     table.to_parquet(whole, index=False)
     whole.replace(file)
-    return Track(place, float(min(tensions)))
+    return Track(position, float(min(tensions)))
 
 
-def key(case, method, steps):
+def cache_key(motion, method, steps):
     """Name of a track on disk: a hash of the scene, the start, the settings and the sources of the physics."""
     home = Path(anet_lumped.__file__).parent
     sources = [file.read_bytes() for pattern in SOURCES for file in sorted(home.glob(pattern))]
-    settings = [case.recipe, case.t_end, case.save_every, case.point, method, list(steps)]
-    text = json.dumps([scene_to_dict(case.scene), settings], sort_keys=True)
+    settings = [motion.recipe, motion.t_end, motion.save_every, motion.point, method, list(steps)]
+    text = json.dumps([scene_to_dict(motion.scene), settings], sort_keys=True)
     return hashlib.sha256(b"".join([text.encode(), *sources])).hexdigest()[:32]

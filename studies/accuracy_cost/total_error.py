@@ -4,7 +4,7 @@
                                    + [x(EA, N, 0) - x(EA, inf, 0)]         discretisation: N segments a cable
                                    + [x(EA, N, h) - x(EA, N, 0)]           time: step h of a method
 
-with x the place of p0 of the carried net over time. x(EA, N, 0) is a `reference`; x(EA, inf, 0) is extrapolated from two
+with x the position of p0 of the carried net over time. x(EA, N, 0) is a `reference`; x(EA, inf, 0) is extrapolated from two
 numbers of segments (errors fall as N^-2), x(inf, inf, 0) from two stiffnesses (the stretch falls as 1/EA).
 """
 
@@ -15,8 +15,8 @@ from anet_lumped import simulate
 from anet_lumped.motion.stability import predict
 from integrators import schemes
 from integrators.schemes.record import Stepping
-from studies.accuracy_cost.cases import carried, fitting
 from studies.accuracy_cost.equal_error import on_front
+from studies.accuracy_cost.motions import carried, fitting
 from studies.accuracy_cost.references import FINE_STEP, IMPLICIT_PAIR, extrapolated, largest_distance, track
 
 STIFFNESSES = (1e2, 1e4, 1e6, 1e8)  # EA [N]; the last two make the inextensible limit
@@ -39,21 +39,21 @@ class Limits:
         self.exact = {}
         for N in segments:
             for EA in stiffnesses:
-                self.exact[EA, N] = track(carried(EA, N), method, steps, folder).place
+                self.exact[EA, N] = track(carried(EA, N), method, steps, folder).position
             self.exact[INEXTENSIBLE, N] = extrapolated(self.exact[soft, N], self.exact[stiff, N], stiff / soft)
         coarse, fine = segments[-2:]
         limits = [(EA, self.exact[EA, coarse], self.exact[EA, fine]) for EA in (*stiffnesses, INEXTENSIBLE)]
         self.continuous = {EA: extrapolated(a, b, (fine / coarse) ** 2) for EA, a, b in limits}
         self.inextensible = self.continuous[INEXTENSIBLE]
 
-    def parts(self, EA, segments, place):
+    def parts(self, EA, segments, position):
         """Largest distance of each part, and of the whole, over the saved times [mm]."""
         exact, continuous, rigid = self.exact[EA, segments], self.continuous[EA], self.inextensible
         return {
             "model_mm": 1e3 * largest_distance(continuous, rigid),
             "discretisation_mm": 1e3 * largest_distance(exact, continuous),
-            "time_mm": 1e3 * largest_distance(place, exact),
-            "total_mm": 1e3 * largest_distance(place, rigid),
+            "time_mm": 1e3 * largest_distance(position, exact),
+            "total_mm": 1e3 * largest_distance(position, rigid),
         }
 
 
@@ -64,24 +64,24 @@ def methods():
 
 
 def runs_of(quick=False):
-    """Stiffnesses, numbers of segments, and (case, method, step) of every run that can be afforded."""
+    """Stiffnesses, numbers of segments, and (motion, method, step) of every run that can be afforded."""
     stiffnesses, segments, raced, steps = STIFFNESSES, SEGMENTS, methods(), STEPS
     if quick:
         stiffnesses, segments, raced, steps = stiffnesses[1:3], segments[:3], ("edmc", "verlet"), steps[1:3]
     found = []
     for EA in (*stiffnesses, INEXTENSIBLE):
         for N in segments:
-            case = carried(EA, N)
+            motion = carried(EA, N)
             for method in raced if np.isfinite(EA) else schemes.names(takes_rigid_springs=True):
                 scheme = schemes.scheme(method)
                 if scheme.explicit:
-                    limit = predict(case.scene, schemes=(method,)).limits[method].step
-                    own = [fitting(share * limit, case.save_every) for share in SHARES]
-                    own = [dt for dt in own if case.t_end / dt * case.nodes * scheme.force_evaluations * COST <= LONGEST]
+                    limit = predict(motion.scene, schemes=(method,)).limits[method].step
+                    own = [fitting(share * limit, motion.save_every) for share in SHARES]
+                    own = [dt for dt in own if motion.t_end / dt * motion.nodes * scheme.force_evaluations * COST <= LONGEST]
                 else:
                     own = steps
                 if EA in FRONT_STIFFNESSES or method == "edmc":
-                    found += [(case, method, dt) for dt in own]
+                    found += [(motion, method, dt) for dt in own]
     return stiffnesses, segments, found
 
 
@@ -106,9 +106,9 @@ def compute(quick=False, folder=None):
     return table
 
 
-def _run(limits, case, method, dt):
-    run = simulate(case.scene, case.t_end, method=method, dt=dt, start=case.start, save_every=case.save_every)
+def _run(limits, motion, method, dt):
+    run = simulate(motion.scene, motion.t_end, method=method, dt=dt, start=motion.start, save_every=motion.save_every)
     whole = run.ok and len(run.t) == len(limits.inextensible)
-    errors = limits.parts(case.EA, case.segments, run.position(case.point)) if whole else {}
-    row = {"EA_N": case.EA, "segments": case.segments, "method": method, "step_ms": 1e3 * dt, **errors}
+    errors = limits.parts(motion.EA, motion.segments, run.position(motion.point)) if whole else {}
+    row = {"EA_N": motion.EA, "segments": motion.segments, "method": method, "step_ms": 1e3 * dt, **errors}
     return row | {"wall_s": run.wall_time, "status": run.status, "reason": run.message}

@@ -3,14 +3,14 @@
 import numpy as np
 
 from studies.accuracy_cost.contestants import ADAPTIVE, EXTRAPOLATED, OURS, OWN_CHOICE
+from studies.shown.palette import BLUE, COLOURS, GREEN, ORANGE, PURPLE, SKY, VERMILION, look
 from studies.shown.scheme_styles import style
+from studies.shown.sentences import power, stiffness
+from studies.study import Drawing
 
-VARIANTS = {  # of our methods, beside the schemes: whose colour they have, and a mark
-    ADAPTIVE: ("edmc", "*"),
-    EXTRAPOLATED: ("edmc", "4"),
-}
-CHOSEN = ("r", "$A$")  # colour and mark of the library's own choice
-PEER_COLOURS = ("deeppink", "darkviolet", "limegreen", "saddlebrown", "teal")
+VARIANTS = {ADAPTIVE: ("edmc", "*"), EXTRAPOLATED: ("edmc", "4")}  # of our methods: the scheme whose colour they have, and a mark
+CHOSEN = (VERMILION, "$A$")  # colour and mark of the library's own choice
+PEER_COLOURS = (VERMILION, GREEN, ORANGE, PURPLE, SKY)  # with dashes and empty marks
 SEEN = 1e-7  # [mm] that smaller errors are drawn at
 LOST = 1e3  # [mm] as far as the axes go: whoever is a metre off is lost
 MARKS = "osv^D"
@@ -20,16 +20,31 @@ FILLS = ("none", "left", "full")  # of marks, by stiffness
 
 
 def plot(rows):
-    """Figures of the study, {name: matplotlib Figure}."""
+    """Drawings of the study, by name."""
     return {
-        "work_against_precision": _races(rows["runs"]),
-        "parts_of_the_error": _parts(rows["total_error"]),
-        "front_of_total_error": _front(rows["total_error"]),
-        "cost_of_refinement": _growth(rows["growth"]),
+        "work_against_precision": Drawing(
+            _races(rows["runs"]),
+            f"Largest error of p0 or of the tip over the time of the run, one panel a motion; errors below {power(SEEN)} mm are "
+            "drawn there. In the grey band the two references differ by more than the error, so that nothing is said of it.",
+        ),
+        "parts_of_the_error": Drawing(
+            _parts(rows["total_error"]),
+            "Parts of the error of p0 in 4 s of the carried net over the number of segments, one panel a stiffness.",
+        ),
+        "front_of_total_error": Drawing(
+            _front(rows["total_error"]),
+            "Total error of p0 against the continuous inextensible net, over the time of the run. Nothing is faster and closer "
+            "than the runs on the line. Colours tell the number of segments, marks the method, fillings the stiffness.",
+        ),
+        "cost_of_refinement": Drawing(
+            _growth(rows["growth"]),
+            "Time of 1 s of motion over the number of nodes of the carried net: edmc at 10 ms, and verlet at its limit, by the "
+            "pace of a few steps.",
+        ),
     }
 
 
-def look(method):
+def own_look(method):
     """Colour and mark of one of our methods."""
     if method == OWN_CHOICE:
         return CHOSEN
@@ -41,11 +56,6 @@ def _figure(width, height):
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
-
-
-def stiffness(EA):
-    """A stiffness in words."""
-    return "EA = ∞" if np.isinf(EA) else f"EA = 1e{np.log10(EA):.0f} N"
 
 
 def _races(runs):
@@ -64,20 +74,14 @@ def _races(runs):
         floor = part["reference_mm"].iloc[0]
         for (engine, method), line in done.groupby(["engine", "method"], sort=False):
             if engine == OURS:
-                colour, mark = look(method)
+                colour, mark = own_look(method)
+                ours.add(method)
                 drawn = {"color": colour, "marker": mark, "lw": 1.8 if method == "edmc" else 0.9, "ms": 5}
                 label = method
-                ours.add(label)
             else:
                 mark = MARKS[list(done[done["engine"] == engine]["method"].unique()).index(method)]
-                drawn = {
-                    "color": PEER_COLOURS[engines.index(engine)],
-                    "marker": mark,
-                    "ls": "--",
-                    "lw": 1.2,
-                    "ms": 4,
-                    "mfc": "none",
-                }
+                colour = PEER_COLOURS[engines.index(engine)]
+                drawn = {"color": colour, "marker": mark, "ls": "--", "lw": 1.2, "ms": 4, "mfc": "none"}
                 label = f"{engine} {method}".strip()
             handles.setdefault(label, panel.loglog(line["wall_s"], line["error_mm"].clip(lower=SEEN), **drawn)[0])
         panel.set_ylim(max(done["error_mm"].min(), SEEN) / 2, LOST)
@@ -91,7 +95,7 @@ def _races(runs):
         panel.set_xlabel("wall time [s]", fontsize=9)
     for panel in panels[len(motions) :]:
         panel.axis("off")
-    figure.supylabel(f"largest error of p0 or the tip [mm], {SEEN:g} for less", fontsize=10)
+    figure.supylabel("largest error of p0 or of the tip [mm]", fontsize=10)
     handles[DOUBT] = panels[0].fill_between([], [], color="0.9")
     order = sorted(handles, key=lambda name: (name not in ours, name == DOUBT))
     figure.legend([handles[name] for name in order], order, loc="outside lower center", ncols=6, frameon=False, fontsize=8)
@@ -107,11 +111,12 @@ def _parts(table):
         one = part.groupby("segments").first()
         panel.loglog(one.index, one["discretisation_mm"], "k-o", ms=4, label="discretisation: segments instead of a continuum")
         model = one["model_mm"].where(one["model_mm"] > 0)
-        panel.loglog(one.index, model, "C2-", lw=1.5, label="model: stretches instead of being inextensible")
+        panel.loglog(one.index, model, color=GREEN, ls="-.", lw=1.5, label="model: stretches instead of being inextensible")
         for i, (step, line) in enumerate(part.groupby("step_ms", sort=False)):
-            shade = dict(color=f"C{(0, 1, 3, 4, 5)[i]}")
-            panel.loglog(line["segments"], line["time_mm"], ls=":", lw=1.2, label=f"time: edmc at {step:g} ms", **shade)
-            panel.loglog(line["segments"], line["total_mm"], ls="none", marker="x", ms=5, label=f"total at {step:g} ms", **shade)
+            own = look(i)
+            panel.loglog(line["segments"], line["time_mm"], lw=1.2, ms=4, label=f"time: edmc at {step:g} ms", **own)
+            total = own | {"linestyle": "none", "mfc": "none"}
+            panel.loglog(line["segments"], line["total_mm"], ms=8, label=f"total at {step:g} ms", **total)
         panel.set(title=stiffness(EA), xlabel="segments of a cable")
         panel.set_xticks(one.index, [str(n) for n in one.index])
         panel.minorticks_off()
@@ -129,17 +134,17 @@ def _front(table):
     axes = figure.subplots()
     segments, stiffnesses = list(raced["segments"].unique()), list(raced["EA_N"].unique())
     for (method, N, EA), part in raced.groupby(["method", "segments", "EA_N"], sort=False):
-        colour = f"C{segments.index(N)}"
+        colour = COLOURS[segments.index(N)]
         fill = FILLS[stiffnesses.index(EA)]
-        mark = look(method)[1]
+        mark = own_look(method)[1]
         axes.loglog(part["wall_s"], part["total_mm"], ls="none", marker=mark, color=colour, fillstyle=fill, ms=5, alpha=0.8)
     front = table[table["on_front"]].sort_values("wall_s")
     axes.loglog(front["wall_s"], front["total_mm"], "k-", lw=1.2, drawstyle="steps-post", zorder=0)
     axes.set(xlabel="wall time of 4 s of motion [s]", ylabel="total error of p0 against\nthe continuous inextensible cable [mm]")
     axes.grid(color="0.9", lw=0.5)
     methods = list(raced["method"].unique())
-    keys = [Line2D([], [], color=f"C{i}", marker="o", ls="none", label=f"{N} segments") for i, N in enumerate(segments)]
-    keys += [Line2D([], [], color="0.3", marker=look(name)[1], ls="none", label=name) for name in methods]
+    keys = [Line2D([], [], color=COLOURS[i], marker="o", ls="none", label=f"{N} segments") for i, N in enumerate(segments)]
+    keys += [Line2D([], [], color="0.3", marker=own_look(name)[1], ls="none", label=name) for name in methods]
     keys += [
         Line2D([], [], color="0.3", marker="o", ls="none", fillstyle=fill, label=stiffness(EA))
         for fill, EA in zip(FILLS, stiffnesses, strict=False)
@@ -152,11 +157,11 @@ def _front(table):
 def _growth(table):
     figure = _figure(6.0, 3.9)
     axes = figure.subplots()
-    axes.loglog(table["nodes"], table["wall_s"], "C0-o", label="edmc at 10 ms")
+    axes.loglog(table["nodes"], table["wall_s"], "-o", color=BLUE, label="edmc at 10 ms")
     axes.loglog(table["nodes"], table["verlet_predicted_s"], "k--v", label="verlet at its limit, by the pace of a few steps")
     axes.loglog(table["nodes"], table["wall_s"].iloc[0] * table["nodes"] / table["nodes"].iloc[0], color="0.6", lw=0.8, ls=":",
                 label="in proportion to the nodes")  # fmt: skip
     axes.set(xlabel="nodes of the carried net", ylabel="wall time of 1 s of motion [s]")
     axes.grid(color="0.9", lw=0.5)
-    axes.legend(frameon=False, fontsize=8)
+    figure.legend(*axes.get_legend_handles_labels(), frameon=False, fontsize=8, loc="outside lower center", ncols=2)
     return figure

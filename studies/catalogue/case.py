@@ -12,12 +12,12 @@ from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 
 ENERGY, LOAD, MOMENTUM, SPIN, REST, ACCURACY = "energy", "load", "momentum", "spin", "rest", "accuracy"
-NEVER, ALMOST_NEVER = 1e-6, 0.1  # share of the energy in play by which it may rise: Newton's tolerance; a bounded oscillation
+NO_RISE, BOUNDED_RISE = 1e-6, 0.1  # of the energy in play: Newton's tolerance; a bounded oscillation
 
 
 @dataclass(frozen=True)
 class Statement:
-    """One thing that must hold: a measured number and the bounds that physics sets to it.
+    """A measured number and the bounds that physics sets to it.
 
     Parameters
     ----------
@@ -52,35 +52,35 @@ class Case:
 
     Parameters
     ----------
-    hard : what is hard about it, and what must hold, in words
+    description : what is hard about it, and what must hold
     scene : Scene
     t_end : float [s]
-    judge : Run -> Statements, of any method; that the energy does not rise is asked of every case besides
+    judge : Run -> Statements, of a run with any method; that the energy does not rise is stated of every case besides
     start : "equilibrium", "straight", a State, or a function that makes one
     dt : float or None [s], the step where the motion asks for one; an explicit method takes half its limit if that is less
-    given : bool, the step is not to be chosen by anybody: every method has to take `dt`
-    saved : float or None [s], time between saved states
-    fed : bool, its effects give energy, as wind and winches do: then it is the account of energy that must close
-    measure : Run -> (...) float64, what may change by at most `within` when the step is halved
-    within : float
-    unit : of `within`
+    step_is_given : bool, every method has to take `dt`
+    save_every : float or None [s], time between saved states
+    energy_is_fed_in : bool, effects such as wind and winches put energy in: then the energy balance must close instead
+    measure : Run -> (...) float64, a result that changes by `tolerance` at most when the step is halved
+    tolerance : float
+    unit : of `tolerance`
     """
 
-    hard: str
+    description: str
     scene: Scene
     t_end: float
     judge: Callable[[Run], Iterable[Statement]] = lambda run: ()
     start: str | State | Callable[[], State] = "equilibrium"
     dt: float | None = None
-    given: bool = False
-    fed: bool = False
-    saved: float | None = None
+    step_is_given: bool = False
+    energy_is_fed_in: bool = False
+    save_every: float | None = None
     measure: Callable[[Run], np.ndarray] | None = None
-    within: float = math.inf
+    tolerance: float = math.inf
     unit: str = "m"
 
-    def begin(self):
-        """What `simulate` is to start from."""
+    def start_state(self):
+        """State or word that `simulate` starts from."""
         return self.start() if callable(self.start) else self.start
 
     @property
@@ -90,8 +90,10 @@ class Case:
 
 
 def energy_in_play(run) -> float:
-    """The largest of the energies that a run moves between their forms or puts in [J]; what a run that blows up dissipates would
-    hide that it does."""
+    """Largest of the kinetic and elastic energy, the range of the potential energy and the work put in [J].
+
+    Dissipated energy does not count: a run that blows up dissipates so much that its rise of energy would look small.
+    """
     rows = run.energy
     return float(max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max()))
 
@@ -104,28 +106,36 @@ def energy_rise(run) -> float:
 
 
 def account_statement(run) -> Statement:
-    """That what a run is given and dissipates is the change of its energy."""
+    """The change of a run's energy is the work put in less what is dissipated."""
     return Statement(ENERGY, "energy that is not accounted for, over the energy in play", run.energy_balance.imbalance, most=0.01)
 
 
-def never_rises(run) -> bool:
-    """Whether the run's method promises that energy does not rise at any step; a mean of two runs does so to its error only."""
-    return schemes.scheme(run.method).energy is EnergyPromise.NEVER_RISES and not run.extrapolated
+def promises_no_energy_gain(method: str) -> bool:
+    """Whether a scheme promises that energy does not rise at any step."""
+    return schemes.scheme(method).energy is EnergyPromise.NEVER_RISES
+
+
+def must_not_gain_energy(run) -> bool:
+    """Whether the run's method promises that energy does not rise at any step.
+
+    An extrapolated run, which is a mean of two, keeps this only to its error.
+    """
+    return promises_no_energy_gain(run.method) and not run.extrapolated
 
 
 def energy_statement(run) -> Statement:
-    """That the energy does not rise by itself, to the bound of the run's method."""
-    most = NEVER if never_rises(run) else ALMOST_NEVER
+    """The energy does not rise by itself, within the bound of the run's method."""
+    most = NO_RISE if must_not_gain_energy(run) else BOUNDED_RISE
     return Statement(ENERGY, "rise of energy over the energy in play", energy_rise(run), most=most)
 
 
-def at_time(t, of):
-    """What a case is to measure: ``of(run)`` (k, 3), t seconds after the start, between the saved states as it is."""
-    return lambda run: np.array([np.interp(run.t[0] + t, run.t, x) for x in of(run).T])
+def at_time(t, positions):
+    """A measure of a case: ``positions(run)`` (k, 3) t seconds after the start, interpolated between the saved states."""
+    return lambda run: np.array([np.interp(run.t[0] + t, run.t, x) for x in positions(run).T])
 
 
-def end_of(point):
-    """What a case is to measure: where a point is at the end of the run (3,) [m]."""
+def position_at_end(point):
+    """A measure of a case: position of a point at the end of the run (3,) [m]."""
     return lambda run: run.position(point)[-1]
 
 
@@ -135,7 +145,7 @@ def weight(scene) -> float:
     return float(np.linalg.norm(scene.gravity)) * (mass + sum(getattr(point, "mass", 0.0) for point in scene.points))
 
 
-def strongest(run, after=0.0, until=math.inf) -> float:
+def largest_tension(run, after=0.0, until=math.inf) -> float:
     """Largest tension of any segment at the saved times between two times [N]."""
     chosen = (run.t >= after) & (run.t <= until)
     return float(max(run.tension(cable.name)[chosen].max() for cable in run.scene.cables))

@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 from anet_lumped import Cable, Fixed, Free, Scene, equilibrium
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model.build import build
-from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, Case, Statement, at_time, strongest
-from studies.catalogue.supports import at_places
+from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, Case, Statement, at_time, largest_tension
+from studies.catalogue.supports import at_positions
 
 G = 9.81  # [m/s^2]
 
@@ -23,8 +23,8 @@ def folded(gap, *, segments=200, EA=1e6, mu=0.1, zeta=0.05):
     depth = 0.5 * (1.0 - gap)  # two legs and a bottom of the length of the gap
     x = np.clip(s - depth, 0.0, gap)
     z = -np.minimum(s, depth) + np.maximum(s - depth - gap, 0.0)
-    places = np.column_stack([x, 0 * x, z])
-    return scene, at_places(scene, {"a-b": places})
+    positions = np.column_stack([x, 0 * x, z])
+    return scene, at_positions(scene, {"a-b": positions})
 
 
 def falling_fold():
@@ -52,8 +52,8 @@ def falling_fold():
 
     return Case(
         "A folded chain lets its loose end go: it falls ahead of free fall and arrives at 0.847213 of its time.",
-        scene, 0.45, judge, start=lambda: start, dt=1e-3, saved=1e-3,
-        measure=at_time(0.8 * free, lambda run: run.position("b")), within=5e-3,
+        scene, 0.45, judge, start=lambda: start, dt=1e-3, save_every=1e-3,
+        measure=at_time(0.8 * free, lambda run: run.position("b")), tolerance=5e-3,
     )  # fmt: skip
 
 
@@ -79,7 +79,7 @@ def wide_tip():
 
     def start():
         rest = equilibrium(held)
-        return at_places(scene, {"a-b": rest.shape("a-b")})
+        return at_positions(scene, {"a-b": rest.shape("a-b")})
 
     def judge(run):
         z, t = run.position("b")[:, 2], run.t
@@ -88,13 +88,13 @@ def wide_tip():
         yield Statement(LOAD, "depth of the tip", -z.min(), 0.8, 1.0 + 5e-3, unit="m")
 
     return Case("The tip of a chain in a U is let go: it runs ahead of free fall.", scene, 0.45, judge, start=start, dt=2e-3,
-                saved=2e-3, measure=at_time(0.3, lambda run: run.position("b")), within=2e-3)  # fmt: skip
+                save_every=2e-3, measure=at_time(0.3, lambda run: run.position("b")), tolerance=2e-3)  # fmt: skip
 
 
 def climber(words, **elastic):
     """A climber of 80 kg falls 2.5 m into 2.5 m of rope whose nodes all lie at the support: the rope takes all of the energy.
 
-    At the lowest place the rope has taken the fall, W (1 + eps) = int_0^eps T for fall factor 1; with a stiffness EA that is the
+    At the lowest position the rope has taken the fall, W (1 + eps) = int_0^eps T for fall factor 1; with a stiffness EA that is the
     standard equation, F = W (1 + sqrt(1 + 2 EA/W)). The dampers calm the rope's own 0.15 kg, and take 1e-4 of the climber's speed.
     Source: Wexler, The theory of belaying, Am. Alpine J. 7 (1950) 379.
     """
@@ -106,14 +106,14 @@ def climber(words, **elastic):
     peak = sum(k * max(strain - at, 0.0) for at, k in springs)
 
     def judge(run):
-        yield Statement(ACCURACY, "peak of the rope's pull over that of energy", strongest(run) / peak, 0.95, 1.05)
+        yield Statement(ACCURACY, "peak of the rope's pull over that of energy", largest_tension(run) / peak, 0.95, 1.05)
         lowest = -run.position("b")[:, 2].min()
-        yield Statement(LOAD, "lowest place over that of energy", lowest / (length * (1 + strain)), 0.9, 1.01)
+        yield Statement(LOAD, "lowest position over that of energy", lowest / (length * (1 + strain)), 0.9, 1.01)
         yield Statement(MOMENTUM, "way to the side", np.abs(run.q[:, :, :2]).max(), most=1e-9, unit="m")
 
     return Case(f"A climber falls into a slack rope{words}, all nodes on one spot: the first peak is that of energy.",
-                scene, 1.1, judge, start=lambda: at_places(scene, {"a-b": np.zeros((21, 3))}),
-                measure=lambda run: strongest(run) / peak, within=0.05, unit="")  # fmt: skip
+                scene, 1.1, judge, start=lambda: at_positions(scene, {"a-b": np.zeros((21, 3))}),
+                measure=lambda run: largest_tension(run) / peak, tolerance=0.05, unit="")  # fmt: skip
 
 
 def heap(kind):
@@ -122,9 +122,9 @@ def heap(kind):
     scene = Scene([Fixed("a", (0, 0, 0)), Free("b")], [cable], [Gravity(G), ViscousDamping(4.0)])
     walk = np.random.default_rng(2).normal(size=(20, 3))
     walk *= np.random.default_rng(3).uniform(0, 0.05, (20, 1)) / np.linalg.norm(walk, axis=1)[:, None]
-    places = np.zeros((21, 3))
+    positions = np.zeros((21, 3))
     if kind == "crumple":
-        places[1:] = np.cumsum(walk, axis=0)
+        positions[1:] = np.cumsum(walk, axis=0)
 
     def judge(run):
         end = run.final
@@ -136,7 +136,7 @@ def heap(kind):
         yield Statement(LOAD, "depth", -run.q[:, :, 2].min(), most=1.02, unit="m")
 
     return Case(f"A heap ({kind}) under a support comes to hang straight: the weight on the support.", scene, 8.0, judge,
-                start=lambda: at_places(scene, {"a-b": places}), measure=lambda run: run.q[-1], within=5e-3)  # fmt: skip
+                start=lambda: at_positions(scene, {"a-b": positions}), measure=lambda run: run.q[-1], tolerance=5e-3)  # fmt: skip
 
 
 CASES = {

@@ -1,4 +1,4 @@
-"""Nets that nothing holds: momentum is kept, the middle of mass falls freely, quadrotors pull on what joins them."""
+"""Nets that nothing holds: momentum is kept, the centre of mass falls freely, quadrotors pull on what joins them."""
 
 import itertools
 import math
@@ -12,8 +12,8 @@ from anet_lumped.motion.simulate import simulate
 from anet_lumped.results.run import segment_tensions
 from integrators import schemes
 from integrators.schemes.record import Stepping
-from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, SPIN, Case, Statement, end_of, strongest, weight
-from studies.catalogue.swings import ANGLE, middle, pendulum, released
+from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, SPIN, Case, Statement, largest_tension, position_at_end, weight
+from studies.catalogue.swings import ANGLE, centre_of_mass, pendulum, released
 
 G, MU = 9.81, 0.1  # [m/s^2], [kg/m]
 
@@ -26,7 +26,7 @@ def momenta(run):
     return (m * v).sum(axis=1), (m * np.cross(q, v)).sum(axis=1)
 
 
-def kept(run, acceleration=(0.0, 0.0, 0.0)):
+def momentum_statements(run, acceleration=(0.0, 0.0, 0.0)):
     """That momentum changes by the weight alone, and without weight that angular momentum is kept."""
     a = np.asarray(acceleration)
     model = run.model
@@ -49,14 +49,14 @@ def state(scene, q, v):
 
 
 def falls_as_a_stone(run, nodes, G):
-    """That the middle of mass of some nodes falls freely."""
+    """That the centre of mass of some nodes falls freely."""
     m, t = run.model.mass[nodes, None], run.t[:, None]
     middle = (m * run.q[:, nodes]).sum(axis=1) / m.sum()
     v0 = (m * run.v[0, nodes]).sum(axis=0) / m.sum()
     off = np.abs(middle - middle[0] - v0 * t - 0.5 * t**2 * (0, 0, -G)).max()
     most = 0.5 * G * run.dt * run.t[-1] + 1e-6  # symplectic and backward Euler: g h t/2 by themselves
     exact = schemes.scheme(run.method).order != 1
-    yield Statement(MOMENTUM, "middle of mass off a stone's fall", off, most=1e-5 if exact else most, unit="m")
+    yield Statement(MOMENTUM, "centre of mass off a stone's fall", off, most=1e-5 if exact else most, unit="m")
 
 
 def loop():
@@ -84,7 +84,7 @@ def loop():
         return state(scene, q, v)
 
     def judge(run):
-        yield from kept(run)
+        yield from momentum_statements(run)
         radius = np.linalg.norm(run.q, axis=2)
         yield Statement(LOAD, "largest change of the ring's radius over it", np.abs(radius / R - 1).max(), most=0.02)
         last = np.concatenate([run.final.tension(cable.name) for cable in cables])
@@ -93,31 +93,31 @@ def loop():
 
     return Case("A ring of cables turns freely in no gravity: its hoop tension, momentum and spin are kept.", scene, 0.5, judge,
                 start=start, dt=2e-3,
-                measure=lambda run: np.linalg.norm(run.q, axis=2).mean() / R, within=1e-3, unit="")  # fmt: skip
+                measure=lambda run: np.linalg.norm(run.q, axis=2).mean() / R, tolerance=1e-3, unit="")  # fmt: skip
 
 
 def mesh(n):
-    """Points, cables and places of a square net of n by n meshes, half a metre wide."""
+    """Points, cables and positions of a square net of n by n meshes, half a metre wide."""
     names = {(i, j): f"{i},{j}" for i in range(n + 1) for j in range(n + 1)}
     side = 0.5 / n
     made = dict(length=side, mass_per_length=0.02, EA=1e3, zeta=0.1, segments=2)
     cables = [Cable(names[i, j], names[i, j + 1], **made) for i in range(n + 1) for j in range(n)]
     cables += [Cable(names[i, j], names[i + 1, j], **made) for i in range(n) for j in range(n + 1)]
-    places = {name: (side * i, side * j, 0.0) for (i, j), name in names.items()}
-    return names, cables, places
+    positions = {name: (side * i, side * j, 0.0) for (i, j), name in names.items()}
+    return names, cables, positions
 
 
 def held_net():
     """A net of 10 by 10 meshes held at its corners, let go level: it comes to rest in drag where statics puts it."""
-    names, cables, places = mesh(10)
+    names, cables, positions = mesh(10)
     corners = {names[i, j] for i, j in itertools.product((0, 10), (0, 10))}
-    points = [Fixed(n, places[n]) if n in corners else Free(n, 0.001, at=places[n]) for n in names.values()]
+    points = [Fixed(n, positions[n]) if n in corners else Free(n, 0.001, at=positions[n]) for n in names.values()]
     scene = Scene(points, cables, [Gravity(G), ViscousDamping(5.0)])
 
     def judge(run):
         rest = equilibrium(scene)
         off = np.abs(run.q[-1] - rest.q).max()
-        yield Statement(REST, "last place of any node off its rest", off, most=5e-3, unit="m")
+        yield Statement(REST, "last position of any node off its rest", off, most=5e-3, unit="m")
         model = run.model
         up = 0.0
         for name in corners:  # what the supports carry is the weight
@@ -130,19 +130,19 @@ def held_net():
         yield Statement(REST, "last pull on the corners over the weight of what moves", up / carried, 0.97, 1.03)
 
     return Case("A net of 10 by 10 meshes held at its corners comes to rest where statics puts it.", scene, 4.0, judge,
-                start="straight", dt=0.01, measure=lambda run: run.q[-1], within=5e-3)  # fmt: skip
+                start="straight", dt=0.01, measure=lambda run: run.q[-1], tolerance=5e-3)  # fmt: skip
 
 
 def flying_net():
-    """A net of 10 by 10 meshes, thrown in a turn with a dent, in free fall: its middle of mass falls as a stone."""
-    names, cables, places = mesh(10)
+    """A net of 10 by 10 meshes, thrown in a turn with a dent, in free fall: its centre of mass falls as a stone."""
+    names, cables, positions = mesh(10)
     scene = Scene([Free(n, 0.001) for n in names.values()], cables, [Gravity(G)])
 
     def start():
         model = build(scene)
         q = np.zeros((model.n, 3))
         for cable in cables:
-            a, b = np.array(places[cable.start]), np.array(places[cable.end])
+            a, b = np.array(positions[cable.start]), np.array(positions[cable.end])
             q[model.nodes(cable.name)] = a + np.linspace(0, 1, 3)[:, None] * (b - a)
         q -= (0.25, 0.25, 0.0)
         v = 6.0 * np.cross((0.0, 0.0, 1.0), q) + (1.0, 0.0, 3.0)
@@ -150,11 +150,11 @@ def flying_net():
         return state(scene, q, v)
 
     def judge(run):
-        yield from kept(run, (0.0, 0.0, -G))
+        yield from momentum_statements(run, (0.0, 0.0, -G))
         yield from falls_as_a_stone(run, slice(0, run.model.n_free), G)
 
-    return Case("A net of 10 by 10 meshes thrown in a turn, held by nothing: its middle of mass falls as a stone.", scene, 0.3,
-                judge, start=start, measure=lambda run: middle(run)[-1], within=1e-3)  # fmt: skip
+    return Case("A net of 10 by 10 meshes thrown in a turn, held by nothing: its centre of mass falls as a stone.", scene, 0.3,
+                judge, start=start, measure=lambda run: centre_of_mass(run)[-1], tolerance=1e-3)  # fmt: skip
 
 
 def free_cable():
@@ -170,8 +170,15 @@ def free_cable():
         v[model.nodes("a-b")] = np.column_stack([0.5 * np.sin(11 * s), 4 * s * (1 - s), 2 * np.cos(3 * s)])
         return state(scene, q, v)
 
-    return Case("A slack cable that nothing holds tumbles in no gravity: momentum and spin are kept.", scene, 0.5, kept,
-                start=start, measure=lambda run: middle(run)[-1], within=1e-5)  # fmt: skip
+    return Case(
+        "A slack cable that nothing holds tumbles in no gravity: momentum and spin are kept.",
+        scene,
+        0.5,
+        momentum_statements,
+        start=start,
+        measure=lambda run: centre_of_mass(run)[-1],
+        tolerance=1e-5,
+    )
 
 
 def quadrotors(EA):
@@ -194,15 +201,15 @@ def quadrotors(EA):
         return state(scene, q, v)
 
     def judge(run):
-        yield from kept(run)
-        yield Statement(ACCURACY, "peak tension over v sqrt(k m)", strongest(run) / peak, 0.95, 1.1)
+        yield from momentum_statements(run)
+        yield Statement(ACCURACY, "peak tension over v sqrt(k m)", largest_tension(run) / peak, 0.95, 1.1)
         back = run.velocity("a")[-1, 0]
         yield Statement(ACCURACY, "speed of return over that of approach", back / 1.0, 0.9, 1.01)
 
     t_end = slack / 2.0 + 1.5 * half_period
     return Case(f"Two quadrotors of 1 kg fly apart, EA = {EA:.0e} N: the snap of two masses on a spring, and back.", scene, t_end,
                 judge, start=start, dt=half_period / 40,
-                measure=lambda run: run.velocity("a")[-1], within=0.03, unit="m/s")  # fmt: skip
+                measure=lambda run: run.velocity("a")[-1], tolerance=0.03, unit="m/s")  # fmt: skip
 
 
 def lifted_by_masses():
@@ -222,13 +229,13 @@ def lifted_by_masses():
         return state(scene, q, np.zeros_like(q))
 
     def judge(run):
-        yield from kept(run, (0.0, 0.0, -G))
+        yield from momentum_statements(run, (0.0, 0.0, -G))
         still = max(equilibrium(held).tension(cable.name).max() for cable in cables)
-        yield Statement(LOAD, "largest tension over that held", strongest(run) / still, 0.5, 3.0)
+        yield Statement(LOAD, "largest tension over that held", largest_tension(run) / still, 0.5, 3.0)
         yield Statement(LOAD, "largest tension at the end over the weight", _last(run) / weight(scene), most=0.1)
 
     return Case("Four free quadrotors of 1 kg with a net and its payload are dropped: all fall together.", scene, 0.4, judge,
-                start=start, measure=end_of("p0"), within=0.02)  # fmt: skip
+                start=start, measure=position_at_end("p0"), tolerance=0.02)  # fmt: skip
 
 
 def apart():
@@ -250,15 +257,17 @@ def apart():
         nodes = run.model.nodes("c-d")
         yield from falls_as_a_stone(run, nodes, G)
         yield Statement(LOAD, "largest tension in what flies, over its weight", run.tension("c-d").max() / 1.1, most=1e-2)
-        of_itself = schemes.scheme(run.method).stepping is not Stepping.FIXED
-        own = {} if of_itself else {"dt": run.dt, "extrapolate": run.extrapolated}
+        step_choosing = schemes.scheme(run.method).stepping is not Stepping.FIXED
+        own = {} if step_choosing else {"dt": run.dt, "extrapolate": run.extrapolated}
         by_itself = simulate(swing, run.t[-1], method=run.method, start=alone, **own)
         off = np.abs(run.position("b")[-1] - by_itself.position("b")[-1]).max()
         # Newton's tolerance, 1e-6 of the force on a node in every step, or that of the solver that chooses its steps
-        yield Statement(MOMENTUM, "place of the swing off that of the swing alone", off, most=1e-4 if of_itself else 1e-5, unit="m")
+        yield Statement(
+            MOMENTUM, "position of the swing off that of the swing alone", off, most=1e-4 if step_choosing else 1e-5, unit="m"
+        )
 
     return Case("A swing, and a cable joined to nothing that flies beside it: each as if it were alone.", scene, 0.4, judge,
-                start=start, dt=5e-3, measure=end_of("b"), within=5e-3)  # fmt: skip
+                start=start, dt=5e-3, measure=position_at_end("b"), tolerance=5e-3)  # fmt: skip
 
 
 def _last(run):

@@ -12,7 +12,7 @@ from anet_lumped.prescribed import paths
 from anet_lumped.results.run import segment_tensions
 from studies.catalogue.case import (
     ACCURACY,
-    ALMOST_NEVER,
+    BOUNDED_RISE,
     ENERGY,
     LOAD,
     MOMENTUM,
@@ -20,8 +20,8 @@ from studies.catalogue.case import (
     Case,
     Statement,
     at_time,
-    never_rises,
-    strongest,
+    largest_tension,
+    must_not_gain_energy,
 )
 
 G, MU = 9.81, 0.1  # [m/s^2], [kg/m]
@@ -34,12 +34,12 @@ def span(width, *, EA=1e6, rate=0.0, zeta=0.05, segments=20):
     return Scene([Fixed("a", (0, 0, 0)), Fixed("b", (width, 0, 0))], [cable], effects)
 
 
-def at_places(scene, places, speed=(0.0, 0.0, 0.0)):
-    """State with the cables' nodes at places (segments + 1, 3) by cable, all moving with one velocity but for fixed ones."""
+def at_positions(scene, positions, speed=(0.0, 0.0, 0.0)):
+    """State with the cables' nodes at positions (segments + 1, 3) by cable, all moving with one velocity but for fixed ones."""
     model = build(scene)
     q, v = np.zeros((model.n, 3)), np.zeros((model.n, 3))
     for cable in scene.cables:
-        q[model.nodes(cable.name)] = places[cable.name]
+        q[model.nodes(cable.name)] = positions[cable.name]
     v[: model.n_free] = speed
     return State(model, 0.0, q, v, segment_tensions(model, q, v))
 
@@ -64,19 +64,26 @@ def taut(excess):
         lowest = -run.q[:, :, 2].min()
         yield Statement(LOAD, "deepest sag over that at the turn", lowest / turn, most=1.5)
         yield Statement(ACCURACY, "deepest sag over that at the turn", lowest / turn, least=0.8)
-        yield Statement(LOAD, "largest tension over that at the turn", strongest(run) / tension, most=2.0)
-        yield Statement(ACCURACY, "largest tension over that at the turn", strongest(run) / tension, least=0.8)
+        yield Statement(LOAD, "largest tension over that at the turn", largest_tension(run) / tension, most=2.0)
+        yield Statement(ACCURACY, "largest tension over that at the turn", largest_tension(run) / tension, least=0.8)
         rest = -equilibrium(scene).q[:, 2].min()
         yield Statement(REST, "sag at rest over that of the cubic spring", rest / sag, 0.98, 1.02)
 
     return Case(
         f"Supports {1.0 + excess:.10g} m apart for 1 m of cable at EA = 1e6 N, from the straight line: it turns where its "
         "energy says.",
-        scene, 0.3, judge, start="straight", saved=0.002, measure=lambda run: run.q[:, :, 2].min() / turn, within=0.05, unit="",
-    )  # fmt: skip
+        scene,
+        0.3,
+        judge,
+        start="straight",
+        save_every=0.002,
+        measure=lambda run: run.q[:, :, 2].min() / turn,
+        tolerance=0.05,
+        unit="",
+    )
 
 
-def settle(hard, width, start):
+def settle(description, width, start):
     """Comes to rest in drag: at the sag and the tension of the catenary that its supports ask for."""
     from anet_lumped.statics.catenary import catenary
 
@@ -95,8 +102,8 @@ def settle(hard, width, start):
         speed = np.abs(end.v).max()
         yield Statement(REST, "last speed of any node", speed, most=5e-3, unit="m/s")
 
-    return Case(hard, scene, 8.0, judge, start=(lambda: start(scene)) if callable(start) else start,
-                measure=lambda run: run.q[-1], within=5e-3)  # fmt: skip
+    return Case(description, scene, 8.0, judge, start=(lambda: start(scene)) if callable(start) else start,
+                measure=lambda run: run.q[-1], tolerance=5e-3)  # fmt: skip
 
 
 def hairpin(scene):
@@ -104,8 +111,8 @@ def hairpin(scene):
     n = scene.cables[0].segments
     x = 0.5 - np.abs(np.linspace(-0.5, 0.5, n + 1))
     width = scene.point("b").at[0]
-    places = np.column_stack([x + width * np.linspace(0, 1, n + 1), 0 * x, 0 * x])
-    return at_places(scene, {"a-b": places})
+    positions = np.column_stack([x + width * np.linspace(0, 1, n + 1), 0 * x, 0 * x])
+    return at_positions(scene, {"a-b": positions})
 
 
 def crumple(scene):
@@ -113,9 +120,9 @@ def crumple(scene):
     n = scene.cables[0].segments
     steps = np.random.default_rng(1).normal(size=(n, 3))
     steps *= scene.cables[0].L0 / np.linalg.norm(steps, axis=1)[:, None]
-    places = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
-    places += np.linspace(0, 1, n + 1)[:, None] * (np.array(scene.point("b").at) - places[-1])
-    return at_places(scene, {"a-b": places})
+    positions = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+    positions += np.linspace(0, 1, n + 1)[:, None] * (np.array(scene.point("b").at) - positions[-1])
+    return at_positions(scene, {"a-b": positions})
 
 
 def shaken(EA):
@@ -142,7 +149,7 @@ def shaken(EA):
     return Case(
         f"A payload at EA = {EA:.0e} N whose support shakes at its axial frequency: it grows as the closed form.",
         scene, cycles * 2 * math.pi / omega, judge, start=lambda: equilibrium(held), unit="",
-        measure=lambda run: np.ptp(run.position("b")[:, 2]) / (a * 2 * math.pi * cycles), within=0.05,
+        measure=lambda run: np.ptp(run.position("b")[:, 2]) / (a * 2 * math.pi * cycles), tolerance=0.05,
     )  # fmt: skip
 
 
@@ -158,8 +165,8 @@ def yanked(speed):
     c = math.sqrt(EA / MU)
     return Case(
         f"One end of a straight cable starts at once with {speed:g} m/s: the wave's tension v sqrt(EA mu).",
-        scene, 1.5 / c, lambda run: _wave(run, speed, EA, c), start="straight", dt=0.25 / n / c, saved=1.0 / n / c,
-        measure=lambda run: _behind(run, c).mean() / (speed * math.sqrt(EA * MU)), within=0.01, unit="",
+        scene, 1.5 / c, lambda run: _wave(run, speed, EA, c), start="straight", dt=0.25 / n / c, save_every=1.0 / n / c,
+        measure=lambda run: _behind(run, c).mean() / (speed * math.sqrt(EA * MU)), tolerance=0.01, unit="",
     )  # fmt: skip
 
 
@@ -169,12 +176,12 @@ def stopped_dead(speed):
     cable = Cable("a", "b", length=1.0, mass_per_length=MU, EA=EA, segments=n)
     scene = Scene([Fixed("a", (0, 0, 0)), Free("b")], [cable])
     c = math.sqrt(EA / MU)
-    places = np.linspace(0.0, 1.0, n + 1)[:, None] * (1.0, 0.0, 0.0)
+    positions = np.linspace(0.0, 1.0, n + 1)[:, None] * (1.0, 0.0, 0.0)
     return Case(
         f"A straight cable flies along itself at {speed:g} m/s and one end stops dead: the wave's tension v sqrt(EA mu).",
-        scene, 1.5 / c, lambda run: _wave(run, speed, EA, c), dt=0.25 / n / c, saved=1.0 / n / c,
-        start=lambda: at_places(scene, {"a-b": places}, speed=(speed, 0, 0)),
-        measure=lambda run: _behind(run, c).mean() / (speed * math.sqrt(EA * MU)), within=0.01, unit="",
+        scene, 1.5 / c, lambda run: _wave(run, speed, EA, c), dt=0.25 / n / c, save_every=1.0 / n / c,
+        start=lambda: at_positions(scene, {"a-b": positions}, speed=(speed, 0, 0)),
+        measure=lambda run: _behind(run, c).mean() / (speed * math.sqrt(EA * MU)), tolerance=0.01, unit="",
     )  # fmt: skip
 
 
@@ -184,8 +191,8 @@ def snapped(speed):
     cable = Cable("a", "b", length=1.0, mass_per_length=MU, EA=EA, segments=n)
     scene = Scene([Fixed("a", (0, 0, 0)), Free("b")], [cable])
     c, slack = math.sqrt(EA / MU), 0.5 / n
-    places = np.linspace(0.0, 1.0, n + 1)[:, None] * (1.0, 0.0, 0.0)
-    places[1:, 0] -= slack
+    positions = np.linspace(0.0, 1.0, n + 1)[:, None] * (1.0, 0.0, 0.0)
+    positions[1:, 0] -= slack
     snaps = slack / speed
 
     def judge(run):
@@ -195,9 +202,9 @@ def snapped(speed):
 
     return Case(
         f"A cable flies along itself at {speed:g} m/s, slack at its support: its snap's first peak is v sqrt(EA mu).",
-        scene, snaps + 1.5 / c, judge, dt=0.25 / n / c, saved=1.0 / n / c,
-        start=lambda: at_places(scene, {"a-b": places}, speed=(speed, 0, 0)),
-        measure=lambda run: _behind(run, c, snaps).mean() / (speed * math.sqrt(EA * MU)), within=0.01, unit="",
+        scene, snaps + 1.5 / c, judge, dt=0.25 / n / c, save_every=1.0 / n / c,
+        start=lambda: at_positions(scene, {"a-b": positions}, speed=(speed, 0, 0)),
+        measure=lambda run: _behind(run, c, snaps).mean() / (speed * math.sqrt(EA * MU)), tolerance=0.01, unit="",
     )  # fmt: skip
 
 
@@ -230,7 +237,7 @@ def _flight(run, seen, cable):
     """What energy, as seen from the support that moves steadily, allows."""
     lowest = float(run.energy[0, 2]) - 0.02  # [J]; the potential energy hanging, stretched a little more at most
     total = seen[0] - lowest
-    most = 1e-5 if never_rises(run) else ALMOST_NEVER
+    most = 1e-5 if must_not_gain_energy(run) else BOUNDED_RISE
     rise = float((seen - np.minimum.accumulate(seen)).max() / total)
     yield Statement(ENERGY, "rise of energy as seen from the support, over all of it", rise, most=most)
     spring = cable.stiffness * np.maximum(_stretches(run), 0.0).max()
@@ -252,14 +259,14 @@ def raced():
     def judge(run):
         yield from _flight(run, energy_seen_from(run, (5.0, 0, 0)), cable)
         off = np.abs(run.position("a") - run.t[:, None] * (5.0, 0, 0)).max()
-        yield Statement(LOAD, "place of the support off its path", off, most=1e-12, unit="m")
+        yield Statement(LOAD, "position of the support off its path", off, most=1e-12, unit="m")
         # on the circle, 5 m/s carry the payload 5^2/(2 g) = 1.27 m up where the cable is taut: above the support's height
         top = (run.position("b")[:, 2] - run.position("a")[:, 2]).max()
         yield Statement(LOAD, "height of the payload above its support", top, 0.0, 1.0 + 1e-3, unit="m")
 
     return Case("The support of a hanging cable starts at 5 m/s at once: seen from it, no energy is gained.",
-                scene, 0.6, judge, start=lambda: equilibrium(held), saved=0.002,
-                measure=at_time(0.1, lambda run: run.position("b")), within=5e-3)  # fmt: skip
+                scene, 0.6, judge, start=lambda: equilibrium(held), save_every=0.002,
+                measure=at_time(0.1, lambda run: run.position("b")), tolerance=5e-3)  # fmt: skip
 
 
 def stops_midway():
@@ -276,14 +283,21 @@ def stops_midway():
         seen = run.energy[after, :3].sum(axis=1)
         total = seen[0] - (run.energy[0, 2] - 0.02)
         yield Statement(LOAD, "energy above rest after the stop", total, 0.0, 0.5 * 0.2 * 4.0**2, "J")  # at most at twice 2 m/s
-        most = 1e-5 if never_rises(run) else ALMOST_NEVER
+        most = 1e-5 if must_not_gain_energy(run) else BOUNDED_RISE
         rise = float((seen - np.minimum.accumulate(seen)).max() / total)
         yield Statement(ENERGY, "rise of energy after the stop, over all of it", rise, most=most)
         off = np.abs(run.position("a")[after] - path.at(1.0)[0]).max()
-        yield Statement(LOAD, "place of the support off its last sample", off, most=1e-12, unit="m")
+        yield Statement(LOAD, "position of the support off its last sample", off, most=1e-12, unit="m")
 
-    return Case("A support at 2 m/s stops within 10 ms: the cable swings on with what it has, and gains nothing.",
-                scene, 2.0, judge, saved=0.01, measure=at_time(0.5, lambda run: run.position("b")), within=5e-3)  # fmt: skip
+    return Case(
+        "A support at 2 m/s stops within 10 ms: the cable swings on with what it has, and gains nothing.",
+        scene,
+        2.0,
+        judge,
+        save_every=0.01,
+        measure=at_time(0.5, lambda run: run.position("b")),
+        tolerance=5e-3,
+    )
 
 
 CASES = {

@@ -6,12 +6,10 @@ import math
 
 import numpy as np
 
-from anet_lumped import Cable, Driven, Fixed, Free, Scene, equilibrium
-from anet_lumped.effects import Air, Bending, Gravity, Ground, LineChange, Load, Water
-from anet_lumped.effects.flow.wind import Gust
+from anet_lumped import Cable, Driven, Fixed, Free, Scene, effects, equilibrium
 from anet_lumped.prescribed import paths, signals
-from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, Case, Statement, at_time, strongest
-from studies.catalogue.supports import at_places
+from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, Case, Statement, at_time, largest_tension
+from studies.catalogue.supports import at_positions
 
 G, AIR, WATER = 9.81, 1.225, 1000.0  # [m/s^2], [kg/m^3]
 
@@ -29,16 +27,16 @@ def through_surface(v, height):
 
     def judge(run):
         # its corners bear it at a slope of one in two or more, two twines each
-        yield Statement(LOAD, "largest tension over the drag of the whole net", strongest(run) / drag, most=1.0)
+        yield Statement(LOAD, "largest tension over the drag of the whole net", largest_tension(run) / drag, most=1.0)
         z = run.q[:, :, 2]
         below = run.position("0,0")[-1, 2] - run.position("1,1")[-1, 2]
         yield Statement(LOAD, "depth of the middle below the corners at the end", below, -0.51, 0.51, unit="m")
         yield Statement(ACCURACY, "way through the surface", np.ptp(z), least=0.6, unit="m")
 
     way = "into" if v < 0.0 else "out of"
-    scene = Scene(points, cables, [Gravity(G), Water(WATER)])
+    scene = Scene(points, cables, [effects.Gravity(G), effects.Water(WATER)])
     return Case(f"A net is carried {way} water at {abs(v):g} m/s: no tension beyond its drag.", scene, 0.9, judge,
-                measure=lambda run: run.position("1,1")[-1], within=0.05)  # fmt: skip
+                measure=lambda run: run.position("1,1")[-1], tolerance=0.05)  # fmt: skip
 
 
 def gust():
@@ -47,19 +45,29 @@ def gust():
     No more pull than a snap at the speed of the wind, v sqrt(EA mu).
     """
     cable = Cable("a", "b", length=1.2, mass_per_length=0.05, EA=1e4, zeta=0.1, diameter=0.01, segments=20)
+    from anet_lumped.effects.flow.wind import Gust
+
     winds = Gust((0.0, 20.0, 0.0), 0.1, 0.2)
-    scene = Scene([Fixed("a", (0, 0, 0)), Fixed("b", (1, 0, 0))], [cable], [Gravity(G), Air(AIR, wind=winds)])
+    scene = Scene([Fixed("a", (0, 0, 0)), Fixed("b", (1, 0, 0))], [cable], [effects.Gravity(G), effects.Air(AIR, wind=winds)])
     rest, snap = equilibrium(scene), 20.0 * math.sqrt(1e4 * 0.05)
 
     def judge(run):
         aside = run.shape("a-b")[:, 10, 1]
-        yield Statement(LOAD, "largest tension over that of a snap at the speed of the wind", strongest(run) / snap, most=1.0)
+        yield Statement(LOAD, "largest tension over that of a snap at the speed of the wind", largest_tension(run) / snap, most=1.0)
         yield Statement(LOAD, "farthest the middle is blown aside", aside.max(), 0.15, 0.4, unit="m")  # its sag is 0.28 m
         above = run.shape("a-b")[run.t > 15.0, 10, 2].mean() - rest.shape("a-b")[10, 2]
         yield Statement(REST, "mean height of the middle in the end less that at rest", above, -0.01, 0.03, unit="m")
 
-    return Case("A gust of 20 m/s meets a slack cable: it is blown aside and comes back to its sag.", scene, 20.0, judge,
-                saved=0.02, measure=at_time(0.3, lambda run: run.shape("a-b")[:, 10]), within=0.01, fed=True)  # fmt: skip
+    return Case(
+        "A gust of 20 m/s meets a slack cable: it is blown aside and comes back to its sag.",
+        scene,
+        20.0,
+        judge,
+        save_every=0.02,
+        measure=at_time(0.3, lambda run: run.shape("a-b")[:, 10]),
+        tolerance=0.01,
+        energy_is_fed_in=True,
+    )
 
 
 def drag_beyond_weight():
@@ -69,7 +77,7 @@ def drag_beyond_weight():
     """
     mu, Cd, d = 0.1, 1600.0, 1.0
     cable = Cable("a", "b", length=1.0, mass_per_length=mu, EA=1e4, zeta=0.05, diameter=d, Cdn=Cd, Cdt=500.0, segments=20)
-    scene = Scene([Free("a", at=(0, 0, 0)), Free("b", at=(1, 0, 0))], [cable], [Gravity(G), Air(AIR)])
+    scene = Scene([Free("a", at=(0, 0, 0)), Free("b", at=(1, 0, 0))], [cable], [effects.Gravity(G), effects.Air(AIR)])
     s = np.linspace(0.0, 1.0, 21)
     v = math.sqrt(2.0 * mu * G / (AIR * Cd * d))
 
@@ -82,15 +90,17 @@ def drag_beyond_weight():
         yield Statement(MOMENTUM, "way to the side", np.abs(run.q[:, :, 1]).max(), most=1e-9, unit="m")
 
     return Case("Drag a thousand times the weight at 1 m/s: a cable thrown down sinks at its terminal velocity.", scene, 1.0, judge,
-                start=lambda: at_places(scene, {"a-b": np.column_stack([s, 0 * s, 0 * s])}, speed=(0, 0, -5.0)),
-                measure=lambda run: run.q[-1], within=0.01)  # fmt: skip
+                start=lambda: at_positions(scene, {"a-b": np.column_stack([s, 0 * s, 0 * s])}, speed=(0, 0, -5.0)),
+                measure=lambda run: run.q[-1], tolerance=0.01)  # fmt: skip
 
 
 def bending_dominates():
     """A cantilever of EI = 1 kN m^2 is let go under its weight: it swings about mu g L^4/(8 EI), to twice that and no farther."""
     EI, mu = 1e3, 0.1
     cable = Cable("a", "b", length=1.0, mass_per_length=mu, EA=1e4, EI=EI, zeta=0.05, segments=20, compression="linear")
-    scene = Scene([Fixed("a", (0, 0, 0)), Free("b", at=(1, 0, 0))], [cable], [Gravity(G), Bending({"a": (1, 0, 0)})])
+    scene = Scene(
+        [Fixed("a", (0, 0, 0)), Free("b", at=(1, 0, 0))], [cable], [effects.Gravity(G), effects.Bending({"a": (1, 0, 0)})]
+    )
     static = mu * G / (8.0 * EI)
 
     def judge(run):
@@ -100,7 +110,7 @@ def bending_dominates():
         yield Statement(LOAD, "stretch of the end", abs(run.position("b")[-1, 0] - 1.0), most=1e-3, unit="m")
 
     return Case("Bending so stiff that it dominates: a cantilever is let go and swings about its static deflection.", scene, 0.5,
-                judge, start="straight", measure=lambda run: -run.position("b")[run.t > 0.1, 2].mean() / static, within=0.05,
+                judge, start="straight", measure=lambda run: -run.position("b")[run.t > 0.1, 2].mean() / static, tolerance=0.05,
                 unit="")  # fmt: skip
 
 
@@ -111,7 +121,7 @@ def onto_the_ground():
     """
     mu, segments, end = 0.1, 100, math.sqrt(2.0 / G)
     cable = Cable("a", "b", length=1.0, mass_per_length=mu, EA=1e3, zeta=0.5, diameter=1e-3, segments=segments)
-    scene = Scene([Free("a"), Free("b")], [cable], [Gravity(G), Ground(0.0, 1e6, 3e4)])
+    scene = Scene([Free("a"), Free("b")], [cable], [effects.Gravity(G), effects.Ground(0.0, 1e6, 3e4)])
     s = np.linspace(0.0, 1.0, segments + 1)
 
     def judge(run):
@@ -122,8 +132,8 @@ def onto_the_ground():
         yield Statement(LOAD, "largest of them", ratio.max(), 0.9, 1.1)
 
     return Case("A chain falls onto the ground: the force is three times the weight that has landed.", scene, 0.9 * end, judge,
-                start=lambda: at_places(scene, {"a-b": np.column_stack([0 * s, 0 * s, s])}), dt=5e-4, saved=1e-3,
-                measure=lambda run: run.position("b")[-1], within=0.01)  # fmt: skip
+                start=lambda: at_positions(scene, {"a-b": np.column_stack([0 * s, 0 * s, s])}), dt=5e-4, save_every=1e-3,
+                measure=lambda run: run.position("b")[-1], tolerance=0.01)  # fmt: skip
 
 
 def breaks():
@@ -132,7 +142,7 @@ def breaks():
     made = dict(length=1.0, mass_per_length=0.1, EA=1e4, zeta=0.05, segments=20)
     cables = [Cable(f"s{i}", "p0", breaking_tension=None if i else 4.0, **made) for i in range(4)]
     points = [*(Fixed(f"s{i}", at) for i, at in enumerate(corners)), Free("p0", mass=0.036)]
-    scene = Scene(points, cables, [Gravity(G), Load((0.0, 0.0, -5.0), ramp=1.0)])
+    scene = Scene(points, cables, [effects.Gravity(G), effects.Load((0.0, 0.0, -5.0), ramp=1.0)])
 
     def judge(run):
         yield Statement(ACCURACY, "breaks of a cable", float(bool(run.events)), 1.0, 1.0)
@@ -142,7 +152,7 @@ def breaks():
         yield Statement(LOAD, "way of the middle from the corner that let go", aside, 0.02, 0.6, unit="m")
 
     return Case("A cable of a net breaks under load: at its limit, and the others take the net over.", scene, 0.75, judge,
-                measure=at_time(0.5, lambda run: run.position("p0")), within=0.02, fed=True)  # fmt: skip
+                measure=at_time(0.5, lambda run: run.position("p0")), tolerance=0.02, energy_is_fed_in=True)  # fmt: skip
 
 
 def paid_out(taut):
@@ -151,7 +161,7 @@ def paid_out(taut):
     far = Fixed("b", (2.01, 0, 0)) if taut else Free("b", 1.0)
     by = signals.samples((0.0, 1.0), (0.0, 0.5)) if taut else signals.samples((0.0, 0.25), (0.0, 1.0))
     cable = Cable("a", "b", zeta=0.5 if taut else 0.2, **made)
-    scene = Scene([Fixed("a", (0, 0, 0)), far], [cable], [Gravity(G), LineChange({"a-b": by})])
+    scene = Scene([Fixed("a", (0, 0, 0)), far], [cable], [effects.Gravity(G), effects.LineChange({"a-b": by})])
 
     def judge(run):
         if taut:
@@ -166,8 +176,15 @@ def paid_out(taut):
             yield Statement(LOAD, "depth", -z.min(), 2.9, 3.1, unit="m")
 
     what = "a taut span comes to sag" if taut else "a payload falls freely until it is caught"
-    return Case(f"A line is paid out until it pulls no more: {what}.", scene, 1.0, judge,
-                measure=at_time(0.4, lambda run: run.shape("a-b")[:, -1 if not taut else 5]), within=0.02, fed=True)  # fmt: skip
+    return Case(
+        f"A line is paid out until it pulls no more: {what}.",
+        scene,
+        1.0,
+        judge,
+        measure=at_time(0.4, lambda run: run.shape("a-b")[:, -1 if not taut else 5]),
+        tolerance=0.02,
+        energy_is_fed_in=True,
+    )
 
 
 CASES = {

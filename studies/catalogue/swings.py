@@ -1,7 +1,7 @@
 """A payload that swings on a cable: any stiffness, damper, number of segments and payload, coarse steps, an hour long.
 
 Released from `ANGLE` with the very stretch that its tension gives it, so that nothing rings. As a rod with a mass at its end
-it passes the lowest place with omega^2 = 2 g (1 - cos a) (M + m/2)/((M + m/3) L) and there pulls its support with
+it passes the lowest position with omega^2 = 2 g (1 - cos a) (M + m/2)/((M + m/3) L) and there pulls its support with
 (M + m) g + (M + m/2) omega^2 L.
 """
 
@@ -15,7 +15,7 @@ from anet_lumped.effects import Gravity
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import paths
 from anet_lumped.results.run import segment_tensions
-from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, Case, Statement, at_time, end_of, strongest
+from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, Case, Statement, at_time, largest_tension, position_at_end
 
 G, ANGLE = 9.81, math.radians(30.0)
 
@@ -38,20 +38,20 @@ def released(scene, angle):
 
 
 def rod_tension(scene, angle):
-    """Pull of the swinging rod with a mass on its support at the lowest place [N]; see the module."""
+    """Pull of the swinging rod with a mass on its support at the lowest position [N]; see the module."""
     (cable,), M = scene.cables, scene.point("b").mass
     m, L = cable.length * cable.mass_per_length, cable.length
     square = 2.0 * G * (1.0 - math.cos(angle)) * (M + m / 2) / ((M + m / 3) * L)
     return (M + m) * G + (M + m / 2) * square * L
 
 
-def swing(hard, off=0.1, within=5e-3, **kwargs):
+def swing(description, off=0.1, tolerance=5e-3, **kwargs):
     """A pendulum whose largest tension is that of a rod within `off` of it."""
     scene = pendulum(**kwargs)
     expected = rod_tension(scene, ANGLE)
 
     def judge(run):
-        pull = strongest(run) / expected
+        pull = largest_tension(run) / expected
         yield Statement(LOAD, "largest tension over that of a swinging rod", pull, most=1.0 + off)
         yield Statement(ACCURACY, "largest tension over that of a swinging rod", pull, least=1.0 - off)
         (cable,) = scene.cables
@@ -59,7 +59,13 @@ def swing(hard, off=0.1, within=5e-3, **kwargs):
         yield Statement(LOAD, "length of the cable", run.length("a-b").max(), most=bound, unit="m")
 
     return Case(
-        hard, scene, 0.8, judge, start=lambda: released(scene, ANGLE), measure=lambda run: run.position("b")[-1], within=within
+        description,
+        scene,
+        0.8,
+        judge,
+        start=lambda: released(scene, ANGLE),
+        measure=lambda run: run.position("b")[-1],
+        tolerance=tolerance,
     )
 
 
@@ -77,7 +83,7 @@ def loose_end(EA, zeta=0.0, dt=None):
     def judge(run):
         if math.isfinite(EA) and not zeta:  # a damper pulls as hard as it has to
             most = math.sqrt(2.0 * cable.stiffness * bound)
-            yield Statement(LOAD, "largest tension", strongest(run), most=1.05 * most, unit="N")
+            yield Statement(LOAD, "largest tension", largest_tension(run), most=1.05 * most, unit="N")
         kinetic = run.energy[:, 0].max()
         yield Statement(LOAD, "largest kinetic energy", kinetic, 0.1 * fall, 1.05 * bound, unit="J")
         deepest = -run.q[:, : model.n_free, 2].min()
@@ -85,8 +91,8 @@ def loose_end(EA, zeta=0.0, dt=None):
 
     return Case(
         f"A whip with zeta = {zeta:g} at EA = {EA:.0e} N" + (f" and steps of {dt:g} s" if dt else "") + ": no more tension, speed "
-        "or depth than the fall pays for.", scene, 1.2, judge, start="straight", dt=dt, given=dt is not None,
-        measure=at_time(0.4, lambda run: run.position("b")), within=0.05 if dt else 0.01,
+        "or depth than the fall pays for.", scene, 1.2, judge, start="straight", dt=dt, step_is_given=dt is not None,
+        measure=at_time(0.4, lambda run: run.position("b")), tolerance=0.05 if dt else 0.01,
     )  # fmt: skip
 
 
@@ -108,12 +114,18 @@ def net(EA, dt=None, **kwargs):
         yield Statement(LOAD, "drift of p0 across", np.abs(aside[:, 1]).max(), most=1e-6, unit="m")
         rest = equilibrium(scene)
         still = max(rest.tension(cable.name).max() for cable in scene.cables)
-        yield Statement(LOAD, "largest tension over that at rest", strongest(run) / still, 0.99, 1.25)
+        yield Statement(LOAD, "largest tension over that at rest", largest_tension(run) / still, 0.99, 1.25)
 
     return Case(
         f"The net carried off at EA = {EA:.0e} N" + (f" with steps of {dt:g} s" if dt else "") + ": p0 sways and does no more.",
-        scene, 4.0, judge, dt=dt, given=dt is not None, measure=lambda run: run.position("p0")[-1], within=0.01 if dt else 1e-3,
-    )  # fmt: skip
+        scene,
+        4.0,
+        judge,
+        dt=dt,
+        step_is_given=dt is not None,
+        measure=lambda run: run.position("p0")[-1],
+        tolerance=0.01 if dt else 1e-3,
+    )
 
 
 def hour():
@@ -133,8 +145,8 @@ def hour():
 
     return Case(
         "An hour of swing of 10 degrees without dampers: it neither dies nor grows, and keeps time.", scene, 3600.0, judge,
-        start=lambda: released(scene, angle), saved=0.2,
-        measure=lambda run: run.energy[-1, :3].sum() / fall, within=0.1, unit="",
+        start=lambda: released(scene, angle), save_every=0.2,
+        measure=lambda run: run.energy[-1, :3].sum() / fall, tolerance=0.1, unit="",
     )  # fmt: skip
 
 
@@ -148,7 +160,7 @@ def rod_swings(scene, angle):
 
 
 def changed_payload(before, after):
-    """At rest with one payload, which another takes the place of: dropped or picked up.
+    """At rest with one payload, which another takes the position of: dropped or picked up.
 
     From rest under one load to another: the pull overshoots its new value by no more than the change (the sudden load's
     factor of two), and the end comes to hang where the new load puts it.
@@ -161,7 +173,7 @@ def changed_payload(before, after):
             most = 2.0 * high - low
         else:
             most = high
-        yield Statement(LOAD, "largest tension", strongest(run), most=1.02 * most, unit="N")
+        yield Statement(LOAD, "largest tension", largest_tension(run), most=1.02 * most, unit="N")
         mean = run.position("b")[run.t > 1.0, 2].mean()
         yield Statement(LOAD, "mean height of the end after 1 s", mean, -1.0 - 2e-3, -1.0 + 0.3, unit="m")
         aside = np.abs(run.position("b")[:, :2]).max()
@@ -169,12 +181,12 @@ def changed_payload(before, after):
 
     return Case(
         f"A payload of {before:g} kg at rest becomes {after:g} kg: no more pull than a sudden load.", scene, 2.0, judge,
-        measure=lambda run: run.position("b")[run.t > 1.0].mean(axis=0), within=0.02,
+        measure=lambda run: run.position("b")[run.t > 1.0].mean(axis=0), tolerance=0.02,
     )  # fmt: skip
 
 
-def middle(run):
-    """Middle of mass of what moves (k, 3) [m]."""
+def centre_of_mass(run):
+    """Centre of mass of what moves (k, 3) [m]."""
     free = slice(0, run.model.n_free)
     return np.average(run.q[:, free], axis=1, weights=run.model.mass[free])
 
@@ -211,13 +223,13 @@ def changed_midway(before, after):
 
     return Case(
         f"In mid-swing a payload of {before:g} kg becomes {after:g} kg: no more energy than there is.", scene, 1.0, judge,
-        start=start, within=0.01,
-        measure=at_time(0.5, lambda run: run.position("b")) if after else at_time(0.05, middle),  # the end recoils
+        start=start, tolerance=0.01,
+        measure=at_time(0.5, lambda run: run.position("b")) if after else at_time(0.05, centre_of_mass),  # the end recoils
     )  # fmt: skip
 
 
 def changed_in_swing(before, after):
-    """A payload that another one joins, at rest, or is dropped in part, at the lowest place of a swing.
+    """A payload that another one joins, at rest, or is dropped in part, at the lowest position of a swing.
 
     As a rod with a mass at its end, I the moment of inertia about the support: what is picked up leaves omega I/(I + m L^2), what
     is dropped leaves omega. From there the rod swings up to 1 - cos(a) = I omega^2/(2 g (M + mu L/2) L).
@@ -242,7 +254,7 @@ def changed_in_swing(before, after):
 
     return Case(
         f"A payload of {before:g} kg becomes {after:g} kg in mid-swing: the swing goes on as the momentum says.", eventful,
-        3.0 * quarter, judge, start=lambda: released(scene, ANGLE), measure=end_of("b"), within=5e-3,
+        3.0 * quarter, judge, start=lambda: released(scene, ANGLE), measure=position_at_end("b"), tolerance=5e-3,
     )  # fmt: skip
 
 
@@ -262,9 +274,11 @@ def turned_round():
         yield Statement(LOAD, "lowest height of the payload", z.min(), least=math.cos(ANGLE) * 0.999, unit="m")
         yield Statement(LOAD, "largest tilt over that at the start", tilt / ANGLE, 0.999, 1.001)
         rod = rod_tension(scene, ANGLE)
-        yield Statement(LOAD, "largest tension over that of a swinging rod", strongest(run) / rod, 0.9, 1.1)
+        yield Statement(LOAD, "largest tension over that of a swinging rod", largest_tension(run) / rod, 0.9, 1.1)
 
-    return Case("Gravity points up: the same swing upside down.", up, 0.8, judge, start=start, measure=end_of("b"), within=5e-3)
+    return Case(
+        "Gravity points up: the same swing upside down.", up, 0.8, judge, start=start, measure=position_at_end("b"), tolerance=5e-3
+    )
 
 
 STIFFNESSES = (1e2, 1e4, 1e7, 1e9, math.inf)  # EA [N]

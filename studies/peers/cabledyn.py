@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from anet_lumped.scene.scene import Driven, Fixed
-from studies.peers.problem import beyond, demand, problem, version_of
+from studies.peers.problem import problem, raise_if_refused, unsupported, version_of
 
 NAME = "CableDyn"
 DESCRIPTION = (
@@ -37,7 +37,7 @@ def refuses(scene):
     x, y, z = scene.gravity
     if x or y or z >= 0:
         return "CableDyn needs gravity along -z, but the scene's does not act there."
-    return beyond(scene, NAME, compression=("none", "damped"))
+    return unsupported(scene, NAME, compression=("none", "damped"))
 
 
 def settings(scene):
@@ -58,7 +58,7 @@ def run(scene, t_end, save_every, start=None, *, dt):
     -------
     Outcome
     """
-    demand(refuses(scene))
+    raise_if_refused(refuses(scene))
     import cabledyn
 
     began = time.perf_counter()
@@ -76,8 +76,8 @@ def run(scene, t_end, save_every, start=None, *, dt):
         at = [point.id - 1 for point in engine.points]
         blocks, names = engine.coupled_layout(), [point.name for point in scene.points]
         driven = [block for name in _driven(scene) for block, (i, _) in enumerate(blocks) if names[i - 1] == name]
-        places = np.array([point.position() for point in engine.points])[np.argsort(at)]
-        off = np.abs(places - task.q[[model.node(name) for name in names]]).max()
+        positions = np.array([point.position() for point in engine.points])[np.argsort(at)]
+        off = np.abs(positions - task.q[[model.node(name) for name in names]]).max()
         if off > CLOSE or np.abs(task.v[: model.n_free]).max() > 0:
             raise ValueError("Argument `start` must be the equilibrium of the scene, because CableDyn starts there, but it is not.")
         ready = time.perf_counter()

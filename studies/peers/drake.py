@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from anet_lumped.scene.scene import Fixed, Free
-from studies.peers.problem import beyond, demand, problem, version_of
+from studies.peers.problem import problem, raise_if_refused, unsupported, version_of
 
 NAME = "Drake"
 DESCRIPTION = (
@@ -32,7 +32,7 @@ def refuses(scene):
     ends = [scene.point(name) for name in (cable.start, cable.end)]
     if not (isinstance(ends[0], Fixed) and isinstance(ends[1], Free)) or len(scene.points) != 2:
         return f'Drake takes a cable that starts at a fixed point and ends at a free one, but "{cable.name}" does not.'
-    return beyond(scene, NAME, compression=("none", "damped", "linear"))
+    return unsupported(scene, NAME, compression=("none", "damped", "linear"))
 
 
 def settings(scene):
@@ -53,7 +53,7 @@ def run(scene, t_end, save_every, start=None, *, accuracy, scheme):
     -------
     Outcome
     """
-    demand(refuses(scene))
+    raise_if_refused(refuses(scene))
     if scheme not in SCHEMES:
         raise ValueError(f"Argument `scheme` must be one of {', '.join(SCHEMES)}, but it is {scheme!r}.")
     from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
@@ -85,9 +85,9 @@ def run(scene, t_end, save_every, start=None, *, accuracy, scheme):
     return task.outcome(q, ended - ready, ready - began, message)
 
 
-def _plane(places, gravity):
+def _plane(positions, gravity):
     """Unit vectors of the plane of a chain and gravity, and the angles of its links in it [rad]."""
-    links = np.diff(places, axis=0)
+    links = np.diff(positions, axis=0)
     directions = links / np.linalg.norm(links, axis=1)[:, None]
     along = directions[0]
     normal = np.cross(along, gravity)

@@ -6,7 +6,7 @@ import numpy as np
 
 from anet_lumped.prescribed.smoothstep import smoothstep
 from anet_lumped.scene.scene import Driven
-from studies.peers.problem import beyond, demand, explicit_limit, problem, version_of
+from studies.peers.problem import explicit_limit, problem, raise_if_refused, unsupported, version_of
 
 NAME = "EXUDYN"
 DESCRIPTION = (
@@ -33,7 +33,7 @@ def version():
 
 def refuses(scene):
     """Why it cannot do a scene, in one sentence, or None."""
-    return beyond(scene, NAME, compression=("none", "damped", "linear"))
+    return unsupported(scene, NAME, compression=("none", "damped", "linear"))
 
 
 def limit(scene, solver):
@@ -66,7 +66,7 @@ def run(scene, t_end, save_every, start=None, *, dt, solver="GeneralizedAlpha", 
     -------
     Outcome
     """
-    demand(refuses(scene))
+    raise_if_refused(refuses(scene))
     if solver not in ("GeneralizedAlpha", *LIMITS):
         raise ValueError(f"Argument `solver` must be one of GeneralizedAlpha, {', '.join(LIMITS)}, but it is {solver!r}.")
     if law not in LAWS:
@@ -110,13 +110,13 @@ def _system(exudyn, task, law):
     origin = system.AddNode(items.NodePointGround())
     origin = system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=origin, coordinate=0))
     nodes, markers, functions = [], [], []
-    for i, place in enumerate(task.q.tolist()):
+    for i, position in enumerate(task.q.tolist()):
         moves, mass = i < model.n_free or i in task.driven, float(model.mass[i])
         if moves:
-            node = system.AddNode(items.NodePoint(referenceCoordinates=place, initialVelocities=task.v[i].tolist()))
+            node = system.AddNode(items.NodePoint(referenceCoordinates=position, initialVelocities=task.v[i].tolist()))
             system.AddObject(items.MassPoint(mass=mass, nodeNumber=node))
         else:
-            node = system.AddNode(items.NodePointGround(referenceCoordinates=place))
+            node = system.AddNode(items.NodePointGround(referenceCoordinates=position))
         nodes.append(node)
         markers.append(system.AddMarker(items.MarkerNodePosition(nodeNumber=node)))
         if i < model.n_free:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from anet_lumped.files.moordyn_writer import moordyn_text
-from studies.peers.problem import beyond, demand, explicit_limit, problem, version_of
+from studies.peers.problem import explicit_limit, problem, raise_if_refused, unsupported, version_of
 
 NAME = "MoorDyn"
 DESCRIPTION = (
@@ -35,7 +35,7 @@ def refuses(scene):
     x, y, z = scene.gravity
     if x or y or z > 0:
         return "MoorDyn knows gravity along -z only, but the scene's points elsewhere."
-    return beyond(scene, NAME, compression=("none", "damped"))
+    return unsupported(scene, NAME, compression=("none", "damped"))
 
 
 def limit(scene):
@@ -62,7 +62,7 @@ def run(scene, t_end, save_every, start=None, *, dt, scheme="rk4", coupling=COUP
     -------
     Outcome
     """
-    demand(refuses(scene))
+    raise_if_refused(refuses(scene))
     import moordyn
 
     began = time.perf_counter()
@@ -102,13 +102,13 @@ def run(scene, t_end, save_every, start=None, *, dt, scheme="rk4", coupling=COUP
 def _deck(task, dt, scheme):
     """MoorDyn's input file, its points where the march starts."""
     scene, model = task.model.scene, task.model
-    places = {point.name: task.q[model.node(point.name)] for point in scene.points}
+    positions = {point.name: task.q[model.node(point.name)] for point in scene.points}
     quiet = {"writeLog": 0, "disableOutput": 1}
-    return moordyn_text(scene, quiet | {"tScheme": scheme, "dtM": float(dt)}, places)
+    return moordyn_text(scene, quiet | {"tScheme": scheme, "dtM": float(dt)}, positions)
 
 
 def state_file(task):
-    """Places and velocities of all nodes in the binary form that MoorDyn loads, as its exporter from MoorPy writes it."""
+    """Positions and velocities of all nodes in the binary form that MoorDyn loads, as its exporter from MoorPy writes it."""
     scene, model = task.model.scene, task.model
     blocks = []
     for point in scene.points:
@@ -123,7 +123,7 @@ def state_file(task):
 
 
 def _calls(task, dt, coupling):
-    """Arguments of MoorDyn's step for each saved interval: places of driven points, their mean velocities, time, duration."""
+    """Arguments of MoorDyn's step for each saved interval: positions of driven points, their mean velocities, time, duration."""
     if not task.driven:
         return [[([], [], a, b - a)] for a, b in pairwise(task.t)]
     calls, between = [], dt * max(1, int(coupling / dt))
@@ -136,7 +136,7 @@ def _calls(task, dt, coupling):
 
 
 def _read(moordyn, scene, model, lines, points, q):
-    """Write the places of all points, and of the nodes between, into ``q`` (n, 3)."""
+    """Write the positions of all points, and of the nodes between, into ``q`` (n, 3)."""
     for cable, line in zip(scene.cables, lines, strict=True):
         for i, node in enumerate(model.nodes(cable.name)):
             q[node] = moordyn.GetLineNodePos(line, i)

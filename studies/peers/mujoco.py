@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from studies.peers.problem import beyond, demand, explicit_limit, problem, version_of
+from studies.peers.problem import explicit_limit, problem, raise_if_refused, unsupported, version_of
 
 NAME = "MuJoCo"
 DESCRIPTION = (
@@ -30,7 +30,7 @@ def version():
 
 def refuses(scene):
     """Why it cannot do a scene, in one sentence, or None."""
-    return beyond(scene, NAME, compression=("none", "damped", "linear"))
+    return unsupported(scene, NAME, compression=("none", "damped", "linear"))
 
 
 def limit(scene):
@@ -57,7 +57,7 @@ def run(scene, t_end, save_every, start=None, *, dt, integrator):
     -------
     Outcome
     """
-    demand(refuses(scene))
+    raise_if_refused(refuses(scene))
     if integrator not in (*IMPLICIT, "RK4"):
         raise ValueError(f"Argument `integrator` must be one of {', '.join((*IMPLICIT, 'RK4'))}, but it is {integrator!r}.")
     import mujoco
@@ -83,9 +83,9 @@ def run(scene, t_end, save_every, start=None, *, dt, integrator):
             if drive is None:
                 mujoco.mj_step(engine, data, steps)
             else:
-                place, velocity, force = drive
+                position, velocity, force = drive
                 for i in range((k - 1) * steps, k * steps):
-                    data.qpos[driven], data.qvel[driven], data.qfrc_applied[driven] = place[i], velocity[i], force[i]
+                    data.qpos[driven], data.qvel[driven], data.qfrc_applied[driven] = position[i], velocity[i], force[i]
                     mujoco.mj_step(engine, data)
             q[k, moving] = data.qpos[: 3 * len(moving)].reshape(-1, 3) + task.q[moving]
             if any(data.warning[kind].number for kind in broken):
@@ -106,10 +106,10 @@ def _deck(task, h, integrator):
         f'tolerance="0" iterations="{ITERATIONS}"><flag contact="disable" autoreset="disable" island="disable"/></option>'
         "<worldbody>"
     ]
-    for i, place in enumerate(task.q):
+    for i, position in enumerate(task.q):
         site = f'<site name="n{i}"/>'
         moves, mass = i < model.n_free or i in task.driven, HEAVY if i in task.driven else float(model.mass[i])
-        at = " ".join(repr(float(x)) for x in place)
+        at = " ".join(repr(float(x)) for x in position)
         rows.append(f'<body pos="{at}" gravcomp="{int(i in task.driven)}">{site}')
         if moves:
             rows += [f'<joint type="slide" axis="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1")]
@@ -138,5 +138,5 @@ def _drive(task, h, steps, explicit):
     t = task.t[0] + h * np.arange(steps + 1)
     at = np.array([[path.at(time)[:2] for path in task.driven.values()] for time in t])  # (steps + 1, n_driven, 2, 3)
     q, v = at[:, :, 0].reshape(steps + 1, -1), at[:, :, 1].reshape(steps + 1, -1)
-    reached = v[1:] if explicit else np.diff(q, axis=0) / h  # the velocity that takes it to its next place
+    reached = v[1:] if explicit else np.diff(q, axis=0) / h  # the velocity that takes it to its next position
     return q[:-1] - task.q[list(task.driven)].ravel(), v[:-1], HEAVY * (reached - v[:-1]) / h

@@ -1,4 +1,4 @@
-"""What every peer is given of a scene, and what it gives back: flat arrays, and no word of any engine."""
+"""The input and the output of every peer: flat arrays, and nothing of any engine."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -38,7 +38,7 @@ class Outcome:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A scene as nodes and segments, where they start, and when they are looked at.
+    """A scene as nodes and segments, their start, and the times to save.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class Problem:
         return [(int(a), int(b), *map(float, row)) for (a, b), row in zip(model.ends, law, strict=True)]
 
     def prescribed(self, t):
-        """Places of the driven points, (n_driven, k, 3) float64 [m], at the times ``t``."""
+        """Positions of the driven points, (n_driven, k, 3) float64 [m], at the times ``t``."""
         return np.array([[path.at(time)[0] for time in t] for path in self.driven.values()]).reshape(len(self.driven), len(t), 3)
 
     def outcome(self, q, wall_time, setup_time, message=""):
@@ -113,8 +113,8 @@ def problem(scene, t_end, save_every, start=None):
     return Problem(model, q, v, save_times(t0, t0 + t_end, save_every))
 
 
-def beyond(scene, name, *, compression):
-    """Why a scene asks for more than gravity and the laws of compression given, in one sentence, or None."""
+def unsupported(scene, name, *, compression):
+    """What a scene has beside gravity and the laws of compression given, in one sentence, or None."""
     for effect in scene.effects:
         if not isinstance(effect, Gravity):
             return f"{name} is given gravity alone, but the scene has {type(effect).__name__}."
@@ -128,7 +128,7 @@ def beyond(scene, name, *, compression):
 
 
 def explicit_limit(scene, reach):
-    """Step at which the fastest axial mode leaves a scheme's stable range [s], by the bound of the axial frequencies.
+    """Largest stable step of an explicit scheme [s], by the bound of the axial frequencies.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def explicit_limit(scene, reach):
     return min(float(reach / c.omega_max / (c.damping_ratio + np.hypot(1.0, c.damping_ratio))) for c in scene.cables)
 
 
-def demand(reason):
+def raise_if_refused(reason):
     """Raise ValueError if there is a reason to refuse a scene."""
     if reason is not None:
         raise ValueError(reason)

@@ -11,27 +11,45 @@ import numpy as np
 import pandas as pd
 
 from anet_lumped import equilibrium, simulate
-from anet_lumped.effects import REGISTRY, node_energy
+from anet_lumped.effects import REGISTRY
 from anet_lumped.effects.effect import PAID_OUT
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from integrators.stage import LAW_BETWEEN, Stage
-from studies.accuracy_cost.cases import net
-from studies.questions.speed import newton_iterations
+from studies.accuracy_cost.motions import net
+from studies.accuracy_cost.paired_timing import in_words, ratio, take_turns
+from studies.shown.palette import BLUE, ORANGE
+from studies.shown.sentences import between, listed
+from studies.shown.show import as_text
+from studies.study import Drawing, Part, Record
 
-QUESTION = "What does an effect cost: one that a scene has, and one that only the library has?"
+STUDY = Record(
+    question=__doc__,
+    part=Part.COST,
+    first_look="air, temperature and viscous damping in place of all effects, each timed in 6 turns in place of 60, and the whole "
+    "library against one without other effects in 6 pairs of processes in place of 12.",
+)
+TABLES = {
+    "marginal": "A line for each effect: what it adds to a step, to an iteration and to the memory of a run, beside another scene.",
+    "turns": "A line for each turn in which a step and an iteration of each scene were timed one after the other, in ns a node.",
+    "libraries": "A line for each turn of each process: times of the plain net with the whole library, without all other effects, "
+    "and with all of them imported.",
+}
 
 CABLES = {"diameter": 0.01, "EI": 1e-5, "compression": "linear"}
 """Of its cables: what effects may need [m], [N·m²], and that no segment slackens, for which an iteration would solve twice."""
+QUICK_EFFECTS = ("air", "temperature", "viscous_damping")
 OWN = "weight of one's own"
 WHAT = {"verlet": "a step of verlet", "newton": "a Newton iteration of edmc"}
 DT = {"verlet": 2e-5, "newton": 0.01}  # steps [s]
 TIMES = {"verlet": 2000, "newton": 50}  # steps or iterations that are timed as one: few, so that most are not interrupted
-REPEATS, QUICK_REPEATS = 100, 5  # of which the shortest counts
-PROCESSES, QUICK_PROCESSES = 5, 1  # for each library; where a process happens to have its arrays makes some per cent
-LIBRARIES = ("whole", "stripped", "imported")
-TURN = 10  # repeats of one process before it is the next one's turn
-ALIKE = 0.03  # two libraries whose steps differ by less are alike
+TURNS, QUICK_TURNS = 60, 6
+LIBRARIES = {"whole": "the whole library", "stripped": "none of the other effects", "imported": "all of them imported"}
+QUICK_LIBRARIES = ("whole", "stripped")
+PROCESSES, QUICK_PROCESSES = 12, 6  # of each library, a pair each: where a process has its arrays makes some per cent
+TURNS_A_PROCESS = 3
+TURN = 5  # repeats of one process before it is the next one's turn
+ALIKE = 3.0  # [%] by which a step may differ where an effect that a scene lacks costs nothing
 
 
 def plain():
@@ -51,7 +69,9 @@ def step_of_verlet(scene, start):
 
 
 def newton_iteration(scene, start):
-    """Time of what Newton's method does in an iteration [s], at one place: what an effect changes in the motion costs nothing."""
+    """Time of an iteration of Newton's method [s], repeated at one state: what an effect changes in the motion costs nothing."""
+    from studies.accuracy_cost.compiled_loops import newton_iterations
+
     h, arrays, q = DT["newton"], fresh_net(build(scene)), start.q.copy()
     arrays.tension[:] = start.segment_tension
     stage = Stage(LAW_BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
@@ -63,15 +83,14 @@ def newton_iteration(scene, start):
 TIMED = {"verlet": step_of_verlet, "newton": newton_iteration}
 
 
-def shortest(scenes, repeats):
-    """A row for each scene by name: the shortest times a node [ns] of what is in WHAT; the scenes take turns."""
-    start, rows = equilibrium(plain()), {name: {f"{what}_ns": np.inf for what in WHAT} for name in scenes}
-    for repeat in range(repeats + 1):
-        for (name, scene), (what, timed) in itertools.product(scenes.items(), TIMED.items()):
-            took = 1e9 * timed(scene, start) / start.model.n
-            if repeat:  # the first one compiles
-                rows[name][f"{what}_ns"] = min(rows[name][f"{what}_ns"], took)
-    return rows
+def timed_in_turns(scenes, turns):
+    """Times a node [ns] of what is in WHAT, for each scene by name: a list for each (scene, what), whose k-th are of one turn."""
+    start = equilibrium(plain())
+    timed = {
+        (name, what): lambda scene=scene, time_of=time_of: 1e9 * time_of(scene, start) / start.model.n
+        for (name, scene), (what, time_of) in itertools.product(scenes.items(), TIMED.items())
+    }
+    return take_turns(timed, turns)
 
 
 def memory(scene):
@@ -100,6 +119,7 @@ def entries(scene, effect):
 
 def own_weight():
     """Gravity as its user would write it."""
+    from anet_lumped.effects import node_energy
 
     @node_energy(dead=True)
     def weight(t, q, mass, g=9.81):
@@ -108,11 +128,11 @@ def own_weight():
     return weight()
 
 
-def marginal(repeats):
-    """A row for each effect beside the weight, for all together, and for the weight itself and one of one's own."""
+def marginal(turns, names):
+    """A row for each effect beside the weight, for all together, and for the weight itself and one of one's own; and the turns."""
     base = plain()
     gravity, bare = base.effects, replace(base, effects=())
-    effects = {name: REGISTRY[name].example(base) for name in REGISTRY.library if name != "gravity"}
+    effects = {name: REGISTRY[name].example(base) for name in names if name != "gravity"}
     known = REGISTRY.classes
     REGISTRY.classes = dict(known)  # an effect of one's own comes and goes with it
     try:
@@ -121,24 +141,26 @@ def marginal(repeats):
         scenes |= {name: replace(base, effects=(*gravity, effect)) for name, effect in effects.items()}
         together = [effect for effect in effects.values() if joins_others(effect, base)]
         scenes["all together"] = replace(base, effects=(*gravity, *together))
-        timed = shortest(scenes, repeats)
+        timed = timed_in_turns(scenes, turns)
         rows = []
         for name, scene in scenes.items():
-            beside = "none" if name in ("gravity", OWN) else "gravity"
-            row = {"effect": name, "beside": "" if name == "none" else beside} | timed[name]
+            beside = "none" if name in ("none", "gravity", OWN) else "gravity"
+            row = {"effect": name, "beside": "" if name == "none" else beside}
             for what in WHAT:
-                row[f"{what}_more_percent"] = 100.0 * (timed[name][f"{what}_ns"] / timed[beside][f"{what}_ns"] - 1.0)
+                found = ratio(timed[name, what], timed[beside, what])
+                row[f"{what}_ns"] = float(np.median(timed[name, what]))
+                row[f"{what}_more_percent"] = found.percent
             row["memory_bytes"] = memory(scene)
             row["more_bytes"] = row["memory_bytes"] - memory(scenes[beside])
             row["entries"] = sum(entries(scene, effect) for effect in scene.effects if effect not in scenes[beside].effects)
             rows.append(row)
     finally:
         REGISTRY.classes = known
-    return rows
+    return rows, {f"{name}, {what}": times for (name, what), times in timed.items()}
 
 
 def answer_in(library, ask=sys.stdin, tell=sys.stdout):
-    """Be a process with a library: for each number of repeats that is asked for, a line, tell `shortest` of the plain net.
+    """Be a process with a library: for each number of repeats that is asked for, tell the median times of the plain net.
 
     Besides, the memory of a run, and the effects whose modules have been imported.
     """
@@ -151,9 +173,10 @@ def answer_in(library, ask=sys.stdin, tell=sys.stdout):
     elif library == "imported":
         list(REGISTRY.values())
     for line in ask:
-        row = shortest({"plain": plain()}, int(line))["plain"] | {"memory_bytes": memory(plain())}
-        here = [name for name in effects if sys.modules.get(f"anet_lumped.effects.{name}") is not None]
-        print(json.dumps(row | {"effects_imported": " ".join(here)}), file=tell, flush=True)
+        times = timed_in_turns({"plain": plain()}, int(line))
+        row = {f"{what}_ns": float(np.median(times["plain", what])) for what in WHAT} | {"memory_bytes": memory(plain())}
+        imported = [name for name in effects if sys.modules.get(f"anet_lumped.effects.{name}") is not None]
+        print(json.dumps(row | {"effects_imported": " ".join(imported)}), file=tell, flush=True)
 
 
 def _process(library):
@@ -162,86 +185,126 @@ def _process(library):
     return subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
 
-def libraries(repeats, processes):
-    """A row for each process: shortest times of the plain net in each library, whose processes take turns."""
+def libraries(processes, names):
+    """A row for each turn of each process: times of the plain net in each library, whose processes take turns."""
     rows = []
     for number in range(processes):
-        children = {library: _process(library) for library in LIBRARIES}
-        told = {library: [] for library in LIBRARIES}
+        children = {library: _process(library) for library in names}
         try:
-            for _ in range(max(1, repeats // TURN)):
-                for library, child in children.items():
-                    print(min(TURN, repeats), file=child.stdin, flush=True)
-                    line = child.stdout.readline()
-                    if not line:
-                        raise RuntimeError(f"The process with the {library} library ended; what it said is above.")
-                    told[library].append(json.loads(line))
+            for turn, (library, child) in itertools.product(range(TURNS_A_PROCESS), children.items()):
+                print(TURN, file=child.stdin, flush=True)
+                line = child.stdout.readline()
+                if not line:
+                    raise RuntimeError(f"The process with the {library} library ended; its error is above.")
+                rows.append({"process": number, "turn": turn, "library": library} | json.loads(line))
         finally:
             for child in children.values():
-                child.communicate()  # ends what it is asked
-        for library, turns in told.items():
-            best = {f"{what}_ns": min(turn[f"{what}_ns"] for turn in turns) for what in WHAT}
-            rows.append({"process": number, "library": library} | turns[-1] | best)
+                child.communicate()  # no more is asked, so that it ends
     return rows
 
 
 def compute(quick=False, executor=None, out=None):
-    """Costs in one process after the other: timings in parallel would measure each other.
-
-    Returns
-    -------
-    dict of DataFrame : "marginal", a row for each effect; "libraries", one for each process
-    """
-    repeats, processes = (QUICK_REPEATS, QUICK_PROCESSES) if quick else (REPEATS, PROCESSES)
-    return {"marginal": pd.DataFrame(marginal(repeats)), "libraries": pd.DataFrame(libraries(repeats, processes))}
+    """The tables, from one process after the other: timings in parallel would measure each other."""
+    turns, processes, effects, named = TURNS, PROCESSES, tuple(REGISTRY.library), tuple(LIBRARIES)
+    if quick:
+        turns, processes, effects, named = QUICK_TURNS, QUICK_PROCESSES, QUICK_EFFECTS, QUICK_LIBRARIES
+    rows, timed = marginal(turns, effects)
+    compared = libraries(processes, named)
+    return {"marginal": pd.DataFrame(rows), "turns": pd.DataFrame(timed), "libraries": pd.DataFrame(compared)}
 
 
 def ratios(table):
-    """Times in each library over those in the whole one: medians of the processes."""
-    best = table.groupby("library")[[f"{what}_ns" for what in WHAT]].median()
-    return best / best.loc["whole"]
+    """Times in each other library over those in the whole one: a `Ratio` for each (library, what), a pair from each two "
+    "processes."""
+    times = table.pivot_table(index="process", columns="library", values=[f"{what}_ns" for what in WHAT], aggfunc="median")
+    others = [library for library in LIBRARIES if library != "whole" and library in set(table["library"])]
+    return {
+        (library, what): ratio(times[f"{what}_ns", library], times[f"{what}_ns", "whole"]) for library in others for what in WHAT
+    }
 
 
 def plot(rows):
-    """Cost of a step with each effect, by method."""
+    """Drawings of the study, by name."""
+    return {
+        "effects_cost": Drawing(
+            _plot_cost(rows["marginal"]),
+            "What a step of verlet and a Newton iteration of edmc cost a node, in a scene with each effect beside the weight. The "
+            "scenes without any effect, with the weight alone and with a weight of one's own stand above.",
+        )
+    }
+
+
+def _plot_cost(table):
     from matplotlib.figure import Figure
 
-    figure, table = Figure(figsize=(9, 3.6), layout="constrained"), rows["marginal"]
-    for axes, (what, words) in zip(figure.subplots(1, 2, sharey=True), WHAT.items(), strict=True):
-        axes.barh(table.effect.str.replace("_", " "), table[f"{what}_ns"], color="0.6")
+    figure = Figure(figsize=(9, 3.8), layout="constrained")
+    for axes, (what, words), colour in zip(figure.subplots(1, 2, sharey=True), WHAT.items(), (BLUE, ORANGE), strict=True):
+        axes.barh(table.effect.str.replace("_", " "), table[f"{what}_ns"], color=colour)
         axes.set(xlabel=f"{words}, a node [ns]")
         axes.invert_yaxis()
-    return {"effects_cost": figure}
+    return figure
 
 
 def answer(rows):
-    """Whether an effect that a scene lacks is free, and what each one costs that it has."""
-    table, of_each = rows["marginal"].set_index("effect"), rows["libraries"]
-    ratio = ratios(of_each)
-    off = float((ratio - 1.0).abs().to_numpy().max())
-    same = "the same memory" if of_each.memory_bytes.nunique() == 1 else "memory that differs"
-    loaded = " and ".join(of_each[of_each.library == "whole"].effects_imported.iloc[0].split())
+    """The answer in words, every number and claim from `rows`."""
+    return "\n\n".join([
+        _lacking(rows["libraries"]), _having(rows["marginal"], rows["turns"]), _own(rows["turns"]), LEFT_OUT,
+    ])  # fmt: skip
 
-    def about(name):
-        row = table.loc[name]
-        return (
-            f"{name.replace('_', ' ')} {row.verlet_more_percent:+.0f} % and {row.newton_more_percent:+.0f} %, "
-            f"{row.more_bytes:.0f} bytes, {row.entries:.0f} entries"
-        )
 
-    words = [
-        f"An effect that a scene lacks costs {'nothing' if off <= ALIKE else 'little'}: between the whole library, one without any "
-        f"effect but the scene's, and one with all of them imported, a step of the plain net differs by {100 * off:.1f} % at most, "
-        f"which is {'within' if off <= ALIKE else 'beyond'} the {100 * ALIKE:.0f} % looked for. The plain net takes {same} in "
-        f"all, and imports {loaded} only.",
-        f"What each adds to {WHAT['verlet']} and to {WHAT['newton']} beside the weight (gravity and the weight of one's own: "
-        "beside no effect), to the memory of a run, and entries of the matrix that it changes: "
-        + "; ".join(about(name) for name in table.index if name != "none")
-        + ".",
-        f"A weight written as a law of one's own takes {table.loc[OWN].newton_ns / table.loc['gravity'].newton_ns:.2f} times the "
-        f"iteration of edmc that Gravity takes and {table.loc[OWN].verlet_ns / table.loc['gravity'].verlet_ns:.2f} times the step "
-        "of verlet. Effects that couple nodes pay for an elimination with more blocks, which all of them share.",
-        "Left out: compile time, which the library's effects pay once for a machine and those of one's own once a process; what an "
-        "effect changes in the motion, and so in the number of Newton iterations.",
+def _lacking(table):
+    """Whether an effect that a scene lacks costs time or memory."""
+    found = ratios(table)
+    told = listed(f"{in_words(one)} for {WHAT[what]} with {LIBRARIES[library]}" for (library, what), one in found.items())
+    resolved = [one.percent for one in found.values() if one.resolved]
+    large = [percent for percent in resolved if abs(percent) > ALIKE]
+    if large:
+        most = max(large, key=abs)
+        change = f"{as_text(abs(most), 2)} % {'more' if most > 0.0 else 'less'}"
+        claim = f"is not free here: with another library a step or an iteration of the plain net takes {change} time"
+    elif resolved:
+        claim = f"costs next to nothing: a step of the plain net differs by {as_text(max(map(abs, resolved)), 2)} % at most"
+    else:
+        claim = "costs no time that is seen here"
+    same = table["memory_bytes"].nunique() == 1
+    imported = listed(table.loc[table["library"] == "whole", "effects_imported"].iloc[0].split(), none="no effect")
+    compared = listed(LIBRARIES[library] for library in dict.fromkeys(table["library"]))
+    return (
+        f"An effect that a scene lacks {claim}. The plain net takes {'the same memory' if same else 'another memory'} with "
+        f"{compared} ({between(table['memory_bytes'], 'bytes', 6)}), and imports {imported} only.\n\nTimes of the plain net over "
+        f"those with the whole library, pair by pair of processes: {told}."
+    )
+
+
+def _having(table, turns):
+    """What each effect adds."""
+
+    def added(row, what):
+        found = ratio(turns[f"{row.effect}, {what}"], turns[f"{row.beside}, {what}"])
+        return f"{found.percent:+.0f} %" if found.resolved else "not resolved"
+
+    told = [
+        f"{row.effect.replace('_', ' ')} {added(row, 'verlet')} and {added(row, 'newton')}, {row.more_bytes:.0f} bytes, "
+        f"{row.entries:.0f} entries"
+        for row in table.itertuples()
+        if row.effect != "none"
     ]
-    return "\n\n".join(words)
+    return (
+        f"What each adds to {WHAT['verlet']} and to {WHAT['newton']}, to the memory of a run, and the entries of the matrix that "
+        f"it changes, beside the weight (gravity and the weight of one's own: beside no effect): {'; '.join(told)}."
+    )
+
+
+def _own(turns):
+    """What a law of one's own costs beside the library's."""
+    newton, verlet = (in_words(ratio(turns[f"{OWN}, {what}"], turns[f"gravity, {what}"])) for what in ("newton", "verlet"))
+    return (
+        f"A weight written as a law of one's own over Gravity, pair by pair: an iteration of edmc {newton}, a step of verlet "
+        f"{verlet}. Effects that couple nodes pay for an elimination with more blocks, which all of them share."
+    )
+
+
+LEFT_OUT = (
+    "Left out: compile time, which a machine spends once for the library's effects and a process once for those of one's own; what "
+    "an effect changes in the motion, and so in the number of Newton iterations."
+)

@@ -15,11 +15,21 @@ from anet_lumped.model.build import build
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.results.run import State, segment_tensions
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
-from studies.questions.stability_map import implicit_schemes, label, predicted_step
 from studies.shown.scheme_styles import style
+from studies.shown.sentences import between, counted, listed, percent, power, share
+from studies.shown.show import as_text
+from studies.study import Drawing, Part, Record
 from studies.sweeping.rows import run_rows
+from studies.thesis_cable import implicit_schemes, label, predicted_step
 
-QUESTION = __doc__.splitlines()[0]
+STUDY = Record(question=__doc__.splitlines()[0], part=Part.CURE)
+TABLES = {
+    "by_scheme": "A line for each scheme: its worst rise of energy and where, and how its runs ended.",
+    "runs": "A line for each scheme, start, stiffness, damping ratio and step: the largest rise of energy over the energy in play.",
+    "newton_iterations": "A line for each stiffness: Newton iterations that a step of edmc takes on the loose cable.",
+    "verlet": "A line for each step within velocity Verlet's limit and damping ratio: the rise of energy over a longer time.",
+    "whip": "A line for each scheme and time: the energy of the loose cable above that at the start.",
+}
 
 LENGTH, MASS, SEGMENTS, GRAVITY = 1.0, 0.1, 20, 9.81  # [m], [kg], -, [m/s^2]
 DURATION = 0.6  # [s]; the loose cable cracks like a whip at 0.55 s
@@ -31,6 +41,7 @@ STEPS_MS = (1.0, 5.0, 20.0, 100.0)
 LOST = ("diverged", "unconverged")  # statuses of runs that did not reach their end
 SEED = 1  # of the random walk
 GAIN = 0.01  # a run that rises by more has gained energy
+TOLERANCE = 1e-5  # rise that Newton's tolerance of 1e-6 of the force and round-off leave at most
 ITERATIONS_EA, ITERATIONS_STEP = (1e4, 1e6, 1e8, 1e9), 0.01  # the loose cable, [N] and [s]
 VERLET_EA, VERLET_TIME = 1e4, 8.0  # the loose cable within Verlet's limit for longer, [N] and [s]
 VERLET_SHARES, VERLET_ZETAS = (0.2, 0.4, 0.6, 0.8), (0.0, 0.05)  # of the largest stable step; damping ratios
@@ -93,14 +104,7 @@ def largest_rise(energy):
 
 
 def compute(quick=False, executor=None, out=None):
-    """Tables of the study.
-
-    Returns
-    -------
-    dict of pandas.DataFrame
-        "by_scheme" (worst of each), "runs" (a line a run), "newton_iterations" (edmc, the loose cable at 10 ms), "verlet"
-        (the loose cable for longer, within the limit), "whip" (energy over time).
-    """
+    """The tables."""
     grid = [STARTS, STIFFNESSES, ZETAS, STEPS_MS]
     if quick:
         grid = [STARTS, STIFFNESSES[1::2], ZETAS[1:], STEPS_MS[1:2]]
@@ -130,7 +134,7 @@ def fall(row):
     return {
         "rise": largest_rise(run.energy[:, :3].sum(axis=1)) / scale,
         "scale_J": scale,
-        "newton_iterations": run.work.newton_iterations / max(run.work.steps, 1),
+        "newton_per_step": run.work.newton_iterations / max(run.work.steps, 1),
         "halvings": run.work.halvings,
         "status": run.status,
         "reason": run.message,
@@ -147,14 +151,14 @@ def by_scheme(runs):
                 "scheme": label(scheme),
                 "runs": len(group),
                 "runs_that_gained": int((group["rise"] > GAIN).sum()),
-                "runs_that_say_so": int((group["status"] != "done").sum()),
+                "runs_that_say_so": int(((group["rise"] > GAIN) & (group["status"] != "done")).sum()),
                 "worst_rise": worst["rise"],
-                "worst_rise_at": f"{worst['start']}, EA {worst['EA_N']:.0e} N, ζ {worst['zeta']:g}, {worst['step_ms']:g} ms",
+                "worst_rise_at": f"{worst['start']}, EA = {power(worst['EA_N'])} N, ζ = {worst['zeta']:g}, {worst['step_ms']:g} ms",
                 "worst_rise_zeta_to_0.05": group[group["zeta"] < 1.0]["rise"].max(),
                 "diverged": int((group["status"] == "diverged").sum()),
                 "unconverged": int((group["status"] == "unconverged").sum()),
                 "runs_with_halvings": int((group["halvings"] > 0).sum()),
-                "newton_iterations_a_step": group["newton_iterations"].mean(),
+                "newton_per_step": group["newton_per_step"].mean(),
             }
         )
     return pd.DataFrame(lines)
@@ -165,7 +169,7 @@ def iterations(EA):
     found = {"EA_N": EA}
     for zeta in ZETAS[:2]:
         run = simulate(cable(EA, zeta), DURATION, method="edmc", dt=ITERATIONS_STEP, start="straight")
-        found[f"iterations_a_step_zeta_{zeta:g}"] = run.work.newton_iterations / run.work.steps
+        found[f"newton_per_step_zeta_{zeta:g}"] = run.work.newton_iterations / run.work.steps
         found[f"halvings_zeta_{zeta:g}"] = run.work.halvings
     return found
 
@@ -193,8 +197,20 @@ FLOOR = 1e-18  # drawn for no rise at all
 
 
 def plot(rows):
-    """Figures of the study, {name: matplotlib Figure}."""
-    return {"rise_against_stiffness": _plot_rise(rows["runs"]), "energy_over_time": _plot_whip(rows["whip"])}
+    """Drawings of the study, by name."""
+    title = f"EA = {power(WHIP_EA)} N, a damping ratio of {WHIP_ZETA:g} and steps of {1e3 * WHIP_STEP:g} ms"
+    return {
+        "rise_against_stiffness": Drawing(
+            _plot_rise(rows["runs"]),
+            "Largest rise of energy of each scheme over the stiffness, one panel a damping ratio ζ of a segment: the worst of all "
+            "starts and steps, over the energy in play. The grey band at the bottom is round-off and Newton's tolerance.",
+        ),
+        "energy_over_time": Drawing(
+            _plot_whip(rows["whip"]),
+            f"Energy of the loose cable over time, above that at its start, at {title}. Nothing puts energy in, so that it may "
+            "only fall.",
+        ),
+    }
 
 
 def _plot_rise(runs):
@@ -216,12 +232,10 @@ def _plot_rise(runs):
         axes.yaxis.set_major_locator(LogLocator(base=1000.0, numticks=20))
         axes.yaxis.set_minor_locator(NullLocator())
         axes.grid(axis="y", color="0.85", lw=0.5)
-    panels[0].set_ylabel("largest rise of energy over the scale")
-    panels[0].text(0.03, 1e-10, "round-off and Newton's tolerance", transform=panels[0].get_yaxis_transform(), va="top",
-                   fontsize=8, color="0.35")  # fmt: skip
+    panels[0].set_ylabel("largest rise of energy over that in play [-]")
     handles = {label: line for axes in panels for line, label in zip(*axes.get_legend_handles_labels(), strict=True)}
     handles["some run did not reach its end"] = panels[0].plot([], [], "o", mfc="none", mec="k", ms=11, mew=0.8)[0]
-    handles[f"rise of {GAIN:.0%}"] = panels[0].plot([], [], "k:", lw=0.8)[0]
+    handles[f"rise of {percent(GAIN)}"] = panels[0].plot([], [], "k:", lw=0.8)[0]
     figure.legend(handles.values(), handles, loc="outside lower center", ncols=5, frameon=False, fontsize=9)
     return figure
 
@@ -235,75 +249,124 @@ def _plot_whip(whip):
     for scheme, group in whip.groupby("scheme", sort=False):
         status = group["status"].iloc[0]
         name = label(scheme) if status == "done" else f"{label(scheme)} ({status})"
-        axes.plot(group["t_s"], group["energy_J"], color=style(scheme).color, label=name)
+        axes.plot(group["t_s"], group["energy_J"], markevery=20, ms=5, **(style(scheme).of_line() | {"label": name}))
     axes.axhline(0.0, color="k", lw=0.8, ls=":")
     axes.set(xlabel="time [s]", ylabel="energy above that of the start [J]")
     axes.set_yscale("symlog", linthresh=0.01)
     axes.set_ylim(bottom=-1.0)
     axes.yaxis.set_minor_locator(NullLocator())
-    axes.legend(frameon=False, fontsize=9, loc="upper left")
-    axes.set_title(f"loose cable, EA = {WHIP_EA:.0e} N, ζ = {WHIP_ZETA:g}, steps of {1e3 * WHIP_STEP:g} ms", fontsize=10)
+    figure.legend(*axes.get_legend_handles_labels(), frameon=False, fontsize=9, loc="outside right center")
     return figure
 
 
 def answer(rows):
-    """The answer in words, with the numbers of `rows`."""
-    table, runs, whip = rows["by_scheme"].set_index("scheme"), rows["runs"], rows["whip"]
-    safe = [label("edmc"), label("backward_euler")]
-    gained = table.drop(index=[*safe, label("verlet")], errors="ignore").sort_values("worst_rise_zeta_to_0.05")
-    worst = "; ".join(
-        f"{name} {line['worst_rise_zeta_to_0.05']:.2g} and {line['worst_rise']:.2g}, in {line['runs_that_gained']} of"
-        f" {line['runs']} runs"
-        for name, line in gained.iterrows()
-    )
-    ended = "every run of every scheme reached its end"
-    if runs["status"].isin(LOST).any():
-        ended = "every run reached its end but for " + ", ".join(
-            f"{line['diverged'] + line['unconverged']} of {name}"
-            for name, line in table.iterrows()
-            if line["diverged"] + line["unconverged"]
+    """The answer in words, every number and claim from `rows`."""
+    return "\n\n".join([
+        _finding(rows), _gains(rows), _ended(rows), _within_the_limit(rows["verlet"]), _iterations(rows["newton_iterations"]),
+        _losses(rows["whip"]), LEFT_OUT,
+    ])  # fmt: skip
+
+
+def _implicit(rows):
+    """The table of implicit schemes by name, and which of them never gained energy."""
+    table = rows["by_scheme"].set_index("scheme").drop(index=label("verlet"), errors="ignore")
+    return table, table["runs_that_gained"] == 0
+
+
+def _finding(rows):
+    table, quiet = _implicit(rows)
+    gained, words = table[~quiet], "Every implicit scheme gains energy in some run."
+    if quiet.any():
+        rises = listed(f"{power(row['worst_rise'], 1)} with {name}" for name, row in table[quiet].iterrows())
+        small = table.loc[quiet, "worst_rise"].max() < TOLERANCE
+        words = (
+            f"Of {len(table)} implicit schemes {listed(table.index[quiet])} never {'gains' if quiet.sum() == 1 else 'gain'} "
+            f"energy, whatever the start, stiffness, damper and step: the worst rise over the energy in play is {rises}, which is "
+            f"{'no more than round-off' if small else f'below {percent(GAIN)}, yet more than round-off'} and Newton's tolerance "
+            f"leave."
         )
-    counts = rows["newton_iterations"].set_index("EA_N")[f"iterations_a_step_zeta_{ZETAS[1]:g}"]
-    numbers = ", ".join(f"{count:.2f} at {EA:.0e}" for EA, count in counts.items())
-    lost = whip.groupby("scheme")["energy_J"].last()
-    halved = table.loc[safe[0]]
-    free = rows["verlet"][rows["verlet"]["zeta"] == 0.0]
-    shares = ", ".join(f"{line.rise:.1g} at {line.share_of_limit:g}" for line in free.itertuples())
-    damped = rows["verlet"][rows["verlet"]["zeta"] > 0.0]["rise"].max()
-    return f"""
-Two schemes never gain energy, whatever the start, stiffness, damper and step: edmc, whose largest rise is
-{table.loc[safe[0], "worst_rise"]:.1g} of the energy in play, and backward Euler with {table.loc[safe[1], "worst_rise"]:.1g}.
-That is round-off and Newton's tolerance. All other implicit schemes gain, from a share of the energy in play to many times all
-of it, although their linear theory promises stability at every step.
-
-Largest rise, at a damping ratio up to {ZETAS[1]:g} and with the damper of {ZETAS[2]:g} as well: {worst}. A rise is the
-largest one above the least energy before, over the weight times the length of the cable ({MASS * GRAVITY * LENGTH:.3g} J)
-or the elastic energy of the start if that is more; a run has gained if it is above {GAIN:.0%}. From a tenth of the energy in
-play on a run does not end as "done" but says so: {int(table["runs_that_say_so"].sum())} of the
-{int(table["runs_that_gained"].sum())} that gained.
-
-No Newton iteration was left unconverged ({int(table["unconverged"].sum())} in {len(runs)} runs); {ended}. edmc had to
-halve a step in {halved["runs_with_halvings"]} of its {halved["runs"]} runs, most of them at {STEPS_MS[-1]:g} ms and EA =
-{STIFFNESSES[-1]:.0e} N.
-
-Velocity Verlet's limit allows it in few of these cases, and is that of small motions: within it, an undamped cable that
-goes slack and snaps taut gains energy all the same. Over {VERLET_TIME:g} s of the loose cable at EA = {VERLET_EA:.0e} N
-the rise is {shares} of the limit; with a damping ratio of {VERLET_ZETAS[1]:g} it is {damped:.1g} at most.
-
-Stiffness does not make edmc's steps dear: on the loose cable at {1e3 * ITERATIONS_STEP:g} ms, Newton iterations a step
-are {numbers} N, the largest {counts.max() / counts.min():.2f} times the smallest.
-
-What a scheme loses matters too. After {2 * DURATION:g} s of the loose cable at EA = {WHIP_EA:.0e} N and steps of
-{1e3 * WHIP_STEP:g} ms, edmc has lost {-1e3 * lost["edmc"]:.2g} mJ, SDIRK2 {-1e3 * lost["sdirk2"]:.2g} mJ and backward Euler
-{-1e3 * lost["backward_euler"]:.2g} mJ of a swing that is worth {1e3 * MASS * GRAVITY * LENGTH / 2:.3g} mJ; the implicit
-midpoint rule has gained {lost["midpoint"]:.2g} J.
-
-Left out: two-way springs, which hold no promise for any scheme; nets, where nothing else happens; and the accuracy of
-what does not blow up, which is the study `speed`'s.
-"""
+    if not len(gained):
+        return words
+    return (
+        f"{words} The worst rise with {listed(gained.index)} is {between(gained['worst_rise'], 'times', 2)} the energy in play, "
+        "although linear theory promises stability at every step."
+    )
 
 
-if __name__ == "__main__":
-    from studies.command_line import main
+def _gains(rows):
+    table, quiet = _implicit(rows)
+    gained = table[~quiet].sort_values("worst_rise_zeta_to_0.05")
+    worst = "; ".join(
+        f"{name} {power(row['worst_rise_zeta_to_0.05'], 2)} and {power(row['worst_rise'], 2)}, in {row['runs_that_gained']} of "
+        f"{row['runs']} runs"
+        for name, row in gained.iterrows()
+    )
+    said, all_gained = table["runs_that_say_so"].sum(), table["runs_that_gained"].sum()
+    return (
+        f"Largest rise at damping ratios up to {ZETAS[1]:g}, and at all of them: {worst or 'none'}. A rise is that above the least "
+        f"energy before, over the weight times the length of the cable ({MASS * GRAVITY * LENGTH:.3g} J) or the elastic energy of "
+        f"the start if that is more; a run has gained if it is above {percent(GAIN)}. Of {counted(all_gained, 'run')} that gained, "
+        f"{said} did not "
+        'end as "done" but say what is wrong with them; a run does so from a tenth of the energy in play on.'
+    )
 
-    main(["study", "energy_rise"])
+
+def _ended(rows):
+    table, _ = _implicit(rows)
+    lost = {name: row["diverged"] + row["unconverged"] for name, row in table.iterrows() if row["diverged"] + row["unconverged"]}
+    unconverged = counted(table["unconverged"].sum(), "run")
+    but = f" but {listed(f'{number} of {name}' for name, number in lost.items())}" if lost else ""
+    edmc = rows["runs"][rows["runs"]["scheme"] == "edmc"]
+    halved = edmc[edmc["halvings"] > 0]
+    words = (
+        f"All{but} of {table['runs'].sum()} runs reached their end; {unconverged} ended because Newton's iteration did not "
+        f"converge. edmc had to halve a step in {share(len(halved), len(edmc))} runs"
+    )
+    if len(halved):
+        step, EA = halved["step_ms"].mode().iloc[0], halved["EA_N"].mode().iloc[0]
+        words += f", most often at {step:g} ms and at EA = {power(EA)} N"
+    return words + "."
+
+
+def _within_the_limit(table):
+    free, damped = table[table["zeta"] == 0.0], table[table["zeta"] > 0.0]
+    shares = listed(f"{power(line.rise, 1)} at {line.share_of_limit:g}" for line in free.itertuples())
+    beyond = free[free["rise"] > GAIN]
+    verdict = (
+        "Velocity Verlet's limit is that of small motions: within it, an undamped cable that goes slack and snaps taut gains "
+        f"energy from {beyond['share_of_limit'].min():g} of the limit on"
+        if len(beyond)
+        else "Within its limit velocity Verlet gains no energy on an undamped cable that goes slack and snaps taut"
+    )
+    return (
+        f"{verdict}. Over {VERLET_TIME:g} s of the loose cable at EA = {power(VERLET_EA)} N the rise is {shares} of the limit; "
+        f"with a damping ratio of {between(damped['zeta'])} it is {power(damped['rise'].max(), 1)} at most."
+    )
+
+
+def _iterations(table):
+    counts = table.set_index("EA_N")[f"newton_per_step_zeta_{ZETAS[1]:g}"]
+    numbers = listed(f"{count:.2f} at {power(EA)} N" for EA, count in counts.items())
+    spread = counts.max() / counts.min()
+    verdict = "hardly depends on" if spread < 1.5 else "depends on"
+    return (
+        f"What a step of edmc costs {verdict} the stiffness: on the loose cable at {1e3 * ITERATIONS_STEP:g} ms it takes {numbers} "
+        f"Newton iterations, the most {spread:.2f} times the fewest."
+    )
+
+
+def _losses(whip):
+    change = whip.groupby("scheme", sort=False)["energy_J"].last()
+    lost = listed(f"{label(scheme)} {as_text(-1e3 * joules, 2)} mJ" for scheme, joules in change.items() if joules <= 0.0)
+    gained = listed(f"{label(scheme)} {power(joules, 2)} J" for scheme, joules in change.items() if joules > 0.0)
+    return (
+        f"What a scheme loses matters too. After {2 * DURATION:g} s of the loose cable at EA = {power(WHIP_EA)} N and steps of "
+        f"{1e3 * WHIP_STEP:g} ms, of a swing that is worth {1e3 * MASS * GRAVITY * LENGTH / 2:.3g} mJ: lost have {lost}; gained "
+        f"have {gained}. The cable has dampers, which take their part."
+    )
+
+
+LEFT_OUT = (
+    "Left out: two-way springs, which hold no promise for any scheme; nets, where nothing else happens; and the accuracy of what "
+    "does not blow up, which the study work_precision measures."
+)

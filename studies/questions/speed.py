@@ -1,43 +1,42 @@
-"""What does a step cost, how does the cost grow, and how much faster than real time is the carried net?"""
+"""What a step costs, how the cost grows with the net, and how much faster than real time the carried net is."""
 
 import time
 
 import numpy as np
 import pandas as pd
-from numba import njit
 
 from anet_lumped import equilibrium, simulate
-from anet_lumped.mechanics import newton_step, residual, settle
 from anet_lumped.mechanics.fresh_net import fresh_net
 from integrators.stage import LAW_BETWEEN, Stage
-from studies.accuracy_cost.cases import net
+from studies.accuracy_cost.motions import net
+from studies.accuracy_cost.paired_timing import in_words, ratio, seconds_of, take_turns
+from studies.shown.palette import look
+from studies.shown.sentences import between, counted, listed, power, stiffness
+from studies.shown.show import as_text
+from studies.study import Drawing, Part, Record
 
-QUESTION = "What does a step cost, does its cost grow with the size of the net, and how fast is the carried net?"
+STUDY = Record(
+    question="What does a step cost, does its cost grow with the size of the net, and how fast is the carried net?",
+    part=Part.CURE,
+    first_look="the net has up to 800 segments in place of 100,000 and three stiffnesses in place of five, and all is "
+    "timed in 6 turns in place of 12.",
+)
+TABLES = {
+    "costs": "A line for each number of nodes and each thing that costs: the median of its times.",
+    "turns": "A line for each number of nodes and each turn in which all of them were timed, in s.",
+    "paces": "A line for each stiffness and step of edmc on the carried net: error of p0, and how fast it is.",
+}
 
 SEGMENTS = (20, 60, 200, 2000, 25_000)  # of each of the net's four cables
 STIFFNESSES = (1e4, 1e5, 1e6, 1e7, 1e8)  # [N]
 STEPS = (40e-3, 20e-3, 10e-3, 5e-3)  # [s]
 REFERENCE = 0.5e-3  # [s] step of generalised-alpha, another method, that places are compared with
 T_END = 4.0  # [s]
-REPEATS = 5
+REPEATS, QUICK_REPEATS = 12, 6  # turns in which everything is timed
+TARGET_MM = 0.1  # error of p0 at which paces are compared
 TIMED = ("symplectic_euler", "verlet")  # a step of these
-ITERATION, ACCOUNT = "edmc, a Newton iteration", "edmc, energy account and calming of a step"
-
-
-@njit(cache=True)
-def newton_iterations(stage, base, target, q, place, times):
-    """What Newton's method does in an iteration, again and again at one place."""
-    for _ in range(times):
-        residual.residual(stage, base, target, q, place)
-        newton_step.direction(stage, place)
-        newton_step.correct(place, 0.0, q)
-
-
-@njit(cache=True)
-def accounts(stage, base, q, v, place, energy, times):
-    """What the energy balance adds to a step of edmc, and what calms its velocities."""
-    for _ in range(times):
-        settle.settle(stage, base, q, v, place, energy)
+EXPLICIT_STEP = "{}, a step"
+STEP, ITERATION, ACCOUNT = "edmc, a step", "edmc, a Newton iteration", "edmc, energy account and calming of a step"
 
 
 def seconds(function, *arguments, times):
@@ -55,7 +54,9 @@ def run_seconds(start, method, dt, steps):
 
 
 def costs(segments, repeats):
-    """A row for each thing that costs, in nanoseconds a node; the repeats take turns, so that all see the same machine."""
+    """A row for each thing that costs, in nanoseconds a node, and a row for each turn in which all of them were timed."""
+    from studies.accuracy_cost.compiled_loops import accounts, newton_iterations
+
     held = net("net_held", segments=segments)
     rest = equilibrium(held)
     start, nodes, h = equilibrium(net("net_carried", segments=segments)), rest.model.n, 0.01
@@ -63,21 +64,23 @@ def costs(segments, repeats):
     arrays.tension[:] = rest.segment_tension
     stage = Stage(LAW_BETWEEN, 0.5 * h, 2.0 / h**2, 0.5, h, 0.5)
     steps, iterations = max(10, int(2e6 / nodes)), max(5, int(1e6 / nodes))
-    found = []
-    for _ in range(repeats + 1):
-        row = {f"{method}, a step": run_seconds(start, method, 2e-4 / segments, steps) for method in TIMED}
-        row["edmc, a step"] = run_seconds(start, "edmc", h, max(10, steps // 10))
-        row[ITERATION] = seconds(newton_iterations, stage, rest.q, rest.q, q, arrays.address, times=iterations)
-        row[ACCOUNT] = seconds(accounts, stage, rest.q, q, v, arrays.address, energy, times=iterations)
-        began = time.perf_counter()
-        equilibrium(held)
-        found.append(row | {"equilibrium": time.perf_counter() - began})
-    medians = pd.DataFrame(found[1:]).median().items()
-    return [{"what": what, "nodes": nodes, "cost_a_node_ns": 1e9 * s / nodes, "total_ms": 1e3 * s} for what, s in medians]
+    timed = {EXPLICIT_STEP.format(method): lambda name=method: run_seconds(start, name, 2e-4 / segments, steps) for method in TIMED}
+    timed |= {
+        STEP: lambda: run_seconds(start, "edmc", h, max(10, steps // 10)),
+        ITERATION: lambda: seconds(newton_iterations, stage, rest.q, rest.q, q, arrays.address, times=iterations),
+        ACCOUNT: lambda: seconds(accounts, stage, rest.q, q, v, arrays.address, energy, times=iterations),
+        "equilibrium": lambda: seconds_of(lambda: equilibrium(held)),
+    }
+    turns = pd.DataFrame(take_turns(timed, repeats))
+    found = [
+        {"what": what, "nodes": nodes, "cost_a_node_ns": 1e9 * s / nodes, "total_ms": 1e3 * s} for what, s in turns.median().items()
+    ]
+    turns.insert(0, "nodes", nodes)
+    return found, turns
 
 
 def pace(EA, steps, repeats):
-    """Times real time of edmc on the carried net, and the error of p0 against another method at a far smaller step."""
+    """How many times faster than real time edmc carries the net, and p0's error against another method at a far smaller step."""
     scene = net("net_carried", EA=EA)
     reference = simulate(scene, T_END, method="generalised_alpha", dt=REFERENCE, save_every=0.04).position("p0")
     rows = []
@@ -97,60 +100,98 @@ def pace(EA, steps, repeats):
 
 
 def compute(quick=False, executor=None, out=None):
-    """Costs and paces, one process and one core: timings in parallel would measure each other.
-
-    Returns
-    -------
-    dict of DataFrame : "costs", "paces"
-    """
-    sizes, stiffnesses, repeats = (SEGMENTS[:2], STIFFNESSES[:1], 2) if quick else (SEGMENTS, STIFFNESSES, REPEATS)
+    """The tables, one process and one core: timings in parallel would measure each other."""
+    sizes, stiffnesses, repeats = (SEGMENTS[:3], STIFFNESSES[::2], QUICK_REPEATS) if quick else (SEGMENTS, STIFFNESSES, REPEATS)
+    found = [costs(segments, repeats) for segments in sizes]
     return {
-        "costs": pd.DataFrame([row for segments in sizes for row in costs(segments, repeats)]),
-        "paces": pd.DataFrame([row for EA in stiffnesses for row in pace(EA, STEPS, repeats)]),
+        "costs": pd.DataFrame([row for rows, _ in found for row in rows]),
+        "turns": pd.concat([turns for _, turns in found], ignore_index=True),
+        "paces": pd.DataFrame([row for EA in stiffnesses for row in pace(EA, STEPS, repeats // 3)]),
     }
 
 
 def plot(rows):
-    """Cost a node against size; error of p0 against speed."""
+    """Drawings of the study, by name."""
+    return {
+        "speed": Drawing(
+            _plot_speed(rows["costs"], rows["paces"]),
+            "Left: what a step, a Newton iteration and statics cost a node over the number of nodes, on one core. Right: error of "
+            "p0 in 4 s of the carried net over how many times faster than real time edmc runs, at steps of 40, 20, 10 and 5 ms.",
+        )
+    }
+
+
+def _plot_speed(costs_of, paces):
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(10, 3.8), layout="constrained")
+    figure = Figure(figsize=(10, 4.4), layout="constrained")
     size, speed = figure.subplots(1, 2)
-    for i, (what, part) in enumerate(rows["costs"].groupby("what", sort=False)):
-        size.loglog(part.nodes, part.cost_a_node_ns, marker="osv^DP"[i], ms=4, label=what)
+    for i, (what, part) in enumerate(costs_of.groupby("what", sort=False)):
+        size.loglog(part.nodes, part.cost_a_node_ns, ms=4, label=what, **look(i))
     size.set(xlabel="nodes", ylabel="cost a node [ns]")
-    size.legend(frameon=False, fontsize=8)
-    for i, (EA, part) in enumerate(rows["paces"].groupby("EA_N")):
-        speed.loglog(part.times_real_time, part.p0_error_mm, marker="osv^D"[i], ms=4, label=f"EA = 1e{np.log10(EA):.0f} N")
-    speed.axhline(0.1, color="0.6", lw=0.8, ls=":")
-    speed.axvline(300, color="0.6", lw=0.8, ls=":")
-    speed.set(xlabel="times real time, one core", ylabel="largest error of p0 [mm]", title="edmc at 40, 20, 10 and 5 ms")
-    speed.legend(frameon=False, fontsize=8)
-    return {"speed": figure}
+    for i, (EA, part) in enumerate(paces.groupby("EA_N")):
+        speed.loglog(part.times_real_time, part.p0_error_mm, ms=4, label=stiffness(EA), **look(i))
+    speed.axhline(TARGET_MM, color="0.6", lw=0.8, ls=":")
+    speed.set(xlabel="times faster than real time, one core", ylabel="largest error of p0 [mm]")
+    for axes in (size, speed):
+        axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
+    return figure
 
 
 def answer(rows):
-    """Costs a node and the pace of the carried net, with the numbers asked for beside them."""
-    costs_of = rows["costs"].pivot(index="nodes", columns="what", values="cost_a_node_ns")
+    """The answer in words, every number and claim from `rows`."""
+    table = rows["costs"].pivot(index="nodes", columns="what", values="cost_a_node_ns")
     held = rows["costs"][rows["costs"].what == "equilibrium"].iloc[0]
-    paces = rows["paces"]
-    good = paces[paces.p0_error_mm <= 0.1].sort_values("times_real_time").groupby("EA_N").tail(1)
+    return "\n\n".join(
+        [
+            _finding(rows["paces"]),
+            _growth(table),
+            _ratios(rows["turns"]),
+            f"The held net's equilibrium takes {as_text(held.total_ms, 2)} ms with {held.nodes} nodes.",
+            "Left out: compile time, which a machine spends once and keeps on its disk; more than one core.",
+        ]
+    )
 
-    def between(what):
-        return f"{costs_of[what].min():.0f} to {costs_of[what].max():.0f} ns"
 
-    words = [
-        f"With p0 within 0.1 mm the carried net runs {good.times_real_time.min():.0f} to {good.times_real_time.max():.0f} times "
-        f"faster than real time at EA = {good.EA_N.min():.0e} to {good.EA_N.max():.0e} N, on one core, with edmc at "
-        f"{1e3 * good.step_s.min():.0f} ms.",
-        f"A node costs {between('symplectic_euler, a step')} in a step of symplectic Euler, {between('verlet, a step')} in one of "
-        f"verlet and {between(ITERATION)} in a Newton iteration, over {costs_of.index[0]} to {costs_of.index[-1]} nodes; the "
-        f"largest explicit ones at {costs_of['verlet, a step'].idxmax()} nodes. A whole step of edmc costs as much as "
-        f"{(costs_of['edmc, a step'] / costs_of['verlet, a step']).median():.0f} steps of verlet.",
-        f"The energy balance and the calming of velocities take {100 * (costs_of[ACCOUNT] / costs_of['edmc, a step']).max():.1f} % "
-        "of a step of edmc at most; "
-        "an explicit step has it from the force at two additions a segment.",
-        f"The held net's equilibrium takes {held.total_ms:.2f} ms.",
-        "Left out: compile time, which is paid once for a machine and kept; more than one core.",
-    ]
-    return "\n\n".join(words)
+def _finding(paces):
+    good = paces[(paces.p0_error_mm <= TARGET_MM) & (paces.status == "done")].sort_values("times_real_time").groupby("EA_N").tail(1)
+    if not len(good):
+        return f"With none of the steps tried does the carried net keep p0 within {TARGET_MM:g} mm."
+    missed = sorted(set(paces.EA_N) - set(good.EA_N))
+    words = (
+        f"With p0 within {TARGET_MM:g} mm the carried net runs {between(good.times_real_time, 'times', 2)} faster than real time "
+        f"at EA = {between_stiffnesses(good.EA_N)}, on one core, with edmc at {between(1e3 * good.step_s, 'ms')}."
+    )
+    return words + (f" At {listed(map(stiffness, missed))} no step tried is as accurate." if missed else "")
+
+
+def between_stiffnesses(values):
+    """ "1e4 N", or "1e4 to 1e8 N"."""
+    low, high = power(min(values)), power(max(values))
+    return f"{low} N" if low == high else f"{low} to {high} N"
+
+
+def _growth(table):
+    """What a node costs, and whether that grows with the net."""
+    words = []
+    for what in (*(EXPLICIT_STEP.format(method) for method in TIMED), STEP, ITERATION):
+        slope = np.polyfit(np.log(table.index), np.log(table[what]), 1)[0]
+        words.append(f"{between(table[what], 'ns', 2)} ({what}; nodes to the power {slope:+.2f})")
+    return (
+        f"A node costs {listed(words)}, over {table.index[0]} to {table.index[-1]} nodes. Where the power is 0 the cost grows in "
+        "proportion to the net."
+    )
+
+
+def _ratios(turns):
+    verlet, words = EXPLICIT_STEP.format("verlet"), []
+    for nodes, part in turns.groupby("nodes"):
+        words.append(
+            f"with {nodes} nodes {in_words(ratio(part[STEP], part[verlet]), 2)} and {in_words(ratio(part[ACCOUNT], part[STEP]), 2)}"
+        )
+    return (
+        "Timed in turns, with the interval in which the median lies: the time of a step of edmc over that of verlet, and that of "
+        f"the energy balance and the calming of velocities over that of the whole step of edmc: {'; '.join(words)}. That is by "
+        f"{counted(len(turns) // turns['nodes'].nunique(), 'pair')} each. An explicit step has its balance from the force at two "
+        "additions a segment."
+    )

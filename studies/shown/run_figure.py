@@ -1,20 +1,23 @@
-"""A run as a picture: the net at some times, its energy over time, and above them what became of it.
+"""A run as a picture: the net at some times, its energy over time, and above them how the run ended.
 
-Whatever is drawn of a run that is not "done", be it that its audit failed, says so in the figure itself: `mark` is for any figure.
+A figure of a run that is not "done", or whose audit failed, says so in red: `mark_failures` is for any figure.
 """
 
 import textwrap
 
 import numpy as np
 
+from studies.shown.palette import look
+
 SHOWN = 5  # times at which the net is drawn
 WIDE = 150  # characters of a line above the figure
 BAD = "#c1121f"
-OF_ENERGY = ("kinetic", "elastic", "gravitational", "work put in", "dissipated")
+OF_ENERGY = ("kinetic", "elastic", "potential", "work put in", "taken by dampers", "taken by effects", "taken by the method")
+UNDIVIDED = (*OF_ENERGY[:4], "dissipated")  # of a run saved by version 0.1
 
 
 def verdict(run) -> str:
-    """What became of a run, in words: its estimated error and its energy if an audit passed, its message if it is not "done"."""
+    """How a run ended, in words: its estimated error and its energy if an audit passed, its message if it is not "done"."""
     ran = f"{run.method}, t = {run.t[0]:.4g} to {run.t[-1]:.4g} s"
     if not run.ok:
         return f"{run.status.upper()} ({ran}): {run.message.removeprefix('The audit failed: ')}"
@@ -22,7 +25,7 @@ def verdict(run) -> str:
         return f"done, not audited ({ran})"
     audit = run.audit
     return (
-        f"audit passed ({ran}): places to {as_length(audit.error)} (estimate, at {audit.where}, t={audit.t:.3g} s; "
+        f"audit passed ({ran}): positions to {as_length(audit.error)} (estimate, at {audit.where}, t={audit.t:.3g} s; "
         f"{as_length(audit.allowed)} allowed), energy accounted for to {audit.imbalance:.1g}"
     )
 
@@ -33,7 +36,7 @@ def as_length(metres: float) -> str:
     return f"{metres / size:.3g} {unit}"
 
 
-def mark(figure, *runs) -> None:
+def mark_failures(figure, *runs) -> None:
     """Write what is wrong with the runs that a figure shows in red above it, and frame it; nothing if all are "done"."""
     wrong = dict.fromkeys(verdict(run) for run in runs if not run.ok)
     if wrong:
@@ -58,7 +61,7 @@ def plot(run):
         panel.spines[["top", "right"]].set_visible(False)
     if run.ok:
         _above(figure, verdict(run), "0.25")
-    mark(figure, run)
+    mark_failures(figure, run)
     return figure
 
 
@@ -81,13 +84,14 @@ def _shapes(axes, run):
 
 
 def _energies(axes, run):
-    for i, name in enumerate(OF_ENERGY):
-        rows = run.energy[:, i] - (run.energy[0, i] if name == "gravitational" else 0.0)
+    for i, name in enumerate(OF_ENERGY if run.energy.shape[1] == len(OF_ENERGY) else UNDIVIDED):
+        rows = run.energy[:, i] - (run.energy[0, i] if name == "potential" else 0.0)
         if np.any(rows):
-            axes.plot(run.t, rows, lw=1.2, label=name, color=f"C{i}")
+            own = look(i)
+            axes.plot(run.t, rows, lw=1.2, label=name, color=own["color"], ls=own["linestyle"])
     for event in run.events:
         axes.axvline(event.t, color="0.8", lw=1, zorder=0)
-    total = run.energy[:, :3].sum(axis=1) - run.energy[:, 3] + run.energy[:, 4]
-    axes.plot(run.t, total - total[0], "k--", lw=1, label="not accounted for")
+    total = run.energy[:, :3].sum(axis=1) - run.energy[:, 3] + run.energy[:, 4:].sum(axis=1)
+    axes.plot(run.t, total - total[0], color="k", ls=(0, (1, 3)), lw=1.5, label="not accounted for")
     axes.set(xlabel="t [s]", ylabel="energy [J]")
     axes.legend(frameon=False, fontsize=8, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))

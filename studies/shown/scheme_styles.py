@@ -1,21 +1,23 @@
 """How figures draw a scheme: its label, a colour of its family, a mark of its own, a line; the same in all figures.
 
-Nothing is listed here by a scheme's name: a scheme's place in its family gives its colour, its place among all schemes its mark.
+Nothing is listed here by a scheme's name: a scheme's number in its family gives its colour, its number among all schemes its mark.
+Readers who see no colours tell schemes by their marks.
 """
 
 from typing import NamedTuple
 
 from integrators import schemes
 from integrators.schemes.record import Family
+from studies.shown.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 
-PALETTES = {  # colours of a family, taken again from the first one where it has more schemes
-    Family.SYMPLECTIC: ("0.5", "k"),
-    Family.EXPLICIT_RUNGE_KUTTA: ("0.75", "C7", "slateblue", "C6", "C8", "navy"),
-    Family.ENERGY_MOMENTUM: ("C0", "deepskyblue"),
-    Family.DIAGONALLY_IMPLICIT: ("C2", "C3", "C1", "C4", "darkgoldenrod", "firebrick"),
-    Family.COLLOCATION: ("C9",),
-    Family.ALPHA: ("C5",),
-    Family.MULTISTEP: ("tan", "olive"),
+PALETTES = {  # colours of a family, of one hue; taken again from the first one where the family has more schemes
+    Family.SYMPLECTIC: (GREY, BLACK),
+    Family.EXPLICIT_RUNGE_KUTTA: (PURPLE, "#882255", "#AA4499", "#661100", "#DDA0C8", "#5A2A6E"),
+    Family.ENERGY_MOMENTUM: (BLUE, SKY),
+    Family.DIAGONALLY_IMPLICIT: (ORANGE, VERMILION, "#994F00", "#DDAA33", "#5D3A00", "#BB5566"),
+    Family.COLLOCATION: ("#117733",),
+    Family.ALPHA: (GREEN,),
+    Family.MULTISTEP: ("#999933", "#666600"),
 }
 MARKS = "><v^8osDpPX1234+xdhH*|_"
 EXPLICIT_LINE, IMPLICIT_LINE = "--", "-"

@@ -10,12 +10,13 @@ UNITS = {
     "N": "tension force EA",
     "s": "dt step time reached",
     "rad/s": "frequency",
-    "J": "energy kinetic elastic gravitational work dissipated",
+    "J": "energy kinetic elastic potential work dissipated",
     "-": "stretch imbalance residual",
     "": "evaluations",
 }
 UNIT = {word: unit for unit, words in UNITS.items() for word in words.split()}  # by the last such word of a name
 SUFFIXES = "m mm um cm kg g s ms us ns N J Hz percent degrees".split()  # that are the unit of a name that ends so
+COMPOUND_UNITS = {"_Ns_per_m": "N·s/m", "_N_per_m": "N/m", "_rad_per_s": "rad/s", "_m_per_s": "m/s", "_per_s": "1/s"}
 WIDE = 10  # columns; a wider table of few rows is shown on its side
 
 
@@ -43,26 +44,28 @@ def show(result: dict) -> None:
 def column_head(name) -> str:
     """Words of a column's name, its unit in brackets: "sag error [mm]" for sag_error_mm."""
     name = str(name)
-    if name.endswith("_N_per_m"):
-        return f"{_words(name.removesuffix('_N_per_m'))} [N/m]"
+    for ending, unit in COMPOUND_UNITS.items():
+        if name.endswith(ending):
+            return f"{_words(name.removesuffix(ending))} [{unit}]"
     *words, last = name.split("_")
     return f"{' '.join(words)} [{last.replace('percent', '%')}]" if words and last in SUFFIXES else _words(name)
 
 
-def as_text(value) -> str:
-    """Text of a value: a number with four digits, and with a power of ten where they would be lost among zeros."""
+def as_text(value, digits: int = 4) -> str:
+    """Text of a value: a number with so many digits, and with a power of ten (1e-5) where they would be lost among zeros."""
     if isinstance(value, list | tuple):
-        return " ".join(map(as_text, value))
+        return " ".join(as_text(one, digits) for one in value)
     if isinstance(value, bool) or not isinstance(value, Real):
         return "" if value is None else str(value)
     if isinstance(value, Integral) or value == 0:
         return f"{value:.0f}"
     if not math.isfinite(value):
         return "–" if math.isnan(value) else f"{value}".replace("inf", "∞")
-    if not 1e-3 <= abs(value) < 1e6:
-        digits, power = f"{value:.3e}".split("e")
-        return f"{digits.rstrip('0').rstrip('.')}e{int(power)}"
-    text = f"{value:.{max(0, 3 - math.floor(math.log10(abs(value))))}f}"
+    rounded = float(f"{value:.{digits - 1}e}")
+    if not 1e-3 <= abs(rounded) < 1e6:
+        mantissa, power = f"{rounded:.{digits - 1}e}".split("e")
+        return f"{mantissa.rstrip('0').rstrip('.') if '.' in mantissa else mantissa}e{int(power)}"
+    text = f"{value:.{max(0, digits - 1 - math.floor(math.log10(abs(rounded))))}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 

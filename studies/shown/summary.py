@@ -1,4 +1,4 @@
-"""What is worth reading of a state at rest, a run, a scene before any run, and a comparison: plain dicts, SI units."""
+"""Summaries of a state at rest, a run, a scene before any run, advice and comparisons: plain dicts in SI units."""
 
 import csv
 from dataclasses import asdict
@@ -12,7 +12,7 @@ from studies.sweeping.measures import sag
 SOFT = 0.01  # static stretch worth a warning: cords under their working load stay below it
 
 
-def of_rest(state) -> dict:
+def rest_summary(state) -> dict:
     """Cables and free points of a state at rest, and how well its forces balance."""
     return {
         "cables": [{"cable": cable.name} | _at_rest(state, cable) for cable in state.scene.cables],
@@ -21,7 +21,7 @@ def of_rest(state) -> dict:
     }
 
 
-def of_run(run) -> dict:
+def run_summary(run) -> dict:
     """Status, method and why, work, energy, and where the run ended."""
     result = {
         "status": run.status,
@@ -66,8 +66,8 @@ def _audit(audit) -> dict:
     }  # fmt: skip
 
 
-def of_recommendation(found, scene) -> dict:
-    """What is recommended for a scene (its name or file), what it costs, the parts of its error, and the command to run it."""
+def recommendation_summary(found, scene) -> dict:
+    """The recommended method for a scene (its name or file), its cost, the parts of its error, and the command to run it."""
     cables = found.scene.cables
     alike = len({cable.segments for cable in cables}) == 1
     changes = {"segments": cables[0].segments} if alike else {f"{name}.segments": n for name, n in found.segments.items()}
@@ -105,8 +105,8 @@ def of_recommendation(found, scene) -> dict:
     }
 
 
-def of_effects(found) -> dict:
-    """Each effect of an audit: its numbers, what it changes, its cost, a verdict; and what the table does not say."""
+def effects_summary(found) -> dict:
+    """Each effect of an audit: its numbers, what it changes, its cost, a verdict; and notes on effects that were not judged."""
     from anet_lumped.advice.effect_audit import NEEDED, NEGLIGIBLE
 
     return {
@@ -134,8 +134,8 @@ def _effects(found):
     ]
 
 
-def before_run(scene, dt: float | None = None) -> dict:
-    """What is known of a scene before any run: static stretch, top modes, the steps that each method takes, warnings.
+def prediction_summary(scene, dt: float | None = None) -> dict:
+    """Predictions for a scene before any run: static stretch, top modes, the largest step of each method, warnings.
 
     With a step dt [s] also the stretch floor of the explicit methods: the smallest static stretch that it permits.
     """
@@ -170,7 +170,7 @@ def before_run(scene, dt: float | None = None) -> dict:
     return {"cables": cables, "methods": methods, "warning": warnings}
 
 
-def against_catenary(scene) -> dict:
+def catenary_comparison(scene) -> dict:
     """The scene at rest against the elastic catenary net between the same supports."""
     from anet_lumped.advice.compare import compare
     from anet_lumped.statics.equilibrium import equilibrium
@@ -182,7 +182,7 @@ def against_catenary(scene) -> dict:
     }
 
 
-def against_markers(scene, file) -> dict:
+def marker_comparison(scene, file) -> dict:
     """The scene at rest against measured markers, before and after its cables' lengths are fitted to them."""
     from anet_lumped.advice.markers import fit_markers, read_markers
 
@@ -191,15 +191,15 @@ def against_markers(scene, file) -> dict:
     return {
         "markers": len(markers.xyz),
         "unit": markers.unit,
-        "rows_without_a_place": markers.empty_rows,
+        "rows_without_a_position": markers.empty_rows,
         "outliers": fit.outliers,
         "offset": [_xyz(fit.offset)],
         "cables": [asdict(cable) for cable in fit.cables],
     }
 
 
-def of_ropes(diameter: float) -> dict:
-    """What each rope of the catalogue is, at a nominal diameter [m]."""
+def ropes_summary(diameter: float) -> dict:
+    """The ropes of the catalogue at a nominal diameter [m]."""
     from anet_lumped.scene.ropes import ROPES
 
     rows = []
@@ -220,7 +220,7 @@ def of_ropes(diameter: float) -> dict:
 
 
 def write_effects(found, file) -> None:
-    """Write what an audit found of each effect as CSV, a row each, with its reason."""
+    """Write the verdict on each effect as CSV, a row each, with its reason."""
     with file.open("w", newline="", encoding="utf-8") as text:
         rows = _effects(found)
         table = csv.DictWriter(text, [*rows[0], "reason"])
@@ -229,7 +229,7 @@ def write_effects(found, file) -> None:
 
 
 def write_nodes(state, file) -> None:
-    """Write the place [m] of every node, cable by cable, as CSV."""
+    """Write the position [m] of every node, cable by cable, as CSV."""
     with file.open("w", newline="", encoding="utf-8") as text:
         rows = csv.writer(text)
         rows.writerow(["cable", "node", "x", "y", "z"])
@@ -270,7 +270,7 @@ def _ranges(numbers):
 
 
 def _points(state):
-    """Places of the points that move."""
+    """Positions of the points that move."""
     free = [point.name for point in state.scene.points if isinstance(point, Free)]
     return [{"point": name} | _xyz(state.position(name)) for name in free]
 

@@ -1,10 +1,12 @@
-"""What a sweep measures: each entry of MEASURES is one number (or word) taken from a state at rest or from a run.
+"""What a sweep measures: each entry of MEASURES is one number (or word) of a state at rest or of a run.
 
 A measure is asked for by name, or by name and target: `stretch` is the largest over all cables, `stretch:s0-p0` that of
-one cable, `height:p0` that of a point. To add one, add an entry whose function is defined in a module.
+one cable, `height:p0` that of a point. To add one, add an entry of MEASURES whose function is defined in a module; nothing else
+knows measures by name.
 """
 
 from collections.abc import Callable
+from enum import StrEnum
 from functools import partial
 from operator import attrgetter
 from typing import NamedTuple
@@ -19,21 +21,43 @@ class MeasureError(ValueError):
     """A measure that does not exist, or a target that it cannot have."""
 
 
-class Measure(NamedTuple):
-    """A function of the state at rest or of the run (`of`), and of a target unless `target` is "".
+class Source(StrEnum):
+    """What a measure is taken from."""
 
-    `target` says what the target may be: "cable" or "cable or point", all cables if none is given, or "point".
+    REST = "rest"
+    RUN = "run"
+
+
+class Target(StrEnum):
+    """What a measure may be taken of; of all cables where it may be a cable and none is given."""
+
+    NONE = ""
+    CABLE = "cable"
+    CABLE_OR_POINT = "cable or point"
+    POINT = "point"
+
+
+class Measure(NamedTuple):
+    """One number or word of a sweep's table.
+
+    Parameters
+    ----------
+    function : of the state at rest or of the run, and of the target's name (None for all cables) unless there is no target
+    source : Source
+    target : Target
+    unit : str, "-" for a number without one
+    about : str, what it is
     """
 
     function: Callable
-    of: str
-    target: str
+    source: Source
+    target: Target
     unit: str
     about: str
 
 
 def read_measure(text: str, scene: Scene) -> tuple[Measure, tuple]:
-    """Measure that `text` ("name" or "name:target") asks for, and the arguments behind its state or run.
+    """Measure that `text` ("name" or "name:target") asks for, and the arguments of its function after the state or run.
 
     Raises
     ------
@@ -45,35 +69,37 @@ def read_measure(text: str, scene: Scene) -> tuple[Measure, tuple]:
         raise MeasureError(f"There is no measure called `{name}`{known}")
     measure = MEASURES[name]
     cables, points = [cable.name for cable in scene.cables], [point.name for point in scene.points]
-    allowed = {"": [], "cable": cables, "cable or point": cables + points, "point": points}[measure.target]
+    allowed = {
+        Target.NONE: [], Target.CABLE: cables, Target.CABLE_OR_POINT: cables + points, Target.POINT: points,
+    }[measure.target]  # fmt: skip
     if colon and not allowed:
         raise MeasureError(f"The measure `{name}` takes no target, but `{text}` was given.")
-    if target not in allowed and (colon or measure.target == "point"):
+    if target not in allowed and (colon or measure.target == Target.POINT):
         known = f"one of {', '.join(allowed)}, as in {name}:{allowed[-1]}"
         raise MeasureError(f"The target of measure `{name}` must be {known}, but `{text}` was given.")
     return measure, (target or None,) if measure.target else ()
 
 
-def _cables(x, target):
-    return [cable for cable in x.scene.cables if target in (None, cable.name)]
+def _cables(result, target):
+    return [cable for cable in result.scene.cables if target in (None, cable.name)]
 
 
-def _stretch(x, target, of=max):
-    return max(of(np.atleast_1d(x.length(cable.name))) / cable.length - 1.0 for cable in _cables(x, target))
+def _stretch(result, target, choose=max):
+    return max(choose(np.atleast_1d(result.length(cable.name))) / cable.length - 1.0 for cable in _cables(result, target))
 
 
 def _last(values):
     return values[-1]
 
 
-def _tension(x, target):
+def _tension(result, target):
     ends = [
-        x.tension(cable.name)[..., index].max()
-        for cable in x.scene.cables
+        result.tension(cable.name)[..., index].max()
+        for cable in result.scene.cables
         for point, index in ((cable.start, 0), (cable.end, -1))
         if point == target
     ]
-    return max(ends or [x.tension(cable.name).max() for cable in _cables(x, target)])
+    return max(ends or [result.tension(cable.name).max() for cable in _cables(result, target)])
 
 
 def _slack(state, target):
@@ -99,8 +125,8 @@ def _shape_error(state, target):
     return max(cable.rmse for cable in compare(state).cables if target in (None, cable.cable))
 
 
-def _coordinate(x, target, axis):
-    return np.atleast_1d(x.position(target)[..., axis])[-1]
+def _coordinate(result, target, axis):
+    return np.atleast_1d(result.position(target)[..., axis])[-1]
 
 
 def _energy_rise(run):
@@ -123,33 +149,35 @@ def _reached(run):
 _x, _y, _z = (partial(_coordinate, axis=axis) for axis in range(3))
 
 MEASURES = {
-    "stretch": Measure(_stretch, "rest", "cable", "-", "stretched length / length - 1 at rest"),
-    "sag": Measure(_sag, "rest", "cable", "m", "largest distance below the chord, along gravity, at rest"),
-    "tension": Measure(_tension, "rest", "cable or point", "N", "largest tension at rest, in a cable or at a point"),
-    "slack": Measure(_slack, "rest", "cable", "-", "number of slack segments at rest"),
-    "shape_error": Measure(_shape_error, "rest", "cable", "m", "RMSE of the nodes against the elastic catenary"),
-    "x": Measure(_x, "rest", "point", "m", "x of a point at rest"),
-    "y": Measure(_y, "rest", "point", "m", "y of a point at rest"),
-    "height": Measure(_z, "rest", "point", "m", "z of a point at rest"),
-    "end_stretch": Measure(partial(_stretch, of=_last), "run", "cable", "-", "the same at the end of the run"),
-    "peak_stretch": Measure(_stretch, "run", "cable", "-", "the same, largest at a saved time"),
-    "peak_tension": Measure(_tension, "run", "cable or point", "N", "largest tension at a saved time"),
-    "end_x": Measure(_x, "run", "point", "m", "x of a point at the end"),
-    "end_y": Measure(_y, "run", "point", "m", "y of a point at the end"),
-    "end_height": Measure(_z, "run", "point", "m", "z of a point at the end"),
-    "energy_rise": Measure(_energy_rise, "run", "", "J", "largest rise of the energy beyond the work done"),
-    "imbalance": Measure(attrgetter("energy_balance.imbalance"), "run", "", "-", "relative imbalance of the energy"),
-    "error_estimate": Measure(attrgetter("error_estimate"), "run", "", "m", "error that the scheme estimates"),
-    "steps": Measure(attrgetter("work.steps"), "run", "", "-", "steps taken"),
-    "rejected": Measure(attrgetter("work.rejected"), "run", "", "-", "steps rejected by the error control"),
-    "halvings": Measure(attrgetter("work.halvings"), "run", "", "-", "steps halved because Newton failed"),
-    "force_evaluations": Measure(attrgetter("work.force_evaluations"), "run", "", "-", "evaluations of the force"),
-    "newton_iterations": Measure(attrgetter("work.newton_iterations"), "run", "", "-", "Newton iterations"),
-    "newton_per_step": Measure(_newton_per_step, "run", "", "-", "Newton iterations a step"),
-    "factorisations": Measure(attrgetter("work.factorisations"), "run", "", "-", "factorisations"),
-    "method_used": Measure(attrgetter("method"), "run", "", "", "the method, for runs that choose their own"),
-    "step_used": Measure(attrgetter("dt"), "run", "", "s", "the step, for runs that choose their own"),
-    "end_time": Measure(_reached, "run", "", "s", "time reached"),
-    "wall_time": Measure(attrgetter("wall_time"), "run", "", "s", "time that the run took"),
-    "speed": Measure(_speed, "run", "", "-", "simulated time / time that the run took"),
+    "stretch": Measure(_stretch, Source.REST, Target.CABLE, "-", "stretched length / length - 1 at rest"),
+    "sag": Measure(_sag, Source.REST, Target.CABLE, "m", "largest distance below the chord, along gravity, at rest"),
+    "tension": Measure(_tension, Source.REST, Target.CABLE_OR_POINT, "N", "largest tension at rest, in a cable or at a point"),
+    "slack": Measure(_slack, Source.REST, Target.CABLE, "-", "number of slack segments at rest"),
+    "shape_error": Measure(_shape_error, Source.REST, Target.CABLE, "m", "RMS distance from the elastic catenary at rest"),
+    "x": Measure(_x, Source.REST, Target.POINT, "m", "x of a point at rest"),
+    "y": Measure(_y, Source.REST, Target.POINT, "m", "y of a point at rest"),
+    "height": Measure(_z, Source.REST, Target.POINT, "m", "z of a point at rest"),
+    "end_stretch": Measure(
+        partial(_stretch, choose=_last), Source.RUN, Target.CABLE, "-", "stretched length / length - 1 at the end"
+    ),
+    "peak_stretch": Measure(_stretch, Source.RUN, Target.CABLE, "-", "largest stretched length / length - 1"),
+    "peak_tension": Measure(_tension, Source.RUN, Target.CABLE_OR_POINT, "N", "largest tension at a saved time"),
+    "end_x": Measure(_x, Source.RUN, Target.POINT, "m", "x of a point at the end"),
+    "end_y": Measure(_y, Source.RUN, Target.POINT, "m", "y of a point at the end"),
+    "end_height": Measure(_z, Source.RUN, Target.POINT, "m", "z of a point at the end"),
+    "energy_rise": Measure(_energy_rise, Source.RUN, Target.NONE, "J", "largest rise of the energy beyond the work done"),
+    "imbalance": Measure(attrgetter("energy_balance.imbalance"), Source.RUN, Target.NONE, "-", "relative imbalance of the energy"),
+    "error_estimate": Measure(attrgetter("error_estimate"), Source.RUN, Target.NONE, "m", "error that the scheme estimates"),
+    "steps": Measure(attrgetter("work.steps"), Source.RUN, Target.NONE, "-", "steps taken"),
+    "rejected": Measure(attrgetter("work.rejected"), Source.RUN, Target.NONE, "-", "steps rejected by the error control"),
+    "halvings": Measure(attrgetter("work.halvings"), Source.RUN, Target.NONE, "-", "steps halved because Newton failed"),
+    "force_evaluations": Measure(attrgetter("work.force_evaluations"), Source.RUN, Target.NONE, "-", "evaluations of the force"),
+    "newton_iterations": Measure(attrgetter("work.newton_iterations"), Source.RUN, Target.NONE, "-", "Newton iterations"),
+    "newton_per_step": Measure(_newton_per_step, Source.RUN, Target.NONE, "-", "Newton iterations a step"),
+    "factorisations": Measure(attrgetter("work.factorisations"), Source.RUN, Target.NONE, "-", "factorisations"),
+    "method_used": Measure(attrgetter("method"), Source.RUN, Target.NONE, "", "the method, for runs that choose their own"),
+    "step_used": Measure(attrgetter("dt"), Source.RUN, Target.NONE, "s", "the step, for runs that choose their own"),
+    "end_time": Measure(_reached, Source.RUN, Target.NONE, "s", "time reached"),
+    "wall_time": Measure(attrgetter("wall_time"), Source.RUN, Target.NONE, "s", "time that the run took"),
+    "speed": Measure(_speed, Source.RUN, Target.NONE, "-", "simulated time / time that the run took"),
 }

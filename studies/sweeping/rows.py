@@ -5,14 +5,19 @@ into a dict of results, which may hold a `status` ("done" where it does not) and
 """
 
 import contextlib
+import importlib
 import json
 import os
+import threading
+import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from pathlib import Path
 
 from studies.sweeping.provenance import provenance
 from studies.sweeping.workers import through_executor, through_own_pool
+
+FORCED_AFTER = 0.5  # [s]; to force every line to the disk would take longer than a short row
 
 
 class RowsError(ValueError):
@@ -33,7 +38,8 @@ def run_rows(
     """Table with `function(row)` beside every row, in the order of `rows`.
 
     A function that raises and a worker process that dies make a line with a status and a reason, never a lost table.
-    With `out` each line is forced to disk (`rows.jsonl`) as it comes: kill -9 loses only what was running.
+    With `out` each line is written (`rows.jsonl`) as it comes, so that kill -9 loses only what was running, and forced to the
+    disk every FORCED_AFTER and at the end.
 
     Parameters
     ----------
@@ -60,21 +66,22 @@ def run_rows(
     asked = {_key(row, names): row for row in rows}
     if len(asked) < len(rows):
         raise RowsError(f"Rows must differ in their inputs, but {len(rows) - len(asked)} of {len(rows)} are repeated.")
-    lines, log = {}, contextlib.nullcontext()
+    lines, log = {}, None
     if out is not None:
         lines, log = _open_log(Path(out), names, asked, resume, _plain(identity or {}))
     todo = [row for key, row in asked.items() if key not in lines]
     results = through_executor(executor, function, todo) if executor else through_own_pool(function, todo, workers)
-    with log, contextlib.closing(results):
+    threading.Thread(target=importlib.import_module, args=("pandas",), daemon=True).start()  # while the workers start
+    with log or contextlib.nullcontext(), contextlib.closing(results):
         try:
             for row, result in _with_progress(results, len(todo), label):
                 line = _plain({"status": "done", "reason": ""} | result | row)
-                if out is not None:
-                    _append(log, line)
+                if log:
+                    log.append(line)
                 lines[_key(row, names)] = line
         except KeyboardInterrupt:
-            kept = f", which are in {log.name}" if out is not None else ""
-            raise KeyboardInterrupt(f"Stopped after {len(lines)} of {len(asked)} rows{kept}.") from None
+            on_disk = f", which are in {log.file.name}" if log else ""
+            raise KeyboardInterrupt(f"Stopped after {len(lines)} of {len(asked)} rows{on_disk}.") from None
     table = _table([lines[key] for key in asked], names)
     if out is not None:
         save_table(table, Path(out) / "rows")
@@ -111,15 +118,32 @@ def _open_log(out, names, asked, resume, identity):
     else:
         out.mkdir(parents=True, exist_ok=True)
         meta.write_text(json.dumps({"identity": identity, **provenance()}, indent=1))
-    file = log.open("ab")
-    file.truncate(whole)
-    return {key: line for key, line in lines.items() if line["status"] != "crashed"}, file
+    return {key: line for key, line in lines.items() if line["status"] != "crashed"}, _Log(log, whole)
 
 
-def _append(log, line):
-    log.write((json.dumps(line) + "\n").encode())
-    log.flush()
-    os.fsync(log.fileno())
+class _Log:
+    """`rows.jsonl`, opened behind its last whole line."""
+
+    def __init__(self, path, whole):
+        self.file, self.forced = path.open("ab"), time.perf_counter()
+        self.file.truncate(whole)
+
+    def append(self, line):
+        self.file.write((json.dumps(line) + "\n").encode())
+        self.file.flush()
+        if time.perf_counter() - self.forced > FORCED_AFTER:
+            self.force()
+
+    def force(self):
+        os.fsync(self.file.fileno())
+        self.forced = time.perf_counter()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self.force()
+        self.file.close()
 
 
 def _key(row, names):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from anet_lumped.scene.as_dict import scene_to_dict
 from anet_lumped.scene.scene import Scene
-from studies.sweeping.measures import Measure, read_measure
+from studies.sweeping.measures import Measure, Source, read_measure
 from studies.sweeping.rows import run_rows
 from studies.sweeping.vary import SETTINGS, VaryError, apply, grid, read_values
 
@@ -57,7 +57,7 @@ def sweep(
     runs = "t_end" in settings or "t_end" in values
     texts = tuple(measures) or AT_REST + OF_RUN * runs
     found = {text: read_measure(text, scene) for text in texts}
-    needing = [f"measure `{text}`" for text in texts if found[text][0].of == "run"]
+    needing = [f"measure `{text}`" for text in texts if found[text][0].source == Source.RUN]
     needing += [f"setting `{name}`" for name in (*values, *settings) if name in SETTINGS]
     if needing and not runs:
         raise VaryError(f"The time `t_end` [s] must be given for a run, which {needing[0]} needs, but it is not.")
@@ -75,28 +75,28 @@ def sweep(
 
 @dataclass(frozen=True)
 class Variant:
-    """Function of a row: the scene with the row's inputs in place, at rest or run, and measured."""
+    """Function of a row: apply the row's inputs to the scene, find its rest or run it, and measure."""
 
     scene: Scene
     settings: dict | None
     measures: dict[str, tuple[Measure, tuple]]
 
     def __call__(self, inputs: dict) -> dict:
-        """Measures, status and reason; of a run that failed those measures that its good part allows."""
+        """Measures, status and reason. Of a run that failed, those measures that its good part allows."""
         from anet_lumped.motion.simulate import simulate
         from anet_lumped.statics.equilibrium import equilibrium
 
         scene, varied = apply(self.scene, inputs)
-        x, result = {}, {}
-        if any(measure.of == "rest" for measure, _ in self.measures.values()):
-            x["rest"] = equilibrium(scene)
+        sources, result = {}, {}
+        if any(measure.source == Source.REST for measure, _ in self.measures.values()):
+            sources[Source.REST] = equilibrium(scene)
         if self.settings is not None:
             settings = self.settings | varied
-            if "rest" in x and settings.get("start", "equilibrium") == "equilibrium":
-                settings["start"] = x["rest"]
-            x["run"] = run = simulate(scene, **settings)
+            if Source.REST in sources and settings.get("start", "equilibrium") == "equilibrium":
+                settings["start"] = sources[Source.REST]
+            sources[Source.RUN] = run = simulate(scene, **settings)
             result = {"status": run.status, "reason": run.message}
         for text, (measure, target) in self.measures.items():
             with contextlib.suppress(Exception) if result.get("status", "done") != "done" else contextlib.nullcontext():
-                result[text] = measure.function(x[measure.of], *target)
+                result[text] = measure.function(sources[measure.source], *target)
         return result

@@ -67,12 +67,12 @@ def read_values(scene: Scene, vary: dict[str, str | Iterable]) -> dict[str, list
     ------
     VaryError : an unknown name (with the nearest known one) or a specification that cannot be read
     """
-    places = _places(scene_to_dict(scene))
+    fields = _fields(scene_to_dict(scene))
     values = {}
     for name, spec in vary.items():
-        if name not in places and name not in SETTINGS:
-            raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, places)}")
-        whole = name in places and all(type(container[key]) is int for container, key in places[name])
+        if name not in fields and name not in SETTINGS:
+            raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, fields)}")
+        whole = name in fields and all(type(container[key]) is int for container, key in fields[name])
         values[name] = parse_values(spec, whole) if isinstance(spec, str) else list(spec)
     return values
 
@@ -83,7 +83,7 @@ def grid(values: dict[str, list]) -> list[dict]:
 
 
 def apply(scene: Scene, inputs: dict) -> tuple[Scene, dict]:
-    """The scene with these inputs in place, and the settings of the run among them.
+    """The scene with these inputs, and the settings of the run among them.
 
     Raises
     ------
@@ -92,19 +92,19 @@ def apply(scene: Scene, inputs: dict) -> tuple[Scene, dict]:
     """
     settings = {name: value for name, value in inputs.items() if name in SETTINGS}
     entries = scene_to_dict(scene)
-    places = _places(entries)
+    fields = _fields(entries)
     touched = set()
     for name in inputs:
         if name in settings:
             continue
-        if name not in places:
-            raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, places)}")
-        for container, key in places[name]:
+        if name not in fields:
+            raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, fields)}")
+        for container, key in fields[name]:
             container[key] = inputs[name]
             touched.add((id(container), key))
     if len(settings) == len(inputs):
         return scene, settings
-    for cable in entries["cables"]:  # of zeta and BA one stands in place of the other
+    for cable in entries["cables"]:  # zeta and BA exclude each other
         varied = [key for key in ("zeta", "BA") if (id(cable), key) in touched]
         if varied == ["BA"]:
             del cable["zeta"]
@@ -113,41 +113,41 @@ def apply(scene: Scene, inputs: dict) -> tuple[Scene, dict]:
     return scene_from_dict(entries), settings
 
 
-def _places(entries):
-    """Name -> (container, key) of every value that it means, in a scene laid out as a scene file."""
-    places = {}
+def _fields(entries):
+    """Name -> (container, key) of every value that has this name, in a scene laid out as a scene file."""
+    fields = {}
     for cable in entries["cables"]:
         cable.setdefault("BA", None)
     parts = [(cable.get("name", f"{cable['start']}-{cable['end']}"), cable) for cable in entries["cables"]]
     parts += [(point["name"], point) for point in entries["points"]] + list(entries["effects"].items())
     for label, part in parts:
-        for path, container, key in _leaves(part):
+        for path, container, key in _values_below(part):
             for name in (path, f"{label}.{path}"):
                 if name not in SETTINGS:
-                    places.setdefault(name, []).append((container, key))
-    return places
+                    fields.setdefault(name, []).append((container, key))
+    return fields
 
 
-def _leaves(part, above=""):
+def _values_below(part, above=""):
     for key, value in part.items():
         if key in NOT_VARIED:
             continue
         if isinstance(value, dict):
-            yield from _leaves(value, f"{above}{key}.")
+            yield from _values_below(value, f"{above}{key}.")
         else:
             yield above + key, part, key
         if isinstance(value, list) and len(value) == 3:
             yield from ((f"{above}{key}.{axis}", value, i) for i, axis in enumerate("xyz"))
 
 
-def _hint(name, places):
-    known = [*SETTINGS, *places]
+def _hint(name, fields):
+    known = [*SETTINGS, *fields]
     same = [other for other in known if other.lower() == name.lower()]  # `ea` is nearer to `EA` than to `at`
     if same:
         return f", did you mean `{same[0]}`?"
-    parts = [other for other in places if "." not in other]
+    parts = [other for other in fields if "." not in other]
     return nearest(name, known, quote="`") or (
-        f"; known are {', '.join([*SETTINGS, *parts])}, and each field by its part's name, as in `{list(places)[1]}`."
+        f"; known are {', '.join([*SETTINGS, *parts])}, and each field by its part's name, as in `{list(fields)[1]}`."
     )
 
 

@@ -1,26 +1,41 @@
 """Where rows run: in an executor that is given, or in a pool of processes that survives the death of its workers."""
 
+import math
 import multiprocessing
 import os
 import signal
 import threading
+import time
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, wait
+from typing import NamedTuple
+
+from studies.compiling import NOTICE, NOTICED_AFTER, call_when_compiling, kernels_are_on_disk
 
 CRASHED = {
     "status": "crashed",
     "reason": "the worker process died: killed by the system, out of memory, or a fault in compiled code",
 }
 BROKEN = {"status": "crashed", "reason": "the executor broke before this row came back"}
+PRELOADED = "studies.sweeping.preloaded"  # imported once, by the process that workers are forked from
+BATCH_SECONDS, LARGEST_BATCH = 0.1, 64  # of work that a worker is given at a time, so that short rows need not travel one by one
+
+
+class Pool(NamedTuple):
+    """Processes that run rows; `compiles` is set by the first of them that has compiled for NOTICED_AFTER."""
+
+    executor: Executor
+    workers: int
+    compiles: object
 
 
 def through_executor(executor: Executor, function: Callable[[dict], dict], rows: Iterable[dict]) -> Iterator:
     """Yield (row, result) as they finish; once the executor breaks, the rows that it still held are crashed ones."""
     queue = deque(rows)
     for row, result in _results(executor, function, queue, window=len(queue)):
-        yield row, result or BROKEN
+        yield row, BROKEN if result is None else result
     for row in queue:
         yield row, BROKEN
 
@@ -38,24 +53,36 @@ def through_own_pool(function: Callable[[dict], dict], rows: Iterable[dict], wor
     others = multiprocessing.active_children()
     try:
         while queue:
-            pool, lost = _start_pool(workers, function), []
-            for row, result in _results(pool, function, queue, window=workers + 1):
-                if result:
-                    yield row, result
-                else:
+            pool, lost = _start_pool(workers, function), deque()
+            for row, result in _results_of_pool(pool, function, queue):
+                if result is None:
                     lost.append(row)
-            for row in lost:
+                else:
+                    yield row, result
+            while lost:
+                pool.executor.shutdown()
                 pool = _start_pool(1, function)
-                for _, result in _results(pool, function, deque([row]), window=1):
-                    yield row, result or CRASHED
-                pool.shutdown()
+                for row, result in _results(pool.executor, function, lost, window=1):
+                    yield row, CRASHED if result is None else result
         if pool:
-            pool.shutdown()
+            pool.executor.shutdown()
     finally:
         for process in set(multiprocessing.active_children()) - set(others):
             process.terminate()
         if pool:  # waits for its thread, which else may find its pipe closed as the interpreter ends
-            pool.shutdown(cancel_futures=True)
+            pool.executor.shutdown(cancel_futures=True)
+
+
+def start_early() -> None:
+    """Let the process that workers are forked from import what rows need while this process does the same.
+
+    Not before the kernels are compiled and on the disk: both would compile them.
+    """
+    if _start_method() == "forkserver" and kernels_are_on_disk():
+        from multiprocessing.forkserver import ensure_running
+
+        _context()
+        ensure_running()
 
 
 def available_cores() -> int:
@@ -63,34 +90,84 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _results(executor, function, queue, window):
-    """Yield (row, result), at most `window` rows in flight; of a broken executor (row, None) for those, then stop."""
+def _results_of_pool(pool, function, queue):
+    """`_results` of a pool whose first row goes ahead while it compiles, so that no two workers compile the same."""
+    began, pace = time.perf_counter(), _Pace(pool.workers)
+
+    def window():
+        if pool.compiles.value:
+            NOTICE.give()
+        alone = not pace.rows and (pool.compiles.value or time.perf_counter() - began < 2.0 * NOTICED_AFTER)
+        return 1 if alone else pool.workers + 1
+
+    return _results(pool.executor, function, queue, window, pace)
+
+
+class _Pace:
+    """How many rows a worker is given at a time, by the time that the last ones took."""
+
+    def __init__(self, workers):
+        self.workers, self.rows, self.seconds = workers, 0, math.inf
+
+    def heard(self, rows, seconds):
+        self.rows += rows
+        self.seconds = seconds / rows
+
+    def batch(self, remaining):
+        fair = math.ceil(remaining / (2 * self.workers))
+        return max(1, min(LARGEST_BATCH, fair, int(BATCH_SECONDS / max(self.seconds, 1e-6))))
+
+
+def _results(executor, function, queue, window, pace=None):
+    """Yield (row, result) of the rows in the queue; of a broken executor (row, None) for those in flight, then stop.
+
+    Parameters
+    ----------
+    window : batches in flight at most, or a function that says so and is asked now and then
+    pace : _Pace; rows go one by one without
+    """
     pending = {}
     broken = False
     try:
         while pending or (queue and not broken):
-            while queue and len(pending) < window and not broken:
+            most = window() if callable(window) else window
+            while queue and len(pending) < most and not broken:
+                batch = [queue.popleft() for _ in range(pace.batch(len(queue)) if pace else 1)]
                 try:
-                    pending[executor.submit(_guarded, function, queue[0])] = queue[0]
-                    queue.popleft()
+                    pending[executor.submit(_guarded, function, batch)] = batch
+                except BrokenExecutor:
+                    queue.extendleft(reversed(batch))
+                    broken = True
+            timeout = 0.5 * NOTICED_AFTER if callable(window) else None
+            for future in wait(pending, timeout, return_when=FIRST_COMPLETED).done:
+                batch = pending.pop(future)
+                try:
+                    results, seconds = future.result()
                 except BrokenExecutor:
                     broken = True
-            for future in wait(pending, return_when=FIRST_COMPLETED).done:
-                row = pending.pop(future)
-                try:
-                    yield row, future.result()
-                except BrokenExecutor:
-                    broken = True
-                    yield row, None
-                except Exception as error:  # the row or its result could not be sent
-                    yield row, _failed(error)
+                    results = [None] * len(batch)
+                except Exception as error:  # a row or its result could not be sent
+                    if len(batch) > 1:  # which of them is seen when they go one by one
+                        queue.extendleft(reversed(batch))
+                        pace = None
+                        continue
+                    results = [_failed(error)]
+                else:
+                    if pace:
+                        pace.heard(len(batch), seconds)
+                yield from zip(batch, results, strict=True)
     finally:
         for future in pending:
             future.cancel()
 
 
-def _guarded(function, row):
-    """Result of one row; an exception becomes a status and a reason where it is raised, so that it need not travel."""
+def _guarded(function, rows):
+    """Results of rows, and their time [s]; an exception becomes a status and a reason here, so that it need not travel."""
+    began = time.perf_counter()
+    return [_guarded_row(function, row) for row in rows], time.perf_counter() - began
+
+
+def _guarded_row(function, row):
     try:
         return dict(function(row))
     except Exception as error:
@@ -101,15 +178,25 @@ def _failed(error):
     return {"status": "failed", "reason": f"{type(error).__name__}: {error}"}
 
 
+def _start_method():
+    """Each worker imports afresh, or is forked from a process that has: no fork of this one, whose threads may hold locks."""
+    return "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
+
+
+def _context():
+    context = multiprocessing.get_context(_start_method())
+    if _start_method() == "forkserver":
+        context.set_forkserver_preload([PRELOADED])
+    return context
+
+
 def _start_pool(workers, function):
-    """Pool of processes that can load `function`; each imports afresh (no fork: compiled code and threads mind)."""
-    method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
-    context = multiprocessing.get_context(method)
-    if method == "forkserver":
-        context.set_forkserver_preload(["anet_lumped"])
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_prepare_worker)
+    """Pool of processes that can load `function`."""
+    context = _context()
+    compiles = context.RawValue("b", 0)  # without a lock, which a worker that is killed could hold
+    executor = ProcessPoolExecutor(workers, mp_context=context, initializer=_prepare_worker, initargs=(compiles,))
     try:
-        pool.submit(callable, function).result()
+        executor.submit(callable, function).result()
     except BrokenExecutor:
         raise RuntimeError(
             f"Worker processes must be able to import {function!r}, but they died doing so: define it in a module, and "
@@ -117,14 +204,15 @@ def _start_pool(workers, function):
         ) from None
     except Exception as error:  # pickle raises PicklingError, AttributeError or TypeError
         raise TypeError(f"A row's function must be picklable to reach worker processes, but {error}.") from None
-    return pool
+    return Pool(executor, workers, compiles)
 
 
-def _prepare_worker():
+def _prepare_worker(compiles):
     """Leave Ctrl-C to the parent, die with the parent, keep warnings off the progress bar (rows carry a status)."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     warnings.simplefilter("ignore")
     threading.Thread(target=_die_with_parent, daemon=True).start()
+    call_when_compiling(lambda: setattr(compiles, "value", 1))
 
 
 def _die_with_parent():

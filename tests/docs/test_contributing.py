@@ -10,7 +10,8 @@ import pytest
 
 from anet_lumped.effects import REGISTRY
 from anet_lumped.effects.flow.wind import KINDS
-from studies.study import STUDIES
+from integrators import schemes
+from studies.study import NAMES
 from studies.sweeping.measures import MEASURES
 
 ROOT = Path(__file__).parents[2]
@@ -24,13 +25,14 @@ ADDED = [title for title in SECTIONS if title.startswith("Add a")]
 @pytest.fixture
 def restored(tmp_path):
     """Registries, packages and modules are as they were, whatever an example adds to them."""
-    registries = (REGISTRY.classes, KINDS, STUDIES, MEASURES)
+    registries, names = (REGISTRY.classes, KINDS, MEASURES, schemes.MODULES), list(NAMES)
     before = [dict(registry) for registry in registries]
     paths = {name: list(module.__path__) for name, module in sys.modules.items() if hasattr(module, "__path__")}
     yield
     for registry, entries in zip(registries, before, strict=True):
         registry.clear()
         registry.update(entries)
+    NAMES[:] = names
     for name, path in paths.items():
         sys.modules[name].__path__[:] = path
     for name, module in list(sys.modules.items()):

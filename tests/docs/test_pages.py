@@ -1,5 +1,6 @@
 """The pages: their examples print what they say, their files are there, nothing that exists is left out."""
 
+import json
 import re
 import tomllib
 from pathlib import Path
@@ -14,7 +15,7 @@ from anet_lumped.effects import REGISTRY
 from anet_lumped.scene.as_dict import scene_from_dict
 from examples import alike, examples, run
 from studies.command_line import app
-from studies.study import STUDIES, study_names
+from studies.study import NAMES, Part
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -118,7 +119,7 @@ def test_files_that_the_architecture_names_are_there():
 
 def test_the_gallery_has_every_study():
     page = text_of(DOCS / "gallery.md")
-    for name in study_names():
+    for name in NAMES:
         assert f"Study `{name}`" in page
 
 
@@ -126,15 +127,17 @@ def test_a_gallery_is_made_of_what_a_report_has(tmp_path):
     folder = tmp_path / "report" / "order"
     folder.mkdir(parents=True)
     (folder / "answer.txt").write_text("It is *2*.\n\nLeft out:\nmuch.\n")
-    (folder / "meta.json").write_text('{"quick": true, "versions": {"anet-lumped": "9.9"}}')
+    meta = {"quick": True, "versions": {"anet-lumped": "9.9"}, "question": "Is it 2?", "part": Part.CURE}
+    meta["captions"] = {"all_errors": "Errors of all. They fall."}
+    (folder / "meta.json").write_text(json.dumps(meta))
     (folder / "all_errors.svg").write_text("<svg/>")
     (folder / "heavy.svg").write_text(" " * (gallery.HEAVY + 1))
     lacking = gallery.make(tmp_path / "report", tmp_path)
-    assert lacking == [name for name in study_names() if name != "order"]
+    assert lacking == [name for name in NAMES if name != "order"]
     page = (tmp_path / "gallery.md").read_text()
-    assert "version 9.9" in page and "Study `order`, a first look" in page and all(f"## {part}" in page for part in STUDIES)
+    assert "version 9.9" in page and "Study `order`, a first look" in page and all(f"## {part}" in page for part in Part)
     assert "It is \\*2\\*.\n\nLeft out: much.\n" in page
-    assert "![all errors](figures/studies/order-all_errors.svg)" in page and "heavy" not in page
+    assert "![Errors of all](figures/studies/order-all_errors.svg)\n\nErrors of all. They fall.\n" in page and "heavy" not in page
     assert [file.name for file in (tmp_path / "figures" / "studies").iterdir()] == ["order-all_errors.svg"]
 
 

@@ -35,6 +35,11 @@ def traced(u, d, L0=0.1):
     return jnp.stack(SEGMENT(*u, tx, ty, tz, NORMAL, ALONG))
 
 
+# JAX compiles each of these once, for all examples.
+TRACED, OF_U, OF_D = jax.jit(traced), jax.jit(jax.jacobian(traced)), jax.jit(jax.jacobian(traced, 1))
+POINT_OF_U = jax.jit(jax.jacobian(lambda u: jnp.stack(POINT(*u, NORMAL))))
+
+
 def compiled(u, d, L0=0.1):
     tx, ty, tz, _ = drag.tangent_of(*d, L0)
     return np.array(drag.segment_drag(*u, tx, ty, tz, NORMAL, ALONG))
@@ -95,15 +100,14 @@ def test_slopes_against_jax(u, d):
     u, d = np.array(u), np.array(d)
     l = np.linalg.norm(d)
     speed = np.linalg.norm(u)
-    np.testing.assert_allclose(traced(u, d), compiled(u, d), rtol=0, atol=32 * EPS * speed**2)
+    np.testing.assert_allclose(TRACED(u, d), compiled(u, d), rtol=0, atol=32 * EPS * speed**2)
     of_u, of_d = slopes(u, d)
-    np.testing.assert_allclose(jax.jacobian(traced)(jnp.array(u), d), of_u, rtol=0, atol=64 * EPS * speed)
+    np.testing.assert_allclose(OF_U(u, d), of_u, rtol=0, atol=64 * EPS * speed)
     if l >= drag.SHORTEST * 0.1:
-        np.testing.assert_allclose(jax.jacobian(traced, 1)(u, jnp.array(d)), of_d, rtol=0, atol=64 * EPS * speed**2 / l)
+        np.testing.assert_allclose(OF_D(u, d), of_d, rtol=0, atol=64 * EPS * speed**2 / l)
     point = np.zeros((3, 3))
     drag.subtract_point_slopes(tuple(u.tolist()), (0.0,) * 9, NORMAL, 0.0, 1.0, point)
-    expected = jax.jacobian(lambda u: jnp.stack(POINT(*u, NORMAL)))(jnp.array(u))
-    np.testing.assert_allclose(expected, point, rtol=0, atol=16 * EPS * speed)
+    np.testing.assert_allclose(POINT_OF_U(u), point, rtol=0, atol=16 * EPS * speed)
 
 
 def test_smooth_at_rest():
@@ -112,7 +116,7 @@ def test_smooth_at_rest():
         for d in ((0.0, 0.0, 0.1), (0.0, 0.0, 0.0)):
             of_u, of_d = slopes(u, d)
             assert np.isfinite(of_u).all() and np.isfinite(of_d).all()
-            assert np.isfinite(jax.jacobian(traced)(jnp.array(u), jnp.array(d))).all()
+            assert np.isfinite(OF_U(np.array(u), np.array(d))).all()
     assert np.abs(slopes((0.0, 0.0, 0.0), (0.0, 0.0, 0.1))).max() == 0.0
 
 

@@ -72,7 +72,7 @@ def test_account_of_energy(ramp, method, within):
     still = equilibrium(span(Gravity(G), segments=5, EA=100.0, zeta=0.1))
     run = simulate(scene, 0.6, method=method, dt=None if method in ("dop853", "Radau") else 1e-3, start=still)
     assert run.ok and run.energy_balance.imbalance < within
-    given = run.energy[-1, 4] if ramp else 0.0
+    given = run.energy[-1, 5] if ramp else 0.0
     assert given < 0.0 if ramp else run.energy[-1, 2] < run.energy[0, 2] - 0.1
 
 

@@ -24,6 +24,16 @@ SIZE, TANGENT, DRAG, FORCE = (
 )
 TANGENT.__globals__["size"] = DRAG.__globals__["size"] = SIZE
 FORCE.__globals__["segment_drag"] = DRAG
+L0 = 0.3  # [m]
+
+
+def traced(here, there, a, of_a, d, side):
+    """Force on the end of a segment that is `here`, whose water's acceleration is `a` where that end is at d."""
+    t = TANGENT(*(side * (here - there)), L0)[:3]
+    return jnp.stack(FORCE((0.0, 0.0, 0.0), tuple(a + of_a @ (here - d)), t, 0.0, 0.0, MASS, CAN, CAT))
+
+
+TRACED_SLOPES = jax.jit(jax.jacobian(traced, (0, 1)))  # JAX compiles it once, for all examples
 
 
 def compiled(u, a, t):
@@ -60,21 +70,14 @@ def test_added_mass():
 @given(a=vector, d=vector.filter(lambda d: np.linalg.norm(d) > 0.1), slopes=st.tuples(vector, vector, vector))
 def test_slopes_against_jax(a, d, slopes):
     """Of both ends of a segment in their places, where the water's acceleration changes with the place."""
-    L0, of_a = 0.3, np.array(slopes)
-
-    def force(here, there, side):
-        vector = jnp.stack([side * (h - o) for h, o in zip(here, there, strict=True)])
-        t = TANGENT(*vector, L0)[:3]
-        at = tuple(jnp.array(a) + of_a @ (here - jnp.array(d)))
-        return jnp.stack(FORCE((0.0, 0.0, 0.0), at, t, 0.0, 0.0, MASS, CAN, CAT))
-
+    of_a = np.array(slopes)
     for side in (-1.0, 1.0):
         here, there = np.array(d), np.zeros(3)
         *t, per_l = drag.tangent_of(*(side * here), L0)
         own, other = np.zeros((3, 3)), np.zeros((3, 3))
         gradient = tuple(of_a.ravel())
         morison.subtract_inertia_slopes(tuple(map(float, a)), gradient, tuple(t), per_l, MASS, CAN, CAT, side, 1.0, own, other)
-        expected = [np.array(jax.jacobian(force, i)(jnp.array(here), jnp.array(there), side)) for i in (0, 1)]
+        expected = TRACED_SLOPES(here, there, np.array(a), of_a, here, side)
         size = MASS * (np.linalg.norm(a) * per_l + np.abs(of_a).max()) + 1.0
         np.testing.assert_allclose(-own, expected[0], rtol=0, atol=64 * EPS * size)
         np.testing.assert_allclose(-other, expected[1], rtol=0, atol=64 * EPS * size)

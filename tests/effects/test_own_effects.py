@@ -106,7 +106,7 @@ def test_own_weight_is_gravity(method):
         np.testing.assert_allclose(runs[1].q, runs[0].q, rtol=0, atol=16 * EPS)
         assert runs[1].work == runs[0].work and runs[1].status == runs[0].status == "done"
         # m g z and m (g z) differ in their last bits
-        assert runs[1].energy_balance.gravitational == pytest.approx(runs[0].energy_balance.gravitational, rel=1e-12, abs=1e-14)
+        assert runs[1].energy_balance.potential == pytest.approx(runs[0].energy_balance.potential, rel=1e-12, abs=1e-14)
     rest = [equilibrium(replace(four_cables(), effects=(effect,))) for effect in (Gravity(), own_weight())]
     np.testing.assert_array_equal(rest[1].q, rest[0].q)
 
@@ -127,7 +127,7 @@ def test_weight_that_is_not_said_to_be_dead():
     assert runs[1].work.newton_iterations == runs[0].work.newton_iterations
     # a force has no energy of its own: what the weight gives is taken, with the sign turned, for dissipated
     gravity, balance = runs[0].energy_balance, runs[1].energy_balance
-    assert balance.dissipated == pytest.approx(gravity.dissipated + gravity.gravitational, abs=1e-10)
+    assert balance.dissipated == pytest.approx(gravity.dissipated + gravity.potential, abs=1e-10)
     assert balance.imbalance < 1e-9
 
 
@@ -276,9 +276,9 @@ def test_an_effect_may_be_made_again_under_its_name():
     """As where a notebook's cell is run twice."""
 
     def make(size):
-        @node_energy
-        def again(t, q):
-            return size * q[0]
+        @node_force
+        def again(t, q, v):
+            return -size, 0.0, 0.0
 
         return again()
 

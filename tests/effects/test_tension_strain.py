@@ -74,11 +74,11 @@ def test_laws_in_jax():
     )
     spring = spring_of(cable())
     x = np.linspace(-0.02, 0.1, 50)
-    T = jax.vmap(jax.grad(lambda x: energy(x, spring)))(x)
+    T = jax.jit(jax.vmap(jax.grad(lambda x: energy(x, spring))))(x)
     np.testing.assert_allclose(T, curve(x), atol=1e-11)
-    k = jax.vmap(jax.grad(lambda x: parts(x, 0.2, spring, 3.0, 0.0)[0]))(x)
+    k = jax.jit(jax.vmap(jax.grad(lambda x: parts(x, 0.2, spring, 3.0, 0.0)[0])))(x)
     np.testing.assert_allclose(k, [axial.tension_slopes(a, 0.2, spring, 3.0, 0.0)[1] for a in x], rtol=1e-14)
-    np.testing.assert_allclose(k, slopes(x, 0.2, spring, 3.0, 0.0)[1], rtol=1e-14)
+    np.testing.assert_allclose(k, jax.jit(lambda x: slopes(x, 0.2, spring, 3.0, 0.0)[1])(x), rtol=1e-14)
 
 
 @settings(deadline=None, max_examples=300)
@@ -121,7 +121,7 @@ def test_a_segment_that_nothing_moves():
     assert equilibrium(Scene(points, [cable], [Gravity()])).tension("a-b") == pytest.approx([10.0 + 0.1 / 0.9], rel=1e-12)
 
 
-@pytest.mark.parametrize("method", [*STABLE, "Kvaerno5", "Radau"])
+@pytest.mark.parametrize("method", [*STABLE, "Radau"])
 def test_swings_between_two_pieces(method):
     """The period of a mass on a spring of two slopes, and its energy."""
     one = cable(length=1.0, mass_per_length=1e-6, segments=1, compression="linear")
@@ -130,7 +130,7 @@ def test_swings_between_two_pieces(method):
     T = period(v, float(model.mass[0]))
     start = State(model, 0.0, np.array([[1.0, 0, 0], [0, 0, 0]]), np.array([[v, 0, 0], [0, 0, 0]]), np.zeros(1))
     steps = 50000 if method in ("symplectic_euler", "backward_euler") else 2000
-    how = {"rtol": 1e-8, "atol": 1e-10} if method in ("Radau", "Kvaerno5") else {"dt": T / steps}
+    how = {"rtol": 1e-8, "atol": 1e-10} if method == "Radau" else {"dt": T / steps}
     run = simulate(scene, T, method=method, start=start, save_every=T / 50, **how, **({"rho_inf": 1.0} if method == "edmc" else {}))
     assert run.ok, run.message
     largest = (run.position("b")[:, 0] - 1.0).max()

@@ -100,12 +100,12 @@ def force(t, q, v, address, f, power):
         for x in range(3):
             f[i, x] = 0.0
     springs(data, q, q, False, f, data.matrix)
-    power[0], power[1] = 0.0, 0.0
+    power[0], power[1], power[2] = 0.0, 0.0, 0.0
     for x in range(3):
-        power[1] -= f[2, x] * v[2, x]
+        power[2] -= f[2, x] * v[2, x]
         for i in range(2):
             f[i, x] -= data.c * v[i, x]
-            power[0] += data.c * v[i, x] * v[i, x]
+            power[1] += data.c * v[i, x] * v[i, x]
     for i in range(2):
         f[i, 2] -= data.mass[i] * data.g
 

@@ -19,7 +19,7 @@ from integrators.stage import LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN, Stage
 
 EPS = np.finfo(float).eps
 INERTIA = 100.0  # [N/m] of the systems below; 5 g in steps of 10 ms
-NETS = {**nets(), "mesh": mesh(10, 10, 2)}
+NETS = {**nets(), "mesh": mesh(6, 7, 2)}
 LAWS = {"state": LAW_AT_END, "backward": LAW_BACKWARD, "between": LAW_BETWEEN}
 
 

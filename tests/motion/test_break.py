@@ -176,7 +176,7 @@ def test_remainder_has_the_forces_of_the_rest(net, seed):
     np.testing.assert_array_equal(np.sort(left.node), np.arange(model.n))
     moving = slice(0, model.n_free)  # what a support weighs is nothing to anyone
     np.testing.assert_allclose(left.model.mass[moving], model.mass[left.node[moving]], rtol=1e-12)
-    whole, part, power = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(2)
+    whole, part, power = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(3)
     system(model).force(0.0, q, v, fresh_net(model).address, whole, power)
     system(left.model).force(0.0, q[left.node], v[left.node], fresh_net(left.model).address, part, power)
     expected = whole[left.node]

@@ -142,10 +142,12 @@ def test_balance_adds_up_by_definition():
     run = simulate(net_in_drag(), 1.2, method="verlet", dt=1e-4)
     b, rows = run.energy_balance, run.energy
     changes = rows[-1] - rows[0]
-    np.testing.assert_array_equal([b.kinetic, b.elastic, b.gravitational, b.work, b.dissipated], changes)
-    off = abs(b.kinetic + b.elastic + b.gravitational - b.work + b.dissipated)
+    np.testing.assert_array_equal([b.kinetic, b.elastic, b.potential, b.work, b.by_dampers, b.by_effects, b.by_method], changes)
+    assert b.dissipated == changes[4:].sum() and b.by_method == 0.0
+    off = abs(b.kinetic + b.elastic + b.potential - b.work + b.dissipated)
     assert b.imbalance == off / max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), abs(b.work), abs(b.dissipated))
-    assert run.t[-1] == 1.2 and np.all(np.diff(run.energy[:, 4]) >= 0)
+    assert b.in_play == pytest.approx(off / b.imbalance)
+    assert run.t[-1] == 1.2 and np.all(np.diff(run.energy[:, 4:6], axis=0) >= 0)
 
 
 def test_balance_of_verlet_is_second_order():

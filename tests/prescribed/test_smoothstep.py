@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 from numpy.polynomial import Polynomial
 
-from anet_lumped.prescribed.smoothstep import ramped, smoothstep
+from anet_lumped.prescribed.smoothstep_kernel import ramped, smoothstep
 
 
 def test_it_is_the_polynomial_with_its_derivatives():

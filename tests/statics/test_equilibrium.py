@@ -8,6 +8,7 @@ computed from places are good to about N eps x/l.
 import math
 import sys
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -61,6 +62,7 @@ def three_supports(free, cables, effects=None):
     return Scene([p for p in fixed if p.name in used] + free, cables, effects or [Gravity()])
 
 
+@cache
 def assorted(EA):
     """Nets of every kind, by name, all of one stiffness."""
 

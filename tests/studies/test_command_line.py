@@ -297,8 +297,35 @@ def test_study_lists_and_runs(monkeypatch, tmp_path, capsys):
 
 
 def test_report_writes_the_page_and_exits_with_1_if_a_study_failed(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr("studies.shown.report.run_study", lambda name, *_, **__: {}[name])
-    assert call("report", "--quick", "--out", tmp_path) == 1
+    monkeypatch.setattr("studies.report.run_study", lambda name, *_, **__: {}[name])
+    assert call("report", "--out", tmp_path) == 1
     said = capsys.readouterr()
-    assert said.out == f"{tmp_path / 'report.html'}\n" and "order: failed, KeyError" in said.err
+    assert said.out == f"{tmp_path / 'report.html'}\n"
+    assert "1 of 10, thesis_tables ..." in said.err and "order: failed, KeyError" in said.err
     assert "No finding" in (tmp_path / "report.html").read_text()
+
+
+def test_a_stopped_report_keeps_its_page_and_exits_with_130(monkeypatch, tmp_path, capsys):
+    def stopped(name, *_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("studies.report.run_study", stopped)
+    assert call("report", "--out", tmp_path) == 130
+    assert "stopped after 0 of 10 studies, while thesis_tables ran; " in capsys.readouterr().err
+    assert "The report was stopped" in (tmp_path / "report.html").read_text()
+
+
+def test_compiling_is_told_in_one_line_and_not_where_nothing_compiles(monkeypatch, capsys):
+    """Made up: whatever the command does, Numba says that it compiles."""
+    from studies import compiling
+
+    monkeypatch.setattr(compiling, "call_when_compiling", lambda call: (call(), call()))
+    assert call("equilibrium", "net_held") == 0
+    assert capsys.readouterr().err == (
+        "anet-lumped: Compiling, which this machine has to do once and which takes about 10 s in all; later runs do without.\n"
+    )
+    assert call("equilibrium", "--help") == 0
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(compiling, "call_when_compiling", lambda call: None)
+    assert call("equilibrium", "net_held") == 0
+    assert capsys.readouterr().err == ""

@@ -1,30 +1,38 @@
-"""The page and the studies on it: one file that needs no other, failed studies said so, numbers readable."""
+"""The page and the studies on it: one file that needs no other, written after every study, failures and what is to come said so."""
 
+import importlib
 import json
 import re
+import sys
 import types
+from pathlib import Path
 
 import numpy as np
 import pandas
 import pytest
 
-from studies import study
-from studies.shown import report
+from studies import report, study
+from studies.report import PAGE, ReportInterrupt, write_report
+from studies.shown import figure_file
+from studies.shown.page import State
 from studies.shown.show import as_text, column_head
-from studies.study import StudyError, run_study
+from studies.study import NAMES, Drawing, Part, Record, StudyError, module_of, run_study
+
+QUESTIONS = Path(study.__file__).parent / "questions"
 
 
-def fake_study(monkeypatch, name, **changes):
+def fake_study(monkeypatch, name, part=Part.FOUND, first_look="", **changes):
     """Put a module that keeps the protocol of a study in place of `studies.questions.name`."""
-    import sys
-
     from matplotlib import pyplot
 
     module = types.ModuleType(f"studies.questions.{name}")
-    module.QUESTION = "How far does a <cable> stretch?"
+    module.STUDY = Record("How far does a <cable> stretch?", part, first_look)
+    module.TABLES = {"all_runs": "A line for each run.", "best": "A line for each step."}
     module.SEED = 3
+    module.asked_quick = []
 
     def compute(quick=False, executor=None, out=None):
+        module.asked_quick.append(quick)
         out.mkdir(parents=True)
         (out / "rows.jsonl").write_text("")
         return {
@@ -34,13 +42,16 @@ def fake_study(monkeypatch, name, **changes):
 
     def plot(rows):
         figure, axes = pyplot.subplots()
-        axes.plot(rows["best"]["dt_s"])
-        return {"step": figure}
+        axes.loglog(rows["best"]["dt_s"].iloc[1:] ** 5)
+        return {"step": Drawing(figure, "Steps of the best run. They grow.")}
 
     module.compute, module.plot = compute, plot
     module.answer = lambda rows: f"It stretches\nby {rows['all_runs']['stretch'][0]:.0%}.\n\nThe rest\nis <long>."
     vars(module).update(changes)
     monkeypatch.setitem(sys.modules, module.__name__, module)
+    if name not in NAMES:
+        monkeypatch.setattr(study, "NAMES", (*study.NAMES, name))
+    return module
 
 
 def broken(quick=False, executor=None, out=None):
@@ -58,11 +69,21 @@ def test_a_study_leaves_tables_figures_answer_and_meta(monkeypatch, tmp_path):
     pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "best.parquet"), found.tables["best"])
 
 
+def test_parameters_of_a_study_in_a_folder_are_those_of_all_its_modules():
+    assert {"SUPPORTS", "TABLE_5_1", "LAST_DIGIT"} <= set(study._parameters(module_of("thesis_tables")))
+
+
 def test_a_heavy_figure_becomes_a_picture_of_pixels(monkeypatch, tmp_path):
-    monkeypatch.setattr(study, "HEAVY", 100)
+    monkeypatch.setattr(figure_file, "HEAVY", 100)
     fake_study(monkeypatch, "order")
-    assert run_study("order", tmp_path).figures["step"].read_bytes().startswith(b"\x89PNG")
-    assert not (tmp_path / "step.svg").exists()
+    picture = run_study("order", tmp_path).pictures["step"]
+    assert picture.file.read_bytes().startswith(b"\x89PNG") and not (tmp_path / "step.svg").exists()
+
+
+def test_axes_write_powers_of_ten_as_tables_do(monkeypatch, tmp_path):
+    fake_study(monkeypatch, "order")
+    svg = run_study("order", tmp_path).pictures["step"].file.read_text()
+    assert "<!-- 1e-6 -->" in svg and "mathdefault" not in svg
 
 
 def test_an_unknown_study_names_the_nearest():
@@ -70,26 +91,116 @@ def test_an_unknown_study_names_the_nearest():
         run_study("ordr", "nowhere")
 
 
+# --- one record a study -------------------------------------------------------------------------------------------------
+
+
+def test_a_new_study_is_one_file_and_one_line(monkeypatch, tmp_path):
+    """`fake_study` adds a module of `studies.questions` and its name in NAMES: the program lists, runs and shows it."""
+    fake_study(monkeypatch, "knots", part=Part.COST)
+    assert run_study("knots", tmp_path / "alone").record.part is Part.COST
+    assert write_report(tmp_path, names=["knots"]) == []
+    page = (tmp_path / PAGE).read_text()
+    assert page.index("<h2>What accuracy costs</h2>") < page.index('<section id="knots">')
+
+
+def test_every_study_has_a_file_a_line_and_a_record():
+    files = {file.stem for file in QUESTIONS.iterdir() if not file.name.startswith("_")}
+    assert files == set(NAMES) and len(NAMES) == len(files)
+    for name in NAMES:
+        module = module_of(name)
+        assert module.STUDY.question.endswith("?") and module.STUDY.part in Part
+        assert not module.STUDY.first_look or module.STUDY.first_look.endswith(".")
+        assert module.TABLES and all(about.endswith(".") and "`" not in about for about in module.TABLES.values())
+
+
+def test_records_are_read_without_the_kernels_of_effects():
+    """So that the page is there before anything is compiled."""
+    import subprocess
+
+    code = (
+        "import sys; from studies.study import NAMES, module_of\n"
+        "for name in NAMES: module_of(name)\n"
+        "print([name for name in ('air', 'bending', 'water', 'ground') if f'anet_lumped.effects.{name}' in sys.modules])"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=QUESTIONS.parents[1])
+    assert out.stdout.strip() == "[]"
+
+
+# --- the page -----------------------------------------------------------------------------------------------------------
+
+
 def test_the_page_stands_alone_and_tells_a_failure(monkeypatch, tmp_path):
     fake_study(monkeypatch, "order")
-    fake_study(monkeypatch, "speed", compute=broken)
-    lines = []
-    failed = report.write_report(tmp_path, parts={"Found": ["order"], "Cure": ["speed"]}, tell=lines.append)
-    page = (tmp_path / "report.html").read_text()
-    assert failed == ["speed"] and len(lines) == 2 and "failed, ArithmeticError" in lines[1]
+    fake_study(monkeypatch, "speed", part=Part.CURE, compute=broken)
+    told = []
+    failed = write_report(tmp_path, names=["order", "speed"], tell=told.append)
+    page = (tmp_path / PAGE).read_text()
+    assert failed == ["speed"]
+    assert [(one.number, one.name, one.state) for one in told] == [
+        (1, "order", State.RUNNING), (1, "order", State.DONE), (2, "speed", State.RUNNING), (2, "speed", State.FAILED),
+    ]  # fmt: skip
+    assert told[-1].reason == "ArithmeticError: no rows & no hope" and all(one.total == 2 for one in told)
     assert page.count("It stretches by 10%.") == 2  # in the summary and in its section
     assert "How far does a &lt;cable&gt; stretch?" in page and "The rest is &lt;long&gt;." in page
     assert "ArithmeticError: no rows &amp; no hope" in page and "No finding" in page
     assert re.findall(r'(?:src|href)="(?!data:|#|order/)', page) == []
     for link in re.findall(r'href="(order/[^"]*)"', page):
         assert (tmp_path / link).exists()
-    assert "the first 40 of 60 rows" in page
+    assert "(the first 40 of 60 rows)" in page and "A line for each run." in page
     assert page.count("<th>status</th>") == 1  # the table that is "done" throughout does not show it
+    assert '<img src="data:image/svg+xml' in page and 'alt="Steps of the best run."' in page
+    assert "<figcaption>Steps of the best run. They grow.</figcaption>" in page
+    assert "still being made" not in page and "to come" not in page
+
+
+def test_equations_and_units_are_not_torn_apart():
+    from studies.shown.page import _prose
+
+    text = "at EA = 1e4 N and 10 ms it is 98 % of 3 months"
+    assert _prose(text).replace("\u00a0", "~") == "at EA~=~1e4~N and 10~ms it is 98~% of 3 months"
+
+
+def test_the_page_is_there_from_the_start_and_grows(monkeypatch, tmp_path):
+    seen = []
+    for name in ("order", "speed"):
+        fake_study(monkeypatch, name)
+    write_report(tmp_path, names=["order", "speed"], tell=lambda now: seen.append((tmp_path / PAGE).read_text()))
+    assert [page.count("It stretches by 10%.") for page in seen] == [0, 0, 2, 2]  # on disk when the next study starts
+    assert "This page is still being made: 2 studies are" in seen[0] and "1 study is" in seen[2]
+    assert "It is running." in seen[0] and "It is still to come." in seen[0]
+
+
+def test_long_studies_take_a_first_look_and_say_what_it_is(monkeypatch, tmp_path):
+    short, long = fake_study(monkeypatch, "order"), fake_study(monkeypatch, "speed", first_look="two of twelve motions.")
+    write_report(tmp_path, names=["order", "speed"])
+    page = (tmp_path / PAGE).read_text()
+    assert page.count("A first look: two of twelve motions.") == 1 and "anet-lumped study speed" in page
+    write_report(tmp_path, names=["order", "speed"], full=True)
+    assert "A first look" not in (tmp_path / PAGE).read_text()
+    assert short.asked_quick == [False, False] and long.asked_quick == [True, False]
+
+
+def test_ctrl_c_leaves_the_page_with_what_is_done(monkeypatch, tmp_path):
+    def stopped(**settings):
+        raise KeyboardInterrupt
+
+    fake_study(monkeypatch, "order")
+    fake_study(monkeypatch, "speed", compute=stopped)
+    with pytest.raises(
+        ReportInterrupt, match=r"stopped after 1 of 2 studies, while speed ran; .*report\.html holds those that are done"
+    ):
+        write_report(tmp_path, names=["order", "speed"])
+    page = (tmp_path / PAGE).read_text()
+    assert "The report was stopped after 1 of 2 studies, while speed ran; the others are still to come." in page
+    assert page.count("It stretches by 10%.") == 2 and "still being made" not in page and "It is running." not in page
+
+
+# --- numbers ------------------------------------------------------------------------------------------------------------
 
 
 def test_the_unit_of_a_column_stands_in_brackets():
-    names = ["sag_error_mm", "share_percent", "status", "EA_N", "m", "energy_rise_J"]
-    heads = ["sag error [mm]", "share [%]", "status", "EA [N]", "m", "energy rise [J]"]
+    names = ["sag_error_mm", "share_percent", "status", "EA_N", "m", "energy_rise_J", "damper_Ns_per_m", "environment_per_s"]
+    heads = ["sag error [mm]", "share [%]", "status", "EA [N]", "m", "energy rise [J]", "damper [N·s/m]", "environment [1/s]"]
     assert list(map(column_head, names)) == heads
 
 
@@ -98,8 +209,17 @@ def test_the_unit_of_a_column_stands_in_brackets():
     [
         (np.float64(12345.6), "12346"), (0.1, "0.1"), (1e-5, "1e-5"), (1.23456e-9, "1.235e-9"), (float("nan"), "–"),
         (1e9, "1e9"), (float("-inf"), "-∞"), (np.int64(160), "160"), (1000.0, "1000"), (True, "True"), ("edmc", "edmc"),
-        (None, ""), (0.0, "0"), (3.14159, "3.142"), (99999.7, "100000"),
+        (None, ""), (0.0, "0"), (3.14159, "3.142"), (99999.7, "100000"), (0.00099999, "0.001"),
     ],
 )  # fmt: skip
 def test_numbers_on_the_page_keep_four_digits(value, text):
     assert as_text(value) == text
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_heads_of_a_study_tell_their_units(name):
+    """No caption, question or note holds a literal backtick, which a page does not render."""
+    module = importlib.import_module(f"studies.questions.{name}")
+    for text in (module.STUDY.question, module.STUDY.first_look, *module.TABLES.values()):
+        assert "`" not in text
+    assert report.PAGE.endswith(".html")

@@ -114,7 +114,7 @@ def type_name(row):
 
 SCRIPT = """
 import sys
-from tests.test_rows import run_rows, slow
+from tests.studies.test_rows import run_rows, slow
 if __name__ == "__main__":
     run_rows(slow, [{"seconds": 0.2 + x / 1e3} for x in range(40)], workers=2, out=sys.argv[1])
 """

@@ -9,7 +9,7 @@ from systems import four_cables, loose_cable
 
 from anet_lumped import simulate
 from studies.shown import picture
-from studies.shown.run_figure import BAD, as_length, mark, plot, verdict
+from studies.shown.run_figure import BAD, as_length, mark_failures, plot, verdict
 
 
 def words(figure):
@@ -35,7 +35,7 @@ def test_a_failed_audit_is_in_the_figure(tmp_path):
 def test_a_passed_audit_gives_its_error_and_unit():
     run = simulate(four_cables(carried=True), 1.0, method="edmc", dt=0.01, audit=True)
     said, red = words(plot(run))
-    assert not red and said.startswith("audit passed (edmc") and f"places to {as_length(run.audit.error)} (estimate" in said
+    assert not red and said.startswith("audit passed (edmc") and f"positions to {as_length(run.audit.error)} (estimate" in said
     assert "10 mm allowed" in said and f"energy accounted for to {run.audit.imbalance:.1g}" in said
     assert words(plot(simulate(four_cables(), 0.1, method="edmc", dt=0.01)))[0].startswith("done, not audited (edmc")
 
@@ -52,9 +52,9 @@ def test_a_figure_of_several_runs_is_marked_by_those_that_failed():
     good = simulate(four_cables(), 0.1, method="edmc", dt=0.01)
     bad = simulate(loose_cable(1e4), 0.6, method="edmc", dt=0.02, start="straight", audit=1e-3)
     figure = Figure()
-    mark(figure, good)
+    mark_failures(figure, good)
     assert words(figure) == ("", False)
-    mark(figure, good, bad)
+    mark_failures(figure, good, bad)
     said, red = words(figure)
     assert red and said == verdict(bad)
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from studies.questions import model_mismatch, thesis_tables
+from studies.questions.thesis_tables import tables
 
 TABLE_5_1_CM = {
     (10, 10): 2.66,
@@ -17,35 +18,35 @@ TABLE_5_1_CM = {
 
 @pytest.mark.parametrize(("samples", "points"), TABLE_5_1_CM)
 def test_table_5_1(samples, points):
-    """docs/thesis.md; the thesis rounds p0 to 0.2036 m. Tolerance: the last digit stated."""
-    error = 100 * (thesis_tables.sample_p0(samples, points) - thesis_tables.REFERENCE)
+    """THESIS.md, section 3; the thesis rounds p0 to 0.2036 m. Tolerance: the last digit stated."""
+    error = 100 * (tables.sample_p0(samples, points) - tables.REFERENCE)
     assert error == pytest.approx(TABLE_5_1_CM[samples, points], abs=0.00051)
 
 
 def test_straight_cables_are_the_lowest_sample():
-    heights = thesis_tables.point_heights(thesis_tables.LOWEST, 5)
-    assert heights == pytest.approx(np.linspace(1, thesis_tables.LOWEST, 5))
+    heights = tables.point_heights(tables.LOWEST, 5)
+    assert heights == pytest.approx(np.linspace(1, tables.LOWEST, 5))
 
 
 def test_a_full_mass_at_the_ends_is_a_payload():
     """n equal masses are the trapezoid rule's and 1/(n - 1) of a cable at p0; the rule's own error is of order n^-2."""
     for points in (50, 200):
-        exact = thesis_tables.balance_p0(thesis_tables.hanging_scene(thesis_tables.two_supports()))[2]
-        loaded = thesis_tables.hanging_scene(thesis_tables.two_supports(), payload=1 / (points - 1))
-        sampled = thesis_tables.least_energy_p0(points, "equal") - exact
-        assert thesis_tables.balance_p0(loaded)[2] - exact == pytest.approx(sampled, rel=2 / points)
+        exact = tables.balance_p0(tables.hanging_scene(tables.two_supports()))[2]
+        loaded = tables.hanging_scene(tables.two_supports(), payload=1 / (points - 1))
+        sampled = tables.least_energy_p0(points, "equal") - exact
+        assert tables.balance_p0(loaded)[2] - exact == pytest.approx(sampled, rel=2 / points)
 
 
 def test_half_masses_at_the_ends_leave_second_order():
-    exact = thesis_tables.balance_p0(thesis_tables.hanging_scene(thesis_tables.two_supports()))[2]
+    exact = tables.balance_p0(tables.hanging_scene(tables.two_supports()))[2]
     numbers = np.array([20, 50, 100, 200])
-    errors = [abs(thesis_tables.least_energy_p0(n, "trapezoid") - exact) for n in numbers]
+    errors = [abs(tables.least_energy_p0(n, "trapezoid") - exact) for n in numbers]
     assert np.polyfit(np.log(numbers - 1), np.log(errors), 1)[0] == pytest.approx(-2, abs=0.15)
 
 
 def test_p0_by_balance_of_forces():
-    """docs/thesis.md: p0 = (0.5, 0.2036116441)."""
-    p0 = thesis_tables.balance_p0(thesis_tables.hanging_scene(thesis_tables.two_supports()))
+    """THESIS.md, section 3: p0 = (0.5, 0.2036116441)."""
+    p0 = tables.balance_p0(tables.hanging_scene(tables.two_supports()))
     assert p0 == pytest.approx((0.5, 0.0, 0.2036116441), abs=1e-9)
 
 
@@ -54,11 +55,11 @@ def test_no_coordinate_spreads_as_the_thesis_tables_say():
     finite = table.dropna()
     assert len(table) == 20
     assert len(finite) == 18
-    assert finite["spread_of_Y"].min() > 0.49 > model_mismatch.MOST_SPREAD
-    assert finite["spread_of_Y"].max() < 0.75
+    assert finite["spread_of_Y_m"].min() > 0.49 > model_mismatch.MOST_SPREAD
+    assert finite["spread_of_Y_m"].max() < 0.75
     # Pooled with the supports at the height found, a branch has just that spread.
     row = finite.iloc[0]
-    assert model_mismatch._spreads(row["supports_above_origin_m"])[3] == pytest.approx(row["spread_of_Y"], rel=1e-3)
+    assert model_mismatch._spreads(row["supports_above_origin_m"])[3] == pytest.approx(row["spread_of_Y_m"], rel=1e-3)
 
 
 @pytest.mark.parametrize("case", model_mismatch.CASES)
@@ -84,13 +85,13 @@ def test_study(study, executor, tmp_path):
     assert all(len(table) for table in rows.values())
     if "mismatch" in rows:
         assert (rows["mismatch"]["status"] == "done").all(), rows["mismatch"]["reason"].unique()
-    figures = study.plot(rows)
-    for name, figure in figures.items():
-        figure.savefig(tmp_path / f"{name}.png")
-        for axes in figure.axes:
+    for drawing in study.plot(rows).values():
+        drawing.figure.draw_without_rendering()
+        assert drawing.caption.endswith(".") and "`" not in drawing.caption
+        for axes in drawing.figure.axes:
             assert axes.get_ylabel() or axes.get_shared_y_axes().get_siblings(axes) or axes.get_yticklabels()
     if "bias" in rows:
         assert rows["bias"]["payload_mm"].iloc[-1] == pytest.approx(rows["bias"]["equal_masses_mm"].iloc[-1], rel=0.02)
     words = study.answer(rows)
     assert "nan" not in words
-    assert study.QUESTION.endswith("?")
+    assert set(rows) == set(study.TABLES)

@@ -9,9 +9,9 @@ import pytest
 
 from anet_lumped import simulate
 from integrators import schemes
-from studies.accuracy_cost import contestants, references, total_error
-from studies.accuracy_cost.cases import carried, dropped, loose, stopped
-from studies.accuracy_cost.equal_error import on_front, time_at
+from studies.accuracy_cost import comparisons, contestants, references, total_error
+from studies.accuracy_cost.equal_error import on_front, time_at, weights_at
+from studies.accuracy_cost.motions import carried, dropped, loose, stopped
 from studies.questions import work_precision
 
 
@@ -64,7 +64,7 @@ def test_a_reference_is_computed_once(short, tmp_path, monkeypatch):
     again = references.reference(short, tmp_path)
     assert calls == ["rk4", "verlet"] and len(list(tmp_path.iterdir())) == 2
     for name, track in first.tracks.items():
-        assert np.array_equal(track.place, again.tracks[name].place)
+        assert np.array_equal(track.position, again.tracks[name].position)
         assert track.least_tension == again.tracks[name].least_tension
     references.reference(replace(short, t_end=0.8), tmp_path)
     references.reference(short.with_law("damped"), tmp_path)
@@ -79,18 +79,18 @@ def test_a_reference_is_computed_once(short, tmp_path, monkeypatch):
     ],
 )  # fmt: skip
 def test_the_name_on_disk_changes_with_all_that_the_motion_depends_on(short, change):
-    names = {references.key(case, "rk4", (dt,)) for case in (short, replace(short, **change)) for dt in (1e-3, 2e-3)}
+    names = {references.cache_key(motion, "rk4", (dt,)) for motion in (short, replace(short, **change)) for dt in (1e-3, 2e-3)}
     assert len(names) == 4
 
 
 def test_a_method_is_not_judged_by_itself(short, tmp_path):
     """Two tracks that are a millimetre apart; each one's own method is judged by the other."""
     track = references.reference(short, tmp_path).tracks["rk4"]
-    shifted = replace(track, place=track.place + np.array([1e-3, 0.0, 0.0]))
+    shifted = replace(track, position=track.position + np.array([1e-3, 0.0, 0.0]))
     judge = references.Reference({"rk4": track, "verlet": shifted})
     assert judge.difference == pytest.approx(1e-3)
-    assert judge.error("edmc", track.place) == judge.error("verlet", track.place) == 0.0
-    assert judge.error("rk4", track.place) == pytest.approx(1e-3)
+    assert judge.error("edmc", track.position) == judge.error("verlet", track.position) == 0.0
+    assert judge.error("rk4", track.position) == pytest.approx(1e-3)
 
 
 def test_both_pairs_of_references_agree(short, tmp_path):
@@ -101,7 +101,7 @@ def test_both_pairs_of_references_agree(short, tmp_path):
     explicit = references.track(short, methods[0], steps[methods[0]], tmp_path)
     for method in references.IMPLICIT_PAIR:
         implicit = references.track(short, method, (0.5e-3, 0.25e-3), tmp_path)
-        assert references.largest_distance(explicit.place, implicit.place) < 1e-8
+        assert references.largest_distance(explicit.position, implicit.position) < 1e-8
 
 
 def test_too_stiff_for_explicit_references():
@@ -111,8 +111,8 @@ def test_too_stiff_for_explicit_references():
 
 def test_cables_that_do_not_stretch_are_the_limit_of_those_that_do(tmp_path):
     """The limit from two finite stiffnesses beside the library's own EA = inf, of 20 mm of way; both methods of order 2."""
-    case = carried(np.inf, 5, t_end=0.4)
-    judge = references.reference(case, tmp_path)
+    motion = carried(np.inf, 5, t_end=0.4)
+    judge = references.reference(motion, tmp_path)
     assert tuple(judge.tracks) == references.INEXTENSIBLE_PAIR and judge.taut
     assert judge.difference < 1e-8
     with pytest.raises(ValueError, match="Only a motion from rest or from straight cables has another stiffness"):
@@ -134,13 +134,13 @@ def test_every_method_of_the_library_runs_at_some_setting(short):
     assert all(one.settings for one in named.values())
     for name in ("explicit_euler", "rk4", "edmc", contestants.OWN_CHOICE):
         attempt = named[name].run(short.t_end, named[name].settings[-1])
-        assert attempt.status == "done" and attempt.place.shape == (11, 3)
+        assert attempt.status == "done" and attempt.position.shape == (11, 3)
 
 
 def test_a_run_beyond_the_bound_is_left_out_and_said_so(short, tmp_path, monkeypatch):
     judge = references.reference(short, tmp_path)
     monkeypatch.setattr(work_precision, "LONGEST", 0.0)
-    table = work_precision.race(short, judge, only=("edmc",), with_peers=False)
+    table, _ = work_precision.race(short, judge, only=("edmc",), with_peers=False)
     assert (table["status"] == "left out").all() and table["reason"].str.contains("it would take about").all()
     assert table["error_mm"].isna().all()
 
@@ -148,12 +148,12 @@ def test_a_run_beyond_the_bound_is_left_out_and_said_so(short, tmp_path, monkeyp
 def test_errors_in_the_table_are_those_of_the_runs(short, tmp_path):
     """Second order: a quarter at half the step, within 10 % at the two finest steps."""
     judge = references.reference(short, tmp_path)
-    table = work_precision.race(short, judge, only=("edmc",), with_peers=False)
+    table, _ = work_precision.race(short, judge, only=("edmc",), with_peers=False)
     assert (table["status"] == "done").all() and (table["repeats"] == work_precision.REPEATS).all()
     coarse, fine = table["error_mm"].iloc[-2:]
     assert coarse / fine == pytest.approx(4.0, rel=0.1)
     run = simulate(short.scene, short.t_end, method="edmc", dt=short.steps[-1], start=short.start, save_every=short.save_every)
-    assert fine == pytest.approx(1e3 * references.largest_distance(run.position("p0"), judge.tracks["rk4"].place), rel=1e-9)
+    assert fine == pytest.approx(1e3 * references.largest_distance(run.position("p0"), judge.tracks["rk4"].position), rel=1e-9)
 
 
 def test_the_best_of_ours_beside_the_best_peer():
@@ -162,7 +162,7 @@ def test_the_best_of_ours_beside_the_best_peer():
     other = [("A", "x", 5.0, 2.0), ("A", "x", 0.5, 20.0), ("B", "", 0.04, 7.0)]
     runs = pd.DataFrame(own + other, columns=["engine", "method", "error_mm", "wall_s"])
     runs = runs.assign(motion="m", EA_N=1e4, segments=20, reference_mm=0.02, times_real_time=4.0 / runs["wall_s"])
-    found = work_precision.equal_errors(runs).set_index("target_mm")
+    found = comparisons.equal_errors(runs).set_index("target_mm")
     assert found.loc[1.0, "best_ours"] == "edmc" and found.loc[1.0, "ours_s"] == pytest.approx(0.1)
     assert found.loc[0.1, "ours_s"] == pytest.approx(0.1 * 10**0.5) and found.loc[0.1, "ours_error_mm"] == pytest.approx(0.1)
     assert found.loc[10.0, "best_peer"] == "A x" and found.loc[10.0, "peer_error_mm"] == 5.0
@@ -182,8 +182,10 @@ def cache(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def study(cache):
-    """The quick study."""
-    return work_precision.compute(quick=True, out=cache)
+    """The quick study, of whose runs none is left out however slow the machine is."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(work_precision, "LONGEST", 60.0)
+        return work_precision.compute(quick=True, out=cache)
 
 
 def test_parts_of_the_error_add_up(study):
@@ -212,9 +214,9 @@ def test_the_discretisation_error_at_rest_is_that_of_the_catenary_net(cache):
 
     assert references.cache_folder().is_relative_to(cache)
     limits = total_error.Limits((1e4, 1e6), (10, 20))
-    case = carried(1e4, 20)
-    places = {point.name: case.start.position(point.name) for point in case.scene.points}
-    exact = catenary_net(case.scene, places).points["p0"]
+    motion = carried(1e4, 20)
+    positions = {point.name: motion.start.position(point.name) for point in motion.scene.points}
+    exact = catenary_net(motion.scene, positions).points["p0"]
     divided, limit = (np.linalg.norm(track[0] - exact) for track in (limits.exact[1e4, 20], limits.continuous[1e4]))
     assert divided > 1e-5 and limit < divided / 50
 
@@ -225,12 +227,49 @@ def test_the_quick_study_answers(study, tmp_path):
     assert {"loose cable", "carried net"} == set(study["equal_error"]["motion"]) and study["equal_error"]["ratio"].isna().all()
     assert (study["references"]["difference_mm"] < 0.01).all()
     assert study["growth"]["error_mm"].max() < 0.1
-    for figure in work_precision.plot(study).values():
-        figure.savefig("/dev/null", format="png")
-        assert all(axes.lines or axes.collections for axes in figure.axes if axes.axison)
+    for drawing in work_precision.plot(study).values():
+        drawing.figure.draw_without_rendering()
+        assert all(axes.lines or axes.collections for axes in drawing.figure.axes if axes.axison)
+        assert drawing.caption.endswith(".") and "`" not in drawing.caption
     words = work_precision.answer(study)
-    assert "nan" not in words and "{" not in words and "not installed" in words
+    assert "nan" not in words and "{" not in words and "Other engines were not run" in words
+    assert set(study) == set(work_precision.TABLES)
     for name, table in study.items():
         table.to_parquet(tmp_path / f"{name}.parquet")
     json.dumps({k: v for k, v in vars(work_precision).items() if k.isupper()}, default=str)
     assert isinstance(pd.read_parquet(tmp_path / "runs.parquet"), pd.DataFrame)
+
+
+def test_the_quick_study_compares_in_pairs(study):
+    """The library's own choice beside its best method, at the error of the choice, on both motions."""
+    pairs = study["pairs"]
+    assert set(pairs["compared"]) == {comparisons.CHOICE_OVER_BEST} and len(pairs) == 2
+    assert (pairs["pairs"] == comparisons.PAIRS).all() and (pairs["low"] <= pairs["median_ratio"]).all()
+    assert (pairs["median_ratio"] <= pairs["high"]).all() and (pairs["error_mm"] > 0.0).all()
+
+
+def test_sides_are_timed_in_turns_at_the_same_error():
+    """Made up: ours takes 1/error^(1/2), the peer twice as long at each of its runs; a third turn is slow for both."""
+    own = [("anet-lumped", "edmc", e, 0.1 * e**-0.5) for e in (10.0, 1.0, 0.1)]
+    runs = pd.DataFrame([*own, ("A", "x", 1.0, 0.2)], columns=["engine", "method", "error_mm", "wall_s"])
+    runs = runs.assign(motion="m", EA_N=1e4, segments=20, reference_mm=0.0, times_real_time=4.0 / runs["wall_s"])
+    calls = []
+
+    def timed(number):
+        calls.append(number)
+        slow = 3.0 if 4 < len(calls) < 8 else 1.0
+        return slow * runs["wall_s"][number]
+
+    entries = [lambda number=number: timed(number) for number in range(4)]
+    equal = comparisons.equal_errors(runs)
+    pairs = comparisons.paired(runs, entries, equal, pd.DataFrame(columns=["best"]))
+    line = pairs[pairs["error_mm"] == 1.0].iloc[0]
+    assert line["compared"] == comparisons.PEER_OVER_OURS and line["median_ratio"] == pytest.approx(2.0)
+    assert (line["first"], line["second"]) == ("A x", "edmc") and calls[:4] == [3, 0, 3, 0]
+
+
+def test_weights_are_those_of_a_line_in_both_logarithms():
+    errors, times = [1.0, 0.1, 0.2, np.nan, 0.01], [1.0, 2.0, 3.0, 3.5, 4.0]
+    assert weights_at(errors, times, 0.1) == {1: pytest.approx(1.0)} | weights_at(errors, times, 0.1)
+    assert weights_at(errors, times, 0.1**1.5) == {1: pytest.approx(0.5), 4: pytest.approx(0.5)}
+    assert weights_at(errors, times, 2.0) == {0: 1.0} and weights_at(errors, times, 1e-3) == {}

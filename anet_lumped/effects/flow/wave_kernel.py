@@ -14,7 +14,7 @@ import math
 
 from numba import njit, types
 
-from anet_lumped.prescribed.smoothstep import ramped
+from anet_lumped.prescribed.smoothstep_kernel import ramped
 
 _vector, _matrix = types.UniTuple(types.float64, 3), types.UniTuple(types.float64, 9)
 _f1 = types.Array(types.float64, 1, "C")

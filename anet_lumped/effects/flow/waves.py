@@ -35,7 +35,7 @@ class Airy:
     phase: float = 0.0
     ramp: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         owner = "wave Airy"
         for key, unit, sign in (
             ("height", "m", "non-negative"), ("period", "s", "positive"), ("phase", "rad", ""), ("ramp", "s", "non-negative")
@@ -50,11 +50,11 @@ class Airy:
         object.__setattr__(self, "direction", (direction[0] / size, direction[1] / size, 0.0))
 
     @property
-    def frequency(self):
+    def frequency(self) -> float:
         """Circular frequency omega = 2 pi/period [rad/s]."""
         return 2.0 * math.pi / self.period
 
-    def wave_number(self, g):
+    def wave_number(self, g: float) -> float:
         """Wave number k [rad/m] for gravity g [m/s2], of omega^2 = g k tanh(k depth)."""
         from scipy.optimize import brentq
 
@@ -65,7 +65,7 @@ class Airy:
         high = deep + math.sqrt(deep / self.depth)
         return brentq(lambda k: k * math.tanh(k * self.depth) - deep, deep, high, xtol=1e-15 * high, rtol=1e-14)
 
-    def numbers(self, g, level):
+    def numbers(self, g: float, level: float) -> np.ndarray:
         """What `wave_kernel.wave_at` reads of it, for gravity g [m/s2] and a still surface at z = level [m]: (9,) float64."""
         if not g > 0.0:
             raise SceneError(f"A wave needs gravity, but wave Airy has g={g} m/s2.")

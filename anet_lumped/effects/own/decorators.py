@@ -28,8 +28,9 @@ that its energy is kept to the second order of the step. Methods of diffrax do n
 """
 
 import inspect
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, fields, make_dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -60,32 +61,33 @@ class _Own(Effect):
 
     law: ClassVar[Law]
     where: ClassVar[str]  # name of the field that says what it acts on
+    _elements: ClassVar[Callable[..., tuple[Any, dict[str, Any]]]]  # what it acts on, and what is filled in for each
 
-    def check_parameters(self):
-        for name in (one.name for one in fields(self)):
+    def check_parameters(self) -> None:
+        for name in (one.name for one in fields(self)):  # type: ignore[arg-type]  # `_effect` makes dataclasses of them
             value = getattr(self, name)
             self._set(**{name: check_names(name, value, self._called) if name == self.where else self._numbers(name, value)})
 
-    def check_kernels(self):
+    def check_kernels(self) -> None:
         """Compile the law itself; its compiled functions follow, and are checked, when a model is built."""
         own_law.compiled(self.law, self._shapes)
 
     @property
-    def _shapes(self):
+    def _shapes(self) -> tuple[int, ...]:
         values = (getattr(self, name) for name in self.law.parameters)
         return tuple(len(value) if isinstance(value, tuple) else 0 for value in values)
 
-    def _numbers(self, name, value):
+    def _numbers(self, name: str, value: Any) -> float | tuple[float, ...]:
         """A number, or a tuple of numbers."""
         if isinstance(value, tuple | list | np.ndarray) and len(value):
             return tuple(check_number(name, x, "", self._called) for x in value)
         return check_number(name, value, "", self._called)
 
-    def kernels(self):
+    def kernels(self) -> Mapping[str, Callable[..., Any]]:
         kernels = own_law.kernels(self.law, self._shapes)
         return {slot: kernels[slot] for slot in ("force", "energy")} if self.dead_load else kernels
 
-    def table(self, model):
+    def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
         """Index and parameters for the compiled functions.
 
         Returns
@@ -106,8 +108,9 @@ class _Own(Effect):
 
 class _OfNodes(_Own):
     where = "points"
+    points: tuple[str, ...] | None
 
-    def _elements(self, model):
+    def _elements(self, model: Any) -> tuple[np.ndarray, dict[str, Any]]:
         """Nodes that it acts on, and the arguments that are filled in for each."""
         held = [name for name in self.points or () if model.node(name) >= model.n_free]
         if held:
@@ -125,18 +128,20 @@ class _OfNodes(_Own):
 
 class _OfSegments(_Own):
     where = "cables"
+    cables: tuple[str, ...] | None
     coupled_neighbours: ClassVar[int] = 1
 
-    def after_break(self, pieces, cables):
+    def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
         if self.cables is None:
             return self
         names = tuple(piece for name in self.cables for piece in names_left(name, pieces))
-        return replace(self, cables=names) if names else None
+        return replace(self, cables=names) if names else None  # type: ignore[type-var]  # `_effect` makes dataclasses of them
 
-    def _elements(self, model):
+    def _elements(self, model: Any) -> tuple[list[int], dict[str, Any]]:
         """Both nodes, segment and side of the segments that it acts on, and the arguments that are filled in for each."""
         cables = model.scene.cables if self.cables is None else [model.scene.cable(name) for name in self.cables]
-        index, of = [], {name: [] for name in self.law.fills}
+        index: list[int] = []
+        of: dict[str, list[Any]] = {name: [] for name in self.law.fills}
         for cable in cables:
             nodes, segments = model.nodes(cable.name), np.arange(model.n_segments)[model.segments(cable.name)]
             for i, j, s in zip(nodes[:-1], nodes[1:], segments, strict=True):
@@ -148,7 +153,7 @@ class _OfSegments(_Own):
         return index, of
 
 
-def node_force(law):
+def node_force(law: Callable[..., Any]) -> type[Any]:
     """Make an effect of the force on a node, law(t, q, v, ...) -> (fx, fy, fz) [N]; see the module.
 
     Returns
@@ -164,7 +169,7 @@ def node_force(law):
     return _effect(law, NODE_FORCE, _OfNodes)
 
 
-def node_energy(law=None, *, dead=False):
+def node_energy(law: Callable[..., Any] | None = None, *, dead: bool = False) -> Any:
     """Make an effect of the potential energy of a node, law(t, q, ...) -> E [J], f = -dE/dq; otherwise as `node_force`.
 
     Parameters
@@ -178,7 +183,7 @@ def node_energy(law=None, *, dead=False):
     return _effect(law, NODE_ENERGY, _OfNodes, dead)
 
 
-def segment_force(law):
+def segment_force(law: Callable[..., Any]) -> type[Any]:
     """Make an effect of the forces of a segment, law(t, q0, q1, v0, v1, ...) -> ((fx, fy, fz), (fx, fy, fz)) [N].
 
     Otherwise as `node_force`, with ``cables`` in place of ``points``: names of cables, None for all.
@@ -186,12 +191,12 @@ def segment_force(law):
     return _effect(law, SEGMENT_FORCE, _OfSegments)
 
 
-def segment_energy(law):
+def segment_energy(law: Callable[..., Any]) -> type[Any]:
     """Make an effect of the potential energy of a segment, law(t, q0, q1, ...) -> E [J]; otherwise as `segment_force`."""
     return _effect(law, SEGMENT_ENERGY, _OfSegments)
 
 
-def _effect(function, kind, base, dead=False):
+def _effect(function: Callable[..., Any], kind: Kind, base: type[Any], dead: bool = False) -> type[Any]:
     """The class of an effect, under the name of its law."""
     law, arguments = read_law(function, kind, base.where)
     function, name = law.function, law.function.__name__

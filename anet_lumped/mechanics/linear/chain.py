@@ -18,7 +18,6 @@ along a cable, or next-but-one neighbours, add their blocks ``net.near_blocks`` 
 
 import numpy as np
 
-from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import inlined, internal, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, lane, load, load_four, max_of_lanes, shifted, store, store_four
 from anet_lumped.mechanics.linear.node_elimination import eliminate, eliminate_far, eliminate_near, less, minus, times
@@ -38,6 +37,7 @@ from anet_lumped.model.tables import (
     SEGMENT_STIFFNESS,
     SEGMENT_TENSION,
 )
+from integrators.flat_view import flat
 
 
 @inlined

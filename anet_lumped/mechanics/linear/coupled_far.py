@@ -1,8 +1,8 @@
 """The elimination of `chain` for nets whose effects join next-but-one neighbours, compiled when a scene first asks for it."""
 
-from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import inlined, on_demand
 from anet_lumped.model.net import view_net
+from integrators.flat_view import flat
 
 from .chain import (
     eliminate_all_bordered,

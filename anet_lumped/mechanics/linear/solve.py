@@ -3,7 +3,6 @@
 import numpy as np
 from numba import float64, int64
 
-from anet_lumped.compiled.flat_view import flat
 from anet_lumped.compiled.jit import internal, kernel
 from anet_lumped.mechanics.linear.chain import segment_stiffness
 from anet_lumped.mechanics.linear.junctions import add_block, solve_points
@@ -24,6 +23,7 @@ from anet_lumped.model.tables import (
     KERNEL_SUBSTITUTE_SINGLES,
     SEGMENT_TENSION,
 )
+from integrators.flat_view import flat
 
 
 @internal

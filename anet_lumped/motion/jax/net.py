@@ -98,7 +98,7 @@ class JaxNet(eqx.Module):
         return jnp.where(there.reshape(*there.shape, *[1] * (rows.ndim - 1)), rows[jnp.where(there, at, 0)], other)
 
     def force(self, t, stop, q, v):
-        """Force (n_free, 3) [N] on the moving nodes, and powers (2,) [W]: dissipated, put in by driven points."""
+        """Force (n_free, 3) [N] on the moving nodes, and powers (3,) [W]: taken by dampers, by effects, put in by driven points."""
         whole_q, whole_v = self._all(t, stop, q, v)
         Q, V = whole_q[self.node], whole_v[self.node]
         pull, lost = self._pull(Q[:, 1:] - Q[:, :-1], V[:, 1:] - V[:, :-1])
@@ -108,7 +108,7 @@ class JaxNet(eqx.Module):
         f = jnp.concatenate([self._interior(pull[:, 1:] - pull[:, :-1]), points[: self._free]]) + external
         driven = len(points) - len(self.paths.breaks)
         put_in = -jnp.sum(points[driven:] * whole_v[len(self.inner) + driven :])
-        return f, jnp.stack([jnp.sum(lost) + drained, put_in])
+        return f, jnp.stack([jnp.sum(lost), drained + 0.0, put_in])
 
     def factor(self, t, stop, q, v, tau):
         """Factors of M - tau df/dv - tau^2 df/dq for `solve`."""

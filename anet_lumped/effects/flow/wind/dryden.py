@@ -1,7 +1,9 @@
 """Isotropic Dryden turbulence as a frozen field of random Fourier modes."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -46,7 +48,7 @@ class Dryden(Wind):
     seed: int
     modes: int = 200
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         owner = "wind Dryden"
         object.__setattr__(self, "sigma", check_number("sigma", self.sigma, "m/s", owner, sign="non-negative"))
         object.__setattr__(self, "length", check_number("length", self.length, "m", owner, sign="positive"))
@@ -55,7 +57,7 @@ class Dryden(Wind):
         if not isinstance(self.seed, int) or isinstance(self.seed, bool) or self.seed < 0:
             raise SceneError(f"Argument `seed` must be an integer of at least 0, but {owner} has seed={self.seed}.")
 
-    def numbers(self):
+    def numbers(self) -> np.ndarray:
         """Velocity that carries the field [m/s], then k_m [rad/m], a_m and b_m [m/s] of each mode."""
         random, n = np.random.default_rng(self.seed), self.modes
         k = np.array([wave_number(share) for share in (random.permutation(n) + random.random(n)) / n]) / self.length
@@ -67,17 +69,17 @@ class Dryden(Wind):
         b = amplitude * (np.sin(phase[0]) * first + np.sin(phase[1]) * second)
         return np.concatenate([self.carried, np.hstack([k[:, None] * towards, a, b]).ravel()])
 
-    def kernel(self):
+    def kernel(self) -> Callable[..., Any]:
         """Compiled function, see `Wind`."""
         return _velocity
 
 
-def energy_below(x):
+def energy_below(x: float) -> float:
     """Share of the energy of wave numbers k below x/L, (16/(3 pi)) int_0^x y^4/(1 + y^2)^3 dy."""
     return (2.0 * math.atan(x) - 2.0 * x * (5.0 * x * x + 3.0) / (3.0 * (1.0 + x * x) ** 2)) / math.pi
 
 
-def wave_number(share):
+def wave_number(share: float) -> float:
     """Wave number times L below which a share of the energy is, the inverse of `energy_below`."""
     from scipy.optimize import brentq
 
@@ -86,7 +88,7 @@ def wave_number(share):
     return brentq(lambda x: energy_below(x) - share, 0.0, high, xtol=1e-12)
 
 
-def _frames(n, random):
+def _frames(n: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """n right-handed frames (n, 3) each; the first axes spread evenly over the sphere (Fibonacci lattice, turned at random)."""
     i = np.arange(n) + 0.5
     height, angle = 1.0 - 2.0 * i / n, math.pi * (1.0 + math.sqrt(5.0)) * i

@@ -1,7 +1,9 @@
 """A single gust."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -34,18 +36,18 @@ class Gust(Wind):
     rise: float
     stays: bool = False
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         owner = "wind Gust"
         object.__setattr__(self, "amplitude", check_vector("amplitude", self.amplitude, "m/s", owner))
         object.__setattr__(self, "start", check_number("start", self.start, "s", owner))
         object.__setattr__(self, "rise", check_number("rise", self.rise, "s", owner, sign="positive"))
         check_flag("stays", self.stays, owner)
 
-    def numbers(self):
+    def numbers(self) -> np.ndarray:
         """Amplitude [m/s], start and rise [s], 1 if it stays."""
         return np.array([*self.amplitude, self.start, self.rise, float(self.stays)])
 
-    def kernel(self):
+    def kernel(self) -> Callable[..., Any]:
         """Compiled function, see `Wind`."""
         return _velocity
 

@@ -1,9 +1,10 @@
 """Steady winds and currents: uniform, and profiles over the height; z points up."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -26,14 +27,14 @@ class Uniform(Wind):
 
     velocity: Vector
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "velocity", check_vector("velocity", self.velocity, "m/s", "wind Uniform"))
 
-    def numbers(self):
+    def numbers(self) -> np.ndarray:
         """Velocity [m/s]."""
         return np.array(self.velocity)
 
-    def kernel(self):
+    def kernel(self) -> Callable[..., Any]:
         """Compiled function, see `Wind`."""
         return _uniform
 
@@ -61,16 +62,16 @@ class PowerLaw(Wind):
     direction: Vector = (1.0, 0.0, 0.0)
     ground: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_profile(self, "wind PowerLaw")
         exponent = check_number("exponent", self.exponent, "", "wind PowerLaw", sign="non-negative")
         object.__setattr__(self, "exponent", exponent)
 
-    def numbers(self):
+    def numbers(self) -> np.ndarray:
         """Velocity at the height [m/s], ground and height [m], exponent."""
         return np.array([*(self.speed * np.array(self.direction)), self.ground, self.height, self.exponent])
 
-    def kernel(self):
+    def kernel(self) -> Callable[..., Any]:
         """Compiled function, see `Wind`."""
         return _power_law
 
@@ -98,7 +99,7 @@ class Logarithmic(Wind):
     direction: Vector = (1.0, 0.0, 0.0)
     ground: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         owner = "wind Logarithmic"
         _check_profile(self, owner)
         object.__setattr__(self, "roughness", check_number("roughness", self.roughness, "m", owner, sign="positive"))
@@ -108,12 +109,12 @@ class Logarithmic(Wind):
                 f"height={self.height}."
             )
 
-    def numbers(self):
+    def numbers(self) -> np.ndarray:
         """Velocity a factor e above the roughness length [m/s], ground and roughness [m]."""
         per_e = self.speed / math.log(self.height / self.roughness)
         return np.array([*(per_e * np.array(self.direction)), self.ground, self.roughness])
 
-    def kernel(self):
+    def kernel(self) -> Callable[..., Any]:
         """Compiled function, see `Wind`."""
         return _logarithmic
 
@@ -127,9 +128,9 @@ class Sampled(Wind):
     samples : rows (z, u, v) with z [m] increasing and velocities along x and y [m/s]
     """
 
-    samples: tuple[Vector, ...]
+    samples: Sequence[Vector]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         samples = self.samples
         if not isinstance(samples, Iterable) or isinstance(samples, str) or not (samples := tuple(samples)):
             raise SceneError(f"Argument `samples` must be at least one row (z, u, v), but wind Sampled has {self.samples!r}.")
@@ -141,16 +142,16 @@ class Sampled(Wind):
                 )
         object.__setattr__(self, "samples", rows)
 
-    def numbers(self):
+    def numbers(self) -> np.ndarray:
         """Rows of height [m] and velocity [m/s]."""
         return np.array(self.samples).ravel()
 
-    def kernel(self):
+    def kernel(self) -> Callable[..., Any]:
         """Compiled function, see `Wind`."""
         return _sampled
 
 
-def _check_profile(profile, owner):
+def _check_profile(profile: PowerLaw | Logarithmic, owner: str) -> None:
     for key, unit, sign in (("speed", "m/s", "non-negative"), ("height", "m", "positive"), ("ground", "m", "")):
         object.__setattr__(profile, key, check_number(key, getattr(profile, key), unit, owner, sign=sign))
     object.__setattr__(profile, "direction", check_unit_direction(profile.direction, owner))

@@ -1,7 +1,9 @@
 """A wind as it was measured."""
 
 import pathlib
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +35,7 @@ class Recorded(Wind):
     t: np.ndarray = field(init=False, repr=False, compare=False)
     velocity: np.ndarray = field(init=False, repr=False, compare=False)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not isinstance(self.file, str):
             raise SceneError(f"Argument `file` must be the path of a file, a string, but wind Recorded has file={self.file!r}.")
         if self.interpolation not in INTERPOLATION:
@@ -42,7 +44,7 @@ class Recorded(Wind):
         object.__setattr__(self, "t", t)
         object.__setattr__(self, "velocity", velocity)
 
-    def numbers(self):
+    def numbers(self) -> np.ndarray:
         """Number of samples k, times (k,) [s], and the polynomials of the pieces that begin at them, (k, 4, 3) [m/s^(i+1)]."""
         t, velocity = self.t, self.velocity
         pieces = np.zeros((len(t), 4, 3))
@@ -55,12 +57,12 @@ class Recorded(Wind):
             pieces[:-1, 1] = np.diff(velocity, axis=0) / np.diff(t)[:, None]
         return np.concatenate([[len(t)], t, pieces.ravel()])
 
-    def kernel(self):
+    def kernel(self) -> Callable[..., Any]:
         """Compiled function, see `Wind`."""
         return _velocity
 
 
-def _read(file):
+def _read(file: pathlib.Path) -> tuple[np.ndarray, np.ndarray]:
     """Times (k,) and velocities (k, 3) of a file."""
     try:
         with file.open(encoding="utf-8") as lines:

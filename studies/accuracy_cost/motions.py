@@ -1,4 +1,4 @@
-"""Motions that methods are timed on: a scene, where it starts, for how long, and the point whose place is judged."""
+"""Motions that methods are timed on: a scene, where it starts, for how long, and the point whose position is judged."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,7 +10,7 @@ from anet_lumped.scene.scene import Driven, Fixed, Free
 
 SCENES = Path(__file__).parents[1] / "scenes"
 LOOSE_END, NET_END, SHOCK_END = 1.0, 4.0, 2.0  # [s]; the loose cable is chaotic from 1.2 s on
-LOOSE_SAVE, NET_SAVE = 0.02, 0.04  # [s] between the places that are compared
+LOOSE_SAVE, NET_SAVE = 0.02, 0.04  # [s] between the positions that are compared
 LOOSE_STEPS = (10e-3, 5e-3, 2.5e-3, 1.25e-3, 0.625e-3, 0.3125e-3, 0.15625e-3, 0.078125e-3)  # [s] of implicit schemes
 NET_STEPS = (40e-3, 20e-3, 10e-3, 5e-3, 2.5e-3, 1.25e-3)  # [s]
 SHOCK_STEPS = (20e-3, 10e-3, 5e-3, 2.5e-3, 1.25e-3, 0.625e-3)  # [s]
@@ -21,7 +21,7 @@ SHARED_LAW = "damped"  # compression where a cable slackens: the one law that we
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
+class Motion:
     """One motion.
 
     Parameters
@@ -31,7 +31,7 @@ class Case:
     start : State or "straight"
     recipe : str, how the start was made; with the scene it says all that the motion depends on
     t_end, save_every : float [s]
-    point : name of the point whose place is judged
+    point : name of the point whose position is judged
     steps : steps of implicit schemes [s], coarse to fine, that divide ``save_every``
     """
 
@@ -89,13 +89,13 @@ def loose(EA, segments=20, law=SHARED_LAW):
     """The cable held at one end and let go from the horizontal; it cracks like a whip at 0.55 s."""
     name = "loose cable" + ("" if law == SHARED_LAW else f", law {law}")
     scene = net("loose_cable", EA=EA, segments=segments, compression=law)
-    return Case(name, scene, "straight", "straight", LOOSE_END, LOOSE_SAVE, "tip", LOOSE_STEPS)
+    return Motion(name, scene, "straight", "straight", LOOSE_END, LOOSE_SAVE, "tip", LOOSE_STEPS)
 
 
 def carried(EA, segments=20, t_end=NET_END):
     """The net of four cables whose corners set off together; no segment of it slackens."""
     scene = net("net_carried", EA=EA, segments=segments)
-    return Case("carried net", scene, equilibrium(scene), REST, t_end, NET_SAVE, "p0", NET_STEPS)
+    return Motion("carried net", scene, equilibrium(scene), REST, t_end, NET_SAVE, "p0", NET_STEPS)
 
 
 def stopped(EA, segments=20):
@@ -104,7 +104,7 @@ def stopped(EA, segments=20):
     last = simulate(moving, STOPPED_AT, method="generalised_alpha", dt=STOPPED_STEP, save_every=STOPPED_AT).final
     points = [Fixed(p.name, p.path.at(STOPPED_AT)[0]) if isinstance(p, Driven) else p for p in moving.points]
     recipe = f"net_carried at {STOPPED_AT} s by generalised_alpha at {STOPPED_STEP} s"
-    return Case("net stopped", replace(moving, points=points), last, recipe, SHOCK_END, NET_SAVE, "p0", SHOCK_STEPS)
+    return Motion("net stopped", replace(moving, points=points), last, recipe, SHOCK_END, NET_SAVE, "p0", SHOCK_STEPS)
 
 
 def dropped(EA, segments=20):
@@ -112,7 +112,7 @@ def dropped(EA, segments=20):
     scene = net("net_held", EA=EA, segments=segments, compression=SHARED_LAW)
     points = [replace(p, mass=p.mass + LOAD) if isinstance(p, Free) else p for p in scene.points]
     rest = equilibrium(replace(scene, points=points))
-    return Case("load dropped", scene, rest, f"equilibrium with {LOAD} kg more", SHOCK_END, NET_SAVE, "p0", SHOCK_STEPS)
+    return Motion("load dropped", scene, rest, f"equilibrium with {LOAD} kg more", SHOCK_END, NET_SAVE, "p0", SHOCK_STEPS)
 
 
 def net(name, **changes):

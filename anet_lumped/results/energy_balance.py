@@ -1,0 +1,78 @@
+"""The account of energy of a run: where it went, and what of that a method took that no force took."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+KINETIC, ELASTIC, POTENTIAL, WORK, BY_DAMPERS, BY_EFFECTS, BY_METHOD = range(7)  # columns of `Run.energy`
+COLUMNS = ("kinetic", "elastic", "potential", "work", "by dampers", "by effects", "by method")
+UNDIVIDED = ("kinetic", "elastic", "potential", "work", "dissipated")  # in files of version 0.1
+
+
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Changes of energy over a run [J]: kinetic + elastic + potential = work - dissipated.
+
+    Parameters
+    ----------
+    kinetic, elastic, potential : float
+        Of the moving nodes, of the cables' springs, and of all effects: gravity, bending, buoyancy, ground, laws of one's own.
+    work : float
+        Done by driven points and by what changes rest lengths, and what payloads bring or take with them.
+    dissipated : float
+        All that was taken: by dampers, effects and the method.
+    by_dampers : float or None
+        Taken by the dampers of cables. None in runs saved by version 0.1, which does not tell the three apart.
+    by_effects : float or None
+        Taken by drag, friction and other effects, by pick-ups and by breaks.
+    by_method : float or None
+        Taken by the method where it books that: by the numerical damping of `edmc`. It is no part of the physics.
+    in_play : float
+        The largest energy that was moved between its forms, put in or dissipated.
+    imbalance : float
+        What does not add up, over ``in_play``.
+    """
+
+    kinetic: float
+    elastic: float
+    potential: float
+    work: float
+    dissipated: float
+    by_dampers: float | None
+    by_effects: float | None
+    by_method: float | None
+    in_play: float
+    imbalance: float
+
+    @staticmethod
+    def of(rows: np.ndarray) -> "EnergyBalance":
+        """Balance of saved rows, with the columns `COLUMNS`, or `UNDIVIDED` of a run saved by version 0.1 [J]."""
+        change = rows[-1] - rows[0]
+        kinetic, elastic, potential, work = change[:BY_DAMPERS]
+        divided = rows.shape[1] == len(COLUMNS)
+        dissipated = change[BY_DAMPERS:].sum()
+        in_play = max(rows[:, KINETIC].max(), rows[:, ELASTIC].max(), np.ptp(rows[:, POTENTIAL]), abs(work), abs(dissipated))
+        off = abs(kinetic + elastic + potential - work + dissipated)
+        by_dampers, by_effects, by_method = map(float, change[BY_DAMPERS:]) if divided else (None, None, None)
+        return EnergyBalance(
+            float(kinetic),
+            float(elastic),
+            float(potential),
+            float(work),
+            float(dissipated),
+            by_dampers,
+            by_effects,
+            by_method,
+            in_play=float(in_play),
+            imbalance=float(off / in_play) if in_play else 0.0,
+        )
+
+    @property
+    def unaccounted(self) -> float:
+        """Change of energy that neither work nor what was taken accounts for [J]; negative where energy was lost in the steps."""
+        return self.kinetic + self.elastic + self.potential - self.work + self.dissipated
+
+    @property
+    def lost_to_method(self) -> float:
+        """What the method took [J]: what it booked, and what its steps lost that nothing accounts for."""
+        return max(self.by_method or 0.0, 0.0) + max(-self.unaccounted, 0.0)

@@ -1,0 +1,277 @@
+"""Random nets, starts, paths, methods and steps: each run must end well with its energy accounted for, or say why not.
+
+Run as `python -m studies.fuzz`; it tries `TRIALS` of them and prints what failed. A trial is drawn with a
+`Pick`, so that tests draw the same trials from another source of chance.
+"""
+
+import json
+import math
+import time
+import warnings
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, Scene, SceneError, State, effects
+from anet_lumped.model.build import build
+from anet_lumped.model.tables import AXIAL_STIFFNESS
+from anet_lumped.motion.simulate import StabilityWarning, simulate, straight
+from anet_lumped.motion.stability import predict
+from anet_lumped.prescribed import paths
+from anet_lumped.results.run import segment_tensions
+from integrators import schemes
+from integrators.schemes.record import EnergyPromise
+from studies.catalogue.outcome import DEFAULT, FAILED, GAINED, HELD, REFUSED, bounded_work, compiled_methods
+
+TRIALS = 2000
+IMBALANCE = 1e-4  # of the energy in play, what the exact balance of edmc may miss: Newton's tolerance over some ten steps
+RISE, GAIN = 1e-5, 0.1  # of the energy in play: of methods that never raise it; of the others, counted
+EVALUATIONS = 800  # of the force by one of scipy's solvers
+EXPLICIT_STEPS = 400
+ADAPTIVE_TURNS, SCIPY_TURNS = 300.0, 30.0  # of the fastest axial motion, as omega t
+
+
+class Pick(Protocol):
+    """A source of chance."""
+
+    def integer(self, low: int, high: int) -> int:
+        """An integer from low to high, both included."""
+
+    def number(self, low: float, high: float) -> float:
+        """A number between low and high."""
+
+    def one_of(self, choices: tuple) -> Any:
+        """One of the choices."""
+
+
+class Random:
+    """`Pick` from a seed."""
+
+    def __init__(self, seed):
+        self.rng = np.random.default_rng(seed)
+
+    def integer(self, low, high):
+        """An integer from low to high, both included."""
+        return int(self.rng.integers(low, high + 1))
+
+    def number(self, low, high):
+        """A number between low and high."""
+        return float(self.rng.uniform(low, high))
+
+    def one_of(self, choices):
+        """One of the choices."""
+        return choices[int(self.rng.integers(len(choices)))]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A run to try: the arguments of `simulate`; start "thrown" is straight with velocities of up to `speed` [m/s]."""
+
+    scene: Scene
+    t_end: float
+    method: str | None
+    dt: float | None
+    rtol: float | None
+    start: str
+    speed: float = 0.0
+    seed: int = 0
+
+
+def draw(pick: Pick, surroundings: bool = True) -> Trial:
+    """A random trial; scenes and arguments that the library does not take raise its own errors.
+
+    Without surroundings a scene has no air, water, ground, bending nor axial damping.
+    """
+    scene = _scene(pick, surroundings)
+    method = pick.one_of((None, None, "edmc", "edmc", "backward_euler", *compiled_methods()))
+    rtol = pick.one_of((None,) * 7 + (1e-4,))
+    start = pick.one_of(("equilibrium", "straight", "thrown"))
+    steps = pick.integer(5, 40)
+    dt = 10.0 ** pick.number(-4.0, -1.0)
+    scheme = None if method is None else schemes.scheme(method)
+    from_elsewhere = scheme is not None and not scheme.own
+    if scheme is not None and scheme.own and scheme.explicit:
+        limit = predict(scene, schemes=(method,)).limits[method].step or 1e-4
+        dt = limit * 10.0 ** pick.number(-1.0, 0.3)
+        t_end = dt * pick.integer(5, EXPLICIT_STEPS)
+        if scheme.embedded and pick.integer(0, 1):
+            dt = None
+    elif from_elsewhere or rtol:  # as many steps as it takes: within some turns of the fastest motion they are few
+        turns = SCIPY_TURNS if from_elsewhere else ADAPTIVE_TURNS
+        t_end, dt = min(dt * steps, turns / max(cable.omega_max for cable in scene.cables)), None
+    else:
+        t_end = dt * steps
+        if method is None and pick.integer(0, 1):
+            dt = None
+    speed = 10.0 ** pick.number(-2.0, 1.0)
+    return Trial(scene, t_end, method, dt, None if from_elsewhere else rtol, start, speed, pick.integer(0, 10**6))
+
+
+def _scene(pick, surroundings):
+    n = pick.integer(2, 6)
+    coordinates = tuple(x / 2 for x in range(-2, 3))
+    kinds = [pick.one_of(("fixed", "driven", "free", "free", "free")) for _ in range(n)]
+    points = []
+    for i, kind in enumerate(kinds):
+        at = tuple(pick.one_of(coordinates) for _ in range(3))
+        if kind == "fixed":
+            points.append(Fixed(f"p{i}", at))
+        elif kind == "driven":
+            points.append(Driven(f"p{i}", _path(pick, at)))
+        else:
+            points.append(Free(f"p{i}", mass=pick.one_of((0.0, 0.0, 1e-6, 0.01, 1.0, 100.0)), at=at))
+    links = [(pick.integer(0, i - 1), i) for i in range(1, n)]  # all are joined
+    for _ in range(pick.integer(0, 3)):  # loops, parallel cables
+        a = pick.integer(0, n - 1)
+        links.append((a, (a + pick.integer(1, n - 1)) % n))
+    EA, zeta = 10.0 ** pick.number(2.0, 9.0), pick.one_of((0.0, 0.05, 1.0, 30.0, 1e4))
+    law, mu = pick.one_of(("none", "none", "damped", "linear")), 10.0 ** pick.number(-3.0, 0.0)
+    elastic = {"tension_strain": _curve(pick, EA)} if pick.integer(0, 4) == 0 else {"EA": EA}
+    diameter = 10.0 ** pick.number(-3.0, -1.5)
+    cables = [
+        Cable(
+            f"p{a}", f"p{b}", length=pick.one_of((0.1, 0.5, 1.0, 2.0)), mass_per_length=mu, zeta=zeta, segments=pick.integer(1, 12),
+            compression=law, name=f"c{c}", diameter=diameter, EI=EA * diameter**2 / 16.0, **elastic,
+        )
+        for c, (a, b) in enumerate(links)
+    ]  # fmt: skip
+    g = pick.one_of((9.81, 9.81, 9.81, 0.0, -9.81))
+    acting = [effects.Gravity(abs(g), (0.0, 0.0, -1.0 if g > 0 else 1.0))] if g else []
+    rate = pick.one_of((0.0, 0.0, 0.5, 50.0))
+    acting += [effects.ViscousDamping(rate)] if rate else []
+    return Scene(points, cables, acting + (_surroundings(pick) if surroundings else []))
+
+
+def _curve(pick, EA):
+    """A tension-strain curve of up to four pieces, the steepest of slope EA."""
+    slopes = [10.0 ** pick.number(-3.0, 0.0) for _ in range(pick.integer(1, 4))]
+    knots, T, curve = sorted(10.0 ** pick.number(-5.0, -1.0) * (1 + i) for i in range(len(slopes))), 0.0, []
+    for before, eps, slope in zip((0.0, *knots), knots, slopes, strict=False):
+        T += EA * slope / max(slopes) * (eps - before)
+        curve.append((eps, T))
+    return tuple(curve)
+
+
+def _surroundings(pick):
+    """Effects that put no energy in; one that is not drawn is not even imported."""
+    which = pick.one_of(("none",) * 4 + ("air", "water", "ground", "bending", "axial damping", "all"))
+    level = pick.one_of((-2.0, -0.5, 0.0, 3.0))
+    friction, rate = pick.one_of((0.0, 0.5)), pick.one_of((0.5, 50.0))
+    known = {
+        "air": lambda: effects.Air(),
+        "water": lambda: effects.Water(level=level, g=9.81),
+        "ground": lambda: effects.Ground(height=level - 1.0, friction=friction),
+        "bending": lambda: effects.Bending(),
+        "axial damping": lambda: effects.AxialDamping(rate=rate),
+    }
+    return [make() for name, make in known.items() if which in (name, "all")]
+
+
+def _path(pick, at):
+    kind = pick.one_of(("line", "harmonic", "samples"))
+    velocity = np.array([pick.number(-1.0, 1.0) for _ in range(3)]) * 10.0 ** pick.number(-3.0, 0.7)
+    if kind == "line":
+        return paths.line(at, tuple(velocity), ramp=pick.one_of((0.0, 0.01, 1.0)))
+    if kind == "harmonic":
+        return paths.harmonic(at, tuple(0.1 * velocity), 10.0 ** pick.number(-1.0, 2.0), ramp=pick.one_of((0.0, 0.1)))
+    t = np.linspace(0.0, 0.5, 6)
+    return paths.samples(t, np.array(at) + np.outer(np.sin(7 * t) * t, velocity))
+
+
+def attempt(trial: Trial) -> tuple[str, str]:
+    """Run a trial: HELD, REFUSED, GAINED or FAILED; and why.
+
+    It is refused by a status other than "done", a warning or an error of the library's own, each in words.
+    """
+    try:
+        with warnings.catch_warnings(record=True) as caught, bounded_work(EVALUATIONS):
+            warnings.simplefilter("always")
+            run = simulate(
+                trial.scene, trial.t_end, method=trial.method, dt=trial.dt, rtol=trial.rtol, start=_start(trial)
+            )  # fmt: skip
+    except (SceneError, EquilibriumError, ValueError) as error:
+        own = type(error) in (SceneError, EquilibriumError) or "must" in str(error)
+        return (REFUSED if own and str(error).strip() else FAILED), f"{type(error).__name__}: {error}"
+    except Exception as error:
+        return FAILED, f"{type(error).__name__}: {error}"
+    finite = np.isfinite(run.q).all() and np.isfinite(run.v).all()
+    if not run.ok:
+        return (REFUSED if run.message and len(run.t) else FAILED), run.message
+    if not (finite and np.isfinite(run.energy).all()):
+        return FAILED, "done, yet not finite"
+    if abs(run.t[-1] - run.t[0] - trial.t_end) > 1e-9 * trial.t_end:
+        return FAILED, f"done at t={run.t[-1]:g} s instead of {trial.t_end:g} s"
+    said = next((str(w.message) for w in caught if issubclass(w.category, StabilityWarning)), "")
+    return (REFUSED, said) if said else _audit(trial, run)
+
+
+def _start(trial):
+    if trial.start != "thrown":
+        return trial.start
+    model, rng = build(trial.scene), np.random.default_rng(trial.seed)
+    q = straight(model)
+    free = slice(0, model.n_free)
+    q[free] += rng.normal(scale=0.05 * rng.uniform(), size=(model.n_free, 3))
+    v = np.zeros_like(q)
+    v[free] = rng.uniform(-trial.speed, trial.speed, (model.n_free, 3))
+    return State(model, 0.0, q, v, segment_tensions(model, q, v))
+
+
+def _audit(trial, run):
+    """Whether the energy of a run is accounted for, as far as its method promises."""
+    model, scene = run.model, run.scene
+    rows = run.energy
+    m = model.mass[: model.n_free]
+    weighty = m.sum() * (np.linalg.norm(scene.gravity) * np.abs(run.q).max() + (run.v**2).sum(axis=2).max())
+    rounding = 1e-9 * weighty + 1e-15 * float(model.axial[:, AXIAL_STIFFNESS].max()) * np.abs(run.q).max() ** 2
+    own, taken = rows[:, :3].sum(axis=1) - rows[:, 3], rows[:, 4:].sum(axis=1)
+    in_play = max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max(), taken.max()) + rounding
+    rise = float((own - np.minimum.accumulate(own)).max() / in_play)
+    driven = any(isinstance(point, Driven) for point in scene.points)
+    if run.method == "edmc":
+        off = abs(own[-1] - own[0] + taken[-1] - taken[0]) / in_play
+        if off > IMBALANCE:
+            return FAILED, f"edmc's balance of energy is off by {off:.2g} of the energy in play"
+        # states between adaptive steps are interpolated, their energies too rough; added mass that turns gives energy of the water
+        if rise > RISE and trial.rtol is None and not any(isinstance(effect, effects.Water) for effect in scene.effects):
+            return FAILED, f"edmc raises the energy by {rise:.2g} of the energy in play"
+        return HELD, ""
+    if driven or trial.rtol is not None:  # of work, other methods' accounts are rough where a point jumps
+        return HELD, ""
+    scheme, pushes = schemes.scheme(run.method), any(cable.compression == "linear" for cable in scene.cables)
+    if scheme.energy is EnergyPromise.NEVER_RISES and not pushes and rise > RISE:
+        return FAILED, f"{scheme.label} raises the energy by {rise:.2g} of the energy in play"
+    if rise > GAIN:
+        return (FAILED if trial.method is None else GAINED), f"{run.method} raises the energy by {rise:.2g} of that in play"
+    return HELD, ""
+
+
+def try_many(seed: int, first: int, count: int, surroundings: bool = True) -> list[dict]:
+    """Outcomes of trials by number, as dicts: number, method (or "default"), outcome, why, seconds."""
+    found = []
+    for number in range(first, first + count):
+        began, method = time.perf_counter(), ""
+        try:
+            trial = draw(Random((seed, number)), surroundings)
+            method = trial.method or DEFAULT
+            outcome, why = attempt(trial)
+        except SceneError as error:  # such as a cable from a point to itself
+            outcome, why, method = REFUSED, f"SceneError: {error}", "scene"
+        found.append({"number": number, "method": method, "outcome": outcome, "why": why, "seconds": time.perf_counter() - began})
+    return found
+
+
+def main(seed=7, trials=TRIALS):
+    """Try many and print what failed, how many had each outcome, and the slowest."""
+    found = try_many(seed, 0, trials)
+    for one in found:
+        if one["outcome"] in (FAILED, GAINED):
+            print(json.dumps(one))
+    counts = {outcome: sum(one["outcome"] == outcome for one in found) for outcome in (HELD, REFUSED, GAINED, FAILED)}
+    slowest = max(found, key=lambda one: one["seconds"])
+    print(counts, f"{math.fsum(one['seconds'] for one in found):.0f} s; slowest:", json.dumps(slowest))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,40 @@
+"""Compiled functions called by their address: what they return, and what their callers may raise."""
+
+import numpy as np
+from numba import float64, int64, types
+
+from anet_lumped.compiled.addresses import address_of, callable_at, caller_of
+from anet_lumped.compiled.exceptions import may_raise
+from anet_lumped.compiled.jit import kernel, on_demand
+
+PAIR = types.Tuple((float64, types.UniTuple(float64, 2)))(float64, float64[::1])
+as_pair, pair_at = callable_at(PAIR), caller_of(PAIR)
+
+
+@on_demand
+def scaled(x, numbers):
+    return x * numbers[0], (x + numbers[1], numbers[2])
+
+
+@kernel(float64(int64, float64[::1]))
+def by_caller(place, numbers):
+    product, (total, last) = pair_at(place, (3.0, numbers[1:]))
+    return 100.0 * product + 10.0 * total + last
+
+
+@kernel(float64(int64, float64[::1]))
+def by_first_class_function(place, numbers):
+    product, (total, last) = as_pair(place)(3.0, numbers[1:])
+    return 100.0 * product + 10.0 * total + last
+
+
+def test_both_ways_call_the_same_function():
+    numbers = np.array([9.0, 2.0, 4.0, 5.0])
+    for function in (by_caller, by_first_class_function):
+        assert function(address_of(scaled, PAIR), numbers) == 100 * 6 + 10 * 7 + 5
+
+
+def test_only_a_first_class_function_may_raise():
+    """It looks for an address that is null; an effect's force that calls a wind must not raise."""
+    assert may_raise(by_caller) == ()
+    assert any(words.startswith("RuntimeError") for words in may_raise(by_first_class_function))

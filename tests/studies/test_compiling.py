@@ -1,0 +1,104 @@
+"""The line that says that Numba compiles: once, only when something is compiled, from here or from a worker."""
+
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from studies import compiling
+from studies.compiling import Notice
+from studies.sweeping import workers
+
+ROOT = Path(__file__).parents[2]
+COMPILES = """
+    import time
+    from studies.compiling import call_when_compiling
+    told = []
+    call_when_compiling(lambda: told.append(1))
+    import numba
+    def something(x):
+        return x + {number}
+    began = time.perf_counter()
+    {before}
+    for _ in range(3):
+        numba.njit(something)(1.0)
+        {between}
+    print(len(told))
+"""
+
+
+def told(before="pass", between="pass"):
+    code = textwrap.dedent(COMPILES.format(number=len(between), before=before, between=between))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    return int(done.stdout)
+
+
+def test_it_is_told_once_of_what_takes_long():
+    """Compiling that is slowed down to a second, three times."""
+    slow = (
+        "import numba.core.event as event; "
+        "slow = type('Slow', (event.Listener,), {'on_start': lambda self, e: time.sleep(1.0), 'on_end': lambda self, e: None}); "
+        "event.register('numba:compile', slow())"
+    )
+    assert told(before=slow) == 1
+
+
+def test_nothing_is_told_of_what_takes_no_time():
+    quick = "from studies import compiling; compiling.NOTICED_AFTER = 1e3"
+    assert told(before=quick) == 0
+
+
+def test_a_line_is_given_once_and_only_when_watched(monkeypatch):
+    lines, notice = [], Notice()
+    notice.give()
+    monkeypatch.setattr(compiling, "call_when_compiling", lambda call: None)
+    notice.watch("compiling", lines.append)
+    assert lines == []
+    notice.give()
+    notice.give()
+    assert lines == ["compiling"]
+
+
+def slow_to_compile(row):
+    """What a worker does that compiles: the flag that its listener sets, and a wait."""
+    import time
+
+    import numba.core.event as event
+
+    if row["x"] == 0:
+        with event.trigger_event("numba:compile", data={}):
+            time.sleep(2.5)
+    return {"began": time.time()}
+
+
+def test_while_a_worker_compiles_the_others_wait_and_one_line_is_told(monkeypatch):
+    lines = []
+    notice = Notice()
+    monkeypatch.setattr(compiling, "call_when_compiling", lambda call: None)
+    notice.watch("compiling", lines.append)
+    monkeypatch.setattr(workers, "NOTICE", notice)
+    rows = [{"x": x} for x in range(4)]
+    found = [(row["x"], result["began"]) for row, result in workers.through_own_pool(slow_to_compile, rows, 2)]
+    assert lines == ["compiling"]
+    began = dict(found)
+    assert sorted(began) == [0, 1, 2, 3] and min(began[x] for x in (1, 2, 3)) >= began[0]
+
+
+@pytest.mark.parametrize(("cached", "started"), [(True, ["running"]), (False, [])])
+def test_workers_start_early_only_where_nothing_is_to_be_compiled(monkeypatch, cached, started):
+    calls = []
+    monkeypatch.setattr(workers, "kernels_are_on_disk", lambda: cached)
+    monkeypatch.setattr("multiprocessing.forkserver.ensure_running", lambda: calls.append("running"))
+    workers.start_early()
+    assert calls == started
+
+
+def test_a_look_at_the_disk(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert not compiling.kernels_are_on_disk()
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "deep" / "force.nbi").write_bytes(b"")
+    assert compiling.kernels_are_on_disk()
