@@ -88,7 +88,7 @@ def test_breaks(Tether):
 def test_the_study_of_costs_takes_it_up(Tether, monkeypatch):
     monkeypatch.setattr(REGISTRY, "classes", {"gravity": "Gravity", "tether": "Tether"})
     monkeypatch.setattr(effects_cost, "TIMES", {"verlet": 2, "newton": 2})
-    table = {row["effect"]: row for row in effects_cost.marginal(1)}
+    table = {row["effect"]: row for row in effects_cost.marginal(1, REGISTRY)[0]}
     assert set(table) == {"none", "gravity", effects_cost.OWN, "tether", "all together"}
     row = table["tether"]
     assert row["entries"] == 3 * 77 and row["more_bytes"] == 8 * (77 + 4 + 2 + 5)  # nodes, numbers, where they are, functions

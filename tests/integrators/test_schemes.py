@@ -13,7 +13,7 @@ from anet_lumped.motion.stability import damping_limit, frequency_limit, predict
 from integrators import schemes
 from integrators.linear_stability import LaggingDamping, StepLimit
 from integrators.schemes.record import Origin, Stepping
-from studies.accuracy_cost import cases, contestants, total_error
+from studies.accuracy_cost import contestants, motions, total_error
 from studies.catalogue import outcome
 from studies.questions import order, stability_map
 from studies.shown.scheme_styles import MARKS, style
@@ -154,7 +154,7 @@ def test_a_scheme_that_is_added_is_in_every_list(toy):
     assert toy in stability_map.explicit_schemes(stable_undamped=True) and stability_map.label(toy) == "position Verlet"
     assert toy in order.cases() and toy in outcome.ways() and toy in outcome.methods() and toy in total_error.methods()
     assert outcome.not_asked(toy) == () and not contestants.from_elsewhere(toy)
-    case = cases.carried(1e4, 5)
+    case = motions.carried(1e4, 5)
     (mine,) = contestants.ours(case, only=(toy,))
     limit = predict(case.scene, schemes=(toy,)).limits[toy].step
     assert [setting["dt"] <= share * limit for setting, share in zip(mine.settings, contestants.SHARES, strict=True)] == [

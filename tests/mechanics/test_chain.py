@@ -79,7 +79,11 @@ def test_couplings_of_nothing_change_nothing(name):
     model, rng = build(NETS[name]), np.random.default_rng(0)
     net = random_system(model, rng, 1e4)
     wide = coupled(
-        model, net._replace(right=net.right_side.copy(), step=net.newton_step.copy(), tension=net.tension.copy()), rng, 2, 0.0
+        model,
+        net._replace(right_side=net.right_side.copy(), newton_step=net.newton_step.copy(), tension=net.tension.copy()),
+        rng,
+        2,
+        0.0,
     )
     assert solve.solve(net.address) == pytest.approx(solve.solve(wide.address), rel=1e-9, abs=1e-9)
     # both keep what is as large as inertia and tension: 1e-16 times their condition, some 1e3

@@ -18,7 +18,7 @@ from anet_lumped.model.remainder import SCATTER, remainder
 from anet_lumped.prescribed.paths import line
 from anet_lumped.results.events import BREAK, Event, broken
 from studies.shown.run_figure import plot
-from studies.shown.summary import of_run
+from studies.shown.summary import run_summary
 
 G, MU, EA = 9.81, 0.1, 1e4
 
@@ -343,7 +343,7 @@ def test_saved_loaded_and_shown(tmp_path):
     np.testing.assert_array_equal(back.length("s0-p0"), run.length("s0-p0"))
     (event,) = run.events
     assert str(event) == f't={event.t:.6g} s: segment 0 of cable "s0-p0" broke at 4 N'
-    (row,) = json.loads(json.dumps(of_run(run)["events"], default=float))
+    (row,) = json.loads(json.dumps(run_summary(run)["events"], default=float))
     assert (row["event"], row["where"], row["segment"]) == ("broke", "s0-p0", 0) and row["tension"] == pytest.approx(4.0, rel=1e-5)
     side = plot(run).axes[0]
     last = [line for line in side.lines if line.get_color() == "0.00"]

@@ -124,7 +124,7 @@ class Spring(eqx.Module):
         wall, moving = 0.1 * jnp.sin(t), 0.1 * jnp.cos(t)
         pull = self.k * (jnp.array([wall, 0.0, 0.0]) - q[0])
         f = (pull - M * LOSS * v[0])[None]
-        return jnp.where(t > self.lost, jnp.nan, f), jnp.stack([0.0, M * LOSS * jnp.sum(v**2), pull[0] * moving])
+        return jnp.where(t > self.lost, jnp.nan, f), jnp.stack([M * LOSS * jnp.sum(v**2), 0.0, pull[0] * moving])
 
     def factor(self, t, stop, q, v, tau):
         return M * (1.0 + tau * LOSS) + tau**2 * self.k

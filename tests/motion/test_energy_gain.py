@@ -9,7 +9,7 @@ from systems import four_cables, loose_cable, spring_mass
 from anet_lumped import RunError, Scene, load_run, simulate
 from anet_lumped.motion.choice import SHARE_OF_LIMIT_SLACK, choose
 from anet_lumped.motion.energy_gain import ALLOWED_GAIN, GAINED, energy_gain
-from studies.catalogue import CASES
+from studies.catalogue.cases import CASES
 
 
 @pytest.fixture

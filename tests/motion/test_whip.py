@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from studies.accuracy_cost.cases import loose
 
 from anet_lumped import simulate
+from studies.accuracy_cost.motions import loose
 
 EA = 1e4
 WHIP = 0.55  # [s]
