@@ -373,10 +373,8 @@ def _announce_compiling(what):
     """Have one line say so, once, if Numba has to compile, here or in a worker."""
     from studies.compiling import NOTICE
 
-    seconds = FIRST_COMPILING[what]
-    NOTICE.watch(
-        f"Compiling, which this machine has to do once and which takes about {seconds} s in all; later runs do without.", _tell
-    )
+    line = f"Compiling what this machine has not compiled yet takes up to about {FIRST_COMPILING[what]} s; later runs do without."
+    NOTICE.watch(line, _tell)
 
 
 def _give(result, as_json=False, out=None, stem=""):
