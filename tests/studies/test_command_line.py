@@ -321,9 +321,8 @@ def test_compiling_is_told_in_one_line_and_not_where_nothing_compiles(monkeypatc
 
     monkeypatch.setattr(compiling, "call_when_compiling", lambda call: (call(), call()))
     assert call("equilibrium", "net_held") == 0
-    assert capsys.readouterr().err == (
-        "anet-lumped: Compiling, which this machine has to do once and which takes about 10 s in all; later runs do without.\n"
-    )
+    said = "anet-lumped: Compiling what this machine has not compiled yet takes up to about 7 s; later runs do without.\n"
+    assert capsys.readouterr().err == said
     assert call("equilibrium", "--help") == 0
     assert capsys.readouterr().err == ""
     monkeypatch.setattr(compiling, "call_when_compiling", lambda call: None)
