@@ -13,9 +13,10 @@ from anet_lumped.motion.stability import damping_limit, frequency_limit, predict
 from integrators import schemes
 from integrators.linear_stability import LaggingDamping, StepLimit
 from integrators.schemes.record import Origin, Stepping
+from studies import thesis_cable
 from studies.accuracy_cost import contestants, motions, total_error
 from studies.catalogue import outcome
-from studies.questions import order, stability_map
+from studies.questions import order
 from studies.shown.scheme_styles import MARKS, style
 
 NAMES = schemes.names()
@@ -106,7 +107,7 @@ def test_every_scheme_has_a_look_of_its_own():
     assert len({look.color for look in looks}) >= len(NAMES) - 1 and len({look.marker for look in looks}) == len(NAMES)
     assert len(MARKS) == len(set(MARKS)) >= len(NAMES) + 2  # and some for schemes that are added
     assert {style(name).line for name in schemes.names(explicit=True)} == {"--"}
-    assert style("edmc").of_line() == {"label": "edmc", "color": "C0", "marker": style("edmc").marker, "ls": "-"}
+    assert style("edmc").of_line() == {"label": "edmc", "color": style("edmc").color, "marker": style("edmc").marker, "ls": "-"}
 
 
 # --- a scheme is added ----------------------------------------------------------------------------------------------------
@@ -139,11 +140,11 @@ def test_a_scheme_that_is_added_is_simulated(toy):
 
 def test_a_scheme_that_is_added_has_a_limit(toy):
     """As predicted, and as found: below it the energy of a disturbance swings, beyond it grows."""
-    scene = stability_map.hung(100.0, 0.2, compression="linear")
-    limit = stability_map.predicted_step(toy, scene)
-    assert predict(scene).limits[toy].step == limit == stability_map.predicted_step("symplectic_euler", scene)
+    scene = thesis_cable.hung(100.0, 0.2, compression="linear")
+    limit = thesis_cable.predicted_step(toy, scene)
+    assert predict(scene).limits[toy].step == limit == thesis_cable.predicted_step("symplectic_euler", scene)
     for share, grows in ((0.99, False), (1.01, True)):
-        assert (stability_map.rest_growth(scene, toy, share * limit)[0] > stability_map.REST_GROWTH) == grows
+        assert (thesis_cable.rest_growth(scene, toy, share * limit)[0] > thesis_cable.REST_GROWTH) == grows
     assert step_limit(toy, 1.0) == 2.0 and damping_limit(toy, 1.0, 1.0) == pytest.approx(0.75, rel=1e-6)
     assert frequency_limit(toy, 1.0) == pytest.approx(2.0, rel=1e-12)
 
@@ -151,12 +152,17 @@ def test_a_scheme_that_is_added_has_a_limit(toy):
 def test_a_scheme_that_is_added_is_in_every_list(toy):
     """Of the registry, of the studies, and among the looks of figures, without another line anywhere."""
     assert toy in schemes.names(own=True, explicit=True)
-    assert toy in stability_map.explicit_schemes(stable_undamped=True) and stability_map.label(toy) == "position Verlet"
-    assert toy in order.cases() and toy in outcome.ways() and toy in outcome.methods() and toy in total_error.methods()
-    assert outcome.not_asked(toy) == () and not contestants.from_elsewhere(toy)
-    case = motions.carried(1e4, 5)
-    (mine,) = contestants.ours(case, only=(toy,))
-    limit = predict(case.scene, schemes=(toy,)).limits[toy].step
+    assert toy in thesis_cable.explicit_schemes(stable_undamped=True) and thesis_cable.label(toy) == "position Verlet"
+    assert (
+        toy in order.cases()
+        and toy in outcome.methods_tried()
+        and toy in outcome.compiled_methods()
+        and toy in total_error.methods()
+    )
+    assert outcome.not_promised(toy) == () and not contestants.of_another_package(toy)
+    motion = motions.carried(1e4, 5)
+    (mine,) = contestants.ours(motion, only=(toy,))
+    limit = predict(motion.scene, schemes=(toy,)).limits[toy].step
     assert [setting["dt"] <= share * limit for setting, share in zip(mine.settings, contestants.SHARES, strict=True)] == [
         True,
         True,

@@ -16,7 +16,7 @@ from studies.catalogue.cases import CASES
 def in_flight():
     """A slack cable that nothing holds, undamped."""
     case = CASES["cable in free flight"]()
-    return case.scene, case.t_end, case.begin()
+    return case.scene, case.t_end, case.start_state()
 
 
 @pytest.mark.parametrize("method", ["verlet", "symplectic_euler"])
@@ -95,7 +95,7 @@ def test_work_put_in_is_no_gain():
         case = CASES[name]()
         for method in ("verlet", "symplectic_euler", "rk4", "backward_euler", "sdirk2"):
             dt = min(case.dt or np.inf, choose(case.scene, method).dt)
-            run = simulate(case.scene, case.t_end, method=method, dt=dt, start=case.begin())
+            run = simulate(case.scene, case.t_end, method=method, dt=dt, start=case.start_state())
             assert run.ok, f"{name}, {method}: {run.message}"
 
 
