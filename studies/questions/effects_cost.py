@@ -19,7 +19,7 @@ from integrators.stage import LAW_BETWEEN, Stage
 from studies.accuracy_cost.motions import net
 from studies.accuracy_cost.paired_timing import in_words, ratio, take_turns
 from studies.shown.palette import BLUE, ORANGE
-from studies.shown.sentences import between, listed
+from studies.shown.sentences import listed
 from studies.shown.show import as_text
 from studies.study import Drawing, Part, Record
 
@@ -271,9 +271,15 @@ def _lacking(table):
     compared = listed(LIBRARIES[library] for library in dict.fromkeys(table["library"]))
     return (
         f"An effect that a scene lacks {claim}. The plain net takes {'the same memory' if same else 'another memory'} with "
-        f"{compared} ({between(table['memory_bytes'], 'bytes', 6)}), and imports {imported} only.\n\nTimes of the plain net over "
+        f"{compared} ({_bytes(table['memory_bytes'])}), and imports {imported} only.\n\nTimes of the plain net over "
         f"those with the whole library, pair by pair of processes: {told}."
     )
+
+
+def _bytes(values):
+    """The bytes of a run's arrays, all digits of them."""
+    least, most = min(values), max(values)
+    return f"{least:.0f} bytes" if least == most else f"{least:.0f} to {most:.0f} bytes"
 
 
 def _having(table, turns):

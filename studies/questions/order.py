@@ -179,11 +179,9 @@ def _exceptions(orders, what, off):
     """Slopes that miss their order, by name."""
     below, above = orders.loc[off.index[off < -TOLERANCE]], orders.loc[off.index[off > TOLERANCE]]
     if not len(below) + len(above):
-        return f"No slope of {what} errors misses its order by more."
-    text = f"Slopes of {what} errors"
-    text += f" that fall short of the order: {_named(below, what)}" if len(below) else ""
-    text += ";" * bool(len(below) and len(above))
-    return text + (f" that exceed it: {_named(above, what)}" if len(above) else "") + "."
+        return f"No slope of {what} errors is farther from its order."
+    named = [f"{_named(rows, what)} {side} the order" for rows, side in ((below, "below"), (above, "above")) if len(rows)]
+    return f"Farther from it are, of {what} errors: {'; '.join(named)}."
 
 
 def _named(rows, what):

@@ -101,7 +101,8 @@ def _first_sentence(caption):
 
 
 def _prose(text):
-    """The text whose equations and units stay on one line: EA = 1e4 N, 10 ms."""
+    """The text whose equations, units and powers of ten stay on one line: EA = 1e4 N, 10 ms, 1e-4."""
+    text = re.sub(r"(?<=\de-)(?=\d)", "\u2060", text)
     return re.sub(r"(?<=[\d∞]) (?=(?:N|m|mm|cm|s|ms|ns|J|kg|g|%|times|N/m)\b|%)", "\u00a0", text.replace(" = ", "\u00a0=\u00a0"))
 
 

@@ -62,9 +62,11 @@ def as_text(value, digits: int = 4) -> str:
     if not math.isfinite(value):
         return "–" if math.isnan(value) else f"{value}".replace("inf", "∞")
     rounded = float(f"{value:.{digits - 1}e}")
-    if not 1e-3 <= abs(rounded) < 1e6:
-        mantissa, power = f"{rounded:.{digits - 1}e}".split("e")
-        return f"{mantissa.rstrip('0').rstrip('.') if '.' in mantissa else mantissa}e{int(power)}"
+    mantissa, power = f"{rounded:.{digits - 1}e}".split("e")
+    mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+    round_and_large = abs(rounded) >= 1e4 and len(mantissa.lstrip("-")) <= len("2.5")
+    if round_and_large or not 1e-3 <= abs(rounded) < 1e6:
+        return f"{mantissa}e{int(power)}"
     text = f"{value:.{max(0, digits - 1 - math.floor(math.log10(abs(rounded))))}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
 

@@ -160,11 +160,11 @@ def orders(*lines):
 def test_slopes_that_miss_their_order_are_named():
     words = order.answer(orders(("swing", "edmc", 2, 2.01, 1.99), ("swing", "rk4", 4, 3.98, 4.0)))
     assert "Of 4 slopes of errors over the step, for positions and for velocities, 4 lie within 0.15" in words
-    assert "No slope of position errors misses its order by more. No slope of velocity errors" in words
+    assert "No slope of position errors is farther from its order. No slope of velocity errors" in words
     words = order.answer(orders(("swing", "edmc", 2, 1.2, 1.99), ("swing", "rk4", 4, np.nan, 4.9)))
     assert "Of 3 slopes" in words and ", 1 lie within 0.15" in words
-    assert "Slopes of position errors that fall short of the order: edmc (swing, 1.20 for 2)." in words
-    assert "Slopes of velocity errors that exceed it: rk4 (swing, 4.90 for 4)." in words
+    assert "Farther from it are, of position errors: edmc (swing, 1.20 for 2) below the order." in words
+    assert "Farther from it are, of velocity errors: rk4 (swing, 4.90 for 4) above the order." in words
     assert "all of rk4 in the swing" in words and "Symplectic Euler" not in words
 
 
