@@ -2,7 +2,6 @@
 
 from functools import cache
 
-from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
@@ -23,7 +22,10 @@ def address_of(function, signature):
 
 
 def callable_at(signature):
-    """An intrinsic that turns an address, which must not be 0, into a first-class function of a signature."""
+    """An intrinsic that turns an address, which must not be 0, into a first-class function of a signature.
+
+    A kernel that calls such a function cannot raise by that: nobody looks whether the address is null.
+    """
     function_type = types.FunctionType(signature)
 
     @intrinsic
@@ -39,23 +41,3 @@ def callable_at(signature):
         return function_type(types.int64), codegen
 
     return as_function
-
-
-def caller_of(signature):
-    """An intrinsic that calls a function of a signature at an address with a tuple of arguments, ``call(address, arguments)``.
-
-    A first-class function, as `callable_at` makes one, looks whether its address is null, and raises if it is. This one does not
-    look, so that a kernel with such a call cannot raise.
-    """
-
-    @intrinsic
-    def call(typing_context, address, arguments):
-        def codegen(context, builder, own, args):
-            kinds = [context.get_value_type(kind) for kind in signature.args]
-            function = ir.FunctionType(context.get_value_type(signature.return_type), kinds)
-            pointer = builder.inttoptr(args[0], function.as_pointer())
-            return builder.call(pointer, cgutils.unpack_tuple(builder, args[1]))
-
-        return signature.return_type(types.int64, types.Tuple(signature.args)), codegen
-
-    return call

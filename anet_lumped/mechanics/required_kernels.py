@@ -40,18 +40,22 @@ def require(net, model, force=False, newton=False):
 
 def require_elimination(net, reach):
     """The elimination of cables whose effects join nodes up to ``reach`` segments away."""
-    if reach == 0:
-        from anet_lumped.mechanics.linear import chain as linear
-    elif reach == 1:
-        from anet_lumped.mechanics.linear import coupled_near as linear
-    else:
-        from anet_lumped.mechanics.linear import coupled_far as linear
+    from anet_lumped.mechanics.linear import chain
+
+    eliminating = substituting = chain
+    if reach == 1:
+        from anet_lumped.mechanics.linear import coupled_near as eliminating
+    elif reach == 2:
+        from anet_lumped.mechanics.linear import coupled_far
+
+        eliminating = substituting = coupled_far
     short, bordered = net.single_kinds
-    kinds = {"SINGLES": len(net.single_cables) > bordered, "GROUPS": len(net.cable_groups) > 0, "BORDERED": bordered > short}
-    for name in ("eliminate", "substitute"):
-        for kind, present in kinds.items():
-            if present or (name == "substitute" and kind == "SINGLES" and short):
-                _write(net, f"{name.upper()}_{kind}", name, getattr(linear, f"{name}_{kind.lower()}"))
+    kinds = {"groups": len(net.cable_groups) > 0, "singles": len(net.single_cables) > bordered, "bordered": bordered > short}
+    for kind, present in kinds.items():
+        if present:
+            _write(net, f"ELIMINATE_{kind.upper()}", "eliminate", getattr(eliminating, f"eliminate_{kind}"))
+        if present or (kind == "singles" and short):
+            _write(net, f"SUBSTITUTE_{kind.upper()}", "substitute", getattr(substituting, f"substitute_{kind}"))
 
 
 def _write_both(net, name, of_singles, of_groups):

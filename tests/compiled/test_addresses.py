@@ -3,12 +3,12 @@
 import numpy as np
 from numba import float64, int64, types
 
-from anet_lumped.compiled.addresses import address_of, callable_at, caller_of
+from anet_lumped.compiled.addresses import address_of, callable_at
 from anet_lumped.compiled.exceptions import may_raise
 from anet_lumped.compiled.jit import kernel, on_demand
 
 PAIR = types.Tuple((float64, types.UniTuple(float64, 2)))(float64, float64[::1])
-as_pair, pair_at = callable_at(PAIR), caller_of(PAIR)
+as_pair = callable_at(PAIR)
 
 
 @on_demand
@@ -17,23 +17,16 @@ def scaled(x, numbers):
 
 
 @kernel(float64(int64, float64[::1]))
-def by_caller(place, numbers):
-    product, (total, last) = pair_at(place, (3.0, numbers[1:]))
+def by_address(address, numbers):
+    product, (total, last) = as_pair(address)(3.0, numbers[1:])
     return 100.0 * product + 10.0 * total + last
 
 
-@kernel(float64(int64, float64[::1]))
-def by_first_class_function(place, numbers):
-    product, (total, last) = as_pair(place)(3.0, numbers[1:])
-    return 100.0 * product + 10.0 * total + last
-
-
-def test_both_ways_call_the_same_function():
+def test_the_function_at_the_address_is_called():
     numbers = np.array([9.0, 2.0, 4.0, 5.0])
-    for function in (by_caller, by_first_class_function):
-        assert function(address_of(scaled, PAIR), numbers) == 100 * 6 + 10 * 7 + 5
+    assert by_address(address_of(scaled, PAIR), numbers) == 100 * 6 + 10 * 7 + 5
 
 
 def test_a_call_by_an_address_raises_nothing():
     """Nobody looks for an address that is null: an effect's force that calls a wind must not raise."""
-    assert may_raise(by_caller) == () == may_raise(by_first_class_function)
+    assert may_raise(by_address) == ()

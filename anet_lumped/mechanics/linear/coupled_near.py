@@ -1,4 +1,7 @@
-"""The elimination of `chain` for nets whose effects join neighbours along a cable, compiled when a scene first asks for it."""
+"""The elimination of `chain` for nets whose effects join neighbours along a cable, compiled when a scene first asks for it.
+
+The way back is that of `chain`: a displacement depends on that of one neighbour.
+"""
 
 from anet_lumped.compiled.jit import inlined, on_demand
 from anet_lumped.model.net import view_net
@@ -8,9 +11,6 @@ from .chain import (
     eliminate_all_bordered,
     eliminate_all_groups,
     eliminate_all_singles,
-    substitute_all_bordered,
-    substitute_all_groups,
-    substitute_all_singles,
 )
 
 
@@ -18,12 +18,6 @@ from .chain import (
 def _blocks(net_address):
     """The blocks between neighbours."""
     return (flat(view_net(net_address).near_blocks),)
-
-
-@inlined
-def _further(net_address):
-    """Nothing: a displacement depends on that of one neighbour."""
-    return ()
 
 
 @on_demand
@@ -42,21 +36,3 @@ def eliminate_singles(net_address):
 def eliminate_bordered(net_address):
     """`eliminate_all_bordered` with the blocks between neighbours along a cable."""
     eliminate_all_bordered(net_address, _blocks(net_address))
-
-
-@on_demand
-def substitute_groups(net_address):
-    """`substitute_all_groups` with the blocks between neighbours along a cable."""
-    return substitute_all_groups(net_address, _further(net_address))
-
-
-@on_demand
-def substitute_singles(net_address):
-    """`substitute_all_singles` with the blocks between neighbours along a cable."""
-    return substitute_all_singles(net_address, _further(net_address))
-
-
-@on_demand
-def substitute_bordered(net_address):
-    """`substitute_all_bordered` with the blocks between neighbours along a cable."""
-    return substitute_all_bordered(net_address, _further(net_address))

@@ -5,14 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 from numba import types
 
-from anet_lumped.compiled.addresses import address_of, caller_of
+from anet_lumped.compiled.addresses import address_of, callable_at
 from anet_lumped.compiled.jit import kernel
 
 from .base import Wind, as_winds
 
 _f1 = types.Array(types.float64, 1, "C")
 VELOCITY = types.Tuple((types.UniTuple(types.float64, 3), types.UniTuple(types.float64, 9)))(*(types.float64,) * 4, _f1)
-velocity_at = caller_of(VELOCITY)
+as_velocity = callable_at(VELOCITY)
 HEADER = 2  # numbers in front of those of a wind
 
 
@@ -47,7 +47,7 @@ def wind_at(t, x, y, z, winds):
     first = 0
     while first < len(winds):
         after = first + HEADER + int(winds[first + 1])
-        own, slope = velocity_at(int(winds[first]), (t, x, y, z, winds[first + HEADER : after]))
+        own, slope = as_velocity(int(winds[first]))(t, x, y, z, winds[first + HEADER : after])
         u, v, w = u + own[0], v + own[1], w + own[2]
         ux, uy, uz = ux + slope[0], uy + slope[1], uz + slope[2]
         vx, vy, vz = vx + slope[3], vy + slope[4], vz + slope[5]
