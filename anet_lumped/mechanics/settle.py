@@ -61,7 +61,7 @@ def _moved(net, node, a, q, e):
 
 @inlined
 def _unresolved(stiff):
-    """Share s'/(1 + s') with s' = ``stiff`` squared: near 1 where the step does not resolve a motion, of fifth order where it does."""
+    """Share s'/(1 + s') with s' = ``stiff`` squared: near 1 where the step resolves no motion, of fifth order where it does."""
     return stiff * stiff / (1.0 + stiff * stiff)
 
 

@@ -70,6 +70,7 @@ EDMC = own_scheme(
     options={"rho_inf": 0.0},
     takes_rigid_springs=True,
     evaluates_force=False,
+    error_constant=1 / 12,
     step=step,
     memory_rows=6,
     carried_rows=3,
