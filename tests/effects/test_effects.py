@@ -44,7 +44,7 @@ def cable_of(compression, EA=1e3, BA=5.0, length=0.5):
 def numbers(cable):
     """Spring, damper and its switch, as the compiled laws take them."""
     two_way_spring, two_way_damper = axial.SWITCHES[cable.compression]
-    return axial.one_spring(cable.stiffness, two_way_spring), cable.dashpot, two_way_damper
+    return axial.spring_without_curve(cable.stiffness, two_way_spring), cable.dashpot, two_way_damper
 
 
 @pytest.mark.parametrize("compression", COMPRESSION)

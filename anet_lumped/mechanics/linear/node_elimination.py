@@ -162,7 +162,7 @@ def eliminate(state, D, r, row):
 
 @inlined
 def eliminate_near(state, D, r, row, near):
-    """The same where effects join the node and the next one, by ``near`` (18,), the blocks in the rows of this node and of the next
+    """The same where effects join the node and the next one, by ``near`` (18,), blocks in the rows of this node and of the next.
 
     With A = a I - near_0 and B = a I - near_1 in place of a I,
 
