@@ -34,7 +34,7 @@ from .outcome import LARGEST_COORDINATE, Outcome, Task, fastest_node
 
 jax.config.update("jax_enable_x64", True)
 
-MOST = 5_000_000  # steps tried in a run; a bound on what is otherwise unbounded
+MOST_WORK = 5_000_000  # steps tried in a run; a bound on what is otherwise unbounded
 AT_ONCE = 100  # steps tried before Python has a look, which lets Ctrl-C through
 KAPPA = 1e-2
 ITERATIONS = 10  # for a stage, before the step is tried with a fifth of its length, as diffrax has it
@@ -251,14 +251,14 @@ def march(motion: Motion, task: Task) -> Outcome:
         if not np.isfinite(rates.v).all():
             failure, node = NOT_FINITE, fastest_node(rates.v)
             break
-        while m.t < stop and failure == FINE and m.tried < MOST:
+        while m.t < stop and failure == FINE and m.tried < MOST_WORK:
             m = _advance(solver, controller, motion, stop, saving, m)
             failure = int(m.failure)
         if m.t < stop:
             break
     status, reason = REASONS.get(failure, (DONE, ""))
-    if failure == FINE and m.tried >= MOST:
-        status, reason = UNCONVERGED, f"{MOST} steps tried were not enough"
+    if failure == FINE and m.tried >= MOST_WORK:
+        status, reason = UNCONVERGED, f"{MOST_WORK} steps tried were not enough"
     if failure == NOT_FINITE and m.tried == 0:
         reason = "the force at the start is not finite"
     elif status == DIVERGED:

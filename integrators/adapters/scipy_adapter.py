@@ -20,7 +20,7 @@ from integrators.system import COUNTS, DIVERGED, DONE, EVENT, FACTORISATIONS, FO
 
 from .outcome import LARGEST_COORDINATE, Outcome, Task, fastest_node
 
-MOST = 50_000_000  # force evaluations of a run; a bound on what is otherwise unbounded
+MOST_WORK = 50_000_000  # force evaluations of a run; a bound on what is otherwise unbounded
 EPS = np.finfo(float).eps
 FREE = 1e100  # absolute tolerance of what must not decide about a step
 
@@ -73,8 +73,8 @@ class _Equations:
     def rates(self, t, y):
         """dy/dt."""
         self.calls += 1
-        if self.calls > MOST:
-            raise _StopError(UNCONVERGED, f"{MOST} force evaluations were not enough")
+        if self.calls > MOST_WORK:
+            raise _StopError(UNCONVERGED, f"{MOST_WORK} force evaluations were not enough")
         self.y[self.order] = y
         self.nodes_at(t, self.y)
         self.motion.force(t, self.q, self.v, self.f, self.power)

@@ -32,7 +32,7 @@ OWN_NODE_TRIES, EXPLICIT_NODE_TRIES, IMPLICIT_NODE_TRIES = 2e7, 1e6, 1.5e6
 solver of diffrax, and of an implicit one times its order."""
 SPENT_A_STEP = 8  # force evaluations of a step of an explicit pair of scipy's, about
 SCIPY_MARCH, DIFFRAX_MARCH = "integrators.adapters.scipy_adapter", "integrators.adapters.diffrax_adapter"
-EMBEDDED_MARCH = "integrators.marching.embedded_steps"  # modules with a bound `MOST` of their own
+EMBEDDED_MARCH = "integrators.marching.embedded_steps"  # modules with a bound `MOST_WORK` of their own
 FEWEST = 200  # evaluations, or steps, that are worth a try
 EXCUSED_BY_WARNING = (ACCURACY, REST, LOAD)
 """Kinds of statements that a run may break which says so itself, in its warnings; not energy, momentum or spin."""
@@ -262,11 +262,11 @@ def bounded_work(evaluations, march="", tries=0):
     """
     bounds = {SCIPY_MARCH: evaluations} | ({march: tries} if march else {})
     modules = {import_module(name): number for name, number in bounds.items()}
-    before = {module: module.MOST for module in modules}
+    before = {module: module.MOST_WORK for module in modules}
     for module, number in modules.items():
-        module.MOST = number
+        module.MOST_WORK = number
     try:
         yield
     finally:
         for module, number in before.items():
-            module.MOST = number
+            module.MOST_WORK = number
