@@ -9,7 +9,11 @@ from typing import Any
 Vector = tuple[float, float, float]
 
 
-class SceneError(ValueError):
+class InputError(ValueError):
+    """An input that this package refuses. Its message says what must hold and what was given."""
+
+
+class SceneError(InputError):
     """A scene, or a part of one, that cannot be what its author meant."""
 
 

@@ -8,13 +8,13 @@ from importlib import import_module
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from anet_lumped.model.build import build
 from anet_lumped.motion.choice import choose
 from anet_lumped.motion.energy_gain import GAINED as ENERGY_GAINED
 from anet_lumped.motion.run_warnings import Finding, findings
 from anet_lumped.motion.simulate import StabilityWarning, simulate
 from anet_lumped.results.run import STATUS
-from anet_lumped.scene.scene import SceneError
 from anet_lumped.statics.equilibrium import EquilibriumError
 from integrators import schemes
 from integrators.schemes.record import Origin, Stepping
@@ -133,7 +133,7 @@ def try_case(case: Case, method: str) -> Outcome:
     """
     try:
         return _try_case(case, method)
-    except (SceneError, EquilibriumError, ValueError) as error:
+    except (InputError, EquilibriumError) as error:
         rigid = any(cable.inextensible for cable in case.scene.cables) and method != DEFAULT
         said, cause = str(error), RIGID if rigid else OTHER
     except ModuleNotFoundError as error:  # a package that is not installed; never a file of ours
