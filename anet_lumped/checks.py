@@ -2,11 +2,11 @@
 
 import difflib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral, Real
 from typing import Any
 
-Vector = tuple[float, float, float]
+Vector = Sequence[float]  # three numbers; a tuple once it is checked
 
 
 class InputError(ValueError):

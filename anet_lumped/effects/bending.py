@@ -28,7 +28,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import SceneError, check_direction, check_pairs
+from anet_lumped.checks import SceneError, Vector, check_direction, check_pairs
 
 from .effect import Effect
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
@@ -51,7 +51,7 @@ class Bending(Effect):
         Fixed or driven points, and the direction in which their cable always leaves them; its length must not be zero.
     """
 
-    clamped: tuple[tuple[str, tuple[float, float, float]], ...] = ()
+    clamped: Mapping[str, Vector] | tuple[tuple[str, Vector], ...] = ()
 
     coupled_neighbours: ClassVar[int] = 2
 
@@ -90,7 +90,7 @@ class Bending(Effect):
                 index += [*model.ends[s], model.ends[s + 1, 1], s]
                 numbers += _stiffness(cable)
                 pairs += 1
-        for name, direction in self.clamped:
+        for name, direction in dict(self.clamped).items():
             cable, node = self._clamped_cable(model, name), model.node(name)
             first, count = model.segment_run(scene.cables.index(cable))
             s = first if model.ends[first, 0] == node else first + count - 1
@@ -110,7 +110,7 @@ class Bending(Effect):
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
         """Without the clamps of cables that have fallen off."""
         bent = {name for cable in cables if cable.EI > 0.0 for name in (cable.start, cable.end)}
-        return Bending(tuple((name, direction) for name, direction in self.clamped if name in bent)) if bent else None
+        return Bending(tuple((name, direction) for name, direction in dict(self.clamped).items() if name in bent)) if bent else None
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step}

@@ -22,7 +22,7 @@ from typing import Any, Self
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import SceneError, check_direction, check_number
+from anet_lumped.checks import SceneError, Vector, check_direction, check_number
 from anet_lumped.effects.laws.axial import secant_tension, spring_energy
 
 from .effect import Effect, height_under
@@ -56,7 +56,7 @@ class Ground(Effect):
     stiffness: float = 3e6
     damping: float = 3e5
     friction: float = 0.0
-    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    normal: Vector = (0.0, 0.0, 1.0)
     slip_speed: float = 1e-3
 
     def check_parameters(self) -> None:

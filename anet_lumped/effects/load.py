@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import check_names, check_number, check_vector
+from anet_lumped.checks import Vector, check_names, check_number, check_vector
 from anet_lumped.prescribed.smoothstep_kernel import ramped
 
 from .effect import Effect, names_left
@@ -31,7 +31,7 @@ class Load(Effect):
         Time from t = 0 in which the load grows from zero to p, by s^3 (6 s^2 - 15 s + 10) with s = t/ramp; 0: a constant load.
     """
 
-    per_length: tuple[float, float, float]
+    per_length: Vector
     cables: Sequence[str] | None = None
     ramp: float = 0.0
 
