@@ -6,6 +6,7 @@ from numba import float64, int64, types
 
 from anet_lumped.compiled.jit import inlined, kernel, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, is_below, load, select, shifted, store
+from anet_lumped.effects.laws.axial import damped_changes
 from anet_lumped.effects.signatures import as_force, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
 from anet_lumped.mechanics.effect_forces import any_live, numbers_of, take_middle
@@ -63,6 +64,12 @@ def _driven_distance(net, node, before, after, direction):
 
 
 @inlined
+def _unresolved_share(ratio):
+    """s'/(1 + s') with s' = ``ratio``^2: near 1 for a motion that the step does not resolve; small of high order where it does."""
+    return ratio * ratio / (1.0 + ratio * ratio)
+
+
+@inlined
 def _cable_settle(stage, net, c, members, base, q, v):
     """`settle` of a cable, or of the cables of a group of which ``members`` count.
 
@@ -84,11 +91,12 @@ def _cable_settle(stage, net, c, members, base, q, v):
     spring, two_damper = spring_of(net, c), group_constant(net, c, AXIAL_TWO_WAY_DAMPER)
     omega_squared, L_a = column(net.axial, c, AXIAL_OMEGA_SQUARED), column(net.axial, c, AXIAL_L0_BEFORE)
     if group_constant(net, c, AXIAL_INEXTENSIBLE) > 0.0:
-        damped_share = 2.0 * stage.dissipation + 0.0 * L0
+        taut_share = slack_share = 2.0 * stage.dissipation + 0.0 * L0
     else:
-        damping_term = 0.5 * h * omega_squared * damper / k
-        unresolved = 0.25 * h * h * omega_squared + damping_term * damping_term
-        damped_share = 2.0 * stage.dissipation * (unresolved * unresolved / (1.0 + unresolved * unresolved))
+        spring_term, damping_term = 0.25 * h * h * omega_squared, 0.5 * h * omega_squared * damper / k
+        taut_share = 2.0 * stage.dissipation * _unresolved_share(spring_term + damping_term * damping_term)
+        slack_term = spring[1] * spring_term + two_damper * damping_term * damping_term
+        slack_share = 2.0 * stage.dissipation * _unresolved_share(slack_term)
     flat_base, flat_q, flat_v, change, segment, zero = flat(base), flat(q), flat(v), flat(net.middle_v), flat(net.segment), 0.0 * L0
     by_dampers, by_method, put_in, by_impulses, total_square = zero, zero, zero, zero, zero
     i1, q1, v1, m1 = start, row3(flat_q, start), row3(flat_v, start), _mobility(net, start)
@@ -107,12 +115,14 @@ def _cable_settle(stage, net, c, members, base, q, v):
         T_at_end, _, secant = tension_law(stage, stretch, stretch_before, spring, damper, two_damper, numerical)
         store(segment, shifted(row, 0, 1, SEGMENT_STRETCH), stretch)
         store(segment, shifted(row, 0, 1, SEGMENT_TENSION), T_at_end)
-        dissipated, damper_share = (T - secant) * lengthening, damper * per_h / max(damper * per_h + numerical, 1e-300)
+        damped_change, numerically_damped_change = damped_changes(stretch_before, stretch, spring[1], two_damper)
+        damper_force, method_force = damper * per_h * abs(damped_change), numerical * abs(numerically_damped_change)
+        dissipated, damper_share = (T - secant) * lengthening, damper_force / max(damper_force + method_force, 1e-300)
         by_dampers, by_method = by_dampers + damper_share * dissipated, by_method + (1.0 - damper_share) * dissipated
         total_square = total_square + lengthening * lengthening
         rate = n[0] * (v2[0] - v1[0]) + n[1] * (v2[1] - v1[1]) + n[2] * (v2[2] - v1[2])
-        change_wanted = damped_share * (rate - (lengthening + L0 - L_a) * per_h)
-        impulse_acts = (T > 0.0) & (change_wanted * rate > 0.0) & (m1 + m2 > 0.0)
+        change_wanted = select(stretch > 0.0, taut_share, slack_share) * (rate - (lengthening + L0 - L_a) * per_h)
+        impulse_acts = ((T > 0.0) | (two_damper > 0.0)) & (change_wanted * rate > 0.0) & (m1 + m2 > 0.0)
         impulse = select(
             impulse_acts,
             select(abs(change_wanted) > abs(rate), rate, change_wanted) / (segments_at_1 * m1 + segments_at_2 * m2),
@@ -178,11 +188,12 @@ def settle(stage, base, q, v, net_address, energy):
     -T (L_b - L_a); therefore dampers dissipate by the change of l - L0.
 
     **Ringing.** Where stretching has died out within a step, v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for
-    ever, while the positions are at rest. Let the rate of a segment's length differ by r from (l_b - l_a)/h. Each taut segment
-    removes the share 2 ``dissipation`` s'/(1 + s') of r, s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2, by opposite impulses along
-    itself. All impulses act at once, and each node's mass counts as if it were divided among its segments: so momenta are kept, and
-    the kinetic energy falls, apart from the work of prescribed nodes. Where the step resolves stretching, the change is of fifth
-    order in the step. The impulses, divided by the step, are added to the tensions that acted.
+    ever, while the positions are at rest. Let the rate of a segment's length differ by r from (l_b - l_a)/h. Each segment removes
+    the share 2 ``dissipation`` s'/(1 + s') of r, s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2, by opposite impulses along itself. In
+    s' only the spring and the damper count that act on the segment, so that a slack segment of a cable that cannot push removes
+    nothing. All impulses act at once, and each node's mass counts as if it were divided among its segments: so momenta are kept,
+    and the kinetic energy falls, apart from the work of prescribed nodes. Where the step resolves stretching, the change is of
+    fifth order in the step. The impulses, divided by the step, are added to the tensions that acted.
 
     **Numerical damper.** Sets the least share of the numerical damper in the next step: all of it, unless that would take more
     than `MOST_SPENT` of the kinetic energy. Where stretching is no part of the motion, the full damper removes the error that is
