@@ -200,11 +200,15 @@ def marker_comparison(scene, file) -> dict:
 
 def ropes_summary(diameter: float) -> dict:
     """The ropes of the catalogue at a nominal diameter [m]."""
+    from anet_lumped.checks import check_number
     from anet_lumped.scene.ropes import ROPES
 
-    rows = []
+    check_number("diameter", diameter, "m", "the command", sign="positive")
+    rows, outside = [], []
     for name, rope in ROPES.items():
         low, high = rope.diameters or (np.nan, np.nan)
+        if diameter < low or diameter > high:
+            outside.append(f"{name} ({1e3 * low:.3g} to {1e3 * high:.3g} mm)")
         rows.append({
             "rope": name,
             "what": rope.about,
@@ -216,7 +220,8 @@ def ropes_summary(diameter: float) -> dict:
             "to_mm": 1e3 * high,
             "source": rope.source,
         })  # fmt: skip
-    return {"nominal_diameter_mm": 1e3 * diameter, "ropes": rows}
+    warning = f"A diameter of {1e3 * diameter:.4g} mm is out of the range of {', '.join(outside)}: prefer the maker's data."
+    return {"nominal_diameter_mm": 1e3 * diameter, "ropes": rows} | ({"warning": [warning]} if outside else {})
 
 
 def write_effects(found, file) -> None:
