@@ -16,7 +16,6 @@ from studies.quantities import metres, newtons, seconds
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
-SCENES = Path(__file__).parent / "scenes"
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
 FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "recommend": 30, "effects": 40, "study": 60, "report": 70}
@@ -340,18 +339,18 @@ def convert(
 
 
 def _load(text, compiles):
-    """Scene of a file or, by its bare name, one that comes with the program; `compiles` is one of FIRST_COMPILING."""
+    """Scene of a file, or by its name one that comes with the package; `compiles` is one of FIRST_COMPILING."""
     _announce_compiling(compiles)
-    from anet_lumped.checks import SceneError, nearest
+    from anet_lumped.checks import SceneError
     from anet_lumped.files.scene_file import load_scene
+    from anet_lumped.model.build import build
 
-    bundled = {file.stem: file for file in SCENES.glob("*.toml")}
-    if text.endswith(".toml") or Path(text).is_file():
-        return load_scene(text)
-    if text not in bundled:
-        hint = nearest(text, bundled) or f"; the scenes that come with this are {', '.join(sorted(bundled))}."
-        raise SceneError(f'There is no scene and no file "{text}"{hint}')
-    return load_scene(bundled[text])
+    scene = load_scene(text)
+    try:
+        build(scene)  # here the effects find what they lack in a scene
+    except SceneError as error:
+        raise SceneError(f"{text}: {error}") from None
+    return scene
 
 
 def _changed(scene, texts):

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import InputError, nearest
+from anet_lumped.checks import InputError, nearest, shown
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
 from anet_lumped.results.run import Run, RunInterrupt, State
-from anet_lumped.scene.scene import Driven, Fixed, Scene, SceneError
+from anet_lumped.scene.scene import Driven, Fixed, Scene, SceneError, check_scene
 from anet_lumped.statics.equilibrium import equilibrium
 from integrators import schemes
 from integrators.schemes.record import Origin, Scheme
@@ -95,6 +95,7 @@ def simulate(
     RunError : with ``check=True``
     RunInterrupt : Ctrl-C; with what was done as its ``run``
     """
+    check_scene(scene)
     _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit, error, tension_error)
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
@@ -177,11 +178,12 @@ def _start(model: Model, start: str | State) -> State:
     if isinstance(start, State):
         return _adopt(model, start)
     still = np.zeros((model.n, 3))
-    if start == "equilibrium":
+    if isinstance(start, str) and start == "equilibrium":
         return equilibrium(model.scene)
-    if start == "straight":
+    if isinstance(start, str) and start == "straight":
         return State(model, 0.0, straight(model), still, np.zeros(model.n_segments))
-    raise InputError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {start!r}.')
+    hint = "; a Run has States, run.final and run.state(k)." if isinstance(start, Run) else "."
+    raise InputError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {shown(start)}{hint}')
 
 
 def straight(model: Model) -> np.ndarray:
@@ -246,15 +248,17 @@ def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: A
     sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=None if isinstance(audit, bool) else audit)
     sizes |= dict(zip(("error", "tension_error"), errors, strict=True))
     for name, value in sizes.items():
-        if value is not None and not (isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0):
+        if (value is not None or name == "t_end") and not (
+            isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0
+        ):
             unit = "" if name in ("rtol", "tension_error") else " [m]" if name in ("atol", "audit", "error") else " [s]"
-            raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {value!r}.")
-    if method is not None and method not in tuple(schemes.MODULES):
-        known, near = ", ".join(schemes.MODULES), nearest(str(method), schemes.MODULES)
-        raise InputError(f"Argument `method` must be one of {known}, but it is {method!r}" + (near or "."))
+            raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {shown(value)}.")
+    if method is not None and not (isinstance(method, str) and method in schemes.MODULES):
+        known, near = ", ".join(schemes.MODULES), nearest(method, schemes.MODULES)
+        raise InputError(f"Argument `method` must be one of {known}, but it is {shown(method)}" + (near or "."))
     if rho_inf is not None:
         if method is not None and "rho_inf" not in schemes.scheme(method).options:
             able = " and ".join(name for name in schemes.MODULES if "rho_inf" in schemes.scheme(name).options)
             raise InputError(f"Argument `rho_inf` belongs to {able}, but the method is {method}.")
-        if not 0 <= rho_inf <= 1:
-            raise InputError(f"Argument `rho_inf` must lie between 0 and 1, but it is {rho_inf!r}.")
+        if not (isinstance(rho_inf, int | float | np.number) and 0 <= rho_inf <= 1):
+            raise InputError(f"Argument `rho_inf` must lie between 0 and 1, but it is {shown(rho_inf)}.")

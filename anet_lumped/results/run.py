@@ -81,6 +81,9 @@ class State:
     residual: float | None = None
     events: tuple[Event, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"<State at t={self.t:g} s of {len(self.q)} nodes>"
+
     @property
     def scene(self) -> Scene:
         """The scene it is a state of."""
@@ -170,6 +173,10 @@ class Run:
     audit: Audit | None = None
     events: tuple[Event, ...] = ()
     extrapolated: bool = False
+
+    def __repr__(self) -> str:
+        states = f"{len(self.t)} states of {self.q.shape[1]} nodes from t={self.t[0]:g} s to {self.t[-1]:g} s"
+        return f"<Run {self.status!r}: {self.method} with dt={self.dt:.3g} s, {states}>"
 
     @property
     def scene(self) -> Scene:

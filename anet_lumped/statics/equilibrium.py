@@ -40,7 +40,7 @@ from anet_lumped.model.tables import (
     CABLE_START,
 )
 from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Fixed, Free, Scene
+from anet_lumped.scene.scene import Fixed, Free, Scene, check_scene
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 EPS = 2.220446049250313e-16
@@ -297,6 +297,7 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12) -> State:
         Nothing holds a part of the net; a cable is slack and nothing loads it, so that any shape would do; a cable would
         have to push; or no convergence.
     """
+    check_scene(scene)
     model = build(scene)
     _check_supports(scene)
     q = np.zeros((model.n, 3))

@@ -77,7 +77,7 @@ def tables(page):
 
 def test_every_scene_file_in_the_pages_is_read():
     """Those that show an effect or an event alone, as a part of the net that is held."""
-    whole = tomllib.loads(text_of(ROOT / "studies" / "scenes" / "net_held.toml"))
+    whole = tomllib.loads(text_of(ROOT / "anet_lumped" / "scenes" / "net_held.toml"))
     whole["cable_defaults"] |= {"diameter": 0.003, "EI": 1e-4}
     found = 0
     for page in PAGES:

@@ -16,6 +16,7 @@ import typer
 from test_report import fake_study
 from test_rows import start_and_wait_for_rows, wait_for_end_of
 
+from anet_lumped.files.scene_file import SCENES
 from studies import command_line
 from studies.command_line import main
 from studies.quantities import metres, newtons, seconds
@@ -263,7 +264,7 @@ def test_check_warns_of_soft_cables_and_of_scenes_without_rest(tmp_path, capsys)
     from anet_lumped.files.scene_file import load_scene, save_scene
     from studies.sweeping.vary import apply
 
-    net = load_scene(command_line.SCENES / "net_held.toml")
+    net = load_scene("net_held")
     save_scene(apply(net, {"EA": 5.0})[0], tmp_path / "soft.toml")
     save_scene(apply(net, {"g": 0.0})[0], tmp_path / "weightless.toml")
     assert call("check", tmp_path / "soft.toml") == 0
@@ -311,11 +312,19 @@ def test_bad_input_is_one_sentence_and_exit_2(arguments, sentence, capsys):
     assert sentence in said.err and said.out == ""
 
 
+def test_what_an_effect_lacks_is_told_with_the_file(tmp_path, capsys):
+    scene = tmp_path / "windy.toml"
+    scene.write_text((SCENES / "net_held.toml").read_text() + "\n[effects.air]\n")
+    assert call("equilibrium", scene) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"anet-lumped: {scene}: ") and "`diameter`" in said
+
+
 def test_no_rest_is_one_sentence_and_exit_1(tmp_path, capsys):
     from anet_lumped.files.scene_file import load_scene, save_scene
     from studies.sweeping.vary import apply
 
-    net = load_scene(command_line.SCENES / "net_held.toml")
+    net = load_scene("net_held")
     save_scene(apply(net, {"g": 0.0})[0], tmp_path / "weightless.toml")
     assert call("equilibrium", tmp_path / "weightless.toml") == 1
     assert len(capsys.readouterr().err.splitlines()) == 1

@@ -18,12 +18,12 @@ from studies.sweeping.rows import RowsError
 from studies.sweeping.sweep import sweep
 from studies.sweeping.vary import VaryError, apply, grid, parse_values, parse_vary, read_values
 
-SCENES = Path(__file__).parents[2] / "studies" / "scenes"
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
 def net():
-    return load_scene(SCENES / "net_carried.toml")
+    return load_scene("net_carried")
 
 
 @pytest.fixture(scope="module")
@@ -98,6 +98,9 @@ def test_an_unknown_name_names_the_nearest(net):
         read_values(net, {"s0-p0.Ea": "1,2"})
     with pytest.raises(VaryError, match=r"Nothing called `qqqq` .* known are t_end, method, .* as in `s0-p0.length`\."):
         read_values(net, {"qqqq": "1"})
+    for name in ("p0.at.z", "p0.at", "at.z"):
+        with pytest.raises(VaryError, match=f"Nothing called `{name}` can be varied here: `p0` has no `at` in this scene"):
+            read_values(net, {name: "1"})
     with pytest.raises(VaryError, match="Nothing called `qqqq`"):
         apply(net, {"qqqq": 1})
 
@@ -222,7 +225,7 @@ GUARD
 def run_script(folder, effects="", guard="if True:"):
     script = folder / "script.py"
     script.write_text(SCRIPT.replace("*EFFECTS", effects).replace("GUARD", guard))
-    here = os.environ | {"PYTHONPATH": str(SCENES.parents[1])}
+    here = os.environ | {"PYTHONPATH": str(ROOT)}
     return subprocess.run([sys.executable, str(script)], capture_output=True, text=True, cwd=folder, env=here, timeout=300)
 
 
