@@ -15,16 +15,18 @@ from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
-from anet_lumped.results.run import Run, RunInterrupt, State
+from anet_lumped.results.run import STATUS, Run, RunInterrupt, State
 from anet_lumped.scene.scene import Driven, Fixed, Scene, SceneError, check_scene
 from anet_lumped.statics.equilibrium import equilibrium
 from integrators import schemes
 from integrators.schemes.record import Origin, Scheme
+from integrators.system import DIVERGED, UNCONVERGED
 
 from .accuracy import TENSION_ERROR, Wanted, keep_error
 from .choice import Choice, choose
-from .energy_gain import flag_energy_gain
+from .energy_gain import GAINED, flag_energy_gain
 from .extrapolation import extrapolated, method_to_extrapolate
+from .failure_messages import with_cause
 from .legs import Settings, march_legs
 from .run_warnings import warnings_of
 
@@ -144,6 +146,8 @@ def simulate(
         run = flag_energy_gain(run, choice.limit, adaptive)
     if run.ok:
         run = replace(run, warnings=run.warnings + warnings_of(run, adaptive))
+    if run.status in (STATUS[DIVERGED], STATUS[UNCONVERGED], GAINED):
+        run = with_cause(run)
     if check and not run.ok:
         raise RunError(run)
     return run

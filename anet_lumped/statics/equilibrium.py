@@ -20,6 +20,7 @@ import numpy as np
 from numba import float64, int64, njit, types
 
 from anet_lumped.compiled.jit import inlined, internal, kernel
+from anet_lumped.mechanics.finite_laws import name_law_that_is_not_finite
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.mechanics.linear import junctions
 from anet_lumped.mechanics.linear import node_elimination as elimination
@@ -338,11 +339,12 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12) -> State:
 
         require(net, model, newton=True)
 
-        net.tension[:] = tension
+        net.tension[:], before = tension, q.copy()
         balance = relaxed(model, net, q, scale)
         if not balance <= 1e-9:
+            law = name_law_that_is_not_finite(model, [(0.0, before, v), (0.0, q, v)])
             raise EquilibriumError(
-                f"No equilibrium was found with {', '.join(type(effect).__name__ for effect in scene.effects)}: forces balance to "
+                f"{law}No equilibrium was found with {', '.join(type(one).__name__ for one in scene.effects)}: forces balance to "
                 f"{balance:.1e} of the load, which should be 1e-9; try `simulate` with damping."
             )
         tension = net.tension.copy()
