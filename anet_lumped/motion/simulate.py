@@ -30,6 +30,7 @@ from .failure_messages import with_cause
 from .legs import Settings, march_legs
 from .run_warnings import warnings_of
 
+MEANT_STRAIN = 0.2  # of a straight start: cords break before
 DEFAULT_RTOL, DEFAULT_ATOL = 1e-6, 1e-9  # [m]; of the largest coordinate where no tolerance is given
 __all__ = ["RunError", "RunInterrupt", "StabilityWarning", "simulate", "straight"]
 
@@ -115,6 +116,10 @@ def simulate(
         choice = replace(choice, dt=span / math.ceil(span / choice.dt))  # steps that end on what is saved
     for text in choice.warnings:
         warnings.warn(text, StabilityWarning, stacklevel=2)
+    if isinstance(start, str) and start == "straight":
+        for text in overstretched(begin):
+            warnings.warn(text, stacklevel=2)
+            choice = replace(choice, warnings=(*choice.warnings, text))
     settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
     whole = partial(march_legs, _march_of(scheme), scene, start=begin, t_end=begin.t + t_end, settings=settings)
     asked = error is not None or tension_error is not None
@@ -206,6 +211,18 @@ def straight(model: Model) -> np.ndarray:
     return q
 
 
+def overstretched(begin: State) -> list[str]:
+    """Warning in a list if the places of points stretch cables by more than a start that is meant would."""
+    worst = max(begin.scene.cables, key=lambda cable: begin.length(cable.name) / cable.length)
+    strain = begin.length(worst.name) / worst.length - 1.0
+    if strain <= MEANT_STRAIN:
+        return []
+    return [
+        f'start="straight" stretches cable "{worst.name}" of {worst.length:g} m by {strain:.0%}: its ends are '
+        f"{begin.length(worst.name):.4g} m apart, and the run begins with the energy of that."
+    ]
+
+
 def _adopt(model: Model, state: State) -> State:
     """A State of the same or of a like scene as one of this model, matched by names."""
     q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
@@ -257,6 +274,8 @@ def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: A
         ):
             unit = "" if name in ("rtol", "tension_error") else " [m]" if name in ("atol", "audit", "error") else " [s]"
             raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {shown(value)}.")
+    if dt is not None and dt > t_end * (1 + 1e-9):
+        raise InputError(f"Argument `dt` must not exceed t_end={t_end:g} s, but it is {dt:g} s.")
     if method is not None and not (isinstance(method, str) and method in schemes.MODULES):
         known, near = ", ".join(schemes.MODULES), nearest(method, schemes.MODULES)
         raise InputError(f"Argument `method` must be one of {known}, but it is {shown(method)}" + (near or "."))

@@ -389,7 +389,8 @@ def _check_supports(scene: Scene) -> None:
         if not members & held:
             raise EquilibriumError(
                 f'Every part of a net must hang on a fixed or driven point, but nothing holds free point "{name}"'
-                + (f" and the {len(members) - 1} others it is tied to." if len(members) > 1 else ".")
+                + (f" and the {len(members) - 1} others it is tied to" if len(members) > 1 else "")
+                + '; `simulate` moves it from start="straight" or a State.'
             )
 
 

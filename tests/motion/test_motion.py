@@ -8,6 +8,7 @@ import signal
 import threading
 import time
 import warnings
+from dataclasses import replace
 
 import naive
 import numpy as np
@@ -471,6 +472,7 @@ LOOSE = loose_cable()
         (dict(t_end="1"), "`t_end` must be positive and finite .* but it is '1'"),
         (dict(dt=-1e-3), r"`dt` must be positive and finite \[s\], but it is -0.001"),
         (dict(dt=math.nan), "`dt` must be positive"),
+        (dict(dt=0.2), r"Argument `dt` must not exceed t_end=0.1 s, but it is 0.2 s\."),
         (dict(save_every=0.0), r"`save_every` must be positive and finite \[s\]"),
         (dict(rtol=-1.0), "`rtol` must be positive and finite, but it is -1.0"),
         (dict(atol=0.0), r"`atol` must be positive and finite \[m\], but it is 0.0"),
@@ -492,6 +494,19 @@ LOOSE = loose_cable()
 def test_bad_arguments(arguments, message):
     with pytest.raises(ValueError, match=message):
         simulate(LOOSE, **({"t_end": 0.1} | arguments))
+
+
+def test_a_straight_start_that_stretches_its_cable_says_so():
+    """Its ends are 1.5 m apart, and then as far as it is long."""
+    far = replace(LOOSE, points=[replace(point, at=(1.5 * point.at[0], 0, 0)) for point in LOOSE.points])
+    said = r'start="straight" stretches cable "a-b" of 1 m by 50%: its ends are 1.5 m apart, and the run begins with the energy'
+    with pytest.warns(UserWarning, match=said):
+        run = simulate(far, 0.01, start="straight")
+    assert "stretches cable" in run.warnings[0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert simulate(LOOSE, 0.01, start="straight").warnings == ()
+        simulate(far, 0.01, start=run.state(0))  # a state is meant as it is
 
 
 def test_straight_needs_places():
