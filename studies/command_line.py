@@ -366,7 +366,7 @@ def _changed(scene, texts):
 
 def _announce_compiling(what):
     """Have one line say so, once, if Numba has to compile, here or in a worker."""
-    from studies.compiling import NOTICE
+    from integrators.compiling import NOTICE
 
     line = f"Compiling what this machine has not compiled yet takes up to about {FIRST_COMPILING[what]} s; later runs do without."
     NOTICE.watch(line, _tell)

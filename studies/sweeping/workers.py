@@ -13,9 +13,11 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, wait
+from importlib.util import find_spec
+from pathlib import Path
 from typing import NamedTuple
 
-from studies.compiling import NOTICE, NOTICED_AFTER, call_when_compiling, kernels_are_on_disk
+from integrators.compiling import NOTICE, NOTICED_AFTER, call_when_compiling
 
 CRASHED = {
     "status": "crashed",
@@ -86,6 +88,14 @@ def start_early() -> None:
 
         _context()
         ensure_running()
+
+
+def kernels_are_on_disk() -> bool:
+    """Whether Numba has kept anything of `anet_lumped` on the disk, as far as a look at its folders tells."""
+    folders = [Path(folder) for folder in find_spec("anet_lumped").submodule_search_locations]
+    if os.environ.get("NUMBA_CACHE_DIR"):
+        folders = [Path(os.environ["NUMBA_CACHE_DIR"])]
+    return any(next(folder.rglob("*.nbi"), None) for folder in folders)
 
 
 def available_cores() -> int:

@@ -408,14 +408,14 @@ def test_a_stopped_report_keeps_its_page_and_exits_with_130(monkeypatch, tmp_pat
 
 def test_compiling_is_told_in_one_line_and_not_where_nothing_compiles(monkeypatch, capsys):
     """Made up: whatever the command does, Numba says that it compiles."""
-    from studies import compiling
+    from integrators import compiling
 
-    monkeypatch.setattr(compiling, "call_when_compiling", lambda call: (call(), call()))
+    monkeypatch.setattr(compiling, "call_when_compiling", lambda call, only_cached: (call(), call()))
     assert call("equilibrium", "net_held") == 0
     said = "anet-lumped: Compiling what this machine has not compiled yet takes up to about 7 s; later runs do without.\n"
     assert capsys.readouterr().err == said
     assert call("equilibrium", "--help") == 0
     assert capsys.readouterr().err == ""
-    monkeypatch.setattr(compiling, "call_when_compiling", lambda call: None)
+    monkeypatch.setattr(compiling, "call_when_compiling", lambda call, only_cached: None)
     assert call("equilibrium", "net_held") == 0
     assert capsys.readouterr().err == ""
