@@ -8,6 +8,7 @@ from pathlib import Path
 import gallery
 import pytest
 import typer.main
+from generated import filled
 
 import anet_lumped
 from anet_lumped import Scene
@@ -68,6 +69,16 @@ def test_command_prints_what_its_record_says(name, tmp_path):
         return
     (example,) = examples(f"```console\n{first}\n{said}```\n")
     assert alike(run(example, {}, tmp_path), said)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if "<!-- end -->" in text_of(page)], ids=name_of)
+def test_parts_made_of_the_source_are_those_of_now(page):
+    assert filled(text_of(page)) == text_of(page), f"run python docs/record.py {page.stem}"
+
+
+def test_pages_that_are_linked_as_they_lie_here_have_no_directive_for_the_site_alone():
+    for page in ("scene-file.md", "command-line.md"):
+        assert "```{" not in text_of(DOCS / page)
 
 
 def tables(page):
