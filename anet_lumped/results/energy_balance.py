@@ -24,7 +24,7 @@ class EnergyBalance:
     by_dampers : float or None
         Taken by the dampers of cables. None in runs saved by version 0.1, which does not tell the three apart.
     by_effects : float or None
-        Taken by drag, friction and other effects, by pick-ups and by breaks.
+        Taken by drag, friction and other effects, by pick-ups and by breaks; negative where they give energy, as a wind does.
     by_method : float or None
         Taken by the method where it books that: by the numerical damping of `edmc`. It is no part of the physics.
     in_play : float

@@ -164,10 +164,16 @@ def prediction_summary(scene, dt: float | None = None) -> dict:
             if strains and schemes.scheme(name).explicit:
                 floors = [float(prediction.stretch_floor(name, dt, cable, strain)) for cable, strain in strains.items()]
                 row["stretch_floor"] = max(floors)
-            if dt > limit.step:
-                warnings.append(prediction.warning(name, dt))
         methods.append(row | {"note": limit.note})
-    return {"cables": cables, "methods": methods, "warning": warnings}
+    unstable = [row["method"] for row in methods if row.get("stable") == "no"]
+    if unstable:
+        warnings.append(
+            f"A step of {dt:g} s is beyond the largest stable step of {', '.join(unstable)}; take a smaller step or an implicit method "
+            'such as "edmc".'
+        )
+    floor = "smallest stretch at rest, of a cable with another EA, at which the step is stable"
+    explained = {"stretch_floor_is": floor} if dt is not None and strains else {}
+    return {"cables": cables, "methods": methods} | explained | {"warning": warnings}
 
 
 def catenary_comparison(scene) -> dict:

@@ -254,7 +254,10 @@ def test_check_compares_before_any_run(capsys):
     assert methods["edmc"]["stable"] == "yes" and methods["edmc"]["largest_step"] is None
     assert methods["rk4"]["stable"] == "no" and 1e-4 < methods["rk4"]["largest_step"] < 1e-3
     assert methods["rk4"]["stretch_floor"] > 0.01
-    assert any('dt=0.01 s is beyond the largest stable step of "rk4"' in line for line in found["warning"])
+    unstable = [name for name, row in methods.items() if row["stable"] == "no"]
+    (line,) = found["warning"]
+    assert line.startswith(f"A step of 0.01 s is beyond the largest stable step of {', '.join(unstable)}; ") and "rk4" in unstable
+    assert found["stretch_floor_is"].startswith("smallest stretch at rest")
     assert {row["cable"] for row in found["cables"]} == {f"s{i}-p0" for i in range(4)}
     assert call("check", "net_held") == 0
     assert "stretch floor" not in capsys.readouterr().out
