@@ -6,6 +6,7 @@ that `--help` answers at once.
 
 import logging
 import sys
+import time
 import warnings
 from pathlib import Path
 from typing import Annotated
@@ -382,11 +383,12 @@ def _announce_compiling(what):
 
 def _tell_what_takes_long():
     """What the library logs goes to stderr, once a command has taken `QUIET` seconds."""
+    began = time.monotonic()
 
     class Late(logging.Handler):
         def emit(self, record):
-            if record.relativeCreated > 1e3 * QUIET:
-                _tell(record.getMessage())
+            if time.monotonic() - began > QUIET:
+                _tell(f"... {record.getMessage()}")
 
     log = logging.getLogger("anet_lumped")
     log.handlers = [Late()]

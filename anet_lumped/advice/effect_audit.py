@@ -23,6 +23,7 @@ from .recommend import scale_of_motion, two_swings
 
 SAVES = 40  # times at which runs are compared
 KNOWN_TO = 0.1  # of the error, the run at the step that is used
+DECIDES = 3.0  # times what the motion is known to: changes of a chaotic motion differ by chance
 HALVINGS = 6  # of the step, at most
 REPEATS = 9  # of a timing, whose shortest counts
 NEEDED, NEGLIGIBLE, STIFF, UNDECIDED, UNKNOWN = (
@@ -221,7 +222,7 @@ def _verdict(
 def _judged(change: float, known_to: float, error: float, stiffness: float, unit: str) -> tuple[str, str]:
     """The verdict on a change, and a sentence."""
     changes = f"changes {change:.3g} {unit} where {error:g} {unit} matter"
-    if known_to > KNOWN_TO * error and change - known_to <= error:
+    if known_to > KNOWN_TO * error and change <= DECIDES * known_to + error:
         return UNDECIDED, f"The motion itself is known to {known_to:.3g} {unit} only; it {changes}."
     if change > error:
         return NEEDED, f"It {changes}."

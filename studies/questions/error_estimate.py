@@ -1,4 +1,4 @@
-"""How wrong can it be? What runs say of their own errors beside the truth, and what the default keeps."""
+"""How wrong can it be: what do runs say of their own errors beside the truth, and what does the default keep?"""
 
 import json
 import math
