@@ -91,8 +91,8 @@ def _halving_step(run):
     """Step with which a method takes about half the energy that it took [s].
 
     A damping of order p takes from a motion of frequency omega a share of omega (omega h)^p of the energy in a unit of time, once
-    the step resolves it, omega h/2 < 1: that of the lowest axial mode of a cable, for the numerical damping of `edmc` is axial, with
-    p = 3, and of the swing for the damping of all motion by the other schemes.
+    the step resolves it, omega h/2 < 1. That of `edmc` is axial, with p = 3, so that it is the lowest axial mode of a cable which
+    has to be resolved; the other schemes damp all motion.
     """
     scheme, dt = schemes.scheme(run.method), run.dt
     order = 3 if run.method == "edmc" else scheme.order or 1
