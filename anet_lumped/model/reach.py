@@ -63,9 +63,12 @@ def shortfall(scene, t, free=None):
     rigid = [cable for cable in scene.cables if cable.inextensible]
     if not rigid:
         return None
-    lengths, at = rest_lengths.at_time(scene, t), dict(free or {})
+    lengths, at = rest_lengths.at_time(scene, t), {}
     for point in scene.points:
-        if not isinstance(point, Free):
+        if isinstance(point, Free):
+            if free is not None:
+                at[point.name] = free[point.name]
+        else:
             at[point.name] = np.asarray(point.path.at(t)[0] if isinstance(point, Driven) else point.at, float)
     ways = {}
     for cable in rigid:

@@ -29,10 +29,10 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
     scene : Scene
     tolerance : float
         Of the places where cables end, relative to their lengths; forces are balanced to rounding.
-    start : "straight", State, dict or None
+    start : "equilibrium", "straight", State, dict or None
         First guess, where a scene may have several rests: "straight", a State or the shape of each cable by its name, as for
-        `simulate`. Dead loads have one rest, whatever the guess. None tries shapes of its own, and so does a guess that leads
-        nowhere.
+        `simulate`. Dead loads have one rest, whatever the guess. None and "equilibrium" try shapes of their own, and so does
+        a guess that leads nowhere.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
     """
     model = build(scene)
     _check_supports(scene)
-    given = None if start is None else start_state(model, start)
+    given = None if start is None or (isinstance(start, str) and start == "equilibrium") else start_state(model, start)
     short = shortfall(scene, 0.0)
     if short is not None:
         raise EquilibriumError(short.words)
@@ -159,7 +159,7 @@ def _settle_bars(model: Model, net: Any, q: np.ndarray, tension: np.ndarray) -> 
     held = (a >= model.n_free) & (b >= model.n_free)
     stretch = np.linalg.norm(q[b] - q[a], axis=1) - axial[:, AXIAL_L0]
     law = axial[:, AXIAL_STIFFNESS] * stretch * np.where(stretch > 0.0, 1.0, axial[:, AXIAL_PUSH_SHARE])
-    tension[held] = np.where(axial[:, AXIAL_INEXTENSIBLE] > 0.0, 0.0, law)[held]
+    tension[held] = np.where((axial[:, AXIAL_INEXTENSIBLE] > 0.0) | (law == 0.0), 0.0, law)[held]
     return held
 
 

@@ -8,6 +8,7 @@ from anet_lumped.model.model import Model
 from anet_lumped.scene.scene import Driven, Fixed
 
 SHARP = 60.0  # degrees between next segments, from which a shape is not resolved
+FOLDED = 120.0  # degrees, of a cable that is stiff in bending
 SHRUNK = 0.5  # of its rest length, what bending leaves of a slack segment
 
 
@@ -19,7 +20,7 @@ def reason(model: Model, q: np.ndarray) -> str:
     model : Model
     q : (n, 3) float64 [m], the shape that the search ended in
     """
-    found = (_under_the_ground(model), bends_but_does_not_push(model, q), _sharp_turn(model, q))
+    found = (_under_the_ground(model), _bends_but_does_not_push(model, q), _sharp_turn(model, q))
     return next(filter(None, found), "try another `start`, or `simulate` with damping")
 
 
@@ -43,29 +44,44 @@ def _under_the_ground(model):
     return ""
 
 
-def bends_but_does_not_push(model: Model, q: np.ndarray) -> str:
-    """Blame a cable whose bending shortens slack segments; "" if there is none. Nothing then keeps the segments from vanishing."""
+def shrinks_by_bending(model: Model, q: np.ndarray) -> bool:
+    """Whether bending has shortened slack segments: nothing then keeps them from vanishing."""
+    return any(shortest < SHRUNK for _, shortest, _ in _bent_without_pushing(model, q))
+
+
+def _bends_but_does_not_push(model, q):
+    for cable, shortest, sharpest in _bent_without_pushing(model, q):
+        if shortest < SHRUNK or sharpest > FOLDED:
+            what = f"shrinks to {shortest:.1e} of its length" if shortest < SHRUNK else f"folds by {sharpest:.0f} degrees"
+            return (
+                f'a cable that is stiff in bending must push, but cable "{cable.name}" with compression="{cable.compression}" '
+                f'does not, and a segment of it {what}; use compression="linear"'
+            )
+    return ""
+
+
+def _bent_without_pushing(model, q):
+    """Cables that have bending stiffness and do not push: each with its shortest segment over L0, and sharpest turn [degrees]."""
     if not any(isinstance(effect, Bending) for effect in model.scene.effects):
-        return ""
+        return
     for cable in model.scene.cables:
         if cable.EI > 0.0 and cable.segments > 1 and cable.compression != "linear" and not cable.EA_compression:
-            length = np.linalg.norm(np.diff(q[model.nodes(cable.name)], axis=0), axis=1) / cable.L0
-            s = int(np.argmin(length))
-            if length[s] < SHRUNK:
-                return (
-                    f'a cable that is stiff in bending must push, but cable "{cable.name}" with compression="{cable.compression}" '
-                    f"does not, and its segment {s + 1} of {cable.segments} shrinks to {length[s]:.1e} of its length; use "
-                    'compression="linear"'
-                )
-    return ""
+            length, turn = _lengths_and_turns(model, q, cable)
+            yield cable, float(length.min()) / cable.L0, float(turn.max())
+
+
+def _lengths_and_turns(model, q, cable):
+    """Length of each segment of a cable [m], and the angles between next ones [degrees]."""
+    d = np.diff(q[model.nodes(cable.name)], axis=0)
+    length = np.linalg.norm(d, axis=1)
+    unit = d / np.maximum(length, 1e-12 * cable.L0)[:, None]
+    return length, np.degrees(np.arccos(np.clip((unit[1:] * unit[:-1]).sum(axis=1), -1.0, 1.0)))
 
 
 def _sharp_turn(model, q):
     worst, where = SHARP, ""
     for cable in model.scene.cables:
-        d = np.diff(q[model.nodes(cable.name)], axis=0)
-        unit = d / np.maximum(np.linalg.norm(d, axis=1), 1e-12 * cable.L0)[:, None]
-        turn = np.degrees(np.arccos(np.clip((unit[1:] * unit[:-1]).sum(axis=1), -1.0, 1.0)))
+        turn = _lengths_and_turns(model, q, cable)[1]
         if len(turn) and turn.max() > worst:
             worst = float(turn.max())
             where = (

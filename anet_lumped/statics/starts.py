@@ -49,8 +49,8 @@ def _at_rest(model, start):
         q = straight(model)
     else:
         raise ValueError(
-            'Argument `start` must be "equilibrium", "straight", a State or the shape of each cable by its name, but it is '
-            f"{start!r}."
+            f'Argument `start` must be "equilibrium", "straight" or a State, but it is {start!r}; '
+            "the shape of each cable by its name will do, too."
         )
     still = np.zeros_like(q)
     return State(model, 0.0, q, still, np.zeros(model.n_segments))
