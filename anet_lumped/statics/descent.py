@@ -84,11 +84,10 @@ def _stretching(net, load):
 
 def _forces(model, net, q):
     """Force on every moving node at rest (n_free, 3) [N], and the tensions by the law."""
-    f, v, of = np.zeros_like(q), np.zeros_like(q), net.effects
+    f, v = np.zeros_like(q), np.zeros_like(q)
     for e, effect in enumerate(model.forces):
         if not effect.no_force_at_rest:
-            index, params = of.index[of.index_at[e] : of.index_at[e + 1]], of.params[of.params_at[e] : of.params_at[e + 1]]
-            effect.kernels()["force"](0.0, q, v, index, params, f)
+            effect.kernels()["force"](0.0, q, v, *net.effects.numbers(e), f)
     (a, b), here = model.ends.T, segments(model, net, q)
     pull = here.tension[:, None] * here.unit
     np.add.at(f, a, pull)

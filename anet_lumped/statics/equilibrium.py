@@ -8,7 +8,7 @@ from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
-from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_PUSH_SHARE, AXIAL_STIFFNESS, CABLE_END
+from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_PUSH_SHARE, AXIAL_STIFFNESS, CABLE_END, CABLE_SEGMENTS
 from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Fixed, Free, Scene
 
@@ -85,7 +85,9 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
         )
     tension, stable = np.empty(model.n_segments), True  # of cables without effects the energy is convex
     unroll(net.address, load, EA, H, q, tension)
-    settled = _settle_bars(model, net, q, tension)
+    settled = np.zeros(model.n_segments, bool)
+    if (model.cable[:, CABLE_SEGMENTS] == 1).any():
+        settled = _settle_bars(model, net, q, tension)
     if len(model.springs) or not all(effect.dead_load or effect.no_force_at_rest for effect in model.forces):
         from anet_lumped.mechanics.required_kernels import require
 
@@ -126,11 +128,10 @@ def _refuse(model: Model, found: Any) -> None:
 
 def dead_load(model: Model, net: Any, q: np.ndarray) -> np.ndarray:
     """(n, 3) force of the dead loads among a model's effects [N]."""
-    load, v, of = np.zeros_like(q), np.zeros_like(q), net.effects
+    load, v = np.zeros_like(q), np.zeros_like(q)
     for e, effect in enumerate(model.forces):
         if effect.dead_load:
-            index, params = of.index[of.index_at[e] : of.index_at[e + 1]], of.params[of.params_at[e] : of.params_at[e + 1]]
-            effect.kernels()["force"](0.0, q, v, index, params, load)
+            effect.kernels()["force"](0.0, q, v, *net.effects.numbers(e), load)
     return load
 
 

@@ -68,8 +68,7 @@ def net_at_rest(model, net, load, eased=False):
 def _without_bending(model, effects):
     """Those of a model's effects that do not join next-but-one neighbours."""
     chosen = [e for e, effect in enumerate(model.forces) if effect.coupled_neighbours < 2]
-    index = [effects.index[effects.index_at[e] : effects.index_at[e + 1]] for e in chosen]
-    params = [effects.params[effects.params_at[e] : effects.params_at[e + 1]] for e in chosen]
+    index, params = zip(*(effects.numbers(e) for e in chosen), strict=True) if chosen else ((), ())
     return effects._replace(
         address=np.ascontiguousarray(effects.address[chosen]),
         index=np.concatenate([*index, np.empty(0, np.int64)]),

@@ -17,7 +17,7 @@ from .descent import descended
 from .failure_reasons import shrinks_by_bending
 from .relaxation import QUICK, SLOW, Pace, net_at_rest, relaxed
 from .stability import Curvature, curvature
-from .starts import above_obstacles, raised
+from .starts import obstacles, raised
 
 BALANCED = 1e-9  # of the load, that forces must balance to
 LEAVES = 6  # of a start: times that a rest which is not stable is left
@@ -102,15 +102,13 @@ def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None) -> It
         yield _Attempt(given, of_user=True)
         if eases:
             yield _Attempt(given, eased=True)
-    above = above_obstacles(model, net, hanging.q)
-    if above is None:
+    met = obstacles(model, net, hanging.q)
+    if met.above is not None:
+        yield _Attempt(_loose(model, met.above), eased=eases)
+    if eases and not met.any_met:
         yield _Attempt(hanging)
-        if eases:
-            yield _Attempt(hanging, eased=True)
-        above = raised(model, hanging.q)
-    else:
-        yield _Attempt(_loose(model, above), eased=eases)
-        yield _Attempt(hanging, eased=eases)
+    yield _Attempt(hanging, eased=eases)
+    above = raised(model, hanging.q) if met.above is None else met.above
     yield _Attempt(_loose(model, above), eased=eases, pace=SLOW)
     yield _Attempt(hanging, descends=True)
 

@@ -66,7 +66,10 @@ def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: 
     """
     if model.n_free == 0:
         return Curvature(0)
-    K = tangent(model, net, q, tension)
+    effects = _of_effects(model, net, q)
+    if _plainly_stable(model, tension, effects):
+        return Curvature(0)
+    K = tangent(model, net, q, tension, effects)
     largest = float(np.abs(K.data).max(initial=0.0))
     length = max(cable.length for cable in model.scene.cables)
     flat = FLAT * load / (length * model.n_free) + 64.0 * EPS * largest
@@ -112,10 +115,10 @@ def segments(model: Model, net: Any, q: np.ndarray) -> Segments:
     return Segments(l, d / l[:, None], tension, slope)
 
 
-def tangent(model: Model, net: Any, q: np.ndarray, tension: np.ndarray) -> csc_array:
-    """Sparse K of the module's docstring for the moving nodes, (3 n_free, 3 n_free) [N/m]."""
+def tangent(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, effects: Any = None) -> csc_array:
+    """Sparse K of the module for the moving nodes, (3 n_free, 3 n_free) [N/m]; ``effects`` are what `_of_effects` gives."""
     n, (a, b) = model.n_free, model.ends.T
-    rows, columns, blocks = _of_effects(model, net, q)
+    rows, columns, blocks = _of_effects(model, net, q) if effects is None else effects
     l, unit, _, slope = segments(model, net, q)
     across, rigid = tension / l, net.axial[model.cable_of, AXIAL_INEXTENSIBLE] > 0.0
     if rigid.any():
@@ -139,16 +142,26 @@ def symmetric_part(K: csc_array) -> csc_array:
     return csc_array((0.5 * (K.data + other.data), K.indices, K.indptr), shape=K.shape)
 
 
+def _plainly_stable(model, tension, effects):
+    """Whether K is a sum of parts none of which leads down: taut segments, and effects that hold each node by itself."""
+    rows, columns, blocks = effects
+    if (tension < 0.0).any() or np.any(blocks[rows != columns]):
+        return False
+    own = blocks[rows == columns]
+    if np.any(own != own.transpose(0, 2, 1)):
+        return False
+    return not np.any(own) or bool(np.linalg.eigvalsh(own).min() >= 0.0)
+
+
 def _of_effects(model, net, q):
     """Rows, columns and blocks (3, 3) [N/m] of what the effects' forces add to K."""
-    n, segments, reach, of = model.n_free, model.n_segments, model.coupled_neighbours, net.effects
+    n, segments, reach = model.n_free, model.n_segments, model.coupled_neighbours
     own, v = np.zeros((n, 3, 3)), np.zeros_like(q)
     near, far = np.zeros((segments if reach > 0 else 0, 2, 3, 3)), np.zeros((segments if reach > 1 else 0, 2, 3, 3))
     for e, effect in enumerate(model.forces):
         kernels = effect.kernels()
         if "tangent" in kernels and not effect.no_force_at_rest:
-            index, params = of.index[of.index_at[e] : of.index_at[e + 1]], of.params[of.params_at[e] : of.params_at[e + 1]]
-            kernels["tangent"](0.0, q, v, index, params, 1.0, 0.0, own, near, far)
+            kernels["tangent"](0.0, q, v, *net.effects.numbers(e), 1.0, 0.0, own, near, far)
     i, (a, b) = np.arange(n), model.ends.T
     rows, columns, blocks = [i], [i], [own]
     if reach > 0:

@@ -1,7 +1,7 @@
 """Shapes to start from: given by a user, straight between the points, or above what stands in the way."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,7 @@ from anet_lumped.scene.scene import Driven, Fixed, Free, SceneError
 
 Start = str | State | Mapping[str, ArrayLike]
 GOLDEN_ANGLE = 2.399963229728653  # [rad], of which no multiples are near each other
+CONVEX = 1e-9  # of its largest curvature, what rounding leaves
 OBSTACLE = 10.0  # times the force on one shape is that on another, where one of them goes through what the other does not touch
 
 
@@ -143,11 +144,25 @@ def _check_finite(what, rows, where):
         raise ValueError(f"A start must be finite, but the {what} of {where(i)} is ({', '.join(f'{x:g}' for x in row)}).")
 
 
-def above_obstacles(model: Model, net: Any, hanging: np.ndarray) -> np.ndarray | None:
-    """Shape to let down onto what the cables would hang through, (n, 3) [m]; None if they hang through nothing.
+class Obstacles(NamedTuple):
+    """What the cables would hang through.
 
-    An obstacle is an effect that hardly acts on the straight cables, and much on the hanging ones. Where it acts on both, the
-    cables start from the hanging shape turned upside down.
+    Parameters
+    ----------
+    any_met : bool
+        Whether there is an obstacle: an effect that acts much more on the hanging cables than on them laid above it.
+    above : (n, 3) float64 [m] or None
+        Shape to let down onto obstacles that may push a cable to either side, such as a ball. A flat ground does not.
+    """
+
+    any_met: bool
+    above: np.ndarray | None
+
+
+def obstacles(model: Model, net: Any, hanging: np.ndarray) -> Obstacles:
+    """The obstacles of a scene.
+
+    What lies above them are the straight cables, or, where these meet an obstacle too, the hanging shape turned upside down.
 
     Parameters
     ----------
@@ -155,19 +170,31 @@ def above_obstacles(model: Model, net: Any, hanging: np.ndarray) -> np.ndarray |
     net : Net
     hanging : (n, 3) float64 [m], shape that the dead loads alone give
     """
-    between = raised(model, hanging)
+    kinds = [
+        (e, effect)
+        for e, effect in enumerate(model.forces)
+        if not (effect.dead_load or effect.no_force_at_rest) and effect.coupled_neighbours < 2
+    ]
+    if not kinds:
+        return Obstacles(False, None)
+    between, any_met, above = raised(model, hanging), False, None
     arch = 2.0 * between - hanging
-    kinds = [(e, effect) for e, effect in enumerate(model.forces) if not (effect.dead_load or effect.no_force_at_rest)]
-    chosen = None
     for e, effect in kinds:
-        if effect.coupled_neighbours > 1:
-            continue
         on_hanging, on_straight, on_arch = (_largest_force(model, net, e, effect, q) for q in (hanging, between, arch))
-        if on_hanging > OBSTACLE * on_straight:
-            chosen = between if chosen is None else chosen
-        elif on_hanging > OBSTACLE * on_arch:
-            chosen = arch
-    return chosen
+        if on_hanging > OBSTACLE * min(on_straight, on_arch):
+            any_met = True
+            if _may_push_either_way(model, net, e, effect, hanging):
+                above = arch if above is arch or on_straight > on_arch else between
+    return Obstacles(any_met, above)
+
+
+def _may_push_either_way(model, net, e, effect, q):
+    """Whether the force of an effect on a node turns the node's displacement away from where it was."""
+    own, reach = np.zeros((model.n_free, 3, 3)), effect.coupled_neighbours
+    near, far = np.zeros((model.n_segments if reach > 0 else 0, 2, 3, 3)), np.zeros((0, 2, 3, 3))
+    effect.kernels()["tangent"](0.0, q, np.zeros_like(q), *net.effects.numbers(e), 1.0, 0.0, own, near, far)
+    curvatures = np.linalg.eigvalsh(0.5 * (own + own.transpose(0, 2, 1)))
+    return bool(curvatures.min(initial=0.0) < -CONVEX * np.abs(curvatures).max(initial=0.0))
 
 
 def raised(model: Model, hanging: np.ndarray) -> np.ndarray:
@@ -199,7 +226,6 @@ def raised(model: Model, hanging: np.ndarray) -> np.ndarray:
 
 def _largest_force(model, net, e, effect, q):
     """Largest force of an effect on a moving node at rest in a shape [N]."""
-    f, of = np.zeros_like(q), net.effects
-    index, params = of.index[of.index_at[e] : of.index_at[e + 1]], of.params[of.params_at[e] : of.params_at[e + 1]]
-    effect.kernels()["force"](0.0, q, np.zeros_like(q), index, params, f)
+    f = np.zeros_like(q)
+    effect.kernels()["force"](0.0, q, np.zeros_like(q), *net.effects.numbers(e), f)
     return float(np.linalg.norm(f[: model.n_free], axis=1).max(initial=0.0))
