@@ -21,7 +21,7 @@ ENOUGH, GOOD = 0.1, 0.7  # of the promised work, for a step to count and for a l
 STIFFEST = 1e5  # of the load a strain of 1 may cost in a cable that does not stretch, which is one of 1e-5 under the load
 
 
-def descended(model: Model, net: Any, q: np.ndarray, load: float) -> np.ndarray:
+def descended(model: Model, net: Any, q: np.ndarray, load: float, near: float = NEAR) -> tuple[np.ndarray, float]:
     """Let cables down to a shape of least energy, in place.
 
     Parameters
@@ -30,10 +30,13 @@ def descended(model: Model, net: Any, q: np.ndarray, load: float) -> np.ndarray:
     net : Net
     q : (n, 3) float64 [m]
     load : float [N]
+    near : float
+        Of the load over the number of nodes, the force on a node at which the descent ends.
 
     Returns
     -------
     tension : (n_segments,) float64 [N], by the law
+    residual : float, largest force out of balance over the load
     """
     n, net = model.n_free, _stretching(net, load)
     L0 = min(cable.L0 for cable in model.scene.cables)
@@ -41,7 +44,7 @@ def descended(model: Model, net: Any, q: np.ndarray, load: float) -> np.ndarray:
     K, soft = None, 1e-3 * load / (n * L0)
     stiff = soft
     for _ in range(STEPS):
-        if np.abs(force).max(initial=0.0) <= NEAR * load / n:
+        if np.abs(force).max(initial=0.0) <= near * load / n:
             if K is None:
                 K = tangent(model, net, q, tension)
             if not (pivots_of(symmetric_part(K), 1e-6 * soft)[0] < 0.0).any():
@@ -68,7 +71,7 @@ def descended(model: Model, net: Any, q: np.ndarray, load: float) -> np.ndarray:
             stiff *= 4.0
         if not 0.0 < stiff < 1e30:
             break
-    return tension
+    return tension, float(np.abs(force).max(initial=0.0)) / load
 
 
 def _stretching(net, load):

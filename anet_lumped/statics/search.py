@@ -20,6 +20,7 @@ from .stability import Curvature, curvature
 from .starts import obstacles, raised
 
 BALANCED = 1e-9  # of the load, that forces must balance to
+ROUGH = 1e-3  # of the load, from which the exact tangent may find the balance
 LEAVES = 6  # of a start: times that a rest which is not stable is left
 NUDGE = 0.05  # of the shortest segment, by which it is left first
 
@@ -127,8 +128,8 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
         relaxed(model, eased, q, load, attempt.pace)
         whole.tension[:] = eased.tension
     if attempt.descends:
-        whole.tension[:] = descended(model, net, q, load)
-    residual = relaxed(model, whole, q, load, attempt.pace)
+        whole.tension[:] = descended(model, net, q, load)[0]
+    residual = _balanced(model, net, whole, q, load, attempt.pace)
     found = _judged(model, net, whole, q, residual, load)
     nudge = NUDGE * min(cable.L0 for cable in model.scene.cables)
     if attempt.of_user and found.balanced and not found.stable and found.shape.tension.min() >= -BALANCED * load:
@@ -139,14 +140,25 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
             break
         beside = found.shape.q.copy()
         beside[: model.n_free] += nudge * found.down.direction
-        whole.tension[:] = descended(model, net, beside, load)
-        residual = relaxed(model, whole, beside, load, attempt.pace)
+        whole.tension[:] = descended(model, net, beside, load)[0]
+        residual = _balanced(model, net, whole, beside, load, attempt.pace)
         other = _judged(model, net, whole, beside, residual, load)
         if other.stable or (other.balanced and other.down.directions_down < found.down.directions_down):
             found = other
         lost = 0 if other.balanced else lost + 1
         nudge *= -2.0
     return found
+
+
+def _balanced(model, net, whole, q, load, pace):
+    """Relax a shape, in place; where pseudo-steps stay short of the balance, the exact tangent finds it. Returns the residual."""
+    residual = relaxed(model, whole, q, load, pace)
+    if BALANCED < residual < ROUGH:
+        other = q.copy()
+        tension, exact = descended(model, net, other, load, near=0.1 * BALANCED)
+        if exact <= BALANCED:
+            q[:], whole.tension[:], residual = other, tension, exact
+    return residual
 
 
 def _judged(model, net, whole, q, residual, load):

@@ -162,7 +162,8 @@ def test_descent_ends_where_no_direction_leads_down():
     q = np.random.default_rng(5).normal(scale=2.0, size=(model.n, 3)) + (-6.0, 0.0, BED + 2.0)
     for point in scene.points:
         q[model.node(point.name)] = point.at
-    tension = descended(model, net, q, 100.0)
+    tension, residual = descended(model, net, q, 100.0)
+    assert residual <= 1e-4
     assert curvature(model, net, q, tension, 100.0).directions_down == 0
 
 
