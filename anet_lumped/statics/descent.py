@@ -15,7 +15,7 @@ from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_STIFFNE
 
 from .stability import pivots_of, segments, symmetric_part, tangent
 
-STEPS = 200
+STEPS = 1000
 NEAR = 1e-4  # of the load, a force from which pseudo-steps find the balance
 ENOUGH, GOOD = 0.1, 0.7  # of the promised work, for a step to count and for a longer one
 STIFFEST = 1e5  # of the load a strain of 1 may cost in a cable that does not stretch, which is one of 1e-5 under the load

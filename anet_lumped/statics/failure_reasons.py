@@ -20,7 +20,7 @@ def reason(model: Model, q: np.ndarray) -> str:
     model : Model
     q : (n, 3) float64 [m], the shape that the search ended in
     """
-    found = (_under_the_ground(model), _bends_but_does_not_push(model, q), _sharp_turn(model, q))
+    found = (_under_the_ground(model), bends_but_does_not_push(model, q), _sharp_turn(model, q))
     return next(filter(None, found), "try another `start`, or `simulate` with damping")
 
 
@@ -44,12 +44,11 @@ def _under_the_ground(model):
     return ""
 
 
-def shrinks_by_bending(model: Model, q: np.ndarray) -> bool:
-    """Whether bending has shortened slack segments: nothing then keeps them from vanishing."""
-    return any(shortest < SHRUNK for _, shortest, _ in _bent_without_pushing(model, q))
+def bends_but_does_not_push(model: Model, q: np.ndarray) -> str:
+    """Blame a cable that folds or has segments shortened by bending, and cannot push; "" if there is none.
 
-
-def _bends_but_does_not_push(model, q):
+    From such a rest everything leads down until segments have vanished: to unfold without pushing, they would have to.
+    """
     for cable, shortest, sharpest in _bent_without_pushing(model, q):
         if shortest < SHRUNK or sharpest > FOLDED:
             what = f"shrinks to {shortest:.1e} of its length" if shortest < SHRUNK else f"folds by {sharpest:.0f} degrees"

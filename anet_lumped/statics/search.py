@@ -14,7 +14,7 @@ from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_PUSH_SHARE
 
 from .descent import descended
-from .failure_reasons import shrinks_by_bending
+from .failure_reasons import bends_but_does_not_push
 from .relaxation import QUICK, SLOW, Pace, net_at_rest, relaxed
 from .stability import Curvature, curvature
 from .starts import obstacles, raised
@@ -136,7 +136,7 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
         return found._replace(asked_for=True)
     lost = 0
     for _ in range(leaves):
-        if found.stable or not found.balanced or lost == 2 or shrinks_by_bending(model, found.shape.q):
+        if found.stable or not found.balanced or lost == 2 or bends_but_does_not_push(model, found.shape.q):
             break
         beside = found.shape.q.copy()
         beside[: model.n_free] += nudge * found.down.direction

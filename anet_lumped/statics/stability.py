@@ -22,6 +22,7 @@ from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_STIFFNE
 
 EPS = 2.220446049250313e-16
 FLAT = 1e-7  # of load over length, a curvature that counts as none: a cable may turn about its ends, a loose one may lie anywhere
+PRESTRESSED = 1e-11  # of the largest T/l, what tensions that are balanced to rounding leave of a curvature
 RIGID = 1e9  # of the largest other stiffness, what a segment that does not stretch counts for
 ROUNDED = 20  # shifts that are tried where a pivot is zero
 SYMMETRIC = 1e-9  # of the largest stiffness, what may be unsymmetric by rounding
@@ -72,7 +73,8 @@ def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: 
     K = tangent(model, net, q, tension, effects)
     largest = float(np.abs(K.data).max(initial=0.0))
     length = max(cable.length for cable in model.scene.cables)
-    flat = FLAT * load / (length * model.n_free) + 64.0 * EPS * largest
+    across = float(np.abs(tension / np.linalg.norm(q[model.ends[:, 1]] - q[model.ends[:, 0]], axis=1).clip(1e-12 * length)).max())
+    flat = FLAT * load / (length * model.n_free) + 64.0 * EPS * largest + PRESTRESSED * across
     symmetric = symmetric_part(K)
     pivots, factors = pivots_of(symmetric, flat)
     down = int((pivots < 0.0).sum())

@@ -55,9 +55,7 @@ def as_text(value, digits: int = 4) -> str:
     """Text of a value: a number with so many digits, and with a power of ten (1e-5) where they would be lost among zeros."""
     if isinstance(value, list | tuple):
         return " ".join(as_text(one, digits) for one in value)
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if not isinstance(value, Real):
+    if isinstance(value, bool) or not isinstance(value, Real):
         return "" if value is None else str(value)
     if isinstance(value, Integral) or value == 0:
         return f"{value:.0f}"

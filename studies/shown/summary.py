@@ -17,8 +17,8 @@ def rest_summary(state) -> dict:
     return {
         "cables": [{"cable": cable.name} | _at_rest(state, cable) for cable in state.scene.cables],
         "points": _points(state),
-        "residual": state.residual,
         "stable": state.stable,
+        "residual": state.residual,
     }
 
 
