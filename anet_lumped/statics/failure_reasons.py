@@ -20,8 +20,12 @@ def reason(model: Model, q: np.ndarray) -> str:
     model : Model
     q : (n, 3) float64 [m], the shape that the search ended in
     """
-    found = (_under_the_ground(model), bends_but_does_not_push(model, q), _sharp_turn(model, q))
-    return next(filter(None, found), "try another `start`, or `simulate` with damping")
+    return impossible(model, q) or _sharp_turn(model, q) or "try another `start`, or `simulate` with damping"
+
+
+def impossible(model: Model, q: np.ndarray) -> str:
+    """What makes a stable rest impossible or senseless, or ""."""
+    return _under_the_ground(model) or bends_but_does_not_push(model, q)
 
 
 def _under_the_ground(model):

@@ -14,7 +14,7 @@ from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_PUSH_SHARE
 
 from .descent import descended
-from .failure_reasons import bends_but_does_not_push
+from .failure_reasons import bends_but_does_not_push, impossible
 from .relaxation import QUICK, SLOW, Pace, net_at_rest, relaxed
 from .stability import Curvature, curvature
 from .starts import obstacles, raised
@@ -67,6 +67,11 @@ class _Attempt(NamedTuple):
     descends: bool = False
     of_user: bool = False
 
+    @property
+    def long(self) -> bool:
+        """Whether it may take seconds."""
+        return self.descends or self.pace is SLOW
+
 
 def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, load: float) -> Found:
     """The first stable rest that a start leads to; else the best that was found.
@@ -86,6 +91,8 @@ def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, loa
     """
     best, leaves = None, LEAVES
     for attempt in _attempts(model, net, hanging, given):
+        if attempt.long and best is not None and impossible(model, best.shape.q):
+            break
         found = _try(model, net, attempt, load, leaves)
         leaves = min(leaves, 1) if found.balanced else leaves
         if found.stable or found.asked_for:
