@@ -42,7 +42,7 @@ def main(arguments: list[str] | None = None) -> None:
         app(arguments, prog_name="anet-lumped")
     except (ValueError, RuntimeError, OSError) as error:
         ours = type(error).__module__.partition(".")[0] in ("anet_lumped", "studies")
-        if not ours and type(error) is not ValueError and not isinstance(error, OSError):
+        if not ours and not isinstance(error, OSError):
             raise
         _tell(str(error))
         sys.exit(1 if isinstance(error, RuntimeError) else 2)
@@ -308,10 +308,11 @@ def convert(
     out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write: .toml, or MoorDyn's .txt, .dat, .moordyn.")],
 ):
     """Write a scene in another form. TOML or a MoorDyn input file, by the ending of OUT."""
+    from anet_lumped.checks import InputError
     from anet_lumped.files.scene_file import MOORDYN, save_scene
 
     if out.suffix.lower() not in (".toml", *MOORDYN):
-        raise ValueError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}.")
+        raise InputError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}.")
     save_scene(_load(scene, "equilibrium"), out)
     print(out)
 
@@ -360,7 +361,9 @@ def _amount(text, units, like):
     try:
         return float(number.removesuffix(unit)) * units.get(unit, 1.0)
     except ValueError:
-        raise ValueError(f'Option `--error` must be {like}, but it is "{text}".') from None
+        from anet_lumped.checks import InputError
+
+        raise InputError(f'Option `--error` must be {like}, but it is "{text}".') from None
 
 
 def _announce_compiling(what):

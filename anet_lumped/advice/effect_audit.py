@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE, time_scale
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.motion.times import stops
@@ -115,14 +116,14 @@ def audit_effects(
     Raises
     ------
     SceneError : no point or cable of that name; water where there is no such effect
-    ValueError : an argument out of its range
+    InputError : an argument out of its range
     RunError : the scene as it is does not run
     """
     for name, value in (("error", error), ("t_end", t_end)):
         if value is not None and not (math.isfinite(value) and value > 0):
-            raise ValueError(f"Argument `{name}` must be positive and finite, but it is {value!r}.")
+            raise InputError(f"Argument `{name}` must be positive and finite, but it is {value!r}.")
     if at is not None and tension is not None:
-        raise ValueError(f'Only one of `at` and `tension` may be given, but they are "{at}" and "{tension}".')
+        raise InputError(f'Only one of `at` and `tension` may be given, but they are "{at}" and "{tension}".')
     if at is not None and not isinstance(scene.point(at), Free):
         raise SceneError(f'The place of a free point can be asked for, but "{at}" is held.')
     if tension is not None:

@@ -11,6 +11,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from anet_lumped.model.build import build
 from anet_lumped.motion.choice import EXPLICIT_COST, SHARE_OF_LIMIT, SHARE_OF_TIME_SCALE, time_scale
 from anet_lumped.motion.simulate import simulate
@@ -118,11 +119,11 @@ def recommend(
     ------
     RecommendError : the error is out of reach
     SceneError : no free point of that name
-    ValueError : an argument out of its range
+    InputError : an argument out of its range
     """
     for name, value in (("error", error), ("t_end", t_end), ("realtime", realtime)):
         if value is not None and not (math.isfinite(value) and value > 0):
-            raise ValueError(f"Argument `{name}` must be positive and finite, but it is {value!r}.")
+            raise InputError(f"Argument `{name}` must be positive and finite, but it is {value!r}.")
     free = [point.name for point in scene.points if isinstance(point, Free)]
     if at is not None and not isinstance(scene.point(at), Free):
         raise SceneError(f'The error can be asked of a free point, but "{at}" is held; free are {", ".join(free) or "none"}.')

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 
@@ -80,7 +81,7 @@ def choose(scene, method=None, dt=None, adaptive=False):
     able = schemes.names(takes_rigid_springs=True)
     if rigid is not None and method not in (None, *able):
         needed = " or ".join(f'method="{name}"' for name in able)
-        raise ValueError(
+        raise InputError(
             f'A cable that does not stretch needs {needed}, but cable "{rigid}" has EA=inf and the method is {method}.'
         )
     chosen_by_user = method is not None

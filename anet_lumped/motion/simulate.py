@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import nearest
+from anet_lumped.checks import InputError, nearest
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
@@ -21,7 +21,8 @@ from anet_lumped.statics.starts import Start, start_state, straight
 from integrators import schemes
 from integrators.schemes.record import Origin, Scheme
 
-from .choice import choose
+from .accuracy import TENSION_ERROR, Wanted, keep_error
+from .choice import Choice, choose
 from .energy_gain import flag_energy_gain
 from .extrapolation import extrapolated, method_to_extrapolate
 from .legs import Settings, march_legs
@@ -46,7 +47,8 @@ class RunError(RuntimeError):
 def simulate(
     scene: Scene, t_end: float, *, method: str | None = None, dt: float | None = None, start: Start = "equilibrium",
     save_every: float | None = None, rtol: float | None = None, atol: float | None = None, rho_inf: float | None = None,
-    extrapolate: bool = False, audit: bool | float = False, check: bool = False,
+    extrapolate: bool = False, error: float | None = None, tension_error: float | None = None, audit: bool | float = False,
+    check: bool = False,
 ) -> Run:  # fmt: skip
     """Motion of a scene from rest or from a State, through its events and the breaks of its cables (`Run.events`).
 
@@ -72,6 +74,11 @@ def simulate(
     extrapolate : bool
         Run with half the step too, and take the limit that the two runs of `edmc` tend to: order 4 where the motion is smooth, for
         half as much again as the finer run.
+    error, tension_error : float or None [m], 1
+        Errors to keep, of places and of the largest tension over that tension: the step is made shorter until the run's own
+        estimates are within them (`Run.error_estimate`, `Run.tension_error`). None, and neither method nor step given, keeps 1 mm
+        in a metre of the longest cable, 5 % of the motion, and 2 % of the largest tension. What cannot be kept, past a whip or
+        in chaos, ``Run.reason`` and a warning say, and from when on.
     audit : bool or float [m]
         Run again with half the step or a tenth of the tolerance, and compare: ``Run.audit`` estimates the error of the run, and
         its status is "audit failed" if that is above the number given (True: 1 % of the longest cable) or if the energy
@@ -85,11 +92,11 @@ def simulate(
 
     Raises
     ------
-    ValueError : an argument out of its range
+    InputError : an argument out of its range
     RunError : with ``check=True``
     RunInterrupt : Ctrl-C; with what was done as its ``run``
     """
-    _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit)
+    _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit, error, tension_error)
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
     begin = equilibrium(scene) if isinstance(start, str) and start == "equilibrium" else start_state(build(scene), start)
@@ -97,7 +104,7 @@ def simulate(
     adaptive = rtol is not None or atol is not None or (scheme is not None and scheme.chooses_steps(dt))
     if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
         able = ", ".join(schemes.names(takes_changing_rest_lengths=True))
-        raise ValueError(f"Lengths that change in time need a method of this package, {able}, but the method is {method}.")
+        raise InputError(f"Lengths that change in time need a method of this package, {able}, but the method is {method}.")
     choice = choose(lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end)), method, dt, adaptive)
     scheme = schemes.scheme(choice.method)
     _check_breaks(scene, scheme, extrapolate)
@@ -108,7 +115,18 @@ def simulate(
         warnings.warn(text, StabilityWarning, stacklevel=2)
     settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
     whole = partial(march_legs, _march_of(scheme), scene, start=begin, t_end=begin.t + t_end, settings=settings)
-    run = whole(choice, save_every=save_every)
+    asked = error is not None or tension_error is not None
+    if asked or (method is None and dt is None and not adaptive and not extrapolate):
+        _check_keeps_error(scheme, dt, adaptive, extrapolate)
+
+        def march(choice: Choice, duration: float) -> Run:
+            return whole(choice, save_every=save_every, t_end=begin.t + duration)
+
+        wanted = Wanted(error, TENSION_ERROR if tension_error is None else tension_error)
+        run = keep_error(march, choice, wanted, t_end, save_every or t_end)
+        choice = replace(choice, dt=run.dt)
+    else:
+        run = whole(choice, save_every=save_every)
     if extrapolate:
         every = run.t[1] - run.t[0] if len(run.t) > 2 else t_end
         run = extrapolated(run, whole(replace(choice, dt=0.5 * choice.dt), save_every=every))
@@ -161,24 +179,36 @@ def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:
     if brittle is not None and (extrapolate or not scheme.stops_at_events):
         unable = ", ".join(schemes.names(stops_at_events=False))
         given = "`extrapolate` is set" if extrapolate else f"the method is {scheme.name}"
-        raise ValueError(
+        raise InputError(
             f'A cable with a `breaking_tension` needs a method other than {unable} and one run, but cable "{brittle}" '
             f"has one and {given}."
         )
 
 
-def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: Any, rho_inf: Any, audit: Any) -> None:
+def _check_keeps_error(scheme: Scheme, dt: float | None, adaptive: bool, extrapolate: bool) -> None:
+    """An error is kept by the step, of a scheme whose own steps tell it."""
+    given = "`dt`" if dt is not None else "`rtol` or `atol`" if adaptive else "`extrapolate`" if extrapolate else None
+    if given or not scheme.own:
+        what = f"{given} is given" if given else f"the method is {scheme.name}"
+        raise InputError(
+            f"Arguments `error` and `tension_error` choose the step of one run with a method of this package, but {what}; "
+            "leave it out, or take `audit`."
+        )
+
+
+def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: Any, rho_inf: Any, audit: Any, *errors: Any) -> None:
     sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=None if isinstance(audit, bool) else audit)
+    sizes |= dict(zip(("error", "tension_error"), errors, strict=True))
     for name, value in sizes.items():
         if value is not None and not (isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0):
-            unit = "" if name == "rtol" else " [m]" if name in ("atol", "audit") else " [s]"
-            raise ValueError(f"Argument `{name}` must be positive and finite{unit}, but it is {value!r}.")
+            unit = "" if name in ("rtol", "tension_error") else " [m]" if name in ("atol", "audit", "error") else " [s]"
+            raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {value!r}.")
     if method is not None and method not in tuple(schemes.MODULES):
         known, near = ", ".join(schemes.MODULES), nearest(str(method), schemes.MODULES)
-        raise ValueError(f"Argument `method` must be one of {known}, but it is {method!r}" + (near or "."))
+        raise InputError(f"Argument `method` must be one of {known}, but it is {method!r}" + (near or "."))
     if rho_inf is not None:
         if method is not None and "rho_inf" not in schemes.scheme(method).options:
             able = " and ".join(name for name in schemes.MODULES if "rho_inf" in schemes.scheme(name).options)
-            raise ValueError(f"Argument `rho_inf` belongs to {able}, but the method is {method}.")
+            raise InputError(f"Argument `rho_inf` belongs to {able}, but the method is {method}.")
         if not 0 <= rho_inf <= 1:
-            raise ValueError(f"Argument `rho_inf` must lie between 0 and 1, but it is {rho_inf!r}.")
+            raise InputError(f"Argument `rho_inf` must lie between 0 and 1, but it is {rho_inf!r}.")

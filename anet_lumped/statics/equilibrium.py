@@ -45,7 +45,7 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
     EquilibriumError
         Nothing holds a part of the net; a cable is slack and nothing loads it, so that any shape would do; a cable would
         have to push; no convergence; or no rest that is stable.
-    ValueError
+    InputError
         A start that is none.
     """
     model = build(scene)

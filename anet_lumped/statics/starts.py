@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from anet_lumped.checks import nearest
+from anet_lumped.checks import InputError, nearest
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
 from anet_lumped.results.run import State
@@ -30,7 +30,7 @@ def start_state(model: Model, start: Start) -> State:
 
     Raises
     ------
-    ValueError
+    InputError
         Another word; a State or a dict of other cables; a number that is not finite; cables that do not stretch and do not reach.
     """
     state = _adopt(model, start) if isinstance(start, State) else _at_rest(model, start)
@@ -38,7 +38,7 @@ def start_state(model: Model, start: Start) -> State:
     free = {point.name: state.position(point.name) for point in scene.points if isinstance(point, Free)}
     short = shortfall(scene, state.t) or shortfall(scene, state.t, free)
     if short is not None:
-        raise ValueError(short.words)
+        raise InputError(short.words)
     return state
 
 
@@ -49,7 +49,7 @@ def _at_rest(model, start):
     elif isinstance(start, str) and start == "straight":
         q = straight(model)
     else:
-        raise ValueError(
+        raise InputError(
             f'Argument `start` must be "equilibrium", "straight" or a State, but it is {start!r}; '
             "the shape of each cable by its name will do, too."
         )
@@ -88,16 +88,16 @@ def _of_shapes(model, shapes):
     names = [cable.name for cable in model.scene.cables]
     for name in shapes:
         if name not in names:
-            raise ValueError(
+            raise InputError(
                 f'A shape to start from must be of a cable of the scene, but "{name}" is none' + (nearest(name, names) or ".")
             )
     q = np.full((model.n, 3), np.nan)
     for cable in model.scene.cables:
         if cable.name not in shapes:
-            raise ValueError(f'Shapes to start from must be given for every cable, but cable "{cable.name}" has none.')
+            raise InputError(f'Shapes to start from must be given for every cable, but cable "{cable.name}" has none.')
         shape = np.asarray(shapes[cable.name], float)
         if shape.shape != (cable.segments + 1, 3):
-            raise ValueError(
+            raise InputError(
                 f'The shape of cable "{cable.name}" must have the places of its {cable.segments + 1} nodes, '
                 f"({cable.segments + 1}, 3), but it is {shape.shape}."
             )
@@ -113,11 +113,11 @@ def _adopt(model, state):
     """A State of the same or of a like scene as one of this model, matched by names."""
     q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
     if not np.isfinite(state.t):
-        raise ValueError(f"A State to start from must have a finite time, but it has t={state.t} s.")
+        raise InputError(f"A State to start from must have a finite time, but it has t={state.t} s.")
     for cable in model.scene.cables:
         other = {c.name: c.segments for c in state.scene.cables}.get(cable.name)
         if other != cable.segments:
-            raise ValueError(
+            raise InputError(
                 f'A State to start from must have the scene\'s cables, but of cable "{cable.name}" with {cable.segments} '
                 f"segments it has {'none' if other is None else other}."
             )
@@ -132,7 +132,7 @@ def _adopt(model, state):
     if not np.isfinite(tension).all():
         s = int(np.flatnonzero(~np.isfinite(tension))[0])
         cable = model.scene.cables[model.cable_of[s]]
-        raise ValueError(f'A start must have finite tensions, but a segment of cable "{cable.name}" has {tension[s]} N.')
+        raise InputError(f'A start must have finite tensions, but a segment of cable "{cable.name}" has {tension[s]} N.')
     return State(model, float(state.t), q, v, tension, events=state.events)
 
 
@@ -141,7 +141,7 @@ def _check_finite(what, rows, where):
     wrong = np.flatnonzero(~np.isfinite(rows).all(axis=1))
     if len(wrong):
         i, row = int(wrong[0]), rows[wrong[0]]
-        raise ValueError(f"A start must be finite, but the {what} of {where(i)} is ({', '.join(f'{x:g}' for x in row)}).")
+        raise InputError(f"A start must be finite, but the {what} of {where(i)} is ({', '.join(f'{x:g}' for x in row)}).")
 
 
 class Obstacles(NamedTuple):

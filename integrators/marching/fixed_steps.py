@@ -20,13 +20,15 @@ from integrators.system import (
     STEPS,
     UNCONVERGED,
     compiled,
+    system_at,
 )
 
+from .error_growth import GROWTH, STEP_ERROR, begin, follow, largest_error
 from .events import locate, margin_of, remember
 from .stepper import STEPPER, take_step
 
-CHECK_EVERY = 16  # steps between two looks for a divergence
-SMALLEST_PART = 2.0**-12  # of a step: there Newton's method may fail no more
+CHECK_EVERY = 16  # steps between two checks for a divergence
+SMALLEST_PART = 2.0**-12  # of a step: a march ends where Newton's method fails for a shorter one
 
 
 class FixedSteps(NamedTuple):
@@ -53,17 +55,18 @@ FIXED_STEPS = types.NamedTuple((types.float64,) * 4 + (types.int64,), FixedSteps
 
 
 @march_loop
-def fixed_steps(stepper, times, explicit, state, scratch, saved, stop):
+def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop):
     """March from t0 to t_end; the march ends at an event, see `events.locate`.
 
     Parameters
     ----------
     stepper : Stepper
     times : FixedSteps
-    explicit : bool
-        Steps do not fail, so that the state before one is copied only where an event may ask for it.
+    step_error : StepError
+        Explicit steps cannot fail: then the state before a step is copied only if the system has events.
     state : StepState, at the start, and then at the end
     scratch : Scratch
+    growth : Growth, overwritten
     saved : Saved, rows to write
     stop : (1,) int64, ends the march when another thread sets it
 
@@ -73,46 +76,49 @@ def fixed_steps(stepper, times, explicit, state, scratch, saved, stop):
         How it ended, rows written, time reached, and the node where it went wrong (or -1).
     """
     system_address, data_address, counts, t = stepper.system_address, stepper.data_address, stepper.counts, times.t0
+    n_free, explicit = system_at(system_address).n_free, step_error.explicit
     evaluate_start(system_address, data_address, t, state, counts)
-    rows = save(system_address, data_address, NONE, t, state, saved)
-    start, margin, watched = scratch.start, -1.0, margin_of(stepper, state) > NO_EVENTS
+    rows = save(system_address, data_address, NONE, t, 0.0, state, saved)
+    steps, weight = begin(growth, state.v, n_free), 1.0
+    start, margin, has_events = scratch.start, -1.0, margin_of(stepper, state) > NO_EVENTS
     last = max(1, int(np.ceil((times.t_end - times.origin) / times.dt - SAME_TIME))) - 1
     for s in range(min(int(np.floor((times.t0 - times.origin) / times.dt + SAME_TIME)), last), last + 1):
         goal = times.t_end if s == last else times.origin + (s + 1) * times.dt
-        whole, taken, part = goal - t, 0.0, 1.0
+        length, taken, part = goal - t, 0.0, 1.0
         while taken < 1.0:
-            if watched or not explicit:
+            if has_events or not explicit:
                 copy_state(state, start)
-            if watched:
+            if has_events:
                 remember(stepper)
-            now, h = t + taken * whole, part * whole
-            if take_step(stepper, now, h, state) != DONE:
+            t_part, h = t + taken * length, part * length
+            if take_step(stepper, t_part, h, state) != DONE:
                 copy_state(start, state)
                 counts[HALVINGS] += 1
                 part *= 0.5
                 if part < SMALLEST_PART:
-                    rows = save(system_address, data_address, rows, now, state, saved)
-                    return UNCONVERGED, rows, now, -1
+                    rows = save(system_address, data_address, rows, t_part, largest_error(growth, n_free), state, saved)
+                    return UNCONVERGED, rows, t_part, -1
                 continue
             counts[STEPS] += 1
-            if watched:
-                before, margin = margin, margin_of(stepper, state)
+            if has_events:
+                margin_before, margin = margin, margin_of(stepper, state)
                 if margin > 0.0 and worst_node(state.q, state.v) < 0:
-                    now += locate(stepper, now, h, ONE, before, margin, start, state)
-                    rows = save(system_address, data_address, rows, now, state, saved)
-                    return EVENT, rows, now, -1
+                    t_part += locate(stepper, t_part, h, ONE, margin_before, margin, start, state)
+                    rows = save(system_address, data_address, rows, t_part, largest_error(growth, n_free), state, saved)
+                    return EVENT, rows, t_part, -1
             taken += part
             if taken % (2.0 * part) == 0.0:
                 part = min(2.0 * part, 1.0)
         t = goal
-        ends = s == last or stop[0] != 0
-        saves = (s + 1) % times.stride == 0 or ends
-        if saves or s % CHECK_EVERY == 0:
+        steps, weight = follow(growth, step_error, steps, weight, length, state.v, n_free)
+        is_last = s == last or stop[0] != 0
+        is_saved = (s + 1) % times.stride == 0 or is_last
+        if is_saved or s % CHECK_EVERY == 0:
             node = worst_node(state.q, state.v)
             if node >= 0:
                 return DIVERGED, rows, t, node
-        if saves:
-            rows = save(system_address, data_address, rows, t, state, saved)
+        if is_saved:
+            rows = save(system_address, data_address, rows, t, largest_error(growth, n_free), state, saved)
         if stop[0] != 0:
             return INTERRUPTED, rows, t, -1
     return DONE, rows, t, -1
@@ -121,4 +127,4 @@ def fixed_steps(stepper, times, explicit, state, scratch, saved, stop):
 def compiled_fixed_steps():
     """`fixed_steps`, compiled (or loaded from the cache) when it is first asked for."""
     stop = types.Array(types.int64, 1, "C")
-    return compiled(fixed_steps, (STEPPER, FIXED_STEPS, types.boolean, STEP_STATE, SCRATCH, SAVED, stop))
+    return compiled(fixed_steps, (STEPPER, FIXED_STEPS, STEP_ERROR, STEP_STATE, SCRATCH, GROWTH, SAVED, stop))

@@ -17,10 +17,10 @@ from .record import EnergyPromise, Family, own_scheme
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; memory[0] is the force at its start, and then at its end."""
     system = system_at(system_address)
-    Q, V, f, per_m = flat(state.q), flat(state.v), flat(state.memory[0]), flat(system.per_mass)
+    flat_q, flat_v, f, per_m = flat(state.q), flat(state.v), flat(state.memory[0]), flat(system.per_mass)
     for i in range(3 * system.n_free):
-        V[i] += h * per_m[i] * f[i]
-        Q[i] += h * V[i]
+        flat_v[i] += h * per_m[i] * f[i]
+        flat_q[i] += h * flat_v[i]
     evaluate_end(system_address, data_address, t, h, state, counts)
     return DONE
 
@@ -35,6 +35,9 @@ SYMPLECTIC_EULER = own_scheme(
     note="(h omega)^2 + 4 zeta h omega <= 4",
     energy=EnergyPromise.SWINGS_ABOUT,
     keeps_angular_momentum=True,
+    error_constant=1 / 24,
+    error_order=2,
+    error_shift=1 / 2,
     step=step,
     memory_rows=1,
 )

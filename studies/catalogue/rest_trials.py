@@ -94,11 +94,11 @@ def _horizontal_tension(length, span, height, EA, w):
 
 
 def attempt(trial: RestTrial) -> tuple[str, str]:
-    """HELD, REFUSED with a reason, or FAILED; and why."""
+    """HELD, FAILED, or REFUSED where segments are too coarse for the shape; and why."""
     try:
         rest = equilibrium(trial.scene)
     except EquilibriumError as error:
-        return REFUSED if "must" in str(error) else FAILED, str(error)
+        return FAILED if trial.resolved else REFUSED, str(error)
     if not rest.stable:
         return FAILED, "a rest that is not stable came back without a guess"
     d = np.diff(rest.shape("anchor-top"), axis=0)

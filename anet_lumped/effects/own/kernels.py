@@ -1,9 +1,14 @@
 """The compiled functions of an effect from its law for one element, with their derivatives by dual numbers (`dual`).
 
-Each of these takes ``law``, compiled; ``numbers(params, at)``, which returns the law's further arguments, those of the element
-from ``params[at]`` on; where the first element's are; and how many each has. It returns functions by their slot in `signatures`.
-``index`` holds the node of each node's law; of each segment's law both nodes, the segment, and which of ``near[segment]`` has the
-row of the first and the column of the second of them.
+Each function ``of_...`` here returns compiled functions by their slot in `signatures`. Its arguments:
+
+law : the law, compiled
+numbers(params, begin) : compiled; the law's further arguments, with those of one element from ``params[begin]`` on
+first : position in ``params`` of the numbers of the first element
+each : how many numbers each element has
+
+For a law of nodes ``index`` holds the node of each element. For a law of segments it holds four numbers of each: both nodes, the
+segment, and which of the two blocks ``near[segment]`` has the row of the first node and the column of the second.
 """
 
 from numba import njit
@@ -13,7 +18,7 @@ from anet_lumped.effects.signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TA
 
 
 @njit(error_model="numpy")
-def _at(q, i):
+def _row(q, i):
     return q[i, 0], q[i, 1], q[i, 2]
 
 
@@ -42,7 +47,7 @@ def _subtract(block, c, f):
 
 @njit(error_model="numpy")
 def _add_second(block, c, E):
-    """Add c times the second derivatives of an energy to a block, rows by its outer and columns by its inner slopes."""
+    """Add c times the second derivatives of an energy to a block: outer slopes give its rows, inner slopes its columns."""
     for x in range(3):
         for y in range(3):
             block[x, y] += c * slope(slope(E, x), y)
@@ -65,26 +70,26 @@ def _seeded(q):
 
 @njit(error_model="numpy")
 def _constant(q):
-    """The same without slopes: a law that is given either is compiled once."""
+    """A position as numbers with zero slopes, so that a law is compiled for one type of argument only."""
     x, y, z = q
     return constant(x, y, z)
 
 
 @njit(ENERGY_SIGNATURE, cache=True)
 def no_energy(t, q, index, params):
-    """What a force law has."""
+    """The energy of a law of forces, 0 [J]."""
     return 0.0
 
 
 def of_node_force(law, numbers, first, each):
-    """Of law(t, q, v, ...) -> force on a node [N]."""
+    """Compiled functions of a law(t, q, v, ...) -> force on a node [N]."""
 
     @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
         power = 0.0
         for n in range(index.shape[0]):
             i = index[n]
-            fx, fy, fz = law(t, _at(q, i), _at(v, i), *numbers(params, first + each * n))
+            fx, fy, fz = law(t, _row(q, i), _row(v, i), *numbers(params, first + each * n))
             _add(f, i, fx, fy, fz)
             power -= fx * v[i, 0] + fy * v[i, 1] + fz * v[i, 2]
         return power
@@ -92,51 +97,51 @@ def of_node_force(law, numbers, first, each):
     @njit(TANGENT_SIGNATURE, error_model="numpy")
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0]):
-            i, of = index[n], numbers(params, first + each * n)
-            _subtract(D[i], c_q, law(t, _seeded(_at(q, i)), _constant(_at(v, i)), *of))
-            _subtract(D[i], c_v, law(t, _constant(_at(q, i)), _seeded(_at(v, i)), *of))
+            i, own = index[n], numbers(params, first + each * n)
+            _subtract(D[i], c_q, law(t, _seeded(_row(q, i)), _constant(_row(v, i)), *own))
+            _subtract(D[i], c_v, law(t, _constant(_row(q, i)), _seeded(_row(v, i)), *own))
 
     return {"force": force, "tangent": tangent, "energy": no_energy}
 
 
 def of_node_energy(law, numbers, first, each):
-    """Of law(t, q, ...) -> energy of a node [J]; its change with the time alone is put in or taken out from outside."""
+    """Compiled functions of a law(t, q, ...) -> energy of a node [J]; work from outside changes it where it depends on time."""
 
     @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
         power = 0.0
         for n in range(index.shape[0]):
-            i, of = index[n], numbers(params, first + each * n)
-            E = law(t, _seeded(_at(q, i)), *of)
+            i, own = index[n], numbers(params, first + each * n)
+            E = law(t, _seeded(_row(q, i)), *own)
             _add(f, i, -slope(E, 0), -slope(E, 1), -slope(E, 2))
-            power -= slope(law(dual(t, 1.0, 0.0, 0.0), _at(q, i), *of), 0)
+            power -= slope(law(dual(t, 1.0, 0.0, 0.0), _row(q, i), *own), 0)
         return power
 
     @njit(TANGENT_SIGNATURE, error_model="numpy")
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0]):
             i = index[n]
-            _add_second(D[i], c_q, law(t, _seeded(_seeded(_at(q, i))), *numbers(params, first + each * n)))
+            _add_second(D[i], c_q, law(t, _seeded(_seeded(_row(q, i))), *numbers(params, first + each * n)))
 
     @njit(ENERGY_SIGNATURE, error_model="numpy")
     def energy(t, q, index, params):
         total = 0.0
         for n in range(index.shape[0]):
-            total += law(t, _at(q, index[n]), *numbers(params, first + each * n))
+            total += law(t, _row(q, index[n]), *numbers(params, first + each * n))
         return total
 
     return {"force": force, "tangent": tangent, "energy": energy}
 
 
 def of_segment_force(law, numbers, first, each):
-    """Of law(t, q0, q1, v0, v1, ...) -> forces on both nodes of a segment [N]."""
+    """Compiled functions of a law(t, q0, q1, v0, v1, ...) -> forces on both nodes of a segment [N]."""
 
     @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
         power = 0.0
         for n in range(index.shape[0] // 4):
             i, j = index[4 * n], index[4 * n + 1]
-            on_i, on_j = law(t, _at(q, i), _at(q, j), _at(v, i), _at(v, j), *numbers(params, first + each * n))
+            on_i, on_j = law(t, _row(q, i), _row(q, j), _row(v, i), _row(v, j), *numbers(params, first + each * n))
             fx, fy, fz = on_i
             _add(f, i, fx, fy, fz)
             power -= fx * v[i, 0] + fy * v[i, 1] + fz * v[i, 2]
@@ -149,20 +154,20 @@ def of_segment_force(law, numbers, first, each):
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0] // 4):
             i, j, s, side = index[4 * n], index[4 * n + 1], index[4 * n + 2], index[4 * n + 3]
-            of, qi, qj, vi, vj = numbers(params, first + each * n), _at(q, i), _at(q, j), _at(v, i), _at(v, j)
+            own, qi, qj, vi, vj = numbers(params, first + each * n), _row(q, i), _row(q, j), _row(v, i), _row(v, j)
             near_ij, near_ji = near[s, side], near[s, 1 - side]
             if i < D.shape[0]:
-                on_i, on_j = law(t, _seeded(qi), _constant(qj), _constant(vi), _constant(vj), *of)
+                on_i, on_j = law(t, _seeded(qi), _constant(qj), _constant(vi), _constant(vj), *own)
                 _subtract(D[i], c_q, on_i)
                 _subtract(near_ji, c_q, on_j)
-                on_i, on_j = law(t, _constant(qi), _constant(qj), _seeded(vi), _constant(vj), *of)
+                on_i, on_j = law(t, _constant(qi), _constant(qj), _seeded(vi), _constant(vj), *own)
                 _subtract(D[i], c_v, on_i)
                 _subtract(near_ji, c_v, on_j)
             if j < D.shape[0]:
-                on_i, on_j = law(t, _constant(qi), _seeded(qj), _constant(vi), _constant(vj), *of)
+                on_i, on_j = law(t, _constant(qi), _seeded(qj), _constant(vi), _constant(vj), *own)
                 _subtract(D[j], c_q, on_j)
                 _subtract(near_ij, c_q, on_i)
-                on_i, on_j = law(t, _constant(qi), _constant(qj), _constant(vi), _seeded(vj), *of)
+                on_i, on_j = law(t, _constant(qi), _constant(qj), _constant(vi), _seeded(vj), *own)
                 _subtract(D[j], c_v, on_j)
                 _subtract(near_ij, c_v, on_i)
 
@@ -170,32 +175,32 @@ def of_segment_force(law, numbers, first, each):
 
 
 def of_segment_energy(law, numbers, first, each):
-    """Of law(t, q0, q1, ...) -> energy of a segment [J]; its change with the time alone is put in or taken out from outside."""
+    """Compiled functions of a law(t, q0, q1, ...) -> energy of a segment [J]; time in it acts as in `of_node_energy`."""
 
     @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
         power = 0.0
         for n in range(index.shape[0] // 4):
-            i, j, of = index[4 * n], index[4 * n + 1], numbers(params, first + each * n)
-            qi, qj = _at(q, i), _at(q, j)
-            E = law(t, _seeded(qi), _constant(qj), *of)
+            i, j, own = index[4 * n], index[4 * n + 1], numbers(params, first + each * n)
+            qi, qj = _row(q, i), _row(q, j)
+            E = law(t, _seeded(qi), _constant(qj), *own)
             _add(f, i, -slope(E, 0), -slope(E, 1), -slope(E, 2))
-            E = law(t, _constant(qi), _seeded(qj), *of)
+            E = law(t, _constant(qi), _seeded(qj), *own)
             _add(f, j, -slope(E, 0), -slope(E, 1), -slope(E, 2))
-            power -= slope(law(dual(t, 1.0, 0.0, 0.0), qi, qj, *of), 0)
+            power -= slope(law(dual(t, 1.0, 0.0, 0.0), qi, qj, *own), 0)
         return power
 
     @njit(TANGENT_SIGNATURE, error_model="numpy")
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0] // 4):
             i, j, s, side = index[4 * n], index[4 * n + 1], index[4 * n + 2], index[4 * n + 3]
-            of, qi, qj = numbers(params, first + each * n), _at(q, i), _at(q, j)
+            own, qi, qj = numbers(params, first + each * n), _row(q, i), _row(q, j)
             if i < D.shape[0]:
-                _add_second(D[i], c_q, law(t, _seeded(_seeded(qi)), _constant(_constant(qj)), *of))
+                _add_second(D[i], c_q, law(t, _seeded(_seeded(qi)), _constant(_constant(qj)), *own))
             if j < D.shape[0]:
-                _add_second(D[j], c_q, law(t, _constant(_constant(qi)), _seeded(_seeded(qj)), *of))
+                _add_second(D[j], c_q, law(t, _constant(_constant(qi)), _seeded(_seeded(qj)), *own))
             if i < D.shape[0] and j < D.shape[0]:
-                E = law(t, _seeded(_constant(qi)), _constant(_seeded(qj)), *of)
+                E = law(t, _seeded(_constant(qi)), _constant(_seeded(qj)), *own)
                 _add_second(near[s, side], c_q, E)
                 _add_second_transposed(near[s, 1 - side], c_q, E)
 
@@ -203,7 +208,7 @@ def of_segment_energy(law, numbers, first, each):
     def energy(t, q, index, params):
         total = 0.0
         for n in range(index.shape[0] // 4):
-            total += law(t, _at(q, index[4 * n]), _at(q, index[4 * n + 1]), *numbers(params, first + each * n))
+            total += law(t, _row(q, index[4 * n]), _row(q, index[4 * n + 1]), *numbers(params, first + each * n))
         return total
 
     return {"force": force, "tangent": tangent, "energy": energy}
