@@ -55,7 +55,7 @@ RISER = dict(length=400.0, span=300.0, height=136.0, mass=60.0, diameter=0.2, EA
 @pytest.mark.parametrize("compression", ["none", "linear"])
 @pytest.mark.parametrize("segments", [50, 80, 120])
 def test_a_riser_that_touches_down_is_a_catenary_on_the_bed(segments, compression, EI):
-    """Bending reaches sqrt(EI/H) = 2.4 m from the touchdown, 1 % of the span: within 2 % of H, as a segment of 3 to 8 m leaves it."""
+    """Bending reaches sqrt(EI/H) = 2.4 m from the touchdown, 1 % of the span; it and segments of 3 to 8 m leave 2 % of H."""
     state = equilibrium(lying(**RISER, EI=EI, segments=segments, compression=compression))
     H, T = bed_catenary(**RISER)
     tension = state.tension("a-f")
@@ -66,7 +66,7 @@ def test_a_riser_that_touches_down_is_a_catenary_on_the_bed(segments, compressio
 
 @pytest.mark.parametrize("seed", range(12))
 def test_random_cables_partly_on_the_bed(seed):
-    """The vertex of the catenary turns over a length a = H/w. From segments of a/2 up H is known to (L0/a)^2, and to 5 % at least."""
+    """The vertex of the catenary turns over a length a = H/w. With segments of up to a/2, H is known to (L0/a)^2 or 5 %."""
     rng = np.random.default_rng(seed)
     length, EA, diameter = rng.uniform(50, 500), 10 ** rng.uniform(6, 9), 10 ** rng.uniform(-1.7, -0.7)
     height = length * rng.uniform(0.1, 0.6)
@@ -85,7 +85,7 @@ def test_random_cables_partly_on_the_bed(seed):
 
 
 def test_a_rope_with_bending_from_the_bed_to_a_buoy():
-    """It touches the bed at its anchor only: what the anchor holds is the buoyancy of the buoy less the wet weight, in closed form."""
+    """It touches the bed at its anchor only: what the anchor holds is the lift of the buoy less the wet weight, in closed form."""
     d, mu, g, V = 0.008, 0.08, 9.80665, 0.05
     rope = Cable("anchor", "buoy", length=100.0, mass_per_length=mu, EA=7.6e6, EI=30.0, segments=100, diameter=d)
     points = [Fixed("anchor", (0, 0, -300)), Free("buoy", mass=20.0, volume=V, at=(0, 0, -199.97))]
@@ -122,7 +122,7 @@ def test_directions_down_are_the_negative_eigenvalues():
     net = fresh_net(model, force=False, newton=False)
     rng = np.random.default_rng(3)
     for _ in range(20):
-        q = rng.normal(scale=1.0, size=(model.n, 3)) + (-6.0, 0.0, BED + 0.5)
+        q = rng.normal((-6.0, 0.0, BED + 0.5), 1.0, (model.n, 3))
         _, tension = _forces(model, net, q)
         K = tangent(model, net, q, tension)
         values = np.linalg.eigvalsh(K.toarray())
@@ -141,7 +141,7 @@ def test_the_tangent_is_the_slope_of_the_forces():
     model = build(scene)
     net = fresh_net(model, force=False, newton=False)
     rng = np.random.default_rng(4)
-    q = rng.normal(scale=2.0, size=(model.n, 3)) + (-6.0, 0.0, BED + 0.5)
+    q = rng.normal((-6.0, 0.0, BED + 0.5), 2.0, (model.n, 3))
     K = tangent(model, net, q, _forces(model, net, q)[1])
     y = rng.normal(size=(model.n_free, 3))
     errors = []
@@ -159,7 +159,7 @@ def test_descent_ends_where_no_direction_leads_down():
     scene = lying(20.0, 12.0, 3.0, 2.0, 0.05, 1e4, 50.0, 12)
     model = build(scene)
     net = fresh_net(model, force=False, newton=False)
-    q = np.random.default_rng(5).normal(scale=2.0, size=(model.n, 3)) + (-6.0, 0.0, BED + 2.0)
+    q = np.random.default_rng(5).normal((-6.0, 0.0, BED + 2.0), 2.0, (model.n, 3))
     for point in scene.points:
         q[model.node(point.name)] = point.at
     tension, residual = descended(model, net, q, 100.0)
