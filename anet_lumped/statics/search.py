@@ -1,8 +1,8 @@
 """The search for a stable rest under loads that depend on the shape, from one start after another.
 
-Each start is relaxed. Cables that push or bend can come to rest in a fold, which balances and is not stable. So some starts are
-eased first: relaxed without pushing and bending, which on a flat ground is a convex problem. A rest that is found is judged. Where a
-direction leads down, the cables leave along it and descend.
+Each start is relaxed. Cables that push or bend can come to rest in a fold, which balances and is not stable. So some starts
+are eased first: relaxed without pushing and bending, which on a flat ground is a convex problem. A rest that is found is judged.
+Where a direction leads down, the cables leave along it and descend.
 """
 
 from collections.abc import Iterator

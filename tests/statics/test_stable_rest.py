@@ -197,7 +197,7 @@ def least_energy(q, aside):
         slope[1:-1] += (0, 0, m) - (1e5 * deep / r)[:, None] * c
         return 0.5 * k * taut @ taut + m * q[1:-1, 2].sum() + 0.5e5 * deep @ deep, slope[1:-1].ravel()
 
-    begin = q[1:-1] + (0.0, aside, 0.0)
+    begin = np.add(q[1:-1], (0.0, aside, 0.0))
     options = dict(maxiter=20000, maxfun=40000, ftol=1e-16, gtol=1e-8)
     return minimize(energy, begin.ravel(), jac=True, method="L-BFGS-B", options=options).x.reshape(-1, 3)
 
