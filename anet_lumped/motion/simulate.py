@@ -105,7 +105,8 @@ def simulate(
     if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
         able = ", ".join(schemes.names(takes_changing_rest_lengths=True))
         raise InputError(f"Lengths that change in time need a method of this package, {able}, but the method is {method}.")
-    choice = choose(lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end)), method, dt, adaptive)
+    lightest_scene = lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end))
+    choice = choose(lightest_scene, method, dt, adaptive, begin.least_tension)
     scheme = schemes.scheme(choice.method)
     _check_breaks(scene, scheme, extrapolate)
     if dt is None and not adaptive:
@@ -131,13 +132,16 @@ def simulate(
         every = run.t[1] - run.t[0] if len(run.t) > 2 else t_end
         run = extrapolated(run, whole(replace(choice, dt=0.5 * choice.dt), save_every=every))
     if audit and run.ok:
-        finer: dict[str, Any]
-        if adaptive:
-            finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), settings.tolerances, strict=True)}
-        else:
-            finer = {"dt": 0.5 * choice.dt}
-        finer["save_every"] = save_every if adaptive or len(run.t) < 3 else run.t[1] - run.t[0]
-        again = partial(simulate, scene, t_end, method=run.method, start=start, rho_inf=rho_inf, extrapolate=extrapolate, **finer)
+        every = save_every if adaptive or len(run.t) < 3 else run.t[1] - run.t[0]
+
+        def again(parts: int) -> Run:
+            finer: dict[str, Any] = {"dt": run.dt / parts}
+            if adaptive:
+                finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), settings.tolerances, strict=True)}
+            return simulate(
+                scene, t_end, method=run.method, start=start, rho_inf=rho_inf, extrapolate=extrapolate, save_every=every, **finer
+            )
+
         order = None if adaptive else scheme.extrapolated_order if extrapolate else scheme.order
         run = audited(run, again, order, None if audit is True else audit)
     if run.ok:
