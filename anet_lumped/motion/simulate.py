@@ -12,12 +12,12 @@ import numpy as np
 from anet_lumped.checks import InputError, nearest
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
-from anet_lumped.model.model import Model
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
-from anet_lumped.results.run import Run, RunInterrupt, State
-from anet_lumped.scene.scene import Driven, Fixed, Scene, SceneError
+from anet_lumped.results.run import Run, RunInterrupt
+from anet_lumped.scene.scene import Scene
 from anet_lumped.statics.equilibrium import equilibrium
+from anet_lumped.statics.starts import Start, start_state, straight
 from integrators import schemes
 from integrators.schemes.record import Origin, Scheme
 
@@ -45,7 +45,7 @@ class RunError(RuntimeError):
 
 
 def simulate(
-    scene: Scene, t_end: float, *, method: str | None = None, dt: float | None = None, start: str | State = "equilibrium",
+    scene: Scene, t_end: float, *, method: str | None = None, dt: float | None = None, start: Start = "equilibrium",
     save_every: float | None = None, rtol: float | None = None, atol: float | None = None, rho_inf: float | None = None,
     extrapolate: bool = False, error: float | None = None, tension_error: float | None = None, audit: bool | float = False,
     check: bool = False,
@@ -61,8 +61,9 @@ def simulate(
     dt : float or None [s]
         Step; None picks it. With rtol or atol, the first step of an adaptive march; `dop853` without dt is adaptive at
         rtol=1e-6, as the solvers of other packages are.
-    start : "equilibrium", "straight" or State
-        "straight" has the nodes evenly spaced between the places of the points, at rest.
+    start : "equilibrium", "straight", State or dict
+        "straight" has the nodes evenly spaced between the places of the points, at rest; a dict holds the places of each cable's
+        nodes by the cable's name, (segments + 1, 3) [m], at rest.
     save_every : float or None [s]
         Time between saved states, a multiple of dt for a fixed step; None saves about 400 states, or every step if fewer.
     rtol, atol : float or None
@@ -98,7 +99,7 @@ def simulate(
     _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit, error, tension_error)
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
-    begin = _start(build(scene), start)
+    begin = equilibrium(scene) if isinstance(start, str) and start == "equilibrium" else start_state(build(scene), start)
     scheme = None if method is None else schemes.scheme(method)
     adaptive = rtol is not None or atol is not None or (scheme is not None and scheme.chooses_steps(dt))
     if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
@@ -174,53 +175,6 @@ def _march_of(scheme: Scheme) -> Callable[..., Any]:
                 'pip install "anet-lumped[diffrax]" brings them.'
             ) from missing
     return march
-
-
-def _start(model: Model, start: str | State) -> State:
-    """State to start from, with arrays of its own."""
-    if isinstance(start, State):
-        return _adopt(model, start)
-    still = np.zeros((model.n, 3))
-    if start == "equilibrium":
-        return equilibrium(model.scene)
-    if start == "straight":
-        return State(model, 0.0, straight(model), still, np.zeros(model.n_segments))
-    raise InputError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {start!r}.')
-
-
-def straight(model: Model) -> np.ndarray:
-    """(n, 3) places with every cable's nodes evenly spaced between its points' places [m]."""
-    at = {}
-    for point in model.scene.points:
-        at[point.name] = point.path.at(0.0)[0] if isinstance(point, Driven) else point.at
-        if at[point.name] is None:
-            raise SceneError(f'start="straight" needs the place of every point, but free point "{point.name}" has no `at`.')
-    q = np.empty((model.n, 3))
-    for cable in model.scene.cables:
-        a, b = np.asarray(at[cable.start], float), np.asarray(at[cable.end], float)
-        q[model.nodes(cable.name)] = a + np.linspace(0.0, 1.0, cable.segments + 1)[:, None] * (b - a)
-    for point in model.scene.points:
-        q[model.node(point.name)] = at[point.name]
-    return q
-
-
-def _adopt(model: Model, state: State) -> State:
-    """A State of the same or of a like scene as one of this model, matched by names."""
-    q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
-    for cable in model.scene.cables:
-        other = {c.name: c.segments for c in state.scene.cables}.get(cable.name)
-        if other != cable.segments:
-            raise InputError(
-                f'A State to start from must have the scene\'s cables, but of cable "{cable.name}" with {cable.segments} '
-                f"segments it has {'none' if other is None else other}."
-            )
-        mine, theirs = model.nodes(cable.name), state.model.nodes(cable.name)
-        q[mine], v[mine] = state.q[theirs], state.v[theirs]
-        tension[model.segments(cable.name)] = state.tension(cable.name)
-    for point in model.scene.points:
-        if isinstance(point, Fixed):
-            q[model.node(point.name)], v[model.node(point.name)] = point.at, 0.0
-    return State(model, float(state.t), q, v, tension, events=state.events)
 
 
 def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:

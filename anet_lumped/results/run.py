@@ -71,6 +71,8 @@ class State:
     residual : float or None
         Largest out-of-balance force over the weight carried, of an equilibrium.
     events : tuple of Event, what has happened up to then
+    stable : bool or None
+        Of an equilibrium, whether no direction leads down from it; None where it was not judged, as in a run.
     """
 
     model: Model
@@ -80,6 +82,7 @@ class State:
     segment_tension: np.ndarray
     residual: float | None = None
     events: tuple[Event, ...] = ()
+    stable: bool | None = None
 
     @property
     def scene(self) -> Scene:

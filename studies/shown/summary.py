@@ -13,10 +13,11 @@ SOFT = 0.01  # static stretch worth a warning: cords under their working load st
 
 
 def rest_summary(state) -> dict:
-    """Cables and free points of a state at rest, and how well its forces balance."""
+    """Cables and free points of a state at rest, how well its forces balance, and whether it is stable."""
     return {
         "cables": [{"cable": cable.name} | _at_rest(state, cable) for cable in state.scene.cables],
         "points": _points(state),
+        "stable": state.stable,
         "residual": state.residual,
     }
 

@@ -455,9 +455,9 @@ def test_a_state_that_is_not_finite():
     scene = loose_cable()
     q = equilibrium(scene).q.copy()
     q[3, 1] = math.nan
-    for method, status in (("verlet", "diverged"), ("edmc", "unconverged")):
-        run = simulate(scene, 0.01, method=method, dt=1e-4, start=state(scene, q))
-        assert run.status == status and not run.ok and run.message
+    for method in ("verlet", "edmc"):
+        with pytest.raises(ValueError, match=r"A start must be finite, but the position of node 4 of 20 of cable .* is \(0, nan"):
+            simulate(scene, 0.01, method=method, dt=1e-4, start=state(scene, q))
 
 
 LOOSE = loose_cable()
