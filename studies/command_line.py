@@ -4,8 +4,10 @@ Exit status 0: done; 1: a run failed; 2: bad input; 130: stopped by Ctrl-C. What
 that `--help` answers at once.
 """
 
+import logging
 import sys
 import tempfile
+import time
 import warnings
 from pathlib import Path
 from typing import Annotated
@@ -18,6 +20,7 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=N
 
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
+QUIET = 3.0  # seconds, after which a command says what it is doing
 FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "recommend": 30, "effects": 40, "study": 60, "report": 70}
 """Seconds of compiling on one core of 3 GHz where nothing is compiled yet, by what is asked for."""
 Scene = Annotated[
@@ -56,6 +59,7 @@ Full = Annotated[
 def main(arguments: list[str] | None = None) -> None:
     """Run the program; whatever the user can put right is one sentence on stderr."""
     warnings.showwarning = lambda message, *where: _tell(f"warning: {message}")
+    _tell_what_takes_long()
     try:
         app(arguments, prog_name="anet-lumped")
     except (ValueError, RuntimeError, OSError) as error:
@@ -95,6 +99,8 @@ def simulate(
     start: Start = None,
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
+    error: Annotated[float | None, typer.Option(help="Error of places to keep, as in 1mm; chosen if not given.", **LENGTH)] = None,
+    tension_error: Annotated[float | None, typer.Option(help="Error of the largest tension to keep, over it; 0.02 is 2 %.")] = None,
     audit: Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")] = False,
     out: Out = None,
     as_json: Json = False,
@@ -110,7 +116,8 @@ def simulate(
     try:
         run = simulate(
             _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start=start or "equilibrium",
-            save_every=save_every, extrapolate=extrapolate, audit=audit,
+            save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
+            error=error,
         )  # fmt: skip
     except RunInterrupt as stopped:
         run = stopped.run
@@ -370,6 +377,20 @@ def _announce_compiling(what):
 
     line = f"Compiling what this machine has not compiled yet takes up to about {FIRST_COMPILING[what]} s; later runs do without."
     NOTICE.watch(line, _tell)
+
+
+def _tell_what_takes_long():
+    """What the library logs goes to stderr, once a command has taken `QUIET` seconds."""
+    began = time.monotonic()
+
+    class Late(logging.Handler):
+        def emit(self, record):
+            if time.monotonic() - began > QUIET:
+                _tell(f"... {record.getMessage()}")
+
+    log = logging.getLogger("anet_lumped")
+    log.handlers = [Late()]
+    log.setLevel(logging.INFO)
 
 
 def _give(result, as_json=False, out=None, stem="", save=lambda: None):

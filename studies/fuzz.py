@@ -1,6 +1,8 @@
-"""Random trials: run as `python -m studies.fuzz`, see `studies.catalogue.random_trials`."""
+"""Random trials: run as `python -m studies.fuzz`, see `catalogue.random_trials`, or with `rests`, see `catalogue.rest_trials`."""
 
-from studies.catalogue.random_trials import main
+import sys
+
+from studies.catalogue import random_trials, rest_trials
 
 if __name__ == "__main__":
-    main()
+    (rest_trials if sys.argv[1:] == ["rests"] else random_trials).main()

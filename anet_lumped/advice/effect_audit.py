@@ -13,17 +13,18 @@ from typing import Any
 import numpy as np
 
 from anet_lumped.checks import InputError, shown
-from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE, time_scale
+from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE
 from anet_lumped.motion.simulate import simulate
-from anet_lumped.motion.times import stops
 from anet_lumped.results.run import Run, State
 from anet_lumped.scene.scene import Free, Scene, SceneError, check_scene
 from anet_lumped.statics.equilibrium import EquilibriumError
 
 from .audited_effects import Audited, Scales, audited_in, scales
+from .recommend import scale_of_motion, two_swings
 
 SAVES = 40  # times at which runs are compared
 KNOWN_TO = 0.1  # of the error, the run at the step that is used
+DECIDES = 3.0  # times what the motion is known to: changes of a chaotic motion differ by chance
 HALVINGS = 6  # of the step, at most
 REPEATS = 9  # of a timing, whose shortest counts
 NEEDED, NEGLIGIBLE, STIFF, UNDECIDED, UNKNOWN = (
@@ -130,11 +131,11 @@ def audit_effects(
         raise SceneError(f'The place of a free point can be asked for, but "{at}" is held.')
     if tension is not None:
         scene.cable(tension)
-    swing = 2.0 * math.pi * time_scale(scene)
-    t_end = t_end or float(max(stops(scene).max(initial=0.0), 0.0) + 2.0 * swing)
-    runs = _Runs(error, at, tension, t_end, start, SHARE_OF_TIME_SCALE * time_scale(scene))
+    scale = scale_of_motion(scene, start)
+    t_end = t_end or two_swings(scene, scale)
+    runs = _Runs(error, at, tension, t_end, start, SHARE_OF_TIME_SCALE * scale)
     reference, known_to = runs.reference(scene)
-    sizes = scales(reference, swing)
+    sizes = scales(reference, 2.0 * math.pi * scale)
     found = [
         _verdict(name, audited, scene, reference, runs, sizes, known_to, water_level) for name, audited in audited_in(scene).items()
     ]
@@ -223,7 +224,7 @@ def _verdict(
 def _judged(change: float, known_to: float, error: float, stiffness: float, unit: str) -> tuple[str, str]:
     """The verdict on a change, and a sentence."""
     changes = f"changes {change:.3g} {unit} where {error:g} {unit} matter"
-    if known_to > KNOWN_TO * error and change - known_to <= error:
+    if known_to > KNOWN_TO * error and change <= DECIDES * known_to + error:
         return UNDECIDED, f"The motion itself is known to {known_to:.3g} {unit} only; it {changes}."
     if change > error:
         return NEEDED, f"It {changes}."

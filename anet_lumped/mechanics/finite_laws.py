@@ -19,20 +19,19 @@ def name_law_that_is_not_finite(model, states):
     str
         With a blank behind it; empty if there is none.
     """
-    of, size = model.effects, None
+    size = None
     for t, q, v in states:
         size = size or np.abs(q).max() + sum(cable.length for cable in model.scene.cables)
         if not (np.abs(q).max() <= FAR * size and np.abs(v).max() <= FAST):
             continue
         for e, effect in enumerate(model.forces):
-            kernels, index = effect.kernels(), of.index[of.index_at[e] : of.index_at[e + 1]]
-            params, f = of.params[of.params_at[e] : of.params_at[e + 1]], np.zeros_like(q)
-            kernels["force"](t, q, v, index, params, f)
+            kernels, numbers, f = effect.kernels(), model.effects.numbers(e), np.zeros_like(q)
+            kernels["force"](t, q, v, *numbers, f)
             wrong = np.flatnonzero(~np.isfinite(f[: model.n_free]).all(axis=1))
             if len(wrong):
                 row = ", ".join(f"{x:.3g}" for x in f[wrong[0]])
                 return f"The force of effect {type(effect).__name__} is ({row}) N at t={t:.4g} s at {model.where(wrong[0])}. "
-            energy = kernels["energy"](t, q, index, params)
+            energy = kernels["energy"](t, q, *numbers)
             if not np.isfinite(energy):
                 return f"The energy of effect {type(effect).__name__} is {energy:.3g} J at t={t:.4g} s. "
     return ""

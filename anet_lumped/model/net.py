@@ -29,6 +29,13 @@ class Effects(NamedTuple):
     params_at: np.ndarray
     linear_in_node_state: int  # 1 if the force of each is linear in the position and velocity of the node that it acts on
 
+    def numbers(self, e):
+        """Index and parameters of the e-th effect."""
+        return (
+            self.index[self.index_at[e] : self.index_at[e + 1]],
+            self.params[self.params_at[e] : self.params_at[e + 1]],
+        )
+
 
 class Lengths(NamedTuple):
     """Rest lengths that change in time, see `rest_length`; all empty for a scene that has none.

@@ -140,6 +140,15 @@ def of_a_run(lengths):
     return lengths._replace(**fresh)
 
 
+def at_time(scene, t):
+    """Lengths [m] at a time t [s] of the cables whose length changes, by name."""
+    lengths = {}
+    for name, (paid, strain) in changes(scene).items():
+        paid_out, strained = (_path(terms).at(t)[0][0] for terms in (paid, strain))
+        lengths[name] = (scene.cable(name).length + paid_out) * (1.0 + strained)
+    return lengths
+
+
 def at_shortest(scene, t0, t_end):
     """The scene with every cable as short as it will be in a run, which is what bounds its steps.
 

@@ -12,14 +12,17 @@ import numpy as np
 
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
+from anet_lumped.model.reach import first_shortfall
 from anet_lumped.model.remainder import Remainder, remainder
 from anet_lumped.model.tables import CABLE_SEGMENTS
 from anet_lumped.results.energy_balance import BY_EFFECTS, POTENTIAL, WORK
 from anet_lumped.results.events import BREAK, PAYLOAD, Event, broken
 from anet_lumped.results.run import STATUS, RunInterrupt, Work
-from integrators.system import BALANCE, DONE, ENERGIES, EVENT, SAME_TIME
+from integrators.system import BALANCE, DONE, ENERGIES, EVENT, SAME_TIME, UNCONVERGED
 
 from .times import Leg
+
+NEARLY_TAUT = 10.0  # steps before cables would not reach any more, within which that is why no step converges
 
 
 class Start(NamedTuple):
@@ -73,7 +76,8 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
         if due and due[0] == made.t:
             made.change_payloads(due.pop(0))
         end, own = due[0] if due else t_end, made.left
-        leg = made.leg._replace(begin=made.t, end=end)
+        short = first_shortfall(own.model.scene, made.t, end)
+        leg = made.leg._replace(begin=made.t, end=end if short is None else short.t)
         begin = Start(made.q[own.node], made.v[own.node], made.tension[own.segment])
         try:
             run = march(own.model, choice, leg, begin, settings)
@@ -81,6 +85,8 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
             made.add(stopped.run)
             raise RunInterrupt(made.joined()) from None
         made.add(run)
+        if short is not None and (run.ok or (run.status == STATUS[UNCONVERGED] and short.t - made.t <= NEARLY_TAUT * run.dt)):
+            return replace(made.joined(), status=STATUS[UNCONVERGED], message=f"The run stopped at t={made.t:.4g} s. {short.words}")
         if run.status == STATUS[EVENT]:
             made.break_segments(made.overloaded(at_least=1))
         elif not run.ok:

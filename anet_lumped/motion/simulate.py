@@ -12,14 +12,15 @@ import numpy as np
 from anet_lumped.checks import InputError, nearest, shown
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
-from anet_lumped.model.model import Model
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
 from anet_lumped.results.run import STATUS, Run, RunInterrupt, State
-from anet_lumped.scene.scene import Driven, Fixed, Scene, SceneError, check_scene
+from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.equilibrium import equilibrium
+from anet_lumped.statics.starts import Start, start_state, straight
 from integrators import schemes
 from integrators.schemes.record import Origin, Scheme
+from integrators.states import LARGEST_SIZE
 from integrators.system import DIVERGED, UNCONVERGED
 
 from .accuracy import TENSION_ERROR, Wanted, keep_error
@@ -48,7 +49,7 @@ class RunError(RuntimeError):
 
 
 def simulate(
-    scene: Scene, t_end: float, *, method: str | None = None, dt: float | None = None, start: str | State = "equilibrium",
+    scene: Scene, t_end: float, *, method: str | None = None, dt: float | None = None, start: Start = "equilibrium",
     save_every: float | None = None, rtol: float | None = None, atol: float | None = None, rho_inf: float | None = None,
     extrapolate: bool = False, error: float | None = None, tension_error: float | None = None, audit: bool | float = False,
     check: bool = False,
@@ -64,8 +65,9 @@ def simulate(
     dt : float or None [s]
         Step; None picks it. With rtol or atol, the first step of an adaptive march; `dop853` without dt is adaptive at
         rtol=1e-6, as the solvers of other packages are.
-    start : "equilibrium", "straight" or State
-        "straight" has the nodes evenly spaced between the places of the points, at rest.
+    start : "equilibrium", "straight", State or dict
+        "straight" has the nodes evenly spaced between the places of the points, at rest; a dict holds the places of each cable's
+        nodes by the cable's name, (segments + 1, 3) [m], at rest.
     save_every : float or None [s]
         Time between saved states, a multiple of dt for a fixed step; None saves about 400 states, or every step if fewer.
     rtol, atol : float or None
@@ -102,13 +104,19 @@ def simulate(
     _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit, error, tension_error)
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
-    begin = _start(build(scene), start)
+    begin = equilibrium(scene) if isinstance(start, str) and start == "equilibrium" else start_state(build(scene), start)
+    if np.abs(begin.q).max() > LARGEST_SIZE:
+        raise InputError(
+            f"A run must stay within {LARGEST_SIZE:g} m of the origin, beyond which a motion counts as diverged, but it starts "
+            f"with a place {np.abs(begin.q).max():.3g} m away."
+        )
     scheme = None if method is None else schemes.scheme(method)
     adaptive = rtol is not None or atol is not None or (scheme is not None and scheme.chooses_steps(dt))
     if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
         able = ", ".join(schemes.names(takes_changing_rest_lengths=True))
         raise InputError(f"Lengths that change in time need a method of this package, {able}, but the method is {method}.")
-    choice = choose(lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end)), method, dt, adaptive)
+    lightest_scene = lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end))
+    choice = choose(lightest_scene, method, dt, adaptive, begin.least_tension)
     scheme = schemes.scheme(choice.method)
     _check_breaks(scene, scheme, extrapolate)
     if dt is None and not adaptive:
@@ -138,13 +146,16 @@ def simulate(
         every = run.t[1] - run.t[0] if len(run.t) > 2 else t_end
         run = extrapolated(run, whole(replace(choice, dt=0.5 * choice.dt), save_every=every))
     if audit and run.ok:
-        finer: dict[str, Any]
-        if adaptive:
-            finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), settings.tolerances, strict=True)}
-        else:
-            finer = {"dt": 0.5 * choice.dt}
-        finer["save_every"] = save_every if adaptive or len(run.t) < 3 else run.t[1] - run.t[0]
-        again = partial(simulate, scene, t_end, method=run.method, start=start, rho_inf=rho_inf, extrapolate=extrapolate, **finer)
+        every = save_every if adaptive or len(run.t) < 3 else run.t[1] - run.t[0]
+
+        def again(parts: int) -> Run:
+            finer: dict[str, Any] = {"dt": run.dt / parts}
+            if adaptive:
+                finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), settings.tolerances, strict=True)}
+            return simulate(
+                scene, t_end, method=run.method, start=start, rho_inf=rho_inf, extrapolate=extrapolate, save_every=every, **finer
+            )
+
         order = None if adaptive else scheme.extrapolated_order if extrapolate else scheme.order
         run = audited(run, again, order, None if audit is True else audit)
     if run.ok:
@@ -182,35 +193,6 @@ def _march_of(scheme: Scheme) -> Callable[..., Any]:
     return march
 
 
-def _start(model: Model, start: str | State) -> State:
-    """State to start from, with arrays of its own."""
-    if isinstance(start, State):
-        return _adopt(model, start)
-    still = np.zeros((model.n, 3))
-    if isinstance(start, str) and start == "equilibrium":
-        return equilibrium(model.scene)
-    if isinstance(start, str) and start == "straight":
-        return State(model, 0.0, straight(model), still, np.zeros(model.n_segments))
-    hint = "; a Run has States, run.final and run.state(k)." if isinstance(start, Run) else "."
-    raise InputError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {shown(start)}{hint}')
-
-
-def straight(model: Model) -> np.ndarray:
-    """(n, 3) places with every cable's nodes evenly spaced between its points' places [m]."""
-    at = {}
-    for point in model.scene.points:
-        at[point.name] = point.path.at(0.0)[0] if isinstance(point, Driven) else point.at
-        if at[point.name] is None:
-            raise SceneError(f'start="straight" needs the place of every point, but free point "{point.name}" has no `at`.')
-    q = np.empty((model.n, 3))
-    for cable in model.scene.cables:
-        a, b = np.asarray(at[cable.start], float), np.asarray(at[cable.end], float)
-        q[model.nodes(cable.name)] = a + np.linspace(0.0, 1.0, cable.segments + 1)[:, None] * (b - a)
-    for point in model.scene.points:
-        q[model.node(point.name)] = at[point.name]
-    return q
-
-
 def overstretched(begin: State) -> list[str]:
     """Warning in a list if the places of points stretch cables by more than a start that is meant would."""
     worst = max(begin.scene.cables, key=lambda cable: begin.length(cable.name) / cable.length)
@@ -221,25 +203,6 @@ def overstretched(begin: State) -> list[str]:
         f'start="straight" stretches cable "{worst.name}" of {worst.length:g} m by {strain:.0%}: its ends are '
         f"{begin.length(worst.name):.4g} m apart, and the run begins with the energy of that."
     ]
-
-
-def _adopt(model: Model, state: State) -> State:
-    """A State of the same or of a like scene as one of this model, matched by names."""
-    q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
-    for cable in model.scene.cables:
-        other = {c.name: c.segments for c in state.scene.cables}.get(cable.name)
-        if other != cable.segments:
-            raise InputError(
-                f'A State to start from must have the scene\'s cables, but of cable "{cable.name}" with {cable.segments} '
-                f"segments it has {'none' if other is None else other}."
-            )
-        mine, theirs = model.nodes(cable.name), state.model.nodes(cable.name)
-        q[mine], v[mine] = state.q[theirs], state.v[theirs]
-        tension[model.segments(cable.name)] = state.tension(cable.name)
-    for point in model.scene.points:
-        if isinstance(point, Fixed):
-            q[model.node(point.name)], v[model.node(point.name)] = point.at, 0.0
-    return State(model, float(state.t), q, v, tension, events=state.events)
 
 
 def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:

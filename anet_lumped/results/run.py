@@ -71,6 +71,8 @@ class State:
     residual : float or None
         Largest out-of-balance force over the weight carried, of an equilibrium.
     events : tuple of Event, what has happened up to then
+    stable : bool or None
+        Of an equilibrium, whether no direction leads down from it; None where it was not judged, as in a run.
     """
 
     model: Model
@@ -80,6 +82,7 @@ class State:
     segment_tension: np.ndarray
     residual: float | None = None
     events: tuple[Event, ...] = ()
+    stable: bool | None = None
 
     def __repr__(self) -> str:
         return f"<State at t={self.t:g} s of {len(self.q)} nodes>"
@@ -104,6 +107,11 @@ class State:
     def tension(self, cable: str) -> np.ndarray:
         """(segments,) tension of a cable's segments from its start to its end [N]."""
         return self.segment_tension[self.model.segments(cable)]
+
+    @property
+    def least_tension(self) -> float:
+        """Mean tension of the cable whose mean tension is the least [N]."""
+        return min(float(self.tension(cable.name).mean()) for cable in self.scene.cables)
 
     def length(self, cable: str) -> float:
         """Stretched length of a cable [m], without segments that broke."""
@@ -153,6 +161,9 @@ class Run:
         What happened, in order: payloads that changed, segments that broke; with what its start had behind it. Rows saved at the
         very time show the state before it.
     extrapolated : bool, whether it is the limit of two runs, with a step and with its half
+    kept : bool or None
+        Whether the errors that were to be kept are, as far as its own estimates tell (see `motion.accuracy`); None if the step was
+        given.
     """
 
     model: Model
@@ -173,6 +184,7 @@ class Run:
     audit: Audit | None = None
     events: tuple[Event, ...] = ()
     extrapolated: bool = False
+    kept: bool | None = None
 
     def __repr__(self) -> str:
         states = f"{len(self.t)} states of {self.q.shape[1]} nodes from t={self.t[0]:g} s to {self.t[-1]:g} s"

@@ -22,7 +22,8 @@ from integrators.jit import internal
 from integrators.states import copy
 
 SWING = 0.5 * np.pi  # largest of |cos| over its mean: the sum of what a swing leaves out is so much less than its error of phase
-UNSEEN = 5  # steps of an explicit march after p in a row of which nothing is added, since its steps cost little
+# Steps after p in a row that are taken to be like these, so that what is added costs some per cent of a step.
+UNSEEN_EXPLICIT, UNSEEN_IMPLICIT = 13, 2
 
 
 class StepError(NamedTuple):
@@ -31,7 +32,7 @@ class StepError(NamedTuple):
     Parameters
     ----------
     explicit : bool
-        Steps do not fail, and there are so many that `UNSEEN` of them are taken to be like those before.
+        Steps do not fail, and cost little.
     order : int
         p, of the error that grows.
     constant : float
@@ -99,14 +100,11 @@ def follow(growth, step_error, steps, weight, h, v, n_free):
         difference[i] += weight * V[i]
     if steps < p:
         return steps, weight
-    seen = p + UNSEEN + 1 if step_error.explicit else p
-    left_out = SWING * step_error.constant * h * seen
+    unseen = UNSEEN_EXPLICIT if step_error.explicit else UNSEEN_IMPLICIT
+    left_out = SWING * step_error.constant * h * (p + unseen + 1)
     for i in range(size):
         error[i] += left_out * abs(difference[i])
-    if step_error.explicit:
-        return -(UNSEEN + 1), 1.0
-    copy(V[:size], difference)
-    return np.int64(0), 1.0
+    return -(unseen + 1), 1.0
 
 
 @internal

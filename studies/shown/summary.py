@@ -13,10 +13,11 @@ SOFT = 0.01  # static stretch worth a warning: cords under their working load st
 
 
 def rest_summary(state) -> dict:
-    """Cables and free points of a state at rest, and how well its forces balance."""
+    """Cables and free points of a state at rest, how well its forces balance, and whether it is stable."""
     return {
         "cables": [{"cable": cable.name} | _at_rest(state, cable) for cable in state.scene.cables],
         "points": _points(state),
+        "stable": state.stable,
         "residual": state.residual,
     }
 
@@ -31,7 +32,8 @@ def run_summary(run) -> dict:
         "reason": run.reason,
         "reached": run.t[-1],
         "wall_time": run.wall_time,
-        "error_estimate": run.error_estimate,
+        "error_estimate_m": run.error_estimate,
+        "tension_error_percent": 100.0 * run.tension_error,
     }
     return {name: value for name, value in result.items() if value is not None and value != ""} | {
         "work": [asdict(run.work)],
@@ -62,7 +64,7 @@ def _event(event) -> dict:
 def _audit(audit) -> dict:
     return {
         "error_m": audit.error, "where": audit.where, "t_s": audit.t, "allowed_m": audit.allowed, "imbalance": audit.imbalance,
-        "wall_time": audit.wall_time, "passed": audit.passed,
+        "tension_error_percent": 100.0 * audit.tension_error, "wall_time": audit.wall_time, "passed": audit.passed,
     }  # fmt: skip
 
 
@@ -168,8 +170,8 @@ def prediction_summary(scene, dt: float | None = None) -> dict:
     unstable = [row["method"] for row in methods if row.get("stable") == "no"]
     if unstable:
         warnings.append(
-            f"A step of {dt:g} s is beyond the largest stable step of {', '.join(unstable)}; take a smaller step or an implicit method "
-            'such as "edmc".'
+            f"A step of {dt:g} s is beyond the largest stable step of {', '.join(unstable)}; "
+            'take a smaller step or an implicit method such as "edmc".'
         )
     floor = "smallest stretch at rest, of a cable with another EA, at which the step is stable"
     explained = {"stretch_floor_is": floor} if dt is not None and strains else {}

@@ -153,6 +153,7 @@ MEASURES = {
     "sag": Measure(_sag, Source.REST, Target.CABLE, "m", "largest distance below the chord, along gravity, at rest"),
     "tension": Measure(_tension, Source.REST, Target.CABLE_OR_POINT, "N", "largest tension at rest, in a cable or at a point"),
     "slack": Measure(_slack, Source.REST, Target.CABLE, "-", "number of slack segments at rest"),
+    "stable": Measure(attrgetter("stable"), Source.REST, Target.NONE, "", "whether no direction leads down from the rest"),
     "shape_error": Measure(_shape_error, Source.REST, Target.CABLE, "m", "RMS distance from the elastic catenary at rest"),
     "x": Measure(_x, Source.REST, Target.POINT, "m", "x of a point at rest"),
     "y": Measure(_y, Source.REST, Target.POINT, "m", "y of a point at rest"),

@@ -12,7 +12,7 @@ from studies.sweeping.measures import Measure, Source, read_measure
 from studies.sweeping.rows import run_rows
 from studies.sweeping.vary import SETTINGS, VaryError, apply, grid, read_values
 
-AT_REST = ("stretch", "sag", "tension")
+AT_REST = ("stretch", "sag", "tension", "stable")
 OF_RUN = ("end_stretch", "peak_tension", "energy_rise", "steps", "wall_time")
 
 

@@ -21,6 +21,7 @@ from anet_lumped import (
     Driven,
     Fixed,
     Free,
+    InputError,
     RunError,
     RunInterrupt,
     Scene,
@@ -456,9 +457,9 @@ def test_a_state_that_is_not_finite():
     scene = loose_cable()
     q = equilibrium(scene).q.copy()
     q[3, 1] = math.nan
-    for method, status in (("verlet", "diverged"), ("edmc", "unconverged")):
-        run = simulate(scene, 0.01, method=method, dt=1e-4, start=state(scene, q))
-        assert run.status == status and not run.ok and run.message
+    for method in ("verlet", "edmc"):
+        with pytest.raises(ValueError, match=r"A start must be finite, but the position of node 4 of 20 of cable .* is \(0, nan"):
+            simulate(scene, 0.01, method=method, dt=1e-4, start=state(scene, q))
 
 
 LOOSE = loose_cable()
@@ -507,6 +508,14 @@ def test_a_straight_start_that_stretches_its_cable_says_so():
         warnings.simplefilter("error")
         assert simulate(LOOSE, 0.01, start="straight").warnings == ()
         simulate(far, 0.01, start=run.state(0))  # a state is meant as it is
+
+
+def test_a_scene_beyond_what_counts_as_diverged_is_refused():
+    """Its rest sags by 1.3e7 m, because its weight stretches it to 25 times its length."""
+    points = [Fixed("a", (0, 0, 0)), Fixed("b", (8e5, 0, 0))]
+    long = Scene(points, [Cable("a", "b", length=1e6, mass_per_length=0.1, EA=1e4, segments=20)], [Gravity(9.81)])
+    with pytest.raises(InputError, match=r"within 1e\+06 m of the origin, .* but it starts with a place \d.\d*e\+07 m away"):
+        simulate(long, 1.0)
 
 
 def test_straight_needs_places():

@@ -1,0 +1,121 @@
+"""Whether cables that do not stretch reach from where they are held to where they are held.
+
+Between two held points the cables of a net that do not stretch leave no more room than the shortest way along them.
+"""
+
+import heapq
+from typing import NamedTuple
+
+import numpy as np
+
+from anet_lumped.model import rest_lengths
+from anet_lumped.scene.scene import Driven, Free
+
+ROUNDED = 1e-9  # of a length, what rounding may leave too short
+LOOKS = 200  # at where points are driven, over a run
+BISECTIONS = 50
+
+
+class Shortfall(NamedTuple):
+    """Cables that do not reach.
+
+    Parameters
+    ----------
+    cables : tuple of str, the way along them
+    length : float [m], of the way
+    distance : float [m], between its ends
+    ends : tuple of two str, the points there
+    t : float [s]
+    """
+
+    cables: tuple
+    length: float
+    distance: float
+    ends: tuple
+    t: float
+
+    @property
+    def words(self):
+        """A sentence with both numbers."""
+        names = ", ".join(f'"{name}"' for name in self.cables)
+        one = len(self.cables) == 1
+        return (
+            f"{'A cable' if one else 'Cables'} with EA=inf must be longer than the distance between {'its' if one else 'their'} "
+            f"ends, but cable{'' if one else 's'} {names} {'is' if one else 'are'} {self.length:.9g} m long, and points "
+            f'"{self.ends[0]}" and "{self.ends[1]}" are {self.distance:.9g} m apart at t={self.t:.4g} s; give EA to let it stretch.'
+        )
+
+
+def shortfall(scene, t, free=None):
+    """The cables of a scene that do not reach at a time, or None.
+
+    Parameters
+    ----------
+    scene : Scene
+    t : float [s]
+    free : dict of str and (3,) [m], or None
+        Where free points are, if they count as held.
+
+    Returns
+    -------
+    Shortfall or None
+    """
+    rigid = [cable for cable in scene.cables if cable.inextensible]
+    if not rigid:
+        return None
+    lengths, at = rest_lengths.at_time(scene, t), {}
+    for point in scene.points:
+        if isinstance(point, Free):
+            if free is not None:
+                at[point.name] = free[point.name]
+        else:
+            at[point.name] = np.asarray(point.path.at(t)[0] if isinstance(point, Driven) else point.at, float)
+    ways = {}
+    for cable in rigid:
+        for here, there in ((cable.start, cable.end), (cable.end, cable.start)):
+            ways.setdefault(here, []).append((there, cable.name, lengths.get(cable.name, cable.length), cable.segments))
+    for begin in at:
+        for end, (length, segments, names) in _shortest_ways(ways, begin, at).items():
+            distance = float(np.linalg.norm(at[end] - at[begin]))
+            least = 1.0 + ROUNDED if segments == 1 or free is not None else 1.0 - 1e-12
+            if distance > length * least:
+                return Shortfall(names, length, distance, (begin, end), t)
+    return None
+
+
+def _shortest_ways(ways, begin, held):
+    """Length, segments and cables of the shortest way from a held point to each other one, through free points alone."""
+    found, queue = {}, [(0.0, begin, 0, ())]
+    while queue:
+        length, here, segments, names = heapq.heappop(queue)
+        if here in found:
+            continue
+        found[here] = length, segments, names
+        if here == begin or here not in held:
+            for there, name, more, count in ways.get(here, ()):
+                if there not in found:
+                    heapq.heappush(queue, (length + more, there, segments + count, (*names, name)))
+    return {name: way for name, way in found.items() if name in held and name != begin}
+
+
+def first_shortfall(scene, t0, t_end):
+    """The first time in a run at which cables do not reach any more, or None.
+
+    Returns
+    -------
+    Shortfall or None
+    """
+    moves = any(isinstance(point, Driven) for point in scene.points) or bool(rest_lengths.changes(scene))
+    if not moves or not any(cable.inextensible for cable in scene.cables):
+        return None
+    before = t0
+    for t in np.linspace(t0, t_end, LOOKS)[1:]:
+        found = shortfall(scene, float(t))
+        if found is not None:
+            for _ in range(BISECTIONS):
+                middle = 0.5 * (before + found.t)
+                earlier = shortfall(scene, middle)
+                before, found = (middle, found) if earlier is None else (before, earlier)
+            return found
+        before = float(t)
+    return None

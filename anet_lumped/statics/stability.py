@@ -1,0 +1,239 @@
+"""Whether a rest is stable: how many directions lead down from it, and one of them.
+
+With the tensions T along the unit vectors n of segments of length l and slope k, the tangent of the forces is
+
+    K = B^T [k n n^T + (T/l)(I - n n^T)] B - df/dq ,
+
+with a negative T where a segment is shortened, and df/dq of the effects' forces: the Hessian of the potential energy where they
+have one. By Sylvester's law of inertia K has as many negative eigenvalues as K = L D L^T has negative pivots. Where forces have no
+energy and K is not symmetric, a rest is stable if its symmetric part has no negative pivot (Bendixson), and else if no eigenvalue
+of K has a negative real part.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import ArpackError, eigs, eigsh, splu, spsolve_triangular
+
+from anet_lumped.effects.laws.axial import tension_slopes, with_select
+from anet_lumped.model.model import Model
+from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_STIFFNESS
+
+EPS = 2.220446049250313e-16
+FLAT = 1e-7  # of load over length, a curvature that counts as none: a cable may turn about its ends, a loose one may lie anywhere
+PRESTRESSED = 1e-11  # of the largest T/l, what tensions that are balanced to rounding leave of a curvature
+RIGID = 1e9  # of the largest other stiffness, what a segment that does not stretch counts for
+ROUNDED = 20  # shifts that are tried where a pivot is zero
+SYMMETRIC = 1e-9  # of the largest stiffness, what may be unsymmetric by rounding
+
+_slopes = with_select(tension_slopes, np.where)
+
+
+class Curvature(NamedTuple):
+    """How the forces change about a rest.
+
+    Parameters
+    ----------
+    directions_down : int
+        Directions of which the forces lead away from the rest.
+    direction : (n_free, 3) float64 or None
+        One of them, its largest displacement 1.
+    stiffness : float [N/m]
+        Negative stiffness along it; 0 where there is none.
+    """
+
+    directions_down: int
+    direction: np.ndarray | None = None
+    stiffness: float = 0.0
+
+
+def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: float) -> Curvature:
+    """Judge a rest.
+
+    Parameters
+    ----------
+    model : Model
+    net : Net
+        Rest lengths and the numbers of effects at t = 0.
+    q : (n, 3) float64 [m]
+    tension : (n_segments,) float64 [N]
+    load : float [N]
+        That tolerances are relative to.
+
+    Returns
+    -------
+    Curvature
+    """
+    if model.n_free == 0:
+        return Curvature(0)
+    effects = _of_effects(model, net, q)
+    if _plainly_stable(model, tension, effects):
+        return Curvature(0)
+    K = tangent(model, net, q, tension, effects)
+    largest = float(np.abs(K.data).max(initial=0.0))
+    length = max(cable.length for cable in model.scene.cables)
+    across = float(np.abs(tension / np.linalg.norm(q[model.ends[:, 1]] - q[model.ends[:, 0]], axis=1).clip(1e-12 * length)).max())
+    flat = FLAT * load / (length * model.n_free) + 64.0 * EPS * largest + PRESTRESSED * across
+    symmetric = symmetric_part(K)
+    pivots, factors = pivots_of(symmetric, flat)
+    down = int((pivots < 0.0).sum())
+    if down == 0:
+        return Curvature(0)
+    slope, direction = _steepest(symmetric, _direction(pivots, factors))
+    if abs(K - K.T).max() > SYMMETRIC * largest:
+        down, direction = _unsymmetric(K, slope, direction)
+        if down == 0:
+            return Curvature(0)
+    direction = direction.reshape(-1, 3)
+    return Curvature(down, direction / np.linalg.norm(direction, axis=1).max(), min(slope, -flat))
+
+
+class Segments(NamedTuple):
+    """Segments in a shape: length l [m], unit vector (., 3), tension by the law [N] and its slope in l [N/m]."""
+
+    length: np.ndarray
+    unit: np.ndarray
+    tension: np.ndarray
+    slope: np.ndarray
+
+
+def segments(model: Model, net: Any, q: np.ndarray) -> Segments:
+    """`Segments` of a model in a shape q (n, 3) [m], at rest; one that does not stretch has neither tension nor slope."""
+    (a, b), axial = model.ends.T, net.axial[model.cable_of]
+    d = q[b] - q[a]
+    l = np.maximum(np.linalg.norm(d, axis=1), 1e-12 * axial[:, AXIAL_L0])
+    share = np.array([own[0][1] if own else 1.0 for own in (cable.springs for cable in model.scene.cables)])[model.cable_of]
+    _, pushes, _, springs, first, last = model.springs_of_cables
+    spring = (
+        share * axial[:, AXIAL_STIFFNESS],
+        pushes[model.cable_of],
+        axial[:, AXIAL_L0],
+        springs[..., model.cable_of],
+        first,
+        last,
+    )
+    tension, slope, _ = _slopes(l - axial[:, AXIAL_L0], 0.0, spring, 0.0, 1.0)
+    return Segments(l, d / l[:, None], tension, slope)
+
+
+def tangent(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, effects: Any = None) -> csc_array:
+    """Sparse K of the module for the moving nodes, (3 n_free, 3 n_free) [N/m]; ``effects`` are what `_of_effects` gives."""
+    n, (a, b) = model.n_free, model.ends.T
+    rows, columns, blocks = _of_effects(model, net, q) if effects is None else effects
+    l, unit, _, slope = segments(model, net, q)
+    across, rigid = tension / l, net.axial[model.cable_of, AXIAL_INEXTENSIBLE] > 0.0
+    if rigid.any():
+        others = max(np.abs(across).max(), np.abs(slope).max(), np.abs(blocks).max(initial=0.0))
+        slope = np.where(rigid, np.where(tension != 0.0, RIGID * others, 0.0), slope)
+    G = (slope - across)[:, None, None] * unit[:, :, None] * unit[:, None, :] + across[:, None, None] * np.eye(3)
+    rows, columns = np.concatenate([rows, a, b, a, b]), np.concatenate([columns, a, b, b, a])
+    blocks = np.concatenate([blocks, G, G, -G, -G])
+    moving = (rows < n) & (columns < n)
+    i, j, axis = 3 * rows[moving][:, None, None], 3 * columns[moving][:, None, None], np.arange(3)
+    at = (np.broadcast_to(i + axis[:, None], (len(i), 3, 3)).ravel(), np.broadcast_to(j + axis, (len(j), 3, 3)).ravel())
+    K = csc_array((blocks[moving].ravel(), at), shape=(3 * n, 3 * n))
+    K.sum_duplicates()  # and sorted: the pattern is symmetric, so that K^T has the same
+    return K
+
+
+def symmetric_part(K: csc_array) -> csc_array:
+    """(K + K^T)/2, which is K itself where that is symmetric."""
+    other = K.T.tocsc()
+    other.sort_indices()
+    return csc_array((0.5 * (K.data + other.data), K.indices, K.indptr), shape=K.shape)
+
+
+def _plainly_stable(model, tension, effects):
+    """Whether K is a sum of parts none of which leads down: taut segments, and effects that hold each node by itself."""
+    rows, columns, blocks = effects
+    if (tension < 0.0).any() or np.any(blocks[rows != columns]):
+        return False
+    own = blocks[rows == columns]
+    if np.any(own != own.transpose(0, 2, 1)):
+        return False
+    return not np.any(own) or bool(np.linalg.eigvalsh(own).min() >= 0.0)
+
+
+def _of_effects(model, net, q):
+    """Rows, columns and blocks (3, 3) [N/m] of what the effects' forces add to K."""
+    n, segments, reach = model.n_free, model.n_segments, model.coupled_neighbours
+    own, v = np.zeros((n, 3, 3)), np.zeros_like(q)
+    near, far = np.zeros((segments if reach > 0 else 0, 2, 3, 3)), np.zeros((segments if reach > 1 else 0, 2, 3, 3))
+    for e, effect in enumerate(model.forces):
+        kernels = effect.kernels()
+        if "tangent" in kernels and not effect.no_force_at_rest:
+            kernels["tangent"](0.0, q, v, *net.effects.numbers(e), 1.0, 0.0, own, near, far)
+    i, (a, b) = np.arange(n), model.ends.T
+    rows, columns, blocks = [i], [i], [own]
+    if reach > 0:
+        rows, columns, blocks = [*rows, a, b], [*columns, b, a], [*blocks, near[:, 0], near[:, 1]]
+    if reach > 1:
+        two = np.flatnonzero(model.cable_of[:-1] == model.cable_of[1:])
+        rows, columns = [*rows, a[two], b[two + 1]], [*columns, b[two + 1], a[two]]
+        blocks += [far[two, 0], far[two, 1]]
+    return np.concatenate(rows), np.concatenate(columns), np.concatenate(blocks)
+
+
+def pivots_of(K: csc_array, shift: float) -> tuple[np.ndarray, Any]:
+    """Pivots of a symmetric matrix, whose diagonal is stored, plus ``shift``; and its factors."""
+    options, factors, data = {"SymmetricMode": True, "Equil": False}, None, K.data.copy()
+    shifted = csc_array((data, K.indices, K.indptr), shape=K.shape)
+    diagonal = np.flatnonzero(K.indices == np.repeat(np.arange(K.shape[0]), np.diff(K.indptr)))
+    for _ in range(ROUNDED):
+        try:
+            data[diagonal] = K.data[diagonal] + shift
+            factors = splu(shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+            if (factors.perm_r == factors.perm_c).all():
+                break
+            shift *= 1.1  # a pivot was zero to rounding, and another row was taken
+        except RuntimeError:  # a pivot is zero
+            shift *= 10.0
+    if factors is None:
+        raise RuntimeError(
+            f"A tangent must have finite numbers to be judged, but a pivot is zero at every shift up to {shift:g} N/m."
+        )
+    return factors.U.diagonal(), factors
+
+
+def _direction(pivots, factors):
+    """A direction y with y^T K y = d < 0: L^T y = e of the most negative pivot d."""
+    worst = int(np.argmin(pivots))
+    one = np.zeros(len(pivots))
+    one[worst] = 1.0
+    y = spsolve_triangular(factors.L.T.tocsr(), one, lower=False, unit_diagonal=True)
+    y = y[factors.perm_c]
+    return y / np.linalg.norm(y)
+
+
+def _steepest(K, y):
+    """The lowest eigenvalue of K, and its direction, from a direction y that goes down.
+
+    Shifted until no pivot is negative, K has none below the shift, and the one next to the shift is the lowest.
+    """
+    slope = float(y @ (K @ y))
+    shift = 2.0 * abs(slope)
+    while (pivots_of(K, shift)[0] < 0.0).any():
+        shift *= 4.0
+    try:
+        values, vectors = eigsh(K, k=1, sigma=-shift, v0=y, tol=1e-3)
+    except (ArpackError, RuntimeError):
+        return slope, y
+    return float(values[0]), vectors[:, 0]
+
+
+def _unsymmetric(K, slope, direction):
+    """Eigenvalues of an unsymmetric K with a negative real part among those next to ``slope``, and a direction of one."""
+    size = K.shape[0]
+    if size <= 60:
+        values, vectors = np.linalg.eig(K.toarray())
+    else:
+        try:
+            values, vectors = eigs(K, k=6, sigma=slope)
+        except (ArpackError, RuntimeError):
+            return 1, direction
+    negative = np.flatnonzero(values.real < -1e-9 * abs(slope))
+    if len(negative) == 0:
+        return 0, direction
+    y = vectors[:, negative[np.argmin(values[negative].real)]].real
+    return len(negative), y / np.linalg.norm(y)

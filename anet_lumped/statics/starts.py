@@ -1,0 +1,230 @@
+"""Shapes to start from: given by a user, straight between the points, or above what stands in the way."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from anet_lumped.checks import InputError, nearest, shown
+from anet_lumped.model.model import Model
+from anet_lumped.model.reach import shortfall
+from anet_lumped.results.run import Run, State
+from anet_lumped.scene.scene import Driven, Fixed, Free, SceneError
+
+Start = str | State | Mapping[str, ArrayLike]
+GOLDEN_ANGLE = 2.399963229728653  # [rad], of which no multiples are near each other
+CONVEX = 1e-9  # of its largest curvature, what rounding leaves
+OBSTACLE = 10.0  # times the force on one shape is that on another, where one of them goes through what the other does not touch
+
+
+def start_state(model: Model, start: Start) -> State:
+    """State to start from, with arrays of its own.
+
+    Parameters
+    ----------
+    model : Model
+    start : "straight", State or dict
+        "straight" has the nodes evenly spaced between the places of the points, at rest; a dict holds the places of each cable's
+        nodes by the cable's name, (segments + 1, 3) [m], at rest.
+
+    Raises
+    ------
+    InputError
+        Another word; a State or a dict of other cables; a number that is not finite; cables that do not stretch and do not reach.
+    """
+    state = _adopt(model, start) if isinstance(start, State) else _at_rest(model, start)
+    scene = model.scene
+    free = {point.name: state.position(point.name) for point in scene.points if isinstance(point, Free)}
+    short = shortfall(scene, state.t) or shortfall(scene, state.t, free)
+    if short is not None:
+        raise InputError(short.words)
+    return state
+
+
+def _at_rest(model, start):
+    """State of a word or of shapes."""
+    if isinstance(start, Mapping):
+        q = _of_shapes(model, start)
+    elif isinstance(start, str) and start == "straight":
+        q = straight(model)
+    else:
+        a_run = isinstance(start, Run)
+        other = "a Run has States, run.final and run.state(k)" if a_run else "the shape of each cable by its name will do, too"
+        raise InputError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {shown(start)}; {other}.')
+    still = np.zeros_like(q)
+    return State(model, 0.0, q, still, np.zeros(model.n_segments))
+
+
+def straight(model: Model) -> np.ndarray:
+    """(n, 3) places with every cable's nodes evenly spaced between its points' places [m]."""
+    at = {}
+    for point in model.scene.points:
+        at[point.name] = _prescribed(point) if not isinstance(point, Free) else point.at
+        if at[point.name] is None:
+            raise SceneError(f'start="straight" needs the place of every point, but free point "{point.name}" has no `at`.')
+    return spread(model, {name: np.asarray(place, float) for name, place in at.items()})
+
+
+def spread(model: Model, at: Mapping[str, np.ndarray]) -> np.ndarray:
+    """(n, 3) places with every cable's nodes evenly spaced between given places (3,) of the points [m]."""
+    q = np.empty((model.n, 3))
+    for cable in model.scene.cables:
+        a, b = at[cable.start], at[cable.end]
+        q[model.nodes(cable.name)] = a + np.linspace(0.0, 1.0, cable.segments + 1)[:, None] * (b - a)
+    for point in model.scene.points:
+        q[model.node(point.name)] = at[point.name]
+    return q
+
+
+def _prescribed(point: Any, t: float = 0.0) -> Any:
+    """(3,) place of a point that is fixed or driven [m]."""
+    return point.path.at(t)[0] if isinstance(point, Driven) else point.at
+
+
+def _of_shapes(model, shapes):
+    """(n, 3) places from the shapes of the cables; points that are fixed or driven are where the scene has them."""
+    names = [cable.name for cable in model.scene.cables]
+    for name in shapes:
+        if name not in names:
+            raise InputError(
+                f'A shape to start from must be of a cable of the scene, but "{name}" is none' + (nearest(name, names) or ".")
+            )
+    q = np.full((model.n, 3), np.nan)
+    for cable in model.scene.cables:
+        if cable.name not in shapes:
+            raise InputError(f'Shapes to start from must be given for every cable, but cable "{cable.name}" has none.')
+        shape = np.asarray(shapes[cable.name], float)
+        if shape.shape != (cable.segments + 1, 3):
+            raise InputError(
+                f'The shape of cable "{cable.name}" must have the places of its {cable.segments + 1} nodes, '
+                f"({cable.segments + 1}, 3), but it is {shape.shape}."
+            )
+        _check_finite("position", shape, lambda i, name=cable.name: f'node {i} of cable "{name}"')
+        q[model.nodes(cable.name)] = shape
+    for point in model.scene.points:
+        if not isinstance(point, Free):
+            q[model.node(point.name)] = _prescribed(point)
+    return q
+
+
+def _adopt(model, state):
+    """A State of the same or of a like scene as one of this model, matched by names."""
+    q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
+    if not np.isfinite(state.t):
+        raise InputError(f"A State to start from must have a finite time, but it has t={state.t} s.")
+    for cable in model.scene.cables:
+        other = {c.name: c.segments for c in state.scene.cables}.get(cable.name)
+        if other != cable.segments:
+            raise InputError(
+                f'A State to start from must have the scene\'s cables, but of cable "{cable.name}" with {cable.segments} '
+                f"segments it has {'none' if other is None else other}."
+            )
+        mine, theirs = model.nodes(cable.name), state.model.nodes(cable.name)
+        q[mine], v[mine] = state.q[theirs], state.v[theirs]
+        tension[model.segments(cable.name)] = state.tension(cable.name)
+    for point in model.scene.points:
+        if isinstance(point, Fixed):
+            q[model.node(point.name)], v[model.node(point.name)] = point.at, 0.0
+    _check_finite("position", q, model.where)
+    _check_finite("velocity", v, model.where)
+    if not np.isfinite(tension).all():
+        s = int(np.flatnonzero(~np.isfinite(tension))[0])
+        cable = model.scene.cables[model.cable_of[s]]
+        raise InputError(f'A start must have finite tensions, but a segment of cable "{cable.name}" has {tension[s]} N.')
+    return State(model, float(state.t), q, v, tension, events=state.events)
+
+
+def _check_finite(what, rows, where):
+    """Every row of positions or velocities must be finite."""
+    wrong = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+    if len(wrong):
+        i, row = int(wrong[0]), rows[wrong[0]]
+        raise InputError(f"A start must be finite, but the {what} of {where(i)} is ({', '.join(f'{x:g}' for x in row)}).")
+
+
+class Obstacles(NamedTuple):
+    """What the cables would hang through.
+
+    Parameters
+    ----------
+    any_met : bool
+        Whether there is an obstacle: an effect that acts much more on the hanging cables than on them laid above it.
+    above : (n, 3) float64 [m] or None
+        Shape to let down onto obstacles that may push a cable to either side, such as a ball. A flat ground does not.
+    """
+
+    any_met: bool
+    above: np.ndarray | None
+
+
+def obstacles(model: Model, net: Any, hanging: np.ndarray) -> Obstacles:
+    """The obstacles of a scene.
+
+    What lies above them are the straight cables, or, where these meet an obstacle too, the hanging shape turned upside down.
+
+    Parameters
+    ----------
+    model : Model
+    net : Net
+    hanging : (n, 3) float64 [m], shape that the dead loads alone give
+    """
+    kinds = [
+        (e, effect)
+        for e, effect in enumerate(model.forces)
+        if not (effect.dead_load or effect.no_force_at_rest) and effect.coupled_neighbours < 2
+    ]
+    if not kinds:
+        return Obstacles(False, None)
+    between, any_met, above = raised(model, hanging), False, None
+    arch = 2.0 * between - hanging
+    for e, effect in kinds:
+        on_hanging, on_straight, on_arch = (_largest_force(model, net, e, effect, q) for q in (hanging, between, arch))
+        if on_hanging > OBSTACLE * min(on_straight, on_arch):
+            any_met = True
+            if _may_push_either_way(model, net, e, effect, hanging):
+                above = arch if above is arch or on_straight > on_arch else between
+    return Obstacles(any_met, above)
+
+
+def _may_push_either_way(model, net, e, effect, q):
+    """Whether the force of an effect on a node turns the node's displacement away from where it was."""
+    own, reach = np.zeros((model.n_free, 3, 3)), effect.coupled_neighbours
+    near, far = np.zeros((model.n_segments if reach > 0 else 0, 2, 3, 3)), np.zeros((0, 2, 3, 3))
+    effect.kernels()["tangent"](0.0, q, np.zeros_like(q), *net.effects.numbers(e), 1.0, 0.0, own, near, far)
+    curvatures = np.linalg.eigvalsh(0.5 * (own + own.transpose(0, 2, 1)))
+    return bool(curvatures.min(initial=0.0) < -CONVEX * np.abs(curvatures).max(initial=0.0))
+
+
+def raised(model: Model, hanging: np.ndarray) -> np.ndarray:
+    """Straight shape, (n, 3) [m], with free points that have no place of their own amid all supports.
+
+    The loose end of a cable is as far as the cable is long, across gravity, each in another direction.
+    """
+    scene = model.scene
+    held = [point.name for point in scene.points if not isinstance(point, Free)]
+    at = {name: hanging[model.node(name)] for name in held}
+    amid = np.mean([at[name] for name in held], axis=0)
+    ends = [end for cable in scene.cables for end in (cable.start, cable.end)]
+    loose = []
+    for point in scene.points:
+        if isinstance(point, Free):
+            if point.at is None and ends.count(point.name) == 1:
+                loose.append(point.name)
+            at[point.name] = amid if point.at is None else np.asarray(point.at, float)
+    g = np.asarray(scene.gravity, float)
+    down = g / np.linalg.norm(g) if g.any() else np.array([0.0, 0.0, -1.0])
+    along = np.linalg.svd(down[None])[2][1:]  # two directions across gravity
+    for i, name in enumerate(loose):
+        cable = next(cable for cable in scene.cables if name in (cable.start, cable.end))
+        other = cable.end if name == cable.start else cable.start
+        turn = GOLDEN_ANGLE * i
+        at[name] = at[other] + cable.length * (np.cos(turn) * along[0] + np.sin(turn) * along[1])
+    return spread(model, at)
+
+
+def _largest_force(model, net, e, effect, q):
+    """Largest force of an effect on a moving node at rest in a shape [N]."""
+    f = np.zeros_like(q)
+    effect.kernels()["force"](0.0, q, np.zeros_like(q), *net.effects.numbers(e), f)
+    return float(np.linalg.norm(f[: model.n_free], axis=1).max(initial=0.0))
