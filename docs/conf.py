@@ -16,7 +16,6 @@ release = tomllib.loads((HERE.parent / "pyproject.toml").read_text(encoding="utf
 extensions = [
     "docstrings",
     "mathml",
-    "methods",
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",

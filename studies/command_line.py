@@ -388,9 +388,9 @@ def _tell_what_takes_long():
             if time.monotonic() - began > QUIET:
                 _tell(f"... {record.getMessage()}")
 
-    log = logging.getLogger("anet_lumped")
-    log.handlers = [Late()]
-    log.setLevel(logging.INFO)
+    for log in map(logging.getLogger, ("anet_lumped", "integrators")):
+        log.handlers = [Late()]
+        log.setLevel(logging.INFO)
 
 
 def _give(result, as_json=False, out=None, stem="", save=lambda: None):

@@ -8,7 +8,7 @@ from keys import escaped
 from studies.command_line import app
 
 
-def commands():
+def sections():
     """Return a section for each command, in the program's own order."""
     return "\n\n".join(section(command.callback) for command in app.registered_commands)
 

@@ -2,15 +2,17 @@
 
 <!-- keys anet_lumped:Fixed -->      table of the keys of a scene file that a class or function takes
 <!-- commands -->                    a section for each command of the program
+<!-- methods -->                     table of the methods
 <!-- end -->
 """
 
 import re
 
-from commands import commands
-from keys import table
+import commands
+import keys
+import methods
 
-PART = re.compile(r"(<!-- (keys|commands) ?(\S*) -->\n).*?(<!-- end -->)", re.DOTALL)
+PART = re.compile(r"(<!-- (keys|commands|methods) ?(\S*) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def filled(text):
@@ -18,6 +20,11 @@ def filled(text):
 
     def made(found):
         begin, what, thing, end = found.groups()
-        return f"{begin}\n{table(thing) if what == 'keys' else commands()}\n\n{end}"
+        part = {
+            "keys": lambda: keys.table(thing),
+            "commands": commands.sections,
+            "methods": methods.table,
+        }[what]()
+        return f"{begin}\n{part}\n\n{end}"
 
     return PART.sub(made, text)

@@ -77,7 +77,7 @@ def test_parts_made_of_the_source_are_those_of_now(page):
 
 
 def test_pages_that_are_linked_as_they_lie_here_have_no_directive_for_the_site_alone():
-    for page in ("scene-file.md", "command-line.md"):
+    for page in ("scene-file.md", "command-line.md", "choosing.md"):
         assert "```{" not in text_of(DOCS / page)
 
 

@@ -36,6 +36,7 @@ from anet_lumped.model.build import build
 from anet_lumped.motion.simulate import StabilityWarning
 from anet_lumped.prescribed import paths
 from integrators import schemes
+from integrators.marching import interruptible
 from integrators.schemes import record
 from integrators.schemes.record import Origin
 
@@ -508,6 +509,19 @@ def test_a_straight_start_that_stretches_its_cable_says_so():
         warnings.simplefilter("error")
         assert simulate(LOOSE, 0.01, start="straight").warnings == ()
         simulate(far, 0.01, start=run.state(0))  # a state is meant as it is
+
+
+def test_a_long_march_tells_where_it_is(monkeypatch, caplog):
+    """Every hundredth of a second here, of some 3e5 steps that take more than that."""
+    monkeypatch.setattr(interruptible, "TOLD_EVERY", 0.01)
+    caplog.set_level("INFO", logger="integrators")
+    run = simulate(LOOSE, 3.0, method="verlet", dt=1e-5, start="straight")
+    told = [
+        re.fullmatch(r"step (\d+) of 300000, \d+ s left if the others take as long", record.message) for record in caplog.records
+    ]
+    assert run.ok and told and all(told)
+    steps = [int(found[1]) for found in told]
+    assert steps == sorted(steps)
 
 
 def test_a_scene_beyond_what_counts_as_diverged_is_refused():
