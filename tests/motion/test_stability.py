@@ -454,7 +454,7 @@ def test_nonlinear_hanging_chain_is_stable_to_within_ten_percent(scheme, zeta):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: step_limit("rk5", 1.0), 'must name a scheme, but is "rk5", did you mean "rk4"'),
+        (lambda: step_limit("rk5", 1.0), 'must name a scheme, but is "rk5", did you mean "RK45"'),
         (lambda: step_limit("leap", 1.0), "must name a scheme"),
         (lambda: step_limit("rk4", -1.0), "Argument `omega` must not be negative or NaN, but is -1.0"),
         (lambda: damping_limit("rk4", 1.0, np.nan), "Argument `dt` must not be negative or NaN"),

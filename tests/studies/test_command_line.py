@@ -199,7 +199,7 @@ def test_every_option_that_is_a_quantity_takes_a_unit():
         for option in inspect.signature(command.callback).parameters.values()
     }
     floats = {name: kind for name, kind in options.items() if typing.get_args(kind)[0] in (float, float | None)}
-    assert {name for name, kind in floats.items() if kind.__metadata__[0].parser is None} == {"rtol", "realtime"}
+    assert {name for name, kind in floats.items() if kind.__metadata__[0].parser is None} == {"rtol", "realtime", "tension_error"}
     assert {"t_end", "dt", "save_every", "diameter", "water_level"} < set(floats)
 
 
