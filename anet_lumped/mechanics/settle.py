@@ -17,6 +17,7 @@ from anet_lumped.model.tables import (
     AXIAL_INEXTENSIBLE,
     AXIAL_L0,
     AXIAL_L0_BEFORE,
+    AXIAL_L0_RATE,
     AXIAL_OMEGA_SQUARED,
     AXIAL_STIFFNESS,
     AXIAL_TWO_WAY_DAMPER,
@@ -65,8 +66,8 @@ def _cable_settle(stage, net, c, members, base, q, v):
     Returns
     -------
     by_dampers, by_method, put_in, of_impulses, full : float64 [J]
-        What dampers and the numerical damper dissipate, what driven ends put in by the tensions and prescribed ends by the
-        impulses, and what the numerical damper in full would dissipate.
+        What dampers and the numerical damper dissipate, what driven ends put in by the tensions, prescribed ends and changes of
+        rest lengths by the impulses, and what the numerical damper in full would dissipate.
     """
     h, per_h = stage.tau, 1.0 / stage.tau
     first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
@@ -74,6 +75,7 @@ def _cable_settle(stage, net, c, members, base, q, v):
     L0, k, damper = column(net.axial, c, AXIAL_L0), column(net.axial, c, AXIAL_STIFFNESS), column(net.axial, c, AXIAL_DAMPER)
     spring, two_damper = spring_of(net, c), group_constant(net, c, AXIAL_TWO_WAY_DAMPER)
     square, L_a = column(net.axial, c, AXIAL_OMEGA_SQUARED), column(net.axial, c, AXIAL_L0_BEFORE)
+    L0_rate = column(net.axial, c, AXIAL_L0_RATE)
     if group_constant(net, c, AXIAL_INEXTENSIBLE) > 0.0:
         share = 2.0 * stage.dissipation + 0.0 * L0
     else:
@@ -100,11 +102,12 @@ def _cable_settle(stage, net, c, members, base, q, v):
         off, per_damper = (T - secant) * longer, damper * per_h / max(damper * per_h + numerical, 1e-300)
         by_dampers, by_method = by_dampers + per_damper * off, by_method + (1.0 - per_damper) * off
         total_square = total_square + longer * longer
-        rate = n[0] * (v2[0] - v1[0]) + n[1] * (v2[1] - v1[1]) + n[2] * (v2[2] - v1[2])
-        wanted = share * (rate - (longer + L0 - L_a) * per_h)
+        rate = n[0] * (v2[0] - v1[0]) + n[1] * (v2[1] - v1[1]) + n[2] * (v2[2] - v1[2]) - L0_rate
+        wanted = share * (rate - longer * per_h)
         acts = (T > 0.0) & (wanted * rate > 0.0) & (m1 + m2 > 0.0)
         impulse = select(acts, select(abs(wanted) > abs(rate), rate, wanted) / (of_1 * m1 + of_2 * m2), 0.0)
         store(net.tension, s, T + impulse * per_h)
+        of_impulses = of_impulses - impulse * L0_rate
         a, b = impulse * m1, impulse * m2
         here = d[0] + a * n[0], d[1] + a * n[1], d[2] + a * n[2]
         if j == 0:
@@ -164,10 +167,10 @@ def settle(stage, base, q, v, net_address, energy):
     lengths puts in -T (L_b - L_a), so that dampers dissipate by the change of l - L0.
 
     Where stretching is over within a step, v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for ever, while the
-    places are at rest. Each taut segment takes from the rate at which its length changes a share s'/(1 + s') of what that
-    differs from the step's own, s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2, by equal and opposite impulses along itself, all at
-    once and each as if its nodes were as many times lighter as they have segments: momenta are kept, and the kinetic energy
-    falls but for the work of prescribed nodes. Of fifth order where the step resolves the stretching. The impulses over the
+    places are at rest. Each taut segment takes from the rate of l - L0 a share s'/(1 + s') of what that differs from the step's
+    own, s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2, by equal and opposite impulses along itself, all at once and each as if its
+    nodes were as many times lighter as they have segments: momenta are kept, and the kinetic energy falls but for the work of
+    prescribed nodes and of changing rest lengths. Of fifth order where the step resolves the stretching. The impulses over the
     step are a part of the tensions that acted.
 
     Sets the least share of the numerical damper in the next step: all of it, unless that would take more than `SPENT` of the
