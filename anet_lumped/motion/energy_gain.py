@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from anet_lumped.model.tables import AXIAL_STIFFNESS
-from anet_lumped.results.energy_balance import BY_DAMPERS, ELASTIC, KINETIC, POTENTIAL, WORK
+from anet_lumped.results.energy_balance import BY_DAMPERS, BY_METHOD, ELASTIC, KINETIC, POTENTIAL, WORK
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 
@@ -43,7 +43,7 @@ def energy_gain(run, adaptive=False):
     own = rows[:, :WORK].sum(axis=1) - rows[:, WORK]
     if not all(effect.passive for effect in run.scene.effects):
         # add what was taken: a wind gives energy, and a step may pump a stiff effect while dampers take the energy again
-        own = own + rows[:, BY_DAMPERS:].sum(axis=1)
+        own = own + rows[:, BY_DAMPERS:BY_METHOD].sum(axis=1)
     swings = schemes.scheme(run.method).energy is EnergyPromise.SWINGS_ABOUT
     if adaptive:
         own = own[[0, -1]]

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from .energy_balance import error_of_steps
+
 IMBALANCE = 1e-2  # of the energy in play: more than this is not accounted for
 SHARE = 1e-2  # of the longest cable: the largest error that passes where none is named
 
@@ -24,7 +26,7 @@ class Audit:
         The node and the time of it.
     allowed : float [m]
     imbalance : float
-        Of the energy, relative to what was in play.
+        Energy that is not accounted for by work and forces, relative to what was in play.
     wall_time : float [s]
         That the finer run took.
     reason : str
@@ -67,7 +69,7 @@ def audited(run: Any, finer: Callable[[], Any], order: float | None, allowed: fl
     with warnings.catch_warnings():  # the run itself has given them
         warnings.simplefilter("ignore")
         other = finer()
-    took, imbalance = time.perf_counter() - began, run.energy_balance.imbalance
+    took, imbalance = time.perf_counter() - began, error_of_steps(run)
     k = min(len(run.t), len(other.t))
     apart = np.linalg.norm(run.q[:k] - other.q[:k], axis=2)
     row, node = np.unravel_index(np.argmax(apart), apart.shape)

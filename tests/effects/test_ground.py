@@ -8,6 +8,7 @@ import pytest
 from anet_lumped import Cable, Fixed, Free, Scene, SceneError, State, equilibrium, simulate
 from anet_lumped.effects import Gravity, Ground, ground
 from anet_lumped.model.build import build
+from anet_lumped.results.energy_balance import error_of_steps
 
 G, D = 9.81, 0.01  # [m/s2], diameter [m]
 
@@ -138,7 +139,7 @@ def test_energy_never_rises(dt):
     places = np.cumsum(0.05 * turn / np.linalg.norm(turn, axis=1)[:, None], axis=0)
     places[:, 2] += 0.3 - places[:, 2].min()
     run = simulate(scene, 60 * dt if dt > 0.01 else 0.5, method="edmc", dt=dt, save_every=dt, start=state(scene, places))
-    assert run.ok and run.energy_balance.imbalance < 1e-5
+    assert run.ok and error_of_steps(run) < 1e-5
     energy = run.energy[:, :3].sum(axis=1)
     assert np.diff(energy).max() < 1e-6 * np.ptp(run.energy[:, 2])
     assert run.q[:, :, 2].min() > -0.05
