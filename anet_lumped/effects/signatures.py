@@ -19,10 +19,12 @@ tangent(t, q, v, index, params, c_q, c_v, D, near, far)
 
 It may have besides
 
-whole_step(t, h, base, q, index, params, f, D, near, far) -> dissipated
+whole_step(t, h, damper, base, q, index, params, f, D, near, far) -> dissipated, by_method
     Add the force that acts over a whole step of h [s] from positions ``base`` to ``q``, t being the middle of the step, and
     subtract its derivative in q from the blocks. ``dissipated`` [J] is what the step takes; where it is never negative, no step can
-    raise the energy. The force of an effect without this function is taken at the middle of the step.
+    raise the energy. ``by_method`` [J] is what a numerical damper takes besides, which damps what the step does not resolve; it may
+    be as large as ``damper``, 0 to 1/2, times a stiffness. The force of an effect without this function is taken at the middle of
+    the step.
 inertia(t, q, index, params, A)
     Add to the added masses A (n_free, 3, 3) [kg] of the moving nodes.
 
@@ -42,7 +44,7 @@ _i1, _f8 = types.Array(types.int64, 1, "C"), types.float64
 FORCE_SIGNATURE = _f8(_f8, _f2, _f2, _i1, _f1, _f2)
 TANGENT_SIGNATURE = types.void(_f8, _f2, _f2, _i1, _f1, _f8, _f8, _f3, _f4, _f4)
 ENERGY_SIGNATURE = _f8(_f8, _f2, _i1, _f1)
-WHOLE_STEP_SIGNATURE = _f8(_f8, _f8, _f2, _f2, _i1, _f1, _f2, _f3, _f4, _f4)
+WHOLE_STEP_SIGNATURE = types.UniTuple(_f8, 2)(_f8, _f8, _f8, _f2, _f2, _i1, _f1, _f2, _f3, _f4, _f4)
 INERTIA_SIGNATURE = types.void(_f8, _f2, _i1, _f1, _f3)
 
 SIGNATURES = {

@@ -320,7 +320,7 @@ def _mean(base, q, i, per_h):
 
 
 @njit(WHOLE_STEP_SIGNATURE, cache=True, error_model="numpy")
-def whole_step(t, h, base, q, index, params, f, D, near, far):
+def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     """Force over a whole step, and its exact derivative: `force` at the middle, apart from the buoyancy of still water.
 
     Buoyancy takes the shares of `wetted_between`, so that its work is the change of its energy. The work of the other forces is
@@ -373,7 +373,7 @@ def whole_step(t, h, base, q, index, params, f, D, near, far):
         F = point_force(_less(flow[2], V), flow[4], of[1], of[3], of[4])
         _add(f, node, wet[0], F, wet[0] * lift)
         dissipated -= h * wet[0] * (F[0] * V[0] + F[1] * V[1] + (F[2] + lift) * V[2])
-    return dissipated
+    return dissipated, 0.0
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

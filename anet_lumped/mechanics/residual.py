@@ -213,7 +213,7 @@ def residual(stage, base, target, q, net_address):
         (index, params), of = numbers_of(effects, e), effects.address[e]
         if of[SLOT_WHOLE_STEP] != 0 and stage.law == LAW_BETWEEN:
             as_whole_step(of[SLOT_WHOLE_STEP])(
-                stage.t, stage.tau, base, q, index, params, right, diagonal, net.near_blocks, net.far_blocks
+                stage.t, stage.tau, stage.dissipation, base, q, index, params, right, diagonal, net.near_blocks, net.far_blocks
             )
             continue
         as_force(of[SLOT_FORCE])(stage.t, middle_q, middle_v, index, params, right)

@@ -186,7 +186,7 @@ def settle(stage, base, q, v, net_address, energy):
     """
     net, h, per_h = view_net(net_address), stage.tau, 1.0 / stage.tau
     change, right = net.middle_v, net.right_side
-    put_in, by_effects, kinetic = 0.0, 0.0, 0.0
+    put_in, by_effects, by_steps_of_effects, kinetic = 0.0, 0.0, 0.0, 0.0
     changing = net.lengths.cable.shape[0] > 0
     if changing:
         put_in = as_work_of_lengths(net.kernels[KERNEL_WORK_OF_LENGTHS])(stage, net_address, base, q, v)
@@ -199,9 +199,10 @@ def settle(stage, base, q, v, net_address, energy):
         for e in range(effects.address.shape[0]):
             index, params = numbers_of(effects, e)
             if effects.address[e, SLOT_WHOLE_STEP] != 0:
-                by_effects += as_whole_step(effects.address[e, SLOT_WHOLE_STEP])(
-                    stage.t, h, base, q, index, params, right, net.diagonal, net.near_blocks, net.far_blocks
+                taken, numerical = as_whole_step(effects.address[e, SLOT_WHOLE_STEP])(
+                    stage.t, h, stage.dissipation, base, q, index, params, right, net.diagonal, net.near_blocks, net.far_blocks
                 )
+                by_effects, by_steps_of_effects = by_effects + taken, by_steps_of_effects + numerical
             else:
                 by_effects += h * as_force(effects.address[e, SLOT_FORCE])(
                     stage.t, net.middle_q, net.middle_v, index, params, right
@@ -224,7 +225,7 @@ def settle(stage, base, q, v, net_address, energy):
         sums = _added(sums, as_cable_settle(net.kernels[KERNEL_SETTLE_SINGLES])(stage, net_address, base, q, v))
     by_dampers, by_method, by_tensions, of_impulses, full = sums
     put_in += by_tensions + of_impulses
-    by_method += of_impulses
+    by_method += of_impulses + by_steps_of_effects
     for i in range(net.n_free):
         x, y, z, cx, cy, cz = v[i, 0], v[i, 1], v[i, 2], change[i, 0], change[i, 1], change[i, 2]
         by_method -= net.mass[i] * (cx * (x + 0.5 * cx) + cy * (y + 0.5 * cy) + cz * (z + 0.5 * cz))

@@ -153,7 +153,7 @@ def test_step_gives_back_no_more_than_the_energy(seed, water):
 
     def act(at):
         f, blocks = np.zeros_like(at), empty(model)
-        lost = kernels["whole_step"](0.2, h, base, at, index, params, f, *blocks)
+        lost, _ = kernels["whole_step"](0.2, h, 0.5, base, at, index, params, f, *blocks)
         return f, blocks, lost
 
     f, blocks, lost = act(q)

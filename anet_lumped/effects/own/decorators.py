@@ -94,7 +94,7 @@ class _Own(Effect):
         -------
         index : int64, see `own_kernels`
         params : float64
-            Those of the effect; of each element what is filled in.
+            Those of the effect; of each element what is filled in; masses of the nodes of each [kg], 0 if a node does not move.
 
         Raises
         ------
@@ -102,8 +102,10 @@ class _Own(Effect):
         """
         index, of_elements = self._elements(model)
         own = [np.ravel(getattr(self, name)) for name in self.law.parameters]
+        nodes = np.reshape(index, (-1, 4))[:, :2].ravel() if self.where == "cables" else np.asarray(index)
+        masses = np.where(nodes < model.n_free, model.mass[np.minimum(nodes, model.n_free - 1)], 0.0)
         filled = [np.column_stack([of_elements[name] for name in self.law.fills]).ravel()] if self.law.fills else []
-        return np.asarray(index, np.int64), np.concatenate([*own, *filled, np.empty(0)]).astype(float)
+        return np.asarray(index, np.int64), np.concatenate([*own, *filled, masses]).astype(float)
 
 
 class _OfNodes(_Own):
