@@ -17,16 +17,21 @@ LARGEST_SIZE = 1e6  # [m] plus [m/s] of a node, beyond which a motion has diverg
 
 
 class Saved(NamedTuple):
-    """Rows that a march saves: times (k,) [s], q, v (k, n, 3), energies (k, ENERGIES) [J], what the system observes (k, any)."""
+    """Rows that a march saves.
+
+    Times (k,) [s], q, v (k, n, 3), energies (k, ENERGIES) [J], what the system observes (k, any), and the largest error of a place
+    so far, as far as it is known (k,) [m].
+    """
 
     t: np.ndarray
     q: np.ndarray
     v: np.ndarray
     energy: np.ndarray
     observed: np.ndarray
+    error: np.ndarray
 
 
-SAVED = types.NamedTuple((_f1, _f3, _f3, _f2, _f2), Saved)
+SAVED = types.NamedTuple((_f1, _f3, _f3, _f2, _f2, _f1), Saved)
 
 
 class Scratch(NamedTuple):
@@ -77,12 +82,12 @@ def copy_state(source, target):
 
 
 @internal
-def save(system_address, data_address, k, t, state, saved):
-    """Write row k of what is saved; returns the number of rows written."""
+def save(system_address, data_address, k, t, error, state, saved):
+    """Write row k of what is saved, with the error of places so far; returns the number of rows written."""
     system = system_at(system_address)
     system.observe(state.q, state.v, data_address, saved.observed[k])
     system.energy(t, state.q, state.v, data_address, state.balance)
-    saved.t[k] = t
+    saved.t[k], saved.error[k] = t, error
     copy(flat(state.q), flat(saved.q[k]))
     copy(flat(state.v), flat(saved.v[k]))
     copy(state.balance[:ENERGIES], saved.energy[k])

@@ -57,10 +57,11 @@ def tension_between(cable, l_a, l_b, h, alpha):
         secant = k * (A - L0) if cable.compression == "linear" or A > L0 else Fraction(0)
     else:
         secant = (stored(cable, B) - stored(cable, A)) / (B - A)
-    damper = Fraction(cable.dashpot) / Fraction(h) + Fraction(alpha) * k
+    damper, numerical, taut = Fraction(cable.dashpot) / Fraction(h), Fraction(alpha) * k, max(B, L0) - max(A, L0)
     if cable.compression == "none":
-        return float(max(secant + damper * (max(B, L0) - max(A, L0)), 0)), float(secant)
-    return float(secant + damper * (B - A)), float(secant)
+        return float(max(secant + (damper + numerical) * taut, 0)), float(secant)
+    stretched = B - A if cable.compression == "linear" else taut  # the numerical damper acts where the spring does
+    return float(secant + damper * (B - A) + numerical * stretched), float(secant)
 
 
 def external(model, q, v):

@@ -136,7 +136,7 @@ def tension_law(stage, stretch, before, spring, c, two_damper, numerical):
     ``numerical`` is the damper that the scheme adds [N/m], see `numerical_damper`.
     """
     if stage.law == LAW_BETWEEN:
-        return tension_between(before, stretch, spring, c / stage.tau + numerical, two_damper)
+        return tension_between(before, stretch, spring, c / stage.tau, numerical, two_damper)
     if two_damper > 0.0:
         rate = (stretch - before) / stage.tau
     else:
@@ -197,7 +197,7 @@ def linearise(stage, q0, q1, a0, a1, law, guess, old):
             if beginning > 0.0:
                 change = old[1] - old[0]
                 if beginning == BEGINS:  # a slack segment may snap taut
-                    share = select((before > 0.0) | (two_damper > 0.0), max(_unsteady(change, last), least), 1.0)
+                    share = select((before > 0.0) | (spring[1] > 0.0), max(_unsteady(change, last), least), 1.0)
                     numerical = share * numerical
                 if spring[4] < spring[5]:  # where a curve is not as steep as anywhere, nor is its damper
                     _, slope, _ = tension_slopes(before, 0.0, spring, 0.0, two_damper)
@@ -229,6 +229,6 @@ def linearise(stage, q0, q1, a0, a1, law, guess, old):
         elif stage.law == LAW_BETWEEN:
             again = (T == 0.0) & (guess > 0.0) & (guess + light * min(stretch, before) > 0.0)
             linear = spring[0], 1.0, L0, spring[3], 0, 0
-            of_taut, slope, _ = tension_between(before, stretch, linear, damper / stage.tau + numerical, 1.0)
+            of_taut, slope, _ = tension_between(before, stretch, linear, damper / stage.tau, numerical, 1.0)
             of_row, stiffness = select(again, of_taut, of_row), select(again, reduced_slope(stage, slope, a), stiffness)
     return T, (ex, ey, ez, gx, gy, gz, a, stiffness, of_row, before, stretch, secant, last, numerical)

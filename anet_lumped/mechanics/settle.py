@@ -6,6 +6,7 @@ from numba import float64, int64, types
 
 from anet_lumped.compiled.jit import inlined, kernel, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, is_below, load, select, shifted, store
+from anet_lumped.effects.laws.axial import damped_changes
 from anet_lumped.effects.signatures import as_force, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
 from anet_lumped.mechanics.effect_forces import any_live, numbers_of, take_middle
@@ -60,6 +61,12 @@ def _moved(net, node, a, q, e):
 
 
 @inlined
+def _unresolved(stiff):
+    """Share s'/(1 + s') with s' = ``stiff`` squared: near 1 where the step resolves no motion, of fifth order where it does."""
+    return stiff * stiff / (1.0 + stiff * stiff)
+
+
+@inlined
 def _cable_settle(stage, net, c, members, base, q, v):
     """`settle` of a cable, or of the cables of a group of which ``members`` count; the impulses go to ``net.middle_v``.
 
@@ -77,11 +84,11 @@ def _cable_settle(stage, net, c, members, base, q, v):
     square, L_a = column(net.axial, c, AXIAL_OMEGA_SQUARED), column(net.axial, c, AXIAL_L0_BEFORE)
     L0_rate = column(net.axial, c, AXIAL_L0_RATE)
     if group_constant(net, c, AXIAL_INEXTENSIBLE) > 0.0:
-        share = 2.0 * stage.dissipation + 0.0 * L0
+        of_taut = of_slack = 2.0 * stage.dissipation + 0.0 * L0
     else:
-        damped = 0.5 * h * square * damper / k
-        stiff = 0.25 * h * h * square + damped * damped
-        share = 2.0 * stage.dissipation * (stiff * stiff / (1.0 + stiff * stiff))
+        stiff, damped = 0.25 * h * h * square, 0.5 * h * square * damper / k
+        of_taut = 2.0 * stage.dissipation * _unresolved(stiff + damped * damped)
+        of_slack = 2.0 * stage.dissipation * _unresolved(spring[1] * stiff + two_damper * damped * damped)
     A, Q, V, change, segment, zero = flat(base), flat(q), flat(v), flat(net.middle_v), flat(net.segment), 0.0 * L0
     by_dampers, by_method, put_in, of_impulses, total_square = zero, zero, zero, zero, zero
     i1, q1, v1, m1, of_1 = start, row3(Q, start), row3(V, start), _mobility(net, start), load(net.node_segments, start)
@@ -99,12 +106,14 @@ def _cable_settle(stage, net, c, members, base, q, v):
         acting, _, secant = tension_law(stage, stretch, before, spring, damper, two_damper, numerical)
         store(segment, shifted(row, 0, 1, SEGMENT_STRETCH), stretch)
         store(segment, shifted(row, 0, 1, SEGMENT_TENSION), acting)
-        off, per_damper = (T - secant) * longer, damper * per_h / max(damper * per_h + numerical, 1e-300)
+        moved, stretched = damped_changes(before, stretch, spring[1], two_damper)
+        of_damper, of_method = damper * per_h * abs(moved), numerical * abs(stretched)
+        off, per_damper = (T - secant) * longer, of_damper / max(of_damper + of_method, 1e-300)
         by_dampers, by_method = by_dampers + per_damper * off, by_method + (1.0 - per_damper) * off
         total_square = total_square + longer * longer
         rate = n[0] * (v2[0] - v1[0]) + n[1] * (v2[1] - v1[1]) + n[2] * (v2[2] - v1[2]) - L0_rate
-        wanted = share * (rate - longer * per_h)
-        acts = (T > 0.0) & (wanted * rate > 0.0) & (m1 + m2 > 0.0)
+        wanted = select(stretch > 0.0, of_taut, of_slack) * (rate - longer * per_h)
+        acts = ((T > 0.0) | (two_damper > 0.0)) & (wanted * rate > 0.0) & (m1 + m2 > 0.0)
         impulse = select(acts, select(abs(wanted) > abs(rate), rate, wanted) / (of_1 * m1 + of_2 * m2), 0.0)
         store(net.tension, s, T + impulse * per_h)
         of_impulses = of_impulses - impulse * L0_rate
@@ -167,10 +176,11 @@ def settle(stage, base, q, v, net_address, energy):
     lengths puts in -T (L_b - L_a), so that dampers dissipate by the change of l - L0.
 
     Where stretching is over within a step, v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for ever, while the
-    places are at rest. Each taut segment takes from the rate of l - L0 a share s'/(1 + s') of what that differs from the step's
-    own, s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2, by equal and opposite impulses along itself, all at once and each as if its
-    nodes were as many times lighter as they have segments: momenta are kept, and the kinetic energy falls but for the work of
-    prescribed nodes and of changing rest lengths. Of fifth order where the step resolves the stretching. The impulses over the
+    places are at rest. Each segment takes from the rate of l - L0 a share s'/(1 + s') of what that differs from the step's own,
+    s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2 of the spring and the damper that act on it, so that a slack segment of a cable that
+    cannot push takes nothing, by equal and opposite impulses along itself, all at once and each as if its nodes were as many times
+    lighter as they have segments: momenta are kept, and the kinetic energy falls but for the work of prescribed nodes and of
+    changing rest lengths. Of fifth order where the step resolves the stretching. The impulses over the
     step are a part of the tensions that acted.
 
     Sets the least share of the numerical damper in the next step: all of it, unless that would take more than `SPENT` of the

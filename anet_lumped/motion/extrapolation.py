@@ -62,7 +62,7 @@ def extrapolated(coarse, fine):
         reason=coarse.reason + "; extrapolated with half of it",
         extrapolated=True,
         work=type(fine.work)(*(a + b for a, b in zip(astuple(coarse.work), astuple(fine.work), strict=True))),
-        error_estimate=float(WEIGHT * np.linalg.norm(fine.q - coarse.q, axis=2).max()),
+        error_growth=np.maximum.accumulate(WEIGHT * np.linalg.norm(fine.q - coarse.q, axis=2).max(axis=1)),
         wall_time=coarse.wall_time + fine.wall_time,
     )
 

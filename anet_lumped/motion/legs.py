@@ -90,7 +90,10 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
 
 
 class _Rows(NamedTuple):
-    """Rows that a leg has saved: what was left of the scene, times, places, velocities, energies and tensions of what was left."""
+    """Rows that a leg has saved: what was left of the scene, times, places, velocities, energies and tensions of what was left.
+
+    And what the steps had left out of places by then, None if that is not known.
+    """
 
     left: Remainder
     t: np.ndarray
@@ -98,6 +101,7 @@ class _Rows(NamedTuple):
     v: np.ndarray
     energy: np.ndarray
     tension: np.ndarray
+    error: np.ndarray | None
 
 
 class _Legs:
@@ -109,7 +113,7 @@ class _Legs:
         self.events, self.broken = list(start.events), broken(start.events)
         earlier = sorted((event for event in scene.events if event.t < start.t), key=lambda event: event.t)
         self.masses = {event.point: event.mass for event in earlier}
-        self.runs, self.rows, self.carried = [], [], np.zeros(ENERGIES)
+        self.runs, self.rows, self.carried, self.left_out = [], [], np.zeros(ENERGIES), 0.0
         self._reduce()
 
     def _reduce(self):
@@ -122,7 +126,10 @@ class _Legs:
         if run.status in (STATUS[DONE], STATUS[EVENT]) and (again or not self.leg.saves(float(run.t[-1]), self.dt)):
             count -= 1
         new = slice(first, count)
-        self.rows.append(_Rows(own, run.t[new], run.q[new], run.v[new], energy[new], run.segment_tension[new]))
+        error = None if run.error_growth is None else self.left_out + run.error_growth
+        saved = run.t[new], run.q[new], run.v[new], energy[new], run.segment_tension[new]
+        self.rows.append(_Rows(own, *saved, None if error is None else error[new]))
+        self.left_out = 0.0 if error is None else float(error[-1])
         self.t = float(run.t[-1])
         self.q[own.node], self.v[own.node], self.tension[own.segment] = run.q[-1], run.v[-1], run.segment_tension[-1]
         self.carried[WORK:] = energy[-1, WORK:]
@@ -132,7 +139,7 @@ class _Legs:
         """Save the current state."""
         own = self.left
         row = self.t, self.q[own.node], self.v[own.node], self.energies(), self.tension[own.segment]
-        self.rows.append(_Rows(own, *(np.array([part]) for part in row)))
+        self.rows.append(_Rows(own, *(np.array([part]) for part in row), np.array([self.left_out])))
 
     def energies(self):
         """Kinetic, elastic and potential energy now, work and what was taken so far, (7,) [J]."""
@@ -205,7 +212,7 @@ class _Legs:
 
     def joined(self):
         """All legs as one Run."""
-        last, errors = self.runs[-1], [run.error_estimate for run in self.runs]
+        last = self.runs[-1]
         if len(self.rows) == 1 and not self.events and last.model is self.model:
             return last
         t = np.concatenate([leg.t for leg in self.rows])
@@ -221,7 +228,7 @@ class _Legs:
             energy=np.concatenate([leg.energy for leg in self.rows]),
             status=STATUS[DONE] if last.status == STATUS[EVENT] else last.status,
             work=Work(*np.sum([astuple(run.work) for run in self.runs], axis=0).tolist()),
-            error_estimate=None if None in errors else sum(errors),
+            error_growth=None if any(leg.error is None for leg in self.rows) else np.concatenate([leg.error for leg in self.rows]),
             wall_time=sum(run.wall_time for run in self.runs),
             warnings=tuple(dict.fromkeys(text for run in self.runs for text in run.warnings)),
             events=tuple(self.events),

@@ -54,7 +54,7 @@ def march(model, choice, leg, start, settings):
         status=STATUS[out.status],
         message=why_it_stopped(model, choice, out.status, out.t, out.node, tolerances, out.counts),
         work=Work(*map(int, out.counts)),
-        error_estimate=out.error,
+        error_growth=out.saved.error,
         wall_time=out.wall_time,
         warnings=(*choice.warnings, *stiff),
         segment_tension=out.saved.observed,

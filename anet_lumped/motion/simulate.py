@@ -21,7 +21,8 @@ from anet_lumped.statics.equilibrium import equilibrium
 from integrators import schemes
 from integrators.schemes.record import Origin, Scheme
 
-from .choice import choose
+from .accuracy import TENSION_ERROR, Wanted, keep_error
+from .choice import Choice, choose
 from .energy_gain import flag_energy_gain
 from .extrapolation import extrapolated, method_to_extrapolate
 from .legs import Settings, march_legs
@@ -46,7 +47,8 @@ class RunError(RuntimeError):
 def simulate(
     scene: Scene, t_end: float, *, method: str | None = None, dt: float | None = None, start: str | State = "equilibrium",
     save_every: float | None = None, rtol: float | None = None, atol: float | None = None, rho_inf: float | None = None,
-    extrapolate: bool = False, audit: bool | float = False, check: bool = False,
+    extrapolate: bool = False, error: float | None = None, tension_error: float | None = None, audit: bool | float = False,
+    check: bool = False,
 ) -> Run:  # fmt: skip
     """Motion of a scene from rest or from a State, through its events and the breaks of its cables (`Run.events`).
 
@@ -71,6 +73,11 @@ def simulate(
     extrapolate : bool
         Run with half the step too, and take the limit that the two runs of `edmc` tend to: order 4 where the motion is smooth, for
         half as much again as the finer run.
+    error, tension_error : float or None [m], 1
+        Errors to keep, of places and of the largest tension over that tension: the step is made shorter until the run's own
+        estimates are within them (`Run.error_estimate`, `Run.tension_error`). None, and neither method nor step given, keeps 1 mm
+        in a metre of the longest cable, 5 % of the motion, and 2 % of the largest tension. What cannot be kept, past a whip or
+        in chaos, ``Run.reason`` and a warning say, and from when on.
     audit : bool or float [m]
         Run again with half the step or a tenth of the tolerance, and compare: ``Run.audit`` estimates the error of the run, and
         its status is "audit failed" if that is above the number given (True: 1 % of the longest cable) or if the energy
@@ -88,7 +95,7 @@ def simulate(
     RunError : with ``check=True``
     RunInterrupt : Ctrl-C; with what was done as its ``run``
     """
-    _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit)
+    _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit, error, tension_error)
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
     begin = _start(build(scene), start)
@@ -107,7 +114,18 @@ def simulate(
         warnings.warn(text, StabilityWarning, stacklevel=2)
     settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
     whole = partial(march_legs, _march_of(scheme), scene, start=begin, t_end=begin.t + t_end, settings=settings)
-    run = whole(choice, save_every=save_every)
+    asked = error is not None or tension_error is not None
+    if asked or (method is None and dt is None and not adaptive and not extrapolate):
+        _check_keeps_error(scheme, dt, adaptive, extrapolate)
+
+        def march(choice: Choice, duration: float) -> Run:
+            return whole(choice, save_every=save_every, t_end=begin.t + duration)
+
+        wanted = Wanted(error, TENSION_ERROR if tension_error is None else tension_error)
+        run = keep_error(march, choice, wanted, t_end, save_every or t_end)
+        choice = replace(choice, dt=run.dt)
+    else:
+        run = whole(choice, save_every=save_every)
     if extrapolate:
         every = run.t[1] - run.t[0] if len(run.t) > 2 else t_end
         run = extrapolated(run, whole(replace(choice, dt=0.5 * choice.dt), save_every=every))
@@ -213,11 +231,23 @@ def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:
         )
 
 
-def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: Any, rho_inf: Any, audit: Any) -> None:
+def _check_keeps_error(scheme: Scheme, dt: float | None, adaptive: bool, extrapolate: bool) -> None:
+    """An error is kept by the step, of a scheme whose own steps tell it."""
+    given = "`dt`" if dt is not None else "`rtol` or `atol`" if adaptive else "`extrapolate`" if extrapolate else None
+    if given or not scheme.own:
+        what = f"{given} is given" if given else f"the method is {scheme.name}"
+        raise ValueError(
+            f"Arguments `error` and `tension_error` choose the step of one run with a method of this package, but {what}; "
+            "leave it out, or take `audit`."
+        )
+
+
+def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: Any, rho_inf: Any, audit: Any, *errors: Any) -> None:
     sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=None if isinstance(audit, bool) else audit)
+    sizes |= dict(zip(("error", "tension_error"), errors, strict=True))
     for name, value in sizes.items():
         if value is not None and not (isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0):
-            unit = "" if name == "rtol" else " [m]" if name in ("atol", "audit") else " [s]"
+            unit = "" if name in ("rtol", "tension_error") else " [m]" if name in ("atol", "audit", "error") else " [s]"
             raise ValueError(f"Argument `{name}` must be positive and finite{unit}, but it is {value!r}.")
     if method is not None and method not in tuple(schemes.MODULES):
         known, near = ", ".join(schemes.MODULES), nearest(str(method), schemes.MODULES)

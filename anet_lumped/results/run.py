@@ -13,7 +13,7 @@ from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_TWO_WAY_DAMPER
 from anet_lumped.scene.scene import Scene
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
-from . import run_file
+from . import error_estimate, run_file
 from .audit import Audit
 from .energy_balance import EnergyBalance
 from .events import BREAK, Event, broken
@@ -140,7 +140,8 @@ class Run:
         The last two are of runs that reached their end: see `motion.energy_gain` and `audit`.
     message : str, one sentence that says when, where, why and what to try, if it is not done
     work : Work
-    error_estimate : float or None [m], sum of the estimated errors of the steps, where the scheme has one
+    error_growth : (k,) float64 [m] or None
+        Sum of what the steps leave out of places, up to each saved time; None of a solver of another package. See `error`.
     wall_time : float [s], of the march alone
     warnings : tuple of str, from before the run (see `motion.choice`) and of the completed run (see `motion.run_warnings`)
     segment_tension : (k, n_segments) float64 [N]; None takes the law at every saved time
@@ -162,7 +163,7 @@ class Run:
     status: str = "done"
     message: str = ""
     work: Work = field(default_factory=Work)
-    error_estimate: float | None = None
+    error_growth: np.ndarray | None = None
     wall_time: float = 0.0
     warnings: tuple[str, ...] = ()
     segment_tension: np.ndarray = None  # type: ignore[assignment]  # the law gives it
@@ -189,6 +190,21 @@ class Run:
     def energy_balance(self) -> EnergyBalance:
         """Changes of energy over the run and what does not add up, an `EnergyBalance`."""
         return EnergyBalance.of(self.energy)
+
+    @cached_property
+    def error(self) -> np.ndarray | None:
+        """(k,) largest error of a place up to each saved time [m], estimated; None if it is not known. See `error_estimate`."""
+        return None if self.error_growth is None else error_estimate.place_errors(self)
+
+    @property
+    def error_estimate(self) -> float | None:
+        """Largest error of a place over the run [m], estimated; None if it is not known."""
+        return None if self.error is None else float(self.error[-1])
+
+    @cached_property
+    def tension_error(self) -> float:
+        """Error of the largest tension in the saved states over that tension, estimated."""
+        return error_estimate.tension_error(self)
 
     @property
     def final(self) -> State:

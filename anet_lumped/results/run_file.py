@@ -5,8 +5,6 @@ from dataclasses import asdict
 from os import PathLike
 from typing import Any
 
-import numpy as np
-
 from anet_lumped.results.energy_balance import COLUMNS, UNDIVIDED
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 
@@ -25,19 +23,21 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         "reason": run.reason,
         "status": run.status,
         "message": run.message,
-        "error_estimate": np.nan if run.error_estimate is None else run.error_estimate,
         "wall_time": run.wall_time,
         "audit": json.dumps(asdict(run.audit) if run.audit else None),
         "events": json.dumps([asdict(event) for event in run.events]),
         "extrapolated": int(run.extrapolated),
     }
+    arrays: dict[str, Any] = {
+        "q": (("t", "node", "axis"), run.q, {"units": "m", "long_name": "place"}),
+        "v": (("t", "node", "axis"), run.v, {"units": "m/s", "long_name": "velocity"}),
+        "tension": (("t", "segment"), run.segment_tension, {"units": "N"}),
+        "energy": (("t", "energy_of"), run.energy, {"units": "J"}),
+    }
+    if run.error_growth is not None:
+        arrays["error"] = ("t", run.error_growth, {"units": "m", "long_name": "what the steps left out of places"})
     xr.Dataset(
-        {
-            "q": (("t", "node", "axis"), run.q, {"units": "m", "long_name": "place"}),
-            "v": (("t", "node", "axis"), run.v, {"units": "m/s", "long_name": "velocity"}),
-            "tension": (("t", "segment"), run.segment_tension, {"units": "N"}),
-            "energy": (("t", "energy_of"), run.energy, {"units": "J"}),
-        },
+        arrays,
         coords={"t": ("t", run.t, {"units": "s"}), "axis": list("xyz"), "energy_of": columns},
         attrs=account,
     ).to_netcdf(path, engine="scipy")
@@ -55,7 +55,6 @@ def read(path: str | PathLike[str]) -> dict[str, Any]:
 
     with xr.open_dataset(path, engine="scipy") as data:
         account = data.attrs
-        error = float(account["error_estimate"])
         return {
             "model": scene_from_dict(json.loads(account["scene"])),
             "t": data["t"].values.copy(),
@@ -65,7 +64,7 @@ def read(path: str | PathLike[str]) -> dict[str, Any]:
             "segment_tension": data["tension"].values.copy(),
             **{name: str(account[name]) for name in ("method", "reason", "status", "message")},
             **{name: float(account[name]) for name in ("dt", "wall_time")},
-            "error_estimate": None if np.isnan(error) else error,
+            "error_growth": data["error"].values.copy() if "error" in data else None,
             "work": json.loads(account["work"]),
             "warnings": tuple(json.loads(account["warnings"])),
             "audit": json.loads(account["audit"]),

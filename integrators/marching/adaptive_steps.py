@@ -137,7 +137,7 @@ def adaptive_steps(stepper, times, order, state, scratch, saved, stop):
     system_address, data_address, counts = stepper.system_address, stepper.data_address, stepper.counts
     system, t0, t_end, atol, rtol = system_at(system_address), times.t0, times.t_end, times.atol, times.rtol
     evaluate_start(system_address, data_address, t0, state, counts)
-    rows = save(system_address, data_address, NONE, t0, state, saved)
+    rows = save(system_address, data_address, NONE, t0, 0.0, state, saved)
     start, whole, shown, observed_a, observed_b = scratch.start, scratch.q, scratch.balance, scratch.observed_a, scratch.observed_b
     copy(saved.observed[0], observed_b)
     t, h, total, before, rejections, corner = t0, times.first, 0.0, 1.0, 0, NONE
@@ -180,11 +180,12 @@ def adaptive_steps(stepper, times, order, state, scratch, saved, stop):
             copy(state.balance, shown)
             system.energy(saved.t[rows], saved.q[rows], saved.v[rows], data_address, shown)
             copy(shown[:ENERGIES], saved.energy[rows])
+            saved.error[rows] = total
             rows += 1
         t = end
         if status == EVENT:
             if saved.t[rows - 1] < t:
-                rows = save(system_address, data_address, rows, t, state, saved)
+                rows = save(system_address, data_address, rows, t, total, state, saved)
             return EVENT, rows, t, -1, total
         h = max(h * growth(error, before, order + 1.0, MOST_GROWTH), full if h < full and error < 0.5 else 0.0)
         before, rejections = error, 0

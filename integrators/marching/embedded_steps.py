@@ -82,8 +82,11 @@ def count_held(known, is_held, h):
 
 
 @internal
-def save_within(stepper, t, h, end, scratch, state, rows, saved):
-    """Save at the times that a step from t to ``end`` has passed, by dense output; returns the rows written so far."""
+def save_within(stepper, t, h, end, total, scratch, state, rows, saved):
+    """Save at the times that a step from t to ``end`` has passed, by dense output; returns the rows written so far.
+
+    ``total`` is the sum of the errors of places up to ``end`` [m].
+    """
     system, data_address = system_at(stepper.system_address), stepper.data_address
     memory, parameters, ready, start, balance = state.memory, stepper.parameters, False, scratch.start, scratch.balance
     while rows < saved.t.shape[0] and saved.t[rows] <= end:
@@ -100,6 +103,7 @@ def save_within(stepper, t, h, end, scratch, state, rows, saved):
         system.observe(shown.q, shown.v, data_address, saved.observed[rows])
         system.energy(at, shown.q, shown.v, data_address, balance)
         copy(balance[:ENERGIES], saved.energy[rows])
+        saved.error[rows] = total
         rows += 1
     return rows
 
@@ -129,7 +133,7 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
     system_address, data_address, counts = stepper.system_address, stepper.data_address, stepper.counts
     system, t0, t_end, corners = system_at(system_address), times.t0, times.t_end, times.corners
     evaluate_start(system_address, data_address, t0, state, counts)
-    rows = save(system_address, data_address, NONE, t0, state, saved)
+    rows = save(system_address, data_address, NONE, t0, 0.0, state, saved)
     t, h, total, before, rejections, tried = t0, times.first, 0.0, 1.0, 0, 0
     start, stiffness = scratch.start, Stiffness(NONE, 0.0, NONE, NONE, 0.0)
     corner = next_corner(corners, NONE, t, 1e-12 * (t_end - t0))
@@ -171,7 +175,7 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
             if margin > 0.0:
                 h = locate(stepper, t, h, ONE, margin_before, margin, start, state)
                 end, status = t + h, EVENT
-        rows = save_within(stepper, t, h, end, scratch, state, rows, saved)
+        rows = save_within(stepper, t, h, end, total, scratch, state, rows, saved)
         t = end
         if status == EVENT:
             break
@@ -182,7 +186,7 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
         h = max(h * factor, full if h < full and error < 0.5 else 0.0)
         before, rejections = error, 0
     if status != DONE and saved.t[rows - 1] < t and rows < saved.t.shape[0]:  # the state that was reached
-        rows = save(system_address, data_address, rows, t, state, saved)
+        rows = save(system_address, data_address, rows, t, total, state, saved)
     return status, rows, t, node if status == DIVERGED else -1, total, stiffness.held, stiffness.held_for
 
 

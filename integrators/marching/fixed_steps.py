@@ -20,8 +20,10 @@ from integrators.system import (
     STEPS,
     UNCONVERGED,
     compiled,
+    system_at,
 )
 
+from .error_growth import GROWTH, STEP_ERROR, begin, follow, largest_error
 from .events import locate, margin_of, remember
 from .stepper import STEPPER, take_step
 
@@ -53,17 +55,18 @@ FIXED_STEPS = types.NamedTuple((types.float64,) * 4 + (types.int64,), FixedSteps
 
 
 @march_loop
-def fixed_steps(stepper, times, explicit, state, scratch, saved, stop):
+def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop):
     """March from t0 to t_end; the march ends at an event, see `events.locate`.
 
     Parameters
     ----------
     stepper : Stepper
     times : FixedSteps
-    explicit : bool
-        Steps do not fail, so that the state before one is copied only where an event may ask for it.
+    step_error : StepError
+        Explicit steps do not fail, so that the state before one is copied only where an event may ask for it.
     state : StepState, at the start, and then at the end
     scratch : Scratch
+    growth : Growth, overwritten
     saved : Saved, rows to write
     stop : (1,) int64, ends the march when another thread sets it
 
@@ -73,8 +76,10 @@ def fixed_steps(stepper, times, explicit, state, scratch, saved, stop):
         How it ended, rows written, time reached, and the node where it went wrong (or -1).
     """
     system_address, data_address, counts, t = stepper.system_address, stepper.data_address, stepper.counts, times.t0
+    n_free, explicit = system_at(system_address).n_free, step_error.explicit
     evaluate_start(system_address, data_address, t, state, counts)
-    rows = save(system_address, data_address, NONE, t, state, saved)
+    rows = save(system_address, data_address, NONE, t, 0.0, state, saved)
+    steps, weight = begin(growth, state.v, n_free), 1.0
     start, margin, watched = scratch.start, -1.0, margin_of(stepper, state) > NO_EVENTS
     last = max(1, int(np.ceil((times.t_end - times.origin) / times.dt - SAME_TIME))) - 1
     for s in range(min(int(np.floor((times.t0 - times.origin) / times.dt + SAME_TIME)), last), last + 1):
@@ -91,7 +96,7 @@ def fixed_steps(stepper, times, explicit, state, scratch, saved, stop):
                 counts[HALVINGS] += 1
                 part *= 0.5
                 if part < SMALLEST_PART:
-                    rows = save(system_address, data_address, rows, now, state, saved)
+                    rows = save(system_address, data_address, rows, now, largest_error(growth, n_free), state, saved)
                     return UNCONVERGED, rows, now, -1
                 continue
             counts[STEPS] += 1
@@ -99,12 +104,13 @@ def fixed_steps(stepper, times, explicit, state, scratch, saved, stop):
                 before, margin = margin, margin_of(stepper, state)
                 if margin > 0.0 and worst_node(state.q, state.v) < 0:
                     now += locate(stepper, now, h, ONE, before, margin, start, state)
-                    rows = save(system_address, data_address, rows, now, state, saved)
+                    rows = save(system_address, data_address, rows, now, largest_error(growth, n_free), state, saved)
                     return EVENT, rows, now, -1
             taken += part
             if taken % (2.0 * part) == 0.0:
                 part = min(2.0 * part, 1.0)
         t = goal
+        steps, weight = follow(growth, step_error, steps, weight, whole, state.v, n_free)
         ends = s == last or stop[0] != 0
         saves = (s + 1) % times.stride == 0 or ends
         if saves or s % CHECK_EVERY == 0:
@@ -112,7 +118,7 @@ def fixed_steps(stepper, times, explicit, state, scratch, saved, stop):
             if node >= 0:
                 return DIVERGED, rows, t, node
         if saves:
-            rows = save(system_address, data_address, rows, t, state, saved)
+            rows = save(system_address, data_address, rows, t, largest_error(growth, n_free), state, saved)
         if stop[0] != 0:
             return INTERRUPTED, rows, t, -1
     return DONE, rows, t, -1
@@ -121,4 +127,4 @@ def fixed_steps(stepper, times, explicit, state, scratch, saved, stop):
 def compiled_fixed_steps():
     """`fixed_steps`, compiled (or loaded from the cache) when it is first asked for."""
     stop = types.Array(types.int64, 1, "C")
-    return compiled(fixed_steps, (STEPPER, FIXED_STEPS, types.boolean, STEP_STATE, SCRATCH, SAVED, stop))
+    return compiled(fixed_steps, (STEPPER, FIXED_STEPS, STEP_ERROR, STEP_STATE, SCRATCH, GROWTH, SAVED, stop))

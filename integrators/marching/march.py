@@ -23,6 +23,7 @@ from integrators.system import (
 from . import embedded_steps
 from .adaptive_steps import AdaptiveSteps, compiled_adaptive_steps
 from .embedded_steps import PairLimits, compiled_embedded_steps
+from .error_growth import Growth, StepError
 from .fixed_steps import FixedSteps, compiled_fixed_steps
 from .interruptible import interruptible
 from .stepper import Stepper
@@ -41,7 +42,7 @@ class Outcome:
     counts : (COUNTS,) int64, work counts
     wall_time : float [s], of the march alone
     interrupted : bool, Ctrl-C came; the caller has to raise it again
-    error : float or None [m], sum of the estimated errors of the steps, where they were chosen
+    error : float or None [m], sum of the estimated errors of the steps, where they were chosen by comparing steps
     held, held_for : int, float [s]
         Steps of an embedded pair that stability held, and their time.
     """
@@ -80,7 +81,8 @@ def march(
     adaptive, (asked, observed) = isinstance(times, AdaptiveSteps), saves
     t = np.array(asked, float) if adaptive else np.empty(asked)
     k, n = len(t), len(q)
-    saved = Saved(t, np.empty((k, n, 3)), np.empty((k, n, 3)), np.zeros((k, ENERGIES)), np.empty((k, observed)))
+    places, velocities, unknown = np.empty((k, n, 3)), np.empty((k, n, 3)), np.full(k, np.nan)
+    saved = Saved(t, places, velocities, np.zeros((k, ENERGIES)), np.empty((k, observed)), unknown)
     state = StepState(
         np.array(q, float, order="C"), np.array(v, float, order="C"), np.zeros((scheme.memory_rows, n, 3)), np.zeros(BALANCE)
     )
@@ -91,9 +93,13 @@ def march(
     elif adaptive:
         loop, own = compiled_adaptive_steps(), scheme.order
     else:
-        loop, own = compiled_fixed_steps(), scheme.explicit
+        loop, own = compiled_fixed_steps(), StepError(scheme.explicit, scheme.error_order or scheme.order, scheme.error_constant)
     scratch = scratch_for(state, scheme.carried_rows, observed)
+    room = () if adaptive else (Growth(np.empty((n, 3)), np.zeros((n, 3))),)
     began = time.perf_counter()
-    (status, rows, t, node, *more), interrupted = interruptible(entry_point(loop), stepper, times, own, state, scratch, saved)
+    given = stepper, times, own, state, scratch, *room, saved
+    (status, rows, t, node, *more), interrupted = interruptible(entry_point(loop), *given)
     wall_time = time.perf_counter() - began
+    if scheme.error_shift and not adaptive:
+        saved.error[:rows] += scheme.error_shift * times.dt * np.maximum.accumulate(np.abs(saved.v[:rows]).max(axis=(1, 2)))
     return Outcome(status, t, node, Saved(*(part[:rows] for part in saved)), counts, wall_time, interrupted, *more)

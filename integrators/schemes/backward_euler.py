@@ -47,6 +47,7 @@ BACKWARD_EULER = own_scheme(
     note="energy never rises at any step; damps the motion itself strongly",
     energy=EnergyPromise.NEVER_RISES,
     damps_the_motion=True,
+    error_constant=1 / 2,
     step=step,
     memory_rows=3,
 )

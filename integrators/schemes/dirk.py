@@ -11,6 +11,8 @@ are not those that any forces balanced. Of these two the mean over the step is o
 2, and its last force is right.
 """
 
+import math
+
 import numpy as np
 
 from integrators.jit import scheme_step
@@ -27,7 +29,7 @@ MOST_STAGES = 3
 STAGES, AVERAGES, TABLE = FIRST_OWN, FIRST_OWN + 1, FIRST_OWN + 2
 
 
-def dirk_scheme(A, b, observes_mean_over_stages=False, **known):
+def dirk_scheme(A, b, order, observes_mean_over_stages=False, **known):
     """The record of a scheme with the tableau A (s, s), b (s,), lower triangular, of at most `MOST_STAGES` stages."""
 
     def coefficients():
@@ -37,9 +39,11 @@ def dirk_scheme(A, b, observes_mean_over_stages=False, **known):
         return np.concatenate([[len(b), observes_mean_over_stages], table.ravel()])
 
     return own_scheme(
+        order=order,
         family=Family.DIAGONALLY_IMPLICIT,
         explicit=False,
         limit=NoLimit(),
+        error_constant=abs(1.0 / math.factorial(order + 1) - float(np.dot(b, np.linalg.matrix_power(A, order).sum(axis=1)))),
         observes_mean_over_stages=observes_mean_over_stages,
         step=step,
         memory_rows=11,

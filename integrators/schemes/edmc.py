@@ -71,6 +71,7 @@ EDMC = own_scheme(
     books_its_losses=True,
     takes_rigid_springs=True,
     evaluates_force=False,
+    error_constant=1 / 12,
     step=step,
     memory_rows=6,
     carried_rows=3,

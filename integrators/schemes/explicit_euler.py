@@ -47,6 +47,7 @@ EXPLICIT_EULER = own_scheme(
     explicit=True,
     limit=ForwardEuler(lambda: (1.0, 1.0)),
     note="never stable for swings without mass-proportional damping: no axial damper acts on them",
+    error_constant=1 / 2,
     step=step,
     memory_rows=1,
 )

@@ -75,6 +75,7 @@ GENERALISED_ALPHA = own_scheme(
     limit=NoLimit(),
     note="linear statement only: energy can grow without bound in nonlinear motion",
     options={"rho_inf": 0.8},
+    error_constant=1 / 12,
     step=step,
     memory_rows=5,
     carried_rows=2,

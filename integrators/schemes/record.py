@@ -77,6 +77,12 @@ class Scheme:
     energy : EnergyPromise
     keeps_angular_momentum : bool
         To the tolerance of its equations; the others to the error of the motion.
+    error_constant : float
+        C of what a step leaves out of a place, C h^(p+1) |d^(p+1) q/dt^(p+1)|; of a scheme of this package. See `error_growth`.
+    error_order : int or None
+        p of that, if it is not the order: an error of a lower order that does not grow is left out of it.
+    error_shift : float
+        That other error: places are off as if those of a motion so many steps earlier or later.
     damps_the_motion : bool
         It takes a large share of the energy out of a motion that its steps resolve.
     observes_mean_over_stages : bool
@@ -115,6 +121,9 @@ class Scheme:
     stepping: Stepping = Stepping.FIXED
     energy: EnergyPromise = EnergyPromise.NONE
     keeps_angular_momentum: bool = False
+    error_constant: float = np.nan
+    error_order: int | None = None
+    error_shift: float = 0.0
     damps_the_motion: bool = False
     observes_mean_over_stages: bool = False
     extrapolated_order: int | None = None

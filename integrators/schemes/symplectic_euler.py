@@ -35,6 +35,9 @@ SYMPLECTIC_EULER = own_scheme(
     note="(h omega)^2 + 4 zeta h omega <= 4",
     energy=EnergyPromise.SWINGS_ABOUT,
     keeps_angular_momentum=True,
+    error_constant=1 / 24,
+    error_order=2,
+    error_shift=1 / 2,
     step=step,
     memory_rows=1,
 )

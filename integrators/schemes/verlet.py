@@ -40,6 +40,7 @@ VERLET = own_scheme(
     note="(h omega)^2 + 8 zeta h omega <= 4; damping at the predicted velocity halves the dashpot it tolerates",
     energy=EnergyPromise.SWINGS_ABOUT,
     keeps_angular_momentum=True,
+    error_constant=1 / 24,
     step=step,
     memory_rows=2,
 )

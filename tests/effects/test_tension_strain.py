@@ -88,7 +88,7 @@ def test_between_two_lengths(a, b, near, damper):
     """The secant of the energy, without cancellation; no step gives energy."""
     b = a + 1e-11 * b if near else b
     spring = spring_of(cable())
-    T, slope, secant = axial.tension_between(a, b, spring, damper, 0.0)
+    T, slope, secant = axial.tension_between(a, b, spring, damper, 0.0, 0.0)
     change = axial.elastic_energy(b, spring) - axial.elastic_energy(a, spring)
     assert secant * (b - a) == pytest.approx(change, abs=16 * EPS * 4e4 * (a * a + b * b))
     assert secant == pytest.approx(curve(0.5 * (a + b)) if near else secant, abs=1e-6)

@@ -173,11 +173,31 @@ def elastic_secant(stretch_a, stretch_b, spring):
 
 
 @njit(cache=True, forceinline=True)
-def tension_between(stretch_a, stretch_b, spring, damper, two_way_damper):
+def damped_changes(stretch_a, stretch_b, two_way_spring, two_way_damper):
+    """Changes of length that the physical damper and the numerical one of a step see [m].
+
+    Each sees the taut part of the length, and of the rest as much as it acts there: the numerical damper stands in for a spring
+    that the step does not resolve, and acts only as the spring does. On a slack segment it would be glue.
+    """
+    taut = max(stretch_b, 0.0) - max(stretch_a, 0.0)
+    slack = (stretch_b - stretch_a) - taut
+    return taut + two_way_damper * slack, taut + two_way_spring * slack
+
+
+@njit(cache=True, forceinline=True)
+def tension_between(stretch_a, stretch_b, spring, damper, numerical, two_way_damper):
     """Tension that acts over a whole step, from a to b, so that no step can raise the energy.
 
-    T = secant + damper (x_b - x_a), where x is the length (its taut part for ``"none"``, and then T >= 0) and
-    damper = c/h + alpha k holds the physical damper over the step and the numerical one.
+    T = secant + damper (x_b - x_a) + numerical (y_b - y_a), with the changes of `damped_changes`; T >= 0 for ``"none"``.
+
+    Parameters
+    ----------
+    stretch_a, stretch_b : float64 [m]
+        l - L0 at both times.
+    spring : tuple, see the module
+    damper, numerical : float64 [N/m]
+        The physical damper over the step, c/h, and the one that the scheme adds.
+    two_way_damper : float64, switch
 
     Returns
     -------
@@ -189,9 +209,8 @@ def tension_between(stretch_a, stretch_b, spring, damper, two_way_damper):
     After Armero & Romero, Comput. Methods Appl. Mech. Engrg. 190 (2001) 2603 and 6783, for springs that cannot push.
     """
     secant, slope = elastic_secant(stretch_a, stretch_b, spring)
-    two_way = two_way_damper > 0.0
-    moved = select(two_way, stretch_b - stretch_a, max(stretch_b, 0.0) - max(stretch_a, 0.0))
-    T = secant + damper * moved
-    acts = (T > 0.0) | two_way
-    slope = slope + select((stretch_b > 0.0) | two_way, damper, 0.0)
+    moved, stretched = damped_changes(stretch_a, stretch_b, spring[1], two_way_damper)
+    T = secant + damper * moved + numerical * stretched
+    slope = slope + select(stretch_b > 0.0, damper + numerical, two_way_damper * damper + spring[1] * numerical)
+    acts = (T > 0.0) | (two_way_damper > 0.0)
     return select(acts, T, 0.0), select(acts, slope, 0.0), secant

@@ -1,0 +1,182 @@
+"""Keep an error: a pilot over the first part of a motion, then the whole, with shorter steps until its estimates are small enough.
+
+A run tells its own errors (`results.error_estimate`), so that one run is enough where they are small enough. Where they are not,
+the next one takes steps that its predecessor's errors ask for, a whole number of them in each of its predecessor's. Then there are
+two runs to compare: what they differ by is the error of the coarser one, and what that is of the error which it told corrects what
+the finer one tells. Where it is many times as much, the motion has multiplied errors: past a whip, or in chaos, no step keeps an
+error, and the run says from when on.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from anet_lumped.results.run import Run
+from integrators import schemes
+
+from .choice import Choice
+
+ERROR_OF_LENGTH = 1e-3  # of the longest cable, and
+ERROR_OF_MOTION = 0.05  # of the largest way that a node goes: errors of places that the default keeps
+SMALLEST_ERROR = 1e-6  # of the longest cable: a motion that is smaller than its error is at rest
+TENSION_ERROR = 0.02  # of the largest tension: what the default keeps
+PILOT = 0.125  # of the time of a run; the pilot's cost is that share of the first run's
+FEWEST_STEPS = 400  # a shorter run costs so little that it is its own pilot
+AIM = 0.5  # of the error asked for, by an estimate that may be half of the truth
+MOST_AT_ONCE = 8  # steps that one is replaced by
+MOST_FOR_PLACES, MOST_FOR_TENSIONS = 512, 32  # steps in all that one of the first choice is replaced by; beyond, the run says so
+AMPLIFIED = 4.0  # times the error that a run tells of itself: from there on the motion has multiplied it
+NEARER = 0.7  # of an error, which shorter steps must leave at most: otherwise they are in vain
+LEAST_OF_TOLD = 0.05  # of the error that a run tells of itself, which is left of it by a comparison
+
+
+class Wanted(NamedTuple):
+    """Errors to keep.
+
+    Parameters
+    ----------
+    error : float or None [m], of places; None for the default's, see the module
+    tension_error : float, of the largest tension, over it
+    """
+
+    error: float | None
+    tension_error: float
+
+    def of_places(self, run: Run) -> float:
+        """Error of places to keep in a run [m]."""
+        if self.error is not None:
+            return self.error
+        length = max(cable.length for cable in run.scene.cables)
+        way = float(np.abs(run.q - run.q[0]).max())
+        return max(min(ERROR_OF_LENGTH * length, ERROR_OF_MOTION * way), SMALLEST_ERROR * length)
+
+
+class Known(NamedTuple):
+    """What is known of the errors of a run.
+
+    Parameters
+    ----------
+    error : float [m], of places
+    tension_error : float, of the largest tension, over it
+    of_told : float, the error of places over that which the run tells of itself: more than one where the motion multiplies errors
+    since : float [s], from when on they are multiplied; infinite if they are not
+    """
+
+    error: float
+    tension_error: float
+    of_told: float = 1.0
+    since: float = math.inf
+
+
+def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wanted, duration: float, span: float) -> Run:
+    """March with steps short enough for the errors that are wanted.
+
+    Parameters
+    ----------
+    march : callable(choice, duration) -> Run, from the start of the motion
+    choice : Choice
+        Method and first step.
+    wanted : Wanted
+    duration : float [s]
+    span : float [s], between saved states, or the duration: it holds a whole number of steps
+
+    Returns
+    -------
+    Run
+        The last one; `Run.reason` says what was kept. If it is not "done", nothing more was tried.
+    """
+    first = choice.dt
+    if duration > FEWEST_STEPS * first:
+        pilot = march(choice, span * max(1.0, math.floor(PILOT * duration / span)) if span < duration else PILOT * duration)
+        if pilot.ok:
+            share = (pilot.t[-1] - pilot.t[0]) / duration
+            choice = _finer(choice, _parts(pilot, wanted, share), span)
+    run, in_vain = march(choice, duration), (False, False)
+    known = Known(run.error_estimate or 0.0, run.tension_error)
+    while run.ok:
+        parts = _parts(run, wanted, 1.0, known.of_told, choice.dt / first, in_vain)
+        if parts < 2:
+            break
+        coarser, before, choice = run, known, _finer(choice, parts, span)
+        run = march(choice, duration)
+        known = _compared(run, coarser, wanted) if run.ok else known
+        in_vain = known.error > NEARER * before.error, known.tension_error > NEARER * before.tension_error
+    return _told(run, known, wanted) if run.ok else run
+
+
+def _finer(choice: Choice, parts: int, span: float) -> Choice:
+    """The choice with every step in parts."""
+    return replace(choice, dt=span / (parts * round(span / choice.dt))) if parts > 1 else choice
+
+
+def _parts(
+    run: Run, wanted: Wanted, share: float, of_told: float = 1.0, of_first: float = 1.0, in_vain: tuple[bool, bool] = (False, False)
+) -> int:
+    """Number of steps that each step of a run should be replaced by.
+
+    As its errors over a ``share`` of the whole time tell; its steps are ``of_first`` of those that were chosen first, and shorter
+    ones were ``in_vain`` for places, or for tensions.
+    """
+    scheme = schemes.scheme(run.method)
+    order = scheme.error_order or scheme.order or 1
+    places, tensions = (
+        of_told * (run.error_estimate or 0.0) / share / wanted.of_places(run),
+        run.tension_error / wanted.tension_error,
+    )
+    wishes = [1]
+    if places > 1.0 and not in_vain[0]:
+        wishes.append(min(math.ceil((places / AIM) ** (1.0 / order)), int(MOST_FOR_PLACES * of_first)))
+    if tensions > 1.0 and not in_vain[1]:
+        wishes.append(min(math.ceil((tensions / AIM) ** 0.5), int(MOST_FOR_TENSIONS * of_first)))
+    return min(max(wishes), MOST_AT_ONCE)
+
+
+def _compared(run: Run, coarser: Run, wanted: Wanted) -> Known:
+    """Errors of a run, as it tells them and as a coarser one before it shows them."""
+    own, theirs = _same_times(run, coarser)
+    apart = np.maximum.accumulate(np.linalg.norm(run.q[own] - coarser.q[theirs], axis=2).max(axis=1))
+    told = np.maximum(coarser.error[theirs], 1e-300)
+    of_told = max(float(apart[-1] / told[-1]), LEAST_OF_TOLD)
+    beyond = apart > np.maximum(AMPLIFIED * told, wanted.of_places(run))
+    since = float(run.t[own][np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf
+    return Known(of_told * (run.error_estimate or 0.0), run.tension_error, of_told, since)
+
+
+def _same_times(run: Run, other: Run) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of two runs that were saved at the same times."""
+    near = np.minimum(np.searchsorted(other.t, run.t - 1e-6 * run.dt), len(other.t) - 1)
+    same = np.abs(other.t[near] - run.t) < 1e-6 * run.dt
+    return np.flatnonzero(same), near[same]
+
+
+def _kept(run: Run, known: Known, wanted: Wanted) -> bool:
+    return known.error <= wanted.of_places(run) and known.tension_error <= wanted.tension_error
+
+
+def _told(run: Run, known: Known, wanted: Wanted) -> Run:
+    """The run with what was kept in its reason, and what was not in its warnings."""
+    allowed = wanted.of_places(run)
+    reason = (
+        f"{run.reason}; dt={run.dt:.3g} s keeps places to {allowed:.2g} m (estimated {known.error:.2g} m) "
+        f"and peak tensions to {wanted.tension_error:.2g} (estimated {known.tension_error:.2g})"
+    )
+    if _kept(run, known, wanted):
+        return replace(run, reason=reason)
+    found = []
+    if known.error > allowed:
+        until = float(run.t[np.argmax(known.of_told * run.error > allowed)])
+        why = f", because the motion multiplies errors {known.of_told:.2g} times from t={known.since:.4g} s on"
+        found.append(
+            f"places are known to {allowed:.2g} m until t={until:.4g} s, to {known.error:.2g} m at the end"
+            f"{why if known.since < math.inf else ''}"
+        )
+    if known.tension_error > wanted.tension_error:
+        found.append(
+            f"the largest tension is known to {known.tension_error:.1%} where {wanted.tension_error:.1%} are wanted: "
+            "it jumps faster than the steps resolve"
+        )
+    text = f"{run.method}: {'; '.join(found)}; dt={run.dt:.3g} s was the last step tried."
+    return replace(run, reason=f"{run.reason}; {'; '.join(found)}", warnings=(*run.warnings, text))

@@ -1,0 +1,121 @@
+"""How the error of places grows in a march with fixed steps, from what its steps leave out.
+
+A step of a scheme whose error is of order p leaves out C h^(p+1) |d^(p+1) q/dt^(p+1)| of every coordinate. The derivative is a
+difference of the velocities at p + 1 steps in a row,
+
+    h^p d^(p+1) q/dt^(p+1) = sum_j (-1)^(p-j) (p over j) v_j ,
+
+so that it costs one addition a step. What is left out is summed up by its size, since the error of a swing is one of its phase,
+which grows as long as it swings: x = A cos(omega t) is off by A C (omega h)^p omega t, and the sum is 2/pi of that. A damped motion
+forgets some of its errors, and a whip multiplies some, which this sum does not see.
+
+Source: Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (1993), II.3 (local and global error).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+
+from integrators.flat_view import flat
+from integrators.jit import internal
+from integrators.states import copy
+
+SWING = 0.5 * np.pi  # largest of |cos| over its mean: the sum of what a swing leaves out is so much less than its error of phase
+UNSEEN = 5  # steps of an explicit march after p in a row of which nothing is added, since its steps cost little
+
+
+class StepError(NamedTuple):
+    """What a scheme's steps leave out.
+
+    Parameters
+    ----------
+    explicit : bool
+        Steps do not fail, and there are so many that `UNSEEN` of them are taken to be like those before.
+    order : int
+        p, of the error that grows.
+    constant : float
+        C.
+    """
+
+    explicit: bool
+    order: int
+    constant: float
+
+
+STEP_ERROR = types.NamedTuple((types.boolean, types.int64, types.float64), StepError)
+
+
+class Growth(NamedTuple):
+    """Difference of velocities that is being formed [m/s], and errors of places so far [m]; (n, 3) both."""
+
+    difference: np.ndarray
+    error: np.ndarray
+
+
+_f2 = types.Array(types.float64, 2, "C")
+GROWTH = types.NamedTuple((_f2, _f2), Growth)
+
+
+@internal
+def begin(growth, v, n_free):
+    """Begin at the start of a march; returns the number of steps that the difference has, none."""
+    error = flat(growth.error)
+    for i in range(error.shape[0]):
+        error[i] = 0.0
+    copy(flat(v)[: 3 * n_free], flat(growth.difference))
+    return np.int64(0)
+
+
+@internal
+def follow(growth, step_error, steps, weight, h, v, n_free):
+    """Add a step to the difference, and what is left out to the error where the difference is complete.
+
+    Parameters
+    ----------
+    growth : Growth
+    step_error : StepError
+    steps : int64
+        Steps that the difference has; below zero it waits.
+    weight : float64
+        Of the velocities that were added last.
+    h : float64 [s]
+    v : (n, 3) float64 [m/s], at the end of the step
+    n_free : int64, nodes that move
+
+    Returns
+    -------
+    steps, weight
+    """
+    p, V, difference, error, size = step_error.order, flat(v), flat(growth.difference), flat(growth.error), 3 * n_free
+    steps += 1
+    if steps < 0:
+        return steps, 1.0
+    if steps == 0:
+        copy(V[:size], difference)
+        return steps, 1.0
+    weight *= -float(p - steps + 1) / float(steps)
+    for i in range(size):
+        difference[i] += weight * V[i]
+    if steps < p:
+        return steps, weight
+    seen = p + UNSEEN + 1 if step_error.explicit else p
+    left_out = SWING * step_error.constant * h * seen
+    for i in range(size):
+        error[i] += left_out * abs(difference[i])
+    if step_error.explicit:
+        return -(UNSEEN + 1), 1.0
+    copy(V[:size], difference)
+    return np.int64(0), 1.0
+
+
+@internal
+def largest_error(growth, n_free):
+    """Largest error of the place of a node so far [m]."""
+    error, largest = growth.error, 0.0
+    for i in range(n_free):
+        square = 0.0
+        for x in range(3):
+            square += error[i, x] * error[i, x]
+        largest = max(largest, square)
+    return np.sqrt(largest)

@@ -1,0 +1,42 @@
+"""What a march says of its own error, against the exact motion of a system without cables."""
+
+import numpy as np
+import pytest
+from duffing import Duffing
+from test_boundary import FIRST, OWN, run
+
+from integrators import schemes
+
+T_END = 3.0  # [s], one turn of the fastest motion
+
+
+@pytest.mark.parametrize("forces", [{}, {"c": 0.3, "g": 1.0, "shake": 0.2}])
+@pytest.mark.parametrize("name", [name for name in OWN if name != "dop853"])
+def test_the_error_that_a_march_tells_is_that_of_its_places(name, forces):
+    """From a third of the time on, from a half to three times of the truth: this swing stiffens, and its dampers forget."""
+    duffing, order = Duffing(**forces), schemes.scheme(name).order
+    n = FIRST[order] * 8
+    out = run(duffing, name, T_END / n, T_END, stride=n // 40)
+    exact = duffing.exact(T_END, t_eval=out.saved.t).y.T[:, :6].reshape(-1, 2, 3)
+    off = np.maximum.accumulate(np.linalg.norm(out.saved.q[:, :2] - exact, axis=2).max(axis=1))
+    late = out.saved.t > T_END / 3
+    assert (out.saved.error[0] > 0.0) == (schemes.scheme(name).error_shift > 0.0)
+    assert np.all(np.diff(out.saved.error) >= 0.0)
+    np.testing.assert_array_less(off[late], 2.0 * out.saved.error[late])
+    np.testing.assert_array_less(out.saved.error[late], 3.0 * off[late])
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_it_falls_at_the_order_of_the_scheme(name):
+    order, told = schemes.scheme(name).order, []
+    for n in (FIRST[order] * 4, FIRST[order] * 8):
+        out = run(Duffing(), name, T_END / n, T_END, stride=n)
+        told.append(out.saved.error[-1])
+    # of order 8 the differences of the coarser steps are not small yet; an explicit march looks at seven in ten of its steps
+    assert np.log2(told[0] / told[1]) == pytest.approx(order, abs=0.15 if order < 8 else 1.5)
+
+
+def test_the_constant_of_dop853_is_that_of_its_tableau():
+    from integrators.schemes.dop853 import amplification
+
+    assert schemes.scheme("dop853").error_constant == pytest.approx(abs(amplification()[9] - 1 / 362880), rel=1e-4)
