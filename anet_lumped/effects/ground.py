@@ -25,10 +25,10 @@ from numba import njit
 
 from anet_lumped.checks import SceneError, check_direction, check_number
 from anet_lumped.effects.laws.axial import secant_tension, stored
-from anet_lumped.effects.laws.unresolved_contact import damper_share
+from anet_lumped.effects.laws.unresolved_contact import damper_share, settled_rate
 
 from .effect import Effect, height_under
-from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, SETTLE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
 DEPTH = 1e-2  # depth over the cable's diameter, at which the damper acts in full
 HEADER, EACH = 6, 4  # numbers in ``params`` before those of the nodes, and of each node
@@ -107,7 +107,7 @@ class Ground(Effect):
         return np.empty(0, np.int64), np.array([*normal, self.height, self.friction, self.slip_speed, *numbers])
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
-        return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step}
+        return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "settle": settle}
 
     def force_on(self, state: Any) -> np.ndarray:
         """Force that each node exerts on the ground in a State, (n, 3) [N]."""
@@ -248,3 +248,20 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
             dissipated, by_method = dissipated + viscous, by_method + unresolved
             dissipated += h * params[4] * N * root * (slide[0] * slide[0] + slide[1] * slide[1] + slide[2] * slide[2])
     return dissipated, by_method
+
+
+@njit(SETTLE_SIGNATURE, cache=True, error_model="numpy")
+def settle(t, h, damper, base, q, v, index, params):
+    """Speed of sinking in of the nodes that stay below the plane, without what rings, see `laws.unresolved_contact`."""
+    taken = 0.0
+    for i in range((params.shape[0] - HEADER) // EACH):
+        s_a, s_b = _below(base, i, params), _below(q, i, params)
+        if s_a > 0.0 and s_b > 0.0:
+            k, c, _, mass = _of_node(params, i)
+            viscous = 0.5 * h * c / mass
+            rate = -(params[0] * v[i, 0] + params[1] * v[i, 1] + params[2] * v[i, 2])
+            after = settled_rate(damper, 0.25 * h * h * k / mass + viscous * viscous, rate, (s_b - s_a) / h)
+            for x in range(3):
+                v[i, x] += (rate - after) * params[x]
+            taken += 0.5 * mass * (rate * rate - after * after)
+    return taken

@@ -7,7 +7,7 @@ from numba import float64, int64, types
 from anet_lumped.compiled.jit import inlined, kernel, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, is_below, load, select, shifted, store
 from anet_lumped.effects.laws.axial import damped_changes
-from anet_lumped.effects.signatures import as_force, as_whole_step
+from anet_lumped.effects.signatures import as_force, as_settle, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
 from anet_lumped.mechanics.effect_forces import any_live, numbers_of, take_middle
 from anet_lumped.mechanics.optional import as_cable_settle, as_energy_of_paid_out, as_work_of_lengths
@@ -38,6 +38,7 @@ from anet_lumped.model.tables import (
     SEGMENT_STRETCH_BEFORE,
     SEGMENT_TENSION,
     SLOT_FORCE,
+    SLOT_SETTLE,
     SLOT_WHOLE_STEP,
 )
 from integrators.flat_view import flat
@@ -241,6 +242,12 @@ def settle(stage, base, q, v, net_address, energy):
         by_method -= net.mass[i] * (cx * (x + 0.5 * cx) + cy * (y + 0.5 * cy) + cz * (z + 0.5 * cz))
         kinetic += 0.5 * net.mass[i] * (x * x + y * y + z * z)
         v[i, 0], v[i, 1], v[i, 2] = x + cx, y + cy, z + cz
+    for e in range(net.effects.address.shape[0]):
+        if net.effects.address[e, SLOT_SETTLE] != 0:
+            index, params = numbers_of(net.effects, e)
+            by_method += as_settle(net.effects.address[e, SLOT_SETTLE])(
+                stage.t + 0.5 * h, h, stage.dissipation, base, q, v, index, params
+            )
     net.linearised[LINEARISED_LEAST_DAMPER] = min(1.0, SPENT * kinetic / max(full, 1e-300))
     net.linearised[LINEARISED_BEGINNING] = BEGINS
     if changing:

@@ -29,7 +29,7 @@ SEGMENT_COLUMNS = 14
 LINEARISED_LAW, LINEARISED_TAU, LINEARISED_BEGINNING, LINEARISED_LEAST_DAMPER, LINEARISED_MEAN_STEP = range(5)
 
 # `Effects.address`, one row an effect: the addresses of its compiled functions, 0 for one that it does not have.
-SLOT_FORCE, SLOT_TANGENT, SLOT_ENERGY, SLOT_WHOLE_STEP, SLOT_INERTIA = range(5)
+SLOT_FORCE, SLOT_TANGENT, SLOT_ENERGY, SLOT_WHOLE_STEP, SLOT_INERTIA, SLOT_SETTLE = range(6)
 
 # `Lengths.material`, one row a cable whose rest length changes: its length [m], its EA [N] (0 if it does not stretch), the damper
 # of a segment [N s/m], and 1 if that follows from BA, and so changes with the length.

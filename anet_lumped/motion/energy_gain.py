@@ -84,8 +84,14 @@ def flag_energy_gain(run, limit, adaptive=False):
             "; such a step adds energy to an undamped cable that goes slack and snaps taut: take at most an eighth of the "
             f'predicted limit, {small:.3g} s, a damping ratio of {CALM_DAMPING_RATIO:g} or more, or method="edmc"'
         )
+    elif run.method == "edmc":
+        why = "; try a smaller step"
+        loose = [type(effect).__name__ for effect in run.scene.effects if not effect.keeps_energy]
+        if loose:
+            why = f"{why}, or an energy in place of the force of {' and '.join(loose)}, of which nothing says that it is kept"
     else:
-        why = '; try method="edmc", which never gains any, or a smaller step'
+        kept = all(effect.keeps_energy for effect in run.scene.effects)
+        why = f'; try method="edmc"{", which never gains any," if kept else ""} or a smaller step'
     message = (
         f"{run.method} with dt={run.dt:.3g} s reached t={run.t[-1]:.4g} s, but its energy rose by {gained:.2g} of the energy in "
         f"play that nothing put in, where {ALLOWED_GAIN:g} is allowed{why}."

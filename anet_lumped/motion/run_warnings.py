@@ -70,7 +70,8 @@ def _unaccounted_energy(run, step):
         what = "were lost in its steps, to neither dampers nor drag: the motion is damped too much"
     else:
         what = "were dissipated beyond what was there: its steps put that in, or its dampers took less than their rates say"
-    return f'{run.method}: {off:.2g} of the energy in play {what}; take {step}, or method="edmc".'
+    other = "" if run.method == "edmc" else ', or method="edmc"'
+    return f"{run.method}: {off:.2g} of the energy in play {what}; take {step}{other}."
 
 
 def _taken_by_method(run, step):

@@ -9,6 +9,10 @@ of the change of depth over a step for an additional depth, so that with ``dampe
 that of the depth at the end of the step. It sets in with the fourth power of the step and is not felt where the step resolves the
 contact: of a body that swings on it, it takes 2 pi s^5 of the energy in a period. It acts on contacts that last, whose body is in
 touch at the start of the step: what touches down within a step keeps its energy.
+
+The depth is then at rest, and yet v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for ever. As with cables
+(`mechanics.settle`), an impulse along the contact takes the same part, 2 alpha, of what the rate of the depth differs from that
+over the step; it only takes energy.
 Source: after Armero & Petocz, Comput. Methods Appl. Mech. Engrg. 158 (1998) 269, who damp all of a contact.
 """
 
@@ -20,3 +24,12 @@ def damper_share(damper, square):
     """alpha of the module's docstring for ``square`` = (omega h/2)^2."""
     fourth = square * square
     return damper * fourth / (1.0 + fourth)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def settled_rate(damper, square, rate, mean):
+    """Rate of a depth at the end of a step, without what rings about that over the step, ``mean``; for `damper_share`'s square."""
+    wanted = 2.0 * damper_share(damper, square) * (rate - mean)
+    if wanted * rate <= 0.0:
+        return rate
+    return 0.0 if abs(wanted) > abs(rate) else rate - wanted

@@ -23,8 +23,9 @@ arguments are
 with the time t [s], positions [m] and velocities [m/s] as three numbers each; node 0 of a segment is the one towards its cable's
 start. The arguments in `OF_NODES` and `OF_SEGMENTS` are filled in for each element. All others are the effect's parameters, a
 number or a tuple of numbers each, with the defaults that they have in the law. Prefer an energy to the force that follows from it:
-the energy balance of a run then holds it, and a run that gains energy is noticed. A step of `edmc` takes the law at its middle, so
-that its energy is kept to the second order of the step. Methods of diffrax do not take such effects.
+the energy balance of a run then holds it, a run that gains energy is noticed, and a step of `edmc` does exactly the work that the
+energy says, however stiff the law is (`energy_steps`). A force is taken at the middle of the step; of what it puts in, nothing is
+promised. Methods of diffrax do not take such effects.
 """
 
 import inspect

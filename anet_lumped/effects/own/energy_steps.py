@@ -8,8 +8,8 @@ so that G . D = V_b - V_a exactly, whatever V is: a contact that begins within t
 The mean of both ends is of second order, as the gradient at the middle is, and has the right direction where the middle of the step
 is not in touch, or is deeper than both ends, as on a chord of a circle. V is that of the middle of the step in time.
 
-V_b - V_a - ... has few digits where D is small. Of a difference r that is not beyond its own rounding n only r^3/(r^2 + n^2)
-counts, which is smooth: the energy is then kept to rounding, and the force has no noise of n/|D|.
+The bracket r has few digits where D is small. Of one that is not beyond its own rounding n only r^9/(r^8 + n^8) counts, which is
+smooth: the energy is then kept to rounding, and the force has no noise of n/|D| where a body comes to rest.
 
 gamma = 2 alpha (x_b - x_a)/(x_b + x_a) with the depth x = sqrt(max(V, 0)) is the numerical damper of
 `anet_lumped.effects.laws.unresolved_contact`, for omega^2 = sum over the nodes of |g_a|^2/m over 2 V_a, which is k/m of a spring.
@@ -22,14 +22,14 @@ import math
 from numba import njit
 
 from anet_lumped.compiled.dual import slope, value_of
-from anet_lumped.effects.laws.unresolved_contact import damper_share
-from anet_lumped.effects.signatures import WHOLE_STEP_SIGNATURE
+from anet_lumped.effects.laws.unresolved_contact import damper_share, settled_rate
+from anet_lumped.effects.signatures import SETTLE_SIGNATURE, WHOLE_STEP_SIGNATURE
 
 from .seeds import add, constant, position, seeded
 
-ROUNDING = 64.0 * 2.220446049250313e-16
-"""Of V and of g . q: what is no more than this may be rounding. 64, since what is lost on the way to r is a few roundings, and
-their noise is then below a thousandth of n."""
+ROUNDING = 512.0 * 2.220446049250313e-16
+"""Of V and of g . q: what is less than this may be rounding. 512, since a few roundings are lost on the way to r, and of those
+hardly anything is then left."""
 
 
 @njit(error_model="numpy")
@@ -86,10 +86,10 @@ def _correction(r, rounding, square):
     """Factor c of D in G, and c_r and c_D of its change dc = c_r dr + c_D D . dD; ``square`` is |D|^2."""
     if abs(r) <= 1e-30 * rounding or square == 0.0:
         return 0.0, 0.0, 0.0
-    noise = rounding / r  # of r itself, so that neither square underflows
-    counts = 1.0 / (1.0 + noise * noise)
+    noise = (rounding / r) ** 8
+    counts = 1.0 / (1.0 + noise)
     c = r * counts / square
-    return c, counts * counts * (1.0 + 3.0 * noise * noise) / square, -2.0 * c / square
+    return c, counts * counts * (1.0 + 9.0 * noise) / square, -2.0 * c / square
 
 
 @njit(error_model="numpy")
@@ -131,7 +131,10 @@ def _add_block_transposed(block, weight, E, D, of_c, G, of_gamma):
 
 
 def of_node_energy(law, numbers, first, each):
-    """``whole_step`` of law(t, q, ...) -> energy of a node [J]; masses of the nodes stand behind the numbers of all elements."""
+    """``whole_step`` and ``settle`` of law(t, q, ...) -> energy of a node [J]; see the module.
+
+    The masses of the nodes stand behind the numbers of all elements.
+    """
 
     @njit(WHOLE_STEP_SIGNATURE, error_model="numpy")
     def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
@@ -152,11 +155,30 @@ def of_node_energy(law, numbers, first, each):
             given += (law(t + half, b, *of) - V_b) + (V_a - law(t - half, a, *of))
         return -given, by_method
 
-    return whole_step
+    @njit(SETTLE_SIGNATURE, error_model="numpy")
+    def settle(t, h, damper, base, q, v, index, params):
+        taken, count = 0.0, index.shape[0]
+        for n in range(count):
+            i, of, mass = index[n], numbers(params, first + each * n), params[first + each * count + n]
+            a, b = position(base, i), position(q, i)
+            E = law(t, seeded(b), *of)
+            V_b, g = value_of(E), _gradient(E)
+            if V_b > 0.0 and law(t, a, *of) > 0.0:
+                mobility, v_b, d = _mobility(g, mass), position(v, i), _minus(b, a)
+                rate = _dot(g, v_b)
+                p = (rate - settled_rate(damper, 0.125 * h * h * mobility / V_b, rate, _dot(g, d) / h)) / mobility
+                add(v, i, -p / mass * g[0], -p / mass * g[1], -p / mass * g[2])
+                taken += p * (rate - 0.5 * p * mobility)
+        return taken
+
+    return whole_step, settle
 
 
 def of_segment_energy(law, numbers, first, each):
-    """``whole_step`` of law(t, q0, q1, ...) -> energy of a segment [J]; masses of both nodes stand behind all elements' numbers."""
+    """``whole_step`` and ``settle`` of law(t, q0, q1, ...) -> energy of a segment [J]; see the module.
+
+    The masses of both nodes of each element stand behind the numbers of all of them, 0 for one that does not move.
+    """
 
     @njit(WHOLE_STEP_SIGNATURE, error_model="numpy")
     def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
@@ -196,4 +218,30 @@ def of_segment_energy(law, numbers, first, each):
             given += (law(t + half, b_i, b_j, *of) - V_b) + (V_a - law(t - half, a_i, a_j, *of))
         return -given, by_method
 
-    return whole_step
+    @njit(SETTLE_SIGNATURE, error_model="numpy")
+    def settle(t, h, damper, base, q, v, index, params):
+        taken, count = 0.0, index.shape[0] // 4
+        for n in range(count):
+            i, j, of, masses = index[4 * n], index[4 * n + 1], numbers(params, first + each * n), first + each * count + 2 * n
+            m_i, m_j, b_i, b_j = params[masses], params[masses + 1], position(q, i), position(q, j)
+            a_i, a_j = position(base, i), position(base, j)
+            E = law(t, seeded(b_i), constant(b_j), *of)
+            V_b, g_i = value_of(E), _gradient(E)
+            g_j = _gradient(law(t, constant(b_i), seeded(b_j), *of))
+            mobility = _mobility(g_i, m_i) + _mobility(g_j, m_j)
+            if V_b > 0.0 and mobility > 0.0 and law(t, a_i, a_j, *of) > 0.0:
+                v_i, v_j = position(v, i), position(v, j)
+                rate = _dot(g_i, v_i) + _dot(g_j, v_j)
+                mean = (_dot(g_i, _minus(b_i, a_i)) + _dot(g_j, _minus(b_j, a_j))) / h
+                p = (rate - settled_rate(damper, 0.125 * h * h * mobility / V_b, rate, mean)) / mobility
+                moving = 0.0
+                if m_i > 0.0:
+                    add(v, i, -p / m_i * g_i[0], -p / m_i * g_i[1], -p / m_i * g_i[2])
+                    moving += _dot(g_i, v_i)
+                if m_j > 0.0:
+                    add(v, j, -p / m_j * g_j[0], -p / m_j * g_j[1], -p / m_j * g_j[2])
+                    moving += _dot(g_j, v_j)
+                taken += p * (moving - 0.5 * p * mobility)
+        return taken
+
+    return whole_step, settle

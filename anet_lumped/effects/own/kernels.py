@@ -102,8 +102,8 @@ def of_node_energy(law, numbers, first, each):
             total += law(t, position(q, index[n]), *numbers(params, first + each * n))
         return total
 
-    whole_step = energy_steps.of_node_energy(law, numbers, first, each)
-    return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step}
+    whole_step, settle = energy_steps.of_node_energy(law, numbers, first, each)
+    return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "settle": settle}
 
 
 def of_segment_force(law, numbers, first, each):
@@ -184,5 +184,5 @@ def of_segment_energy(law, numbers, first, each):
             total += law(t, position(q, index[4 * n]), position(q, index[4 * n + 1]), *numbers(params, first + each * n))
         return total
 
-    whole_step = energy_steps.of_segment_energy(law, numbers, first, each)
-    return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step}
+    whole_step, settle = energy_steps.of_segment_energy(law, numbers, first, each)
+    return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "settle": settle}
