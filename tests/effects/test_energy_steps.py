@@ -89,6 +89,8 @@ def test_it_does_the_work_of_the_energy_and_its_derivative_is_exact(law, damper,
     rise = energy(t + 0.5 * h, q) - energy(t - 0.5 * h, base)
     # rounding of the energies, and what is left to the gradients where only rounding tells how they differ
     assert rise == pytest.approx(-np.sum(f * (q - base)) - taken - by_method, abs=1e4 * EPS * (abs(energy(t, q)) + 1.0))
+    if law == "spring":  # a law of the difference of both nodes
+        np.testing.assert_allclose(np.sum(f, axis=0), 0.0, atol=1e-12 * np.abs(f).max())
     assert np.abs(f).max() > 0.0 and by_method >= -1e4 * EPS and (by_method > 0.0) <= (damper > 0.0 or by_method < 1e-10)
     assert (taken != 0.0) == (law == "beating well")
     steps, off = 10.0 ** -np.arange(4.0, 6.1, 0.5), []

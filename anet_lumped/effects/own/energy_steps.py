@@ -6,7 +6,9 @@ From positions a to b, each those of one node or of both nodes of a segment, wit
 
 so that G . D = V_b - V_a exactly, whatever V is: a contact that begins within the step, or one far stiffer than the step resolves.
 The mean of both ends is of second order, as the gradient at the middle is, and has the right direction where the middle of the step
-is not in touch, or is deeper than both ends, as on a chord of a circle. V is that of the middle of the step in time.
+is not in touch, or is deeper than both ends, as on a chord of a circle. V is that of the middle of the step in time. Where the
+gradients of both nodes of a segment cancel, as in a law of their difference alone, D is without their common part, so that linear
+momentum is kept; angular momentum is to the second order of the step.
 
 The bracket r has few digits where D is small. Of one that is not beyond its own rounding n only r^9/(r^8 + n^8) counts, which is
 smooth: the energy is then kept to rounding, and the force has no noise of n/|D| where a body comes to rest.
@@ -122,12 +124,20 @@ def _add_block(block, weight, E, c, D, of_c, G, of_gamma):
 
 
 @njit(error_model="numpy")
-def _add_block_transposed(block, weight, E, D, of_c, G, of_gamma):
-    """Add weight (H/2 + D of_c^T) + G of_gamma^T, H by the inner slopes of E in rows and the outer ones in columns."""
+def _add_block_transposed(block, weight, E, c, D, of_c, G, of_gamma):
+    """Add weight (H/2 + c I + D of_c^T) + G of_gamma^T, H by the inner slopes of E in rows and the outer ones in columns."""
     for y in range(3):
         column = slope(E, y)
         for x in range(3):
             block[x, y] += weight * (0.5 * slope(column, x) + D[x] * of_c[y]) + G[x] * of_gamma[y]
+        block[y, y] += weight * c
+
+
+@njit(error_model="numpy")
+def _cancel(g_i, g_j):
+    """Whether the gradients of both nodes cancel to rounding."""
+    both = _combined(1.0, g_i, 1.0, g_j)
+    return _dot(both, both) <= ROUNDING * ROUNDING * _dot(g_i, g_i)
 
 
 def of_node_energy(law, numbers, first, each):
@@ -194,6 +204,10 @@ def of_segment_energy(law, numbers, first, each):
             mixed = law(t, seeded(constant(b_i)), constant(seeded(b_j)), *of)
             V_b, g_bi, g_bj, d_i, d_j = value_of(of_i), _gradient(of_i), _gradient(of_j), _minus(b_i, a_i), _minus(b_j, a_j)
             mean_i, mean_j, rise = _combined(0.5, g_ai, 0.5, g_bi), _combined(0.5, g_aj, 0.5, g_bj), V_b - V_a
+            inner = 0.0
+            if _cancel(g_ai, g_aj) and _cancel(g_bi, g_bj):
+                inner, d_i = 0.5, _combined(0.5, d_i, -0.5, d_j)
+                d_j = _combined(-1.0, d_i, 0.0, d_i)
             rounding = ROUNDING * (abs(V_a) + _size(g_ai, a_i) + _size(g_aj, a_j))
             c, of_r, of_d = _correction(rise - _dot(mean_i, d_i) - _dot(mean_j, d_j), rounding, _dot(d_i, d_i) + _dot(d_j, d_j))
             G_i, G_j = _combined(1.0, mean_i, c, d_i), _combined(1.0, mean_j, c, d_j)
@@ -208,12 +222,12 @@ def of_segment_energy(law, numbers, first, each):
             c_j = _combined(0.5 * of_r, _minus(_minus(g_bj, g_aj), turned_j), of_d, d_j)
             gamma_i, gamma_j = _combined(of_V, g_bi, 0.0, g_bi), _combined(of_V, g_bj, 0.0, g_bj)
             if i < D.shape[0]:
-                _add_block(D[i], weight, of_i, c, d_i, c_i, G_i, gamma_i)
+                _add_block(D[i], weight, of_i, (1.0 - inner) * c, d_i, c_i, G_i, gamma_i)
             if j < D.shape[0]:
-                _add_block(D[j], weight, of_j, c, d_j, c_j, G_j, gamma_j)
+                _add_block(D[j], weight, of_j, (1.0 - inner) * c, d_j, c_j, G_j, gamma_j)
             if i < D.shape[0] and j < D.shape[0]:
-                _add_block(near[s, side], weight, mixed, 0.0, d_i, c_j, G_i, gamma_j)
-                _add_block_transposed(near[s, 1 - side], weight, mixed, d_j, c_i, G_j, gamma_i)
+                _add_block(near[s, side], weight, mixed, -inner * c, d_i, c_j, G_i, gamma_j)
+                _add_block_transposed(near[s, 1 - side], weight, mixed, -inner * c, d_j, c_i, G_j, gamma_i)
             by_method += weight * (_dot(G_i, d_i) + _dot(G_j, d_j)) - rise
             given += (law(t + half, b_i, b_j, *of) - V_b) + (V_a - law(t - half, a_i, a_j, *of))
         return -given, by_method
