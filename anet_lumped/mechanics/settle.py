@@ -10,7 +10,7 @@ from anet_lumped.effects.laws.axial import damped_changes
 from anet_lumped.effects.signatures import as_force, as_settle, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
 from anet_lumped.mechanics.effect_forces import any_live, numbers_of, take_middle
-from anet_lumped.mechanics.optional import as_cable_settle, as_energy_of_paid_out, as_work_of_lengths
+from anet_lumped.mechanics.optional import as_cable_settle, as_energy_of_paid_out, as_settle_effects, as_work_of_lengths
 from anet_lumped.mechanics.segment_law import BEGINS, group_constant, numerical_damper, spring_of, tension_law
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
@@ -27,6 +27,7 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_SEGMENT,
     CABLE_START,
     KERNEL_ENERGY_OF_PAID_OUT,
+    KERNEL_SETTLE_EFFECTS,
     KERNEL_SETTLE_GROUPS,
     KERNEL_SETTLE_SINGLES,
     KERNEL_WORK_OF_LENGTHS,
@@ -169,6 +170,19 @@ def settle_of_groups(stage, net_address, base, q, v):
     return sums
 
 
+@on_demand
+def settle_effects(stage, net_address, base, q, v):
+    """What effects take out of the velocities at the end of a step, which rings in their contacts; returns its energy [J]."""
+    net, taken = view_net(net_address), 0.0
+    for e in range(net.effects.address.shape[0]):
+        if net.effects.address[e, SLOT_SETTLE] != 0:
+            index, params = numbers_of(net.effects, e)
+            taken += as_settle(net.effects.address[e, SLOT_SETTLE])(
+                stage.t + 0.5 * stage.tau, stage.tau, stage.dissipation, base, q, v, index, params
+            )
+    return taken
+
+
 @kernel(types.void(STAGE, _f2, _f2, _f2, int64, _f1))
 def settle(stage, base, q, v, net_address, energy):
     """Account for a step of law ``LAW_BETWEEN`` from base to q, and take out of the velocities at its end what rings.
@@ -242,12 +256,8 @@ def settle(stage, base, q, v, net_address, energy):
         by_method -= net.mass[i] * (cx * (x + 0.5 * cx) + cy * (y + 0.5 * cy) + cz * (z + 0.5 * cz))
         kinetic += 0.5 * net.mass[i] * (x * x + y * y + z * z)
         v[i, 0], v[i, 1], v[i, 2] = x + cx, y + cy, z + cz
-    for e in range(net.effects.address.shape[0]):
-        if net.effects.address[e, SLOT_SETTLE] != 0:
-            index, params = numbers_of(net.effects, e)
-            by_method += as_settle(net.effects.address[e, SLOT_SETTLE])(
-                stage.t + 0.5 * h, h, stage.dissipation, base, q, v, index, params
-            )
+    if net.kernels[KERNEL_SETTLE_EFFECTS] != 0:
+        by_method += as_settle_effects(net.kernels[KERNEL_SETTLE_EFFECTS])(stage, net_address, base, q, v)
     net.linearised[LINEARISED_LEAST_DAMPER] = min(1.0, SPENT * kinetic / max(full, 1e-300))
     net.linearised[LINEARISED_BEGINNING] = BEGINS
     if changing:
