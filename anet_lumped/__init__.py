@@ -1,5 +1,6 @@
 """Elastic cables and cable nets as lumped masses."""
 
+from anet_lumped.checks import InputError
 from anet_lumped.effects.flow import waves, wind
 from anet_lumped.files.moordyn_file import read_moordyn
 from anet_lumped.files.moordyn_writer import save_moordyn
@@ -19,6 +20,7 @@ __all__ = [
     "EquilibriumError",
     "Fixed",
     "Free",
+    "InputError",
     "PayloadChange",
     "Run",
     "RunError",

@@ -2,14 +2,18 @@
 
 import difflib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral, Real
 from typing import Any
 
-Vector = tuple[float, float, float]
+Vector = Sequence[float]  # three numbers; a tuple once it is checked
 
 
-class SceneError(ValueError):
+class InputError(ValueError):
+    """An input that this package refuses. Its message says what must hold and what was given."""
+
+
+class SceneError(InputError):
     """A scene, or a part of one, that cannot be what its author meant."""
 
 

@@ -1,8 +1,8 @@
 """Named tuples of arrays, numbers and functions that compiled code reads through their address.
 
-An address is one integer: where in memory the words of a named tuple begin (`words_of`). Compiled code makes a view of it
-(`view_at`), which is as light as the integer and reads a field where the field is used. To hand over some thirty arrays and
-functions by value instead would cost as much as a step of eighty nodes.
+An address is one integer: the place in memory at which the words of a named tuple begin (`words_of`). Compiled code makes a view of
+it (`view_at`). The view costs no more than the integer, and reads a field only where the field is used. To pass some thirty arrays
+and functions by value instead would cost as much as a step of eighty nodes.
 """
 
 import numpy as np
@@ -66,8 +66,10 @@ class _ViewAttributes(AttributeTemplate):
 @lower_getattr_generic(_View)
 def _load_field(context, builder, view, address, name):
     position = view.kind.fields.index(name)
-    before = sum(map(count_words, view.kind.types[:position]))
-    return _load(context, builder, view.kind.types[position], builder.add(address, ir.Constant(ir.IntType(64), WORD * before)))
+    words_before = sum(map(count_words, view.kind.types[:position]))
+    return _load(
+        context, builder, view.kind.types[position], builder.add(address, ir.Constant(ir.IntType(64), WORD * words_before))
+    )
 
 
 def _load(context, builder, kind, address):
@@ -79,9 +81,11 @@ def _load(context, builder, kind, address):
             address = builder.add(address, ir.Constant(ir.IntType(64), WORD * count_words(part)))
         return context.make_tuple(builder, kind, parts)
 
-    def word(k, of=None):
-        of = of or ir.IntType(64)
-        loaded = builder.load(builder.inttoptr(builder.add(address, ir.Constant(ir.IntType(64), WORD * k)), of.as_pointer()))
+    def word(k, kind_loaded=None):
+        kind_loaded = kind_loaded or ir.IntType(64)
+        loaded = builder.load(
+            builder.inttoptr(builder.add(address, ir.Constant(ir.IntType(64), WORD * k)), kind_loaded.as_pointer())
+        )
         loaded.set_metadata("invariant.load", builder.module.add_metadata([]))
         return loaded
 

@@ -1,7 +1,7 @@
 """How functions are compiled: four decorators, one for each way in which a function is called.
 
-None of them counts references to arrays: what is compiled here allocates nothing, and its callers hold what it looks at. Without
-that, and without the wrappers that its callers do not need, a function compiles in half the time.
+None of them counts references to arrays: these functions allocate nothing, and their callers hold the arrays that they read and
+write. Without reference counts, and without wrappers that no caller needs, a function compiles in half the time.
 """
 
 from numba import njit

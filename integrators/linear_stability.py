@@ -18,7 +18,7 @@ HEAVIEST = 1e6  # damping ratio above all limits here
 
 
 class StepLimit(ABC):
-    """Largest stable steps of a scheme; a scheme needs `largest_step`, from which the others follow by bisection."""
+    """Largest stable steps of a scheme. A subclass needs only `largest_step`; the other limits follow from it by bisection."""
 
     @abstractmethod
     def largest_step(self, omega, d):

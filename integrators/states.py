@@ -11,7 +11,7 @@ from .system import BALANCE, ENERGIES, STEP_STATE, StepState, system_at
 
 _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
 
-# Integers for the calls of compiled functions, which Numba would compile once more for a literal 0, 1 or 2.
+# Integers as arguments of compiled functions: for a literal 0, 1 or 2 Numba would compile a function once more.
 NONE, ONE, TWO = np.int64(0), np.int64(1), np.int64(2)
 LARGEST_SIZE = 1e6  # [m] plus [m/s] of a node, beyond which a motion has diverged
 
@@ -35,10 +35,10 @@ SAVED = types.NamedTuple((_f1, _f3, _f3, _f2, _f2, _f1), Saved)
 
 
 class Scratch(NamedTuple):
-    """Room that a march works in.
+    """Arrays that a march works in.
 
-    ``start``, a copy of the state at the start of a step; places (n, 3) and a balance (BALANCE,); what the system observes at the
-    start and at the end of a step.
+    ``start``: a copy of the state at the start of a step. ``q`` (n, 3): positions. ``balance`` (BALANCE,): an energy balance.
+    ``observed_a``, ``observed_b``: what the system observes at the start and at the end of a step.
     """
 
     start: StepState
@@ -52,7 +52,7 @@ SCRATCH = types.NamedTuple((STEP_STATE, _f2, _f1, _f1, _f1), Scratch)
 
 
 def scratch_for(state, carried_rows, observed):
-    """Room for a march of a state, with a scheme that carries some rows of memory from step to step.
+    """`Scratch` for a march of a state, with a scheme that carries some rows of memory from step to step.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def scratch_for(state, carried_rows, observed):
 
 @internal
 def copy(source, target):
-    """Copy a flat array; an assignment of arrays would compile for seconds, for the errors that it may raise."""
+    """Copy a flat array. An assignment of arrays would take seconds to compile, because it may raise errors."""
     for i in range(source.shape[0]):
         target[i] = source[i]
 
@@ -96,7 +96,7 @@ def save(system_address, data_address, k, t, error, state, saved):
 
 @internal
 def worst_node(q, v):
-    """Node whose place or velocity is not finite or beyond `LARGEST_SIZE`, or -1."""
+    """The first node whose position or velocity is not finite or beyond `LARGEST_SIZE`; -1 if there is none."""
     for i in range(q.shape[0]):
         size = 0.0
         for x in range(3):

@@ -37,18 +37,18 @@ def add_work(balance, time, power):
 
 @internal
 def evaluate_end(system_address, data_address, t, h, state, counts, end_share=0.5):
-    """Prescribed rows and the force at t + h in ``state.memory[0]``; adds the work of the step from t.
+    """Write the prescribed rows at t + h and the force there, in ``state.memory[0]``; add the work of the step from t.
 
-    Of the powers that are taken, those at the end have the ``end_share`` that the forces there have in the step.
+    The dissipated energy weights the powers at the end of the step by ``end_share``, the weight of the forces there in the step.
     """
     system, balance = system_at(system_address), state.balance
     power = balance[SCRATCH:]
     system.prescribe(t + h, data_address, state.q, state.v)
     system.force(t + h, state.q, state.v, data_address, state.memory[0], power)
     counts[FORCES] += 1
-    before, start_share = balance[POWERS:], 1.0 - end_share
-    balance[TAKEN_INSIDE] += h * (start_share * before[POWER_INSIDE] + end_share * power[POWER_INSIDE])
-    balance[TAKEN_OUTSIDE] += h * (start_share * before[POWER_OUTSIDE] + end_share * power[POWER_OUTSIDE])
-    balance[PUT_IN] += 0.5 * h * (before[POWER_PUT_IN] + power[POWER_PUT_IN])
+    power_at_start, start_share = balance[POWERS:], 1.0 - end_share
+    balance[TAKEN_INSIDE] += h * (start_share * power_at_start[POWER_INSIDE] + end_share * power[POWER_INSIDE])
+    balance[TAKEN_OUTSIDE] += h * (start_share * power_at_start[POWER_OUTSIDE] + end_share * power[POWER_OUTSIDE])
+    balance[PUT_IN] += 0.5 * h * (power_at_start[POWER_PUT_IN] + power[POWER_PUT_IN])
     for k in range(3):
-        before[k] = power[k]
+        power_at_start[k] = power[k]

@@ -1,8 +1,8 @@
 """What an integrator is given: M dv/dt = f(t, q, v) for the first ``n_free`` nodes, the rest prescribed.
 
-The compiled functions of a system are first-class (`numba.types.FunctionType`), so that a scheme is compiled and cached once
-and for all. Whatever they work on is handed through by its address, ``data_address``, which they alone understand; a scheme is
-given the address of the system too, ``system_address``, and looks at it with `system_at`.
+The compiled functions of a system are first-class (`numba.types.FunctionType`), so that one compiled and cached scheme serves all
+systems. A scheme passes on ``data_address``, the address of the data of these functions, which they alone can read. The system has
+an address too, ``system_address``; `system_at` makes it readable.
 """
 
 from functools import cache
@@ -20,7 +20,7 @@ _f8, _i8 = types.float64, types.int64
 
 # Status of a step or a run.
 DONE, UNCONVERGED, DIVERGED, INTERRUPTED, OUT_OF_STEPS, EVENT = 0, 1, 2, 3, 4, 5
-SAME_TIME = 1e-6  # of a step: times that are no farther apart are one; a velocity over less shows rounding
+SAME_TIME = 1e-6  # of a step: times that are closer count as equal; a difference of positions over less time shows rounding
 NO_EVENTS = -1e300  # margin of a system that no event can stop
 # Work counts.
 STEPS, REJECTED, HALVINGS, FORCES, NEWTON, FACTORISATIONS = range(6)
@@ -47,30 +47,32 @@ class System(NamedTuple):
     force(t, q, v, data_address, f, power)
         Write the force f (n, 3) [N] and the powers (3,) [W]: taken by internal dampers and by external forces, put in.
     residual(stage, base, target, q, data_address) -> norm, scale, noise, predicted
-        Out-of-balance force of a stage [N]; linearise it. ``predicted`` is that with the internal forces that the last
-        full Newton step predicted, which are the better ones where they are stiff.
-    direction(stage, data_address) -> factorisations, left
-        Newton step of the stage linearised last, and what a whole step leaves out of balance at most [N].
+        Out-of-balance force of a stage [N]; linearise it. ``predicted`` is the same with the internal forces that the last full
+        Newton step predicted, which are more exact where they are stiff. ``scale`` is the largest force on a node, ``noise`` what
+        rounding leaves in ``norm``.
+    direction(stage, data_address) -> factorisations, unbalanced
+        Newton step of the stage linearised last; the force that a whole step leaves out of balance is at most ``unbalanced`` [N].
     correct(data_address, length, q)
         q += length times the Newton step.
     settle(stage, base, q, v, data_address, energy)
-        After a step of law ``LAW_BETWEEN``: energy (4,) [J] put in between base and q, and dissipated by internal dampers, by
-        external forces and by the method; takes out of the velocities at the end what the step cannot resolve.
+        After a step of law ``LAW_BETWEEN``: write the energy (4,) [J] put in between base and q, and dissipated by internal
+        dampers, by external forces and by the method. Damp what the step cannot resolve in the velocities at its end.
     adopt(data_address)
-        Take the internal forces where `residual` was last for those that act in the step.
+        Let the internal forces at the q of the last `residual` act in the step.
     forget(data_address)
-        Drop what earlier Newton steps left to the next.
+        Drop the internal forces that earlier Newton steps predicted.
     remember(data_address, back)
-        Copy what steps leave to the next, or put it back if ``back`` is 1. Asked only of a system that has events.
+        Copy the data that a step leaves to the next one, or restore them if ``back`` is 1. Called only if the system has events.
     average(data_address, share, h)
-        Add a share of the internal forces of the stage solved last to their mean over a step of h seconds; no share begins one.
+        Add ``share`` times the internal forces of the stage solved last to their mean over a step of h seconds; a share of 0 sets
+        the mean to zero.
     observe(q, v, data_address, row)
-        What else is saved of a state, such as internal forces.
+        Write what else is saved of a state, such as internal forces.
     energy(t, q, v, data_address, energy)
         Kinetic, elastic and other potential energy (3,) [J].
     margin(q, v, data_address) -> margin
-        How far a state is beyond an event, by any measure that grows through zero there; `NO_EVENTS` if there are none. A march
-        stops where it turns positive.
+        How far a state is beyond an event, by any continuous measure that is positive beyond the event; `NO_EVENTS` if there is
+        none. A march stops where it turns positive.
     """
 
     prescribe: object
@@ -93,8 +95,8 @@ class System(NamedTuple):
 class StepState(NamedTuple):
     """What a step changes.
 
-    ``q``, ``v`` (n, 3) [m], [m/s]; ``memory`` (rows, n, 3), in which a scheme works and of which it leaves the first rows to its
-    next step; ``balance`` (BALANCE,) [J], [W], the energy balance.
+    ``q``, ``v`` (n, 3) [m], [m/s]. ``memory`` (rows, n, 3): working memory of the scheme, whose first rows pass from a step to the
+    next. ``balance`` (BALANCE,) [J], [W]: the energy balance.
     """
 
     q: np.ndarray
@@ -112,10 +114,10 @@ def compiled(function, signature):
 
 
 def entry_point(function):
-    """What Python may call of a function that is compiled for one signature, with arguments of these very types.
+    """The entry that Python may call of a function compiled for one signature, with arguments of exactly these types.
 
-    A call through Numba's dispatcher looks at the types of all arguments first; of named tuples of arrays that takes as long as a
-    dozen steps of eighty nodes.
+    Numba's dispatcher would look at the types of all arguments first. For named tuples of arrays that takes as long as a dozen
+    steps of eighty nodes.
     """
     (compiled,) = function.overloads.values()
     return compiled.entry_point

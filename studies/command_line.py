@@ -4,7 +4,9 @@ Exit status 0: done; 1: a run failed; 2: bad input; 130: stopped by Ctrl-C. What
 that `--help` answers at once.
 """
 
+import logging
 import sys
+import time
 import warnings
 from pathlib import Path
 from typing import Annotated
@@ -16,6 +18,7 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=N
 SCENES = Path(__file__).parent / "scenes"
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
+QUIET = 3.0  # seconds, after which a command says what it is doing
 FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "recommend": 30, "effects": 40, "study": 60, "report": 70}
 """Seconds of compiling on one core of 3 GHz where nothing is compiled yet, by what is asked for."""
 Scene = Annotated[
@@ -38,11 +41,12 @@ Full = Annotated[
 def main(arguments: list[str] | None = None) -> None:
     """Run the program; whatever the user can put right is one sentence on stderr."""
     warnings.showwarning = lambda message, *where: _tell(f"warning: {message}")
+    _tell_what_takes_long()
     try:
         app(arguments, prog_name="anet-lumped")
     except (ValueError, RuntimeError, OSError) as error:
         ours = type(error).__module__.partition(".")[0] in ("anet_lumped", "studies")
-        if not ours and type(error) is not ValueError and not isinstance(error, OSError):
+        if not ours and not isinstance(error, OSError):
             raise
         _tell(str(error))
         sys.exit(1 if isinstance(error, RuntimeError) else 2)
@@ -76,6 +80,8 @@ def simulate(
     start: Start = None,
     save_every: Annotated[float | None, typer.Option(help="Time between saved states [s].")] = None,
     change: Changes = (),
+    error: Annotated[str | None, typer.Option(help="Error of places to keep, as in 1mm; chosen for you if not given.")] = None,
+    tension_error: Annotated[float | None, typer.Option(help="Error of the largest tension to keep, over it; 0.02 is 2 %.")] = None,
     audit: Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")] = False,
     out: Out = None,
     as_json: Json = False,
@@ -91,7 +97,8 @@ def simulate(
     try:
         run = simulate(
             _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start=start or "equilibrium",
-            save_every=save_every, extrapolate=extrapolate, audit=audit,
+            save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
+            error=None if error is None else _metres(error),
         )  # fmt: skip
     except RunInterrupt as stopped:
         run = stopped.run
@@ -308,10 +315,11 @@ def convert(
     out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write: .toml, or MoorDyn's .txt, .dat, .moordyn.")],
 ):
     """Write a scene in another form. TOML or a MoorDyn input file, by the ending of OUT."""
+    from anet_lumped.checks import InputError
     from anet_lumped.files.scene_file import MOORDYN, save_scene
 
     if out.suffix.lower() not in (".toml", *MOORDYN):
-        raise ValueError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}.")
+        raise InputError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}.")
     save_scene(_load(scene, "equilibrium"), out)
     print(out)
 
@@ -360,7 +368,9 @@ def _amount(text, units, like):
     try:
         return float(number.removesuffix(unit)) * units.get(unit, 1.0)
     except ValueError:
-        raise ValueError(f'Option `--error` must be {like}, but it is "{text}".') from None
+        from anet_lumped.checks import InputError
+
+        raise InputError(f'Option `--error` must be {like}, but it is "{text}".') from None
 
 
 def _announce_compiling(what):
@@ -369,6 +379,20 @@ def _announce_compiling(what):
 
     line = f"Compiling what this machine has not compiled yet takes up to about {FIRST_COMPILING[what]} s; later runs do without."
     NOTICE.watch(line, _tell)
+
+
+def _tell_what_takes_long():
+    """What the library logs goes to stderr, once a command has taken `QUIET` seconds."""
+    began = time.monotonic()
+
+    class Late(logging.Handler):
+        def emit(self, record):
+            if time.monotonic() - began > QUIET:
+                _tell(f"... {record.getMessage()}")
+
+    log = logging.getLogger("anet_lumped")
+    log.handlers = [Late()]
+    log.setLevel(logging.INFO)
 
 
 def _give(result, as_json=False, out=None, stem=""):

@@ -39,6 +39,7 @@ NAMES = [
     "work_precision",
     "hard_cases",
     "effects_cost",
+    "error_estimate",
 ]
 """Names of the studies in the order in which the report runs them: what is soon there and tells most comes first."""
 

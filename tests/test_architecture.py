@@ -50,6 +50,13 @@ def test_arrows(package):
             assert name.split(".")[0] not in forbidden, f"{path.relative_to(ROOT)} imports {name}"
 
 
+def test_refused_inputs_are_told_by_their_class():
+    """What raises a bare ValueError could not be told from a mistake in the code."""
+    for path in modules("anet_lumped"):
+        raised = (node.exc for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Raise))
+        assert "ValueError" not in [getattr(getattr(error, "func", error), "id", None) for error in raised], path.name
+
+
 @pytest.mark.parametrize("word", ["cable", "scene", "tension", "gravity"])
 def test_integrators_know_nothing_of_cables(word):
     """No name in their code, beyond what docstrings and comments say."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from anet_lumped.checks import InputError
 from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Cable, Free
 from anet_lumped.statics.catenary_net import Turned, catenaries_between_ends, catenary_net
@@ -189,7 +190,7 @@ def compare(state: State, *, reference: str = "net", elastic: bool = True) -> Co
 
     Raises
     ------
-    ValueError
+    InputError
         An unknown reference, or a scene without gravity.
     """
     scene = state.scene
@@ -199,7 +200,7 @@ def compare(state: State, *, reference: str = "net", elastic: bool = True) -> Co
     elif reference == "ends":
         net = catenaries_between_ends(scene, places, elastic=elastic)
     else:
-        raise ValueError(f'The reference must be "net" or "ends", but reference={reference!r} was given.')
+        raise InputError(f'The reference must be "net" or "ends", but reference={reference!r} was given.')
     up = -scene.gravity / np.linalg.norm(scene.gravity)
     return Comparison(
         [_compare_cable(state, cable, net.cables[cable.name], up) for cable in scene.cables],

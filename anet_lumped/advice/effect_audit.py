@@ -11,17 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE, time_scale
+from anet_lumped.checks import InputError
+from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE
 from anet_lumped.motion.simulate import simulate
-from anet_lumped.motion.times import stops
 from anet_lumped.results.run import Run, State
 from anet_lumped.scene.scene import Free, Scene, SceneError
 from anet_lumped.statics.equilibrium import EquilibriumError
 
 from .audited_effects import Audited, Scales, audited_in, scales
+from .recommend import scale_of_motion, two_swings
 
 SAVES = 40  # times at which runs are compared
 KNOWN_TO = 0.1  # of the error, the run at the step that is used
+DECIDES = 3.0  # times what the motion is known to: changes of a chaotic motion differ by chance
 HALVINGS = 6  # of the step, at most
 REPEATS = 9  # of a timing, whose shortest counts
 NEEDED, NEGLIGIBLE, STIFF, UNDECIDED, UNKNOWN = (
@@ -115,23 +117,23 @@ def audit_effects(
     Raises
     ------
     SceneError : no point or cable of that name; water where there is no such effect
-    ValueError : an argument out of its range
+    InputError : an argument out of its range
     RunError : the scene as it is does not run
     """
     for name, value in (("error", error), ("t_end", t_end)):
         if value is not None and not (math.isfinite(value) and value > 0):
-            raise ValueError(f"Argument `{name}` must be positive and finite, but it is {value!r}.")
+            raise InputError(f"Argument `{name}` must be positive and finite, but it is {value!r}.")
     if at is not None and tension is not None:
-        raise ValueError(f'Only one of `at` and `tension` may be given, but they are "{at}" and "{tension}".')
+        raise InputError(f'Only one of `at` and `tension` may be given, but they are "{at}" and "{tension}".')
     if at is not None and not isinstance(scene.point(at), Free):
         raise SceneError(f'The place of a free point can be asked for, but "{at}" is held.')
     if tension is not None:
         scene.cable(tension)
-    swing = 2.0 * math.pi * time_scale(scene)
-    t_end = t_end or float(max(stops(scene).max(initial=0.0), 0.0) + 2.0 * swing)
-    runs = _Runs(error, at, tension, t_end, start, SHARE_OF_TIME_SCALE * time_scale(scene))
+    scale = scale_of_motion(scene, start)
+    t_end = t_end or two_swings(scene, scale)
+    runs = _Runs(error, at, tension, t_end, start, SHARE_OF_TIME_SCALE * scale)
     reference, known_to = runs.reference(scene)
-    sizes = scales(reference, swing)
+    sizes = scales(reference, 2.0 * math.pi * scale)
     found = [
         _verdict(name, audited, scene, reference, runs, sizes, known_to, water_level) for name, audited in audited_in(scene).items()
     ]
@@ -220,7 +222,7 @@ def _verdict(
 def _judged(change: float, known_to: float, error: float, stiffness: float, unit: str) -> tuple[str, str]:
     """The verdict on a change, and a sentence."""
     changes = f"changes {change:.3g} {unit} where {error:g} {unit} matter"
-    if known_to > KNOWN_TO * error and change - known_to <= error:
+    if known_to > KNOWN_TO * error and change <= DECIDES * known_to + error:
         return UNDECIDED, f"The motion itself is known to {known_to:.3g} {unit} only; it {changes}."
     if change > error:
         return NEEDED, f"It {changes}."

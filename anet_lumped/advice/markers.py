@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
+from anet_lumped.checks import InputError
 from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Scene
 from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
@@ -31,7 +32,7 @@ FAR = 0.15  # of the longest cable: no sequence means anything with markers so f
 LEAST_MARKERS = 3  # fewer cannot show a curve's length
 
 
-class MarkerError(ValueError):
+class MarkerError(InputError):
     """A marker file that cannot be read, or markers that do not belong to the scene."""
 
 

@@ -4,6 +4,7 @@ Both errors are of second order, of segments and of an implicit step, so that tw
 q_N - q_2N = 3/4 of the error of q_N. Cost grows as segments over step, which is least where both take half of the error.
 """
 
+import logging
 import math
 import time
 from dataclasses import dataclass, replace
@@ -11,14 +12,18 @@ from typing import Any, cast
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from anet_lumped.model.build import build
 from anet_lumped.motion.choice import EXPLICIT_COST, SHARE_OF_LIMIT, SHARE_OF_TIME_SCALE, time_scale
-from anet_lumped.motion.simulate import simulate
+from anet_lumped.motion.simulate import RunError, simulate
 from anet_lumped.motion.stability import predict
 from anet_lumped.motion.times import stops
+from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Free, Scene, SceneError
+from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
 from integrators import schemes
 
+LOG = logging.getLogger(__name__)
 SAVES = 40  # times at which places are compared
 MOST_SEGMENTS = 3000  # of the longest cable
 PATIENCE = 20.0  # times as long as the implicit step may an explicit method take before it is left out
@@ -118,15 +123,16 @@ def recommend(
     ------
     RecommendError : the error is out of reach
     SceneError : no free point of that name
-    ValueError : an argument out of its range
+    InputError : an argument out of its range
     """
     for name, value in (("error", error), ("t_end", t_end), ("realtime", realtime)):
         if value is not None and not (math.isfinite(value) and value > 0):
-            raise ValueError(f"Argument `{name}` must be positive and finite, but it is {value!r}.")
+            raise InputError(f"Argument `{name}` must be positive and finite, but it is {value!r}.")
     free = [point.name for point in scene.points if isinstance(point, Free)]
     if at is not None and not isinstance(scene.point(at), Free):
         raise SceneError(f'The error can be asked of a free point, but "{at}" is held; free are {", ".join(free) or "none"}.')
-    search = _Search(scene, tuple(free) if at is None else (at,), t_end or _default_end(scene), start)
+    scale = scale_of_motion(scene, start)
+    search = _Search(scene, tuple(free) if at is None else (at,), t_end or two_swings(scene, scale), start, scale)
     share = 0.5 * error
     for _ in range(ATTEMPTS):
         count, segments_error = search.segments(share)
@@ -154,19 +160,25 @@ def recommend(
     )
 
 
-def _default_end(scene: Scene) -> float:
-    swing = 2.0 * math.pi * time_scale(scene)
-    return float(max(stops(scene).max(initial=0.0), 0.0) + 2.0 * swing)
+def scale_of_motion(scene: Scene, start: str | State) -> float:
+    """Time in which a motion changes that starts so, with the tension that its cables have there [s]."""
+    rest = equilibrium(scene) if start == "equilibrium" else start
+    return time_scale(scene, rest.least_tension if isinstance(rest, State) else 0.0)
+
+
+def two_swings(scene: Scene, scale: float) -> float:
+    """Time of two swings after the last corner of a driven path [s]."""
+    return float(max(stops(scene).max(initial=0.0), 0.0) + 4.0 * math.pi * scale)
 
 
 class _Search:
     """Pilots of one scene, each run once."""
 
-    def __init__(self, scene: Scene, points: tuple[str, ...], t_end: float, start: str) -> None:
+    def __init__(self, scene: Scene, points: tuple[str, ...], t_end: float, start: str, scale: float) -> None:
         self.scene, self.points, self.t_end, self.start = scene, points, t_end, start
         most = max(cable.segments for cable in scene.cables)
         self.shares = [cable.segments / most for cable in scene.cables]
-        self.first_step = SHARE_OF_TIME_SCALE * time_scale(scene)
+        self.first_step = SHARE_OF_TIME_SCALE * scale
         self.runs: dict[Any, np.ndarray] = {}
 
     def divided(self, count: int) -> Scene:
@@ -187,6 +199,11 @@ class _Search:
         """(SAVES + 1, points, 3) places of the points that count."""
         key = scene, tuple(stepping.items())
         if key not in self.runs:
+            sizes = ", ".join(f"{name} {value:.3g}" if isinstance(value, float) else f"{value}" for name, value in stepping.items())
+            most = max(cable.segments for cable in scene.cables)
+            LOG.info(
+                "pilot %d: %g s of motion with %d segments in the finest cable, %s", len(self.runs) + 1, self.t_end, most, sizes
+            )
             run = simulate(scene, self.t_end, start=self.start, save_every=self.t_end / SAVES, check=True, **stepping)
             if self.points:
                 places = [run.position(point) for point in self.points]
@@ -224,7 +241,7 @@ class _Search:
         plain = cast(Candidate, self.fixed(scene, share))  # None is for extrapolation alone
         found = [plain, self.adaptive(scene, share)]
         if all(cable.breaking_tension is None for cable in scene.cables):
-            found.append(self.fixed(scene, share, extrapolate=True))
+            found.append(self.fixed(scene, share, extrapolate=True, least=cast(float, plain.dt)))
         if not any(cable.inextensible for cable in scene.cables):
             limit = predict(scene, schemes=("verlet",)).limits["verlet"].step
             dt, implicit = self.step(SHARE_OF_LIMIT * limit), self.t_end / plain.times_real_time
@@ -237,8 +254,8 @@ class _Search:
         coarse, fine = ({"method": method, "dt": step} | options for step in (dt, 0.5 * dt))
         return self.apart((scene, coarse), (scene, fine)) / (1.0 - 2.0**-order)
 
-    def fixed(self, scene: Scene, share: float, extrapolate: bool = False) -> Candidate | None:
-        """The largest step of edmc whose error is within a share; None if extrapolation does not get there."""
+    def fixed(self, scene: Scene, share: float, extrapolate: bool = False, least: float = 0.0) -> Candidate | None:
+        """The largest step of edmc whose error is within a share; None if extrapolation needs shorter ones than ``least`` [s]."""
         dt, edmc = self.step(self.first_step), schemes.scheme("edmc")
         order = cast(int, edmc.extrapolated_order if extrapolate else edmc.order)
         options = {"extrapolate": True} if extrapolate else {}
@@ -248,6 +265,8 @@ class _Search:
             if error <= share and enough < 1.2 * dt:
                 return self.candidate(scene, "edmc", error, dt=dt, **options)
             dt = enough if enough < dt or error <= share else 0.8 * dt
+            if dt < least:
+                return None
         if extrapolate:
             return None
         raise RecommendError(f"The error does not fall as the square of the step: {error:.3g} m at {dt:.3g} s.")
@@ -283,8 +302,11 @@ class _Search:
         return self.apart((scene, best.stepping), (self.doubled(scene), finer)) / DOUBLED
 
     def elasticity(self, count: int, best: Candidate) -> float:
-        """What stretching changes [m]: the same net with EA = inf."""
+        """What stretching changes [m]: the same net with EA = inf; infinite if its cables are too short for that."""
         scene = self.divided(count)
         rigid = replace(scene, cables=tuple(replace(cable, EA=math.inf, tension_strain=None) for cable in scene.cables))
         stepping = {"method": "edmc", "dt": best.dt if best.method == "edmc" and best.dt else self.step(0.5 * self.first_step)}
-        return self.apart((scene, stepping), (rigid, stepping))
+        try:
+            return self.apart((scene, stepping), (rigid, stepping))
+        except (RunError, EquilibriumError, SceneError):
+            return math.inf

@@ -20,12 +20,12 @@ from anet_lumped.effects.laws.drag import (
     subtract_segment_slopes,
     tangent_of,
 )
-from anet_lumped.effects.laws.submergence import share, sphere, wetted
+from anet_lumped.effects.laws.submergence import sphere_diameter, submerged_share, wetted
 
 from .effect import Effect
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
-HEADER, OF_SEGMENT, OF_POINT = 2, 4, 2  # numbers in ``params`` before all others, of each segment and of each point
+HEADER, SEGMENT_NUMBERS, POINT_NUMBERS = 2, 4, 2  # numbers in ``params`` before all others, of each segment and of each point
 NO_SURFACE = -1e300  # [m]
 
 
@@ -33,8 +33,8 @@ NO_SURFACE = -1e300  # [m]
 class Air(Effect):
     """Quadratic drag on every segment, across and along it, and on free points with a `CdA`, by the law of `laws.drag`.
 
-    Each cable needs a `diameter`. The energy that the air takes is negative where wind drives the cables. In a scene with water,
-    give the `surface` of the still water, under which no air acts; waves do not move that surface.
+    Each cable needs a `diameter`. Where wind drives the cables, the energy that the air takes is negative. In a scene with water,
+    give the `surface` of the still water, below which no air acts; waves do not move this surface.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class Air(Effect):
         of_cable = np.array([[cable.L0, cable.diameter, *segment_coefficients(self.density, cable)] for cable in cables])
         winds = pack(self.wind)
         nodes = [model.node(point.name) for point in points]
-        of_point = np.array([[sphere(point), point_coefficient(self.density, point)] for point in points])
+        of_point = np.array([[sphere_diameter(point), point_coefficient(self.density, point)] for point in points])
         header = [NO_SURFACE if self.surface is None else self.surface, len(winds)]
         index = np.concatenate([[model.n_segments], model.ends.ravel(), nodes]).astype(np.int64)
         return index, np.concatenate([header, winds, of_cable[model.cable_of].ravel(), of_point.ravel()])
@@ -96,32 +96,32 @@ class Air(Effect):
 @njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
     """Add the drag on both nodes of every segment and on points; returns -sum f_i . v_i [W]. Source: see `laws.drag`."""
-    segments, surface, at = index[0], params[0], HEADER + int(params[1])
-    winds, power = params[HEADER:at], 0.0
+    segments, surface, begin = index[0], params[0], HEADER + int(params[1])
+    winds, power = params[HEADER:begin], 0.0
     last, wind = -1, (0.0, 0.0, 0.0)
     for s in range(segments):
-        i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
-        tx, ty, tz, _ = tangent_of(q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2], of[0])
+        i, j, numbers = index[1 + 2 * s], index[2 + 2 * s], params[begin + SEGMENT_NUMBERS * s : begin + SEGMENT_NUMBERS * (s + 1)]
+        tx, ty, tz, _ = tangent_of(q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2], numbers[0])
         w1, w2 = 0.0, 0.0
         if surface > NO_SURFACE:
-            _, w1, w2, _, _, _ = wetted(q[i, 2] - surface, q[j, 2] - surface, of[1])
+            _, w1, w2, _, _, _ = wetted(q[i, 2] - surface, q[j, 2] - surface, numbers[1])
         for node, dry in ((i, 1.0 - 2.0 * w1), (j, 1.0 - 2.0 * w2)):
             if node != last and len(winds) > 0:  # the next segment of a cable begins where this one ends
                 wind, _ = wind_at(t, q[node, 0], q[node, 1], q[node, 2], winds)
                 last = node
             x, y, z = v[node, 0], v[node, 1], v[node, 2]
-            fx, fy, fz = segment_drag(wind[0] - x, wind[1] - y, wind[2] - z, tx, ty, tz, dry * of[2], dry * of[3])
+            fx, fy, fz = segment_drag(wind[0] - x, wind[1] - y, wind[2] - z, tx, ty, tz, dry * numbers[2], dry * numbers[3])
             f[node, 0] += fx
             f[node, 1] += fy
             f[node, 2] += fz
             power -= fx * x + fy * y + fz * z
-    at += OF_SEGMENT * segments
+    begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
-        node, of = index[1 + 2 * segments + p], params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
+        node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
         wind, _ = wind_at(t, q[node, 0], q[node, 1], q[node, 2], winds)
         x, y, z = v[node, 0], v[node, 1], v[node, 2]
-        dry = 1.0 - share(q[node, 2] - surface, of[0])[0]
-        fx, fy, fz = point_drag(wind[0] - x, wind[1] - y, wind[2] - z, dry * of[1])
+        dry = 1.0 - submerged_share(q[node, 2] - surface, numbers[0])[0]
+        fx, fy, fz = point_drag(wind[0] - x, wind[1] - y, wind[2] - z, dry * numbers[1])
         f[node, 0] += fx
         f[node, 1] += fy
         f[node, 2] += fz
@@ -131,17 +131,17 @@ def force(t, q, v, index, params, f):
 
 @njit(TANGENT_SIGNATURE, cache=True, error_model="numpy")
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
-    """Subtract the slopes of the drag, with those of the wind over the position; derivation in `laws.drag`."""
-    segments, surface, at = index[0], params[0], HEADER + int(params[1])
-    winds = params[HEADER:at]
+    """Subtract the slopes of the drag, including those of the wind with the position; derivation in `laws.drag`."""
+    segments, surface, begin = index[0], params[0], HEADER + int(params[1])
+    winds = params[HEADER:begin]
     last, wind = -1, (0.0, 0.0, 0.0)
     gradient = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for s in range(segments):
-        i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
-        tx, ty, tz, per_l = tangent_of(q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2], of[0])
+        i, j, numbers = index[1 + 2 * s], index[2 + 2 * s], params[begin + SEGMENT_NUMBERS * s : begin + SEGMENT_NUMBERS * (s + 1)]
+        tx, ty, tz, per_l = tangent_of(q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2], numbers[0])
         w1, w2, k11, k12, k22 = 0.0, 0.0, 0.0, 0.0, 0.0
         if surface > NO_SURFACE:
-            _, w1, w2, k11, k12, k22 = wetted(q[i, 2] - surface, q[j, 2] - surface, of[1])
+            _, w1, w2, k11, k12, k22 = wetted(q[i, 2] - surface, q[j, 2] - surface, numbers[1])
         for side in range(2):
             node, dry, k = (i, 1.0 - 2.0 * w1, k11) if side == 0 else (j, 1.0 - 2.0 * w2, k22)
             if node >= D.shape[0]:
@@ -151,23 +151,33 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
                 last = node
             u = (wind[0] - v[node, 0], wind[1] - v[node, 1], wind[2] - v[node, 2])
             subtract_segment_slopes(
-                u, gradient, (tx, ty, tz), per_l, dry * of[2], dry * of[3], 2.0 * side - 1.0, c_q, c_v, D[node], near[s, side]
+                u,
+                gradient,
+                (tx, ty, tz),
+                per_l,
+                dry * numbers[2],
+                dry * numbers[3],
+                2.0 * side - 1.0,
+                c_q,
+                c_v,
+                D[node],
+                near[s, side],
             )
             if k != 0.0 or k12 != 0.0:
-                whole = segment_drag(u[0], u[1], u[2], tx, ty, tz, of[2], of[3])
+                undiminished = segment_drag(u[0], u[1], u[2], tx, ty, tz, numbers[2], numbers[3])
                 for x in range(3):
-                    D[node, x, 2] += c_q * 2.0 * k * whole[x]
-                    near[s, side, x, 2] += c_q * 2.0 * k12 * whole[x]
-    at += OF_SEGMENT * segments
+                    D[node, x, 2] += c_q * 2.0 * k * undiminished[x]
+                    near[s, side, x, 2] += c_q * 2.0 * k12 * undiminished[x]
+    begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
-        node, of = index[1 + 2 * segments + p], params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
+        node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
         wind, gradient = wind_at(t, q[node, 0], q[node, 1], q[node, 2], winds)
         u = (wind[0] - v[node, 0], wind[1] - v[node, 1], wind[2] - v[node, 2])
-        wet, slope, _ = share(q[node, 2] - surface, of[0])
-        subtract_point_slopes(u, gradient, (1.0 - wet) * of[1], c_q, c_v, D[node])
-        whole = point_drag(u[0], u[1], u[2], of[1])
+        wet, slope, _ = submerged_share(q[node, 2] - surface, numbers[0])
+        subtract_point_slopes(u, gradient, (1.0 - wet) * numbers[1], c_q, c_v, D[node])
+        undiminished = point_drag(u[0], u[1], u[2], numbers[1])
         for x in range(3):
-            D[node, x, 2] += c_q * slope * whole[x]
+            D[node, x, 2] += c_q * slope * undiminished[x]
 
 
 @njit(ENERGY_SIGNATURE, cache=True)

@@ -23,9 +23,9 @@ class AxialDamping(Effect):
 
         zeta_n = rate/(2 omega_n) + (BA/EA) omega_n/2 .
 
-    v is the velocity against the ground, as for `ViscousDamping`. With the velocity against the cable's ends, which would damp
-    stretching alone, the damping would couple every node of a cable with every other one: C = a (B M^-1 B^T)^-1 for the rates of
-    its segments.
+    v is the velocity relative to the ground, as for `ViscousDamping`. The velocity relative to the cable's ends would damp
+    stretching alone, but would couple every node of a cable with every other one: C = a (B M^-1 B^T)^-1 for the rates of its
+    segments.
 
     Parameters
     ----------
@@ -68,17 +68,17 @@ class AxialDamping(Effect):
         else:
             for name, rate in dict(self.rate).items():
                 rates[cables.index(model.scene.cable(name))] = rate
-        found = np.flatnonzero(rates[model.cable_of])
-        of = model.cable_of[found]
-        L0 = np.array([cable.L0 for cable in cables])[of]
-        half = 0.5 * rates[of] * np.array([cable.mass_per_length for cable in cables])[of] * L0
-        return np.column_stack([model.ends[found], found]).ravel(), np.column_stack([L0, half]).ravel()
+        damped_segments = np.flatnonzero(rates[model.cable_of])
+        cable_of = model.cable_of[damped_segments]
+        L0 = np.array([cable.L0 for cable in cables])[cable_of]
+        half = 0.5 * rates[cable_of] * np.array([cable.mass_per_length for cable in cables])[cable_of] * L0
+        return np.column_stack([model.ends[damped_segments], damped_segments]).ravel(), np.column_stack([L0, half]).ravel()
 
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
         if not isinstance(self.rate, tuple):
             return self
-        of = [(piece, rate) for name, rate in self.rate for piece in names_left(name, pieces)]
-        return AxialDamping(tuple(of)) if of else None
+        rates = [(piece, rate) for name, rate in self.rate for piece in names_left(name, pieces)]
+        return AxialDamping(tuple(rates)) if rates else None
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy}
@@ -119,9 +119,9 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
             for x in range(3):
                 for y in range(3):
                     across = (1.0 if x == y else 0.0) - n[x] * n[y]
-                    of_d = turning * (along * across + n[x] * (v[node, y] - along * n[y]))
-                    D[node, x, y] += of_d + c_v * half * n[x] * n[y]
-                    near[segment, side, x, y] -= of_d
+                    df_dd = turning * (along * across + n[x] * (v[node, y] - along * n[y]))
+                    D[node, x, y] += df_dd + c_v * half * n[x] * n[y]
+                    near[segment, side, x, y] -= df_dd
 
 
 @njit(ENERGY_SIGNATURE, cache=True)

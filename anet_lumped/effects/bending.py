@@ -6,14 +6,17 @@ store 2 B (1 - c . t), over half of that length. With d the vector of a segment 
 
     dE/dd1 = -(B/l1) (t2 - (t1 . t2) t1) ,      dE/dd2 = -(B/l2) (t1 - (t1 . t2) t2) .
 
-Over a whole step from a to b the product t1 . t2 changes by the mean of one times the change of the other, and a tangent by
-t_b - t_a = S (I - e e^T) (d_b - d_a) with S = (1/l_a + 1/l_b)/2 and e = (d_a + d_b)/(l_a + l_b), so that
+Over a whole step from a to b,
+
+    change of t1 . t2 = (mean t1) . (change of t2) + (mean t2) . (change of t1) ,
+    t_b - t_a = S (I - e e^T) (d_b - d_a) ,   S = (1/l_a + 1/l_b)/2 ,   e = (d_a + d_b)/(l_a + l_b) .
+
+Therefore these forces, in place of the derivatives above, do exactly the work by which the energy changes:
 
     g1 = -B S1 (I - e1 e1^T) (mean t2 + alpha k) ,   g2 = -B S2 (I - e2 e2^T) (mean t1 - alpha k) ,   k = change of t2 - t1 ,
 
-in place of the derivatives do exactly the work of the change in energy, apart from what the numerical damper alpha takes, 2 alpha
-times the energy of the change k. alpha = `ALPHA` s^2/(1 + s^2), s = h omega/2 with the highest frequency
-omega = 4 sqrt(EI/mu)/L0^2, damps the motion that a step does not resolve.
+apart from the numerical damper alpha, which takes 2 alpha times the energy of the change k. It damps motion that a step does not
+resolve: alpha = `ALPHA` s^2/(1 + s^2), s = h omega/2, with the highest frequency omega = 4 sqrt(EI/mu)/L0^2.
 Source: Bergou et al., ACM Trans. Graph. 27 (2008) 63, for the energy; Gonzalez, J. Nonlinear Sci. 6 (1996) 449, for the step.
 """
 
@@ -25,13 +28,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import SceneError, check_direction, check_pairs
+from anet_lumped.checks import SceneError, Vector, check_direction, check_pairs
 
 from .effect import Effect
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
-ALPHA = 0.05
-SHORT = 1e-6  # of L0: no segment is taken for shorter, since it would have no direction
+ALPHA = 0.05  # numerical damper in full, see the module
+SHORT = 1e-6  # of L0: a shorter segment counts as this long, since a segment of no length has no direction
 
 
 @dataclass(frozen=True)
@@ -48,14 +51,14 @@ class Bending(Effect):
         Fixed or driven points, and the direction in which their cable always leaves them; its length must not be zero.
     """
 
-    clamped: tuple[tuple[str, tuple[float, float, float]], ...] = ()
+    clamped: Mapping[str, Vector] | tuple[tuple[str, Vector], ...] = ()
 
     coupled_neighbours: ClassVar[int] = 2
 
     def check_parameters(self) -> None:
         pairs = check_pairs("clamped", self.clamped, "a point's name and a direction", self._called, may_be_empty=True)
         where = f'{self._called} at point "{{}}"'
-        self._set(clamped=tuple((name, check_direction("clamped", at, where.format(name))) for name, at in pairs))
+        self._set(clamped=tuple((name, check_direction("clamped", direction, where.format(name))) for name, direction in pairs))
 
     def highest_frequency(self, scene: Any) -> float:
         """Of a free chain with a bending spring at each node."""
@@ -87,7 +90,7 @@ class Bending(Effect):
                 index += [*model.ends[s], model.ends[s + 1, 1], s]
                 numbers += _stiffness(cable)
                 pairs += 1
-        for name, direction in self.clamped:
+        for name, direction in dict(self.clamped).items():
             cable, node = self._clamped_cable(model, name), model.node(name)
             first, count = model.segment_run(scene.cables.index(cable))
             s = first if model.ends[first, 0] == node else first + count - 1
@@ -99,15 +102,15 @@ class Bending(Effect):
     def _clamped_cable(self, model: Any, name: str) -> Any:
         if model.node(name) < model.n_free:
             raise SceneError(f'A clamp must be at a fixed or driven point, but effect Bending clamps free point "{name}".')
-        there = [cable for cable in model.scene.cables if name in (cable.start, cable.end) and cable.EI > 0.0]
-        if len(there) != 1:
-            raise SceneError(f'A clamp must hold one cable that has an `EI`, but {len(there)} of them end at point "{name}".')
-        return there[0]
+        held = [cable for cable in model.scene.cables if name in (cable.start, cable.end) and cable.EI > 0.0]
+        if len(held) != 1:
+            raise SceneError(f'A clamp must hold one cable that has an `EI`, but {len(held)} of them end at point "{name}".')
+        return held[0]
 
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
         """Without the clamps of cables that have fallen off."""
         bent = {name for cable in cables if cable.EI > 0.0 for name in (cable.start, cable.end)}
-        return Bending(tuple((name, at) for name, at in self.clamped if name in bent)) if bent else None
+        return Bending(tuple((name, direction) for name, direction in dict(self.clamped).items() if name in bent)) if bent else None
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step}
@@ -123,9 +126,9 @@ def _dot(a, b):
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _combined(x, a, y, b):
+def _combined(factor_a, a, factor_b, b):
     """x a + y b."""
-    return x * a[0] + y * b[0], x * a[1] + y * b[1], x * a[2] + y * b[2]
+    return factor_a * a[0] + factor_b * b[0], factor_a * a[1] + factor_b * b[1], factor_a * a[2] + factor_b * b[2]
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -156,10 +159,10 @@ def _add(f, i, a, sign):
 @njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
     """f_i -= dE/dq_i; see the module."""
-    at, p = 1, 0
+    i_index, i_params = 1, 0
     for _ in range(index[0]):
-        i, j, k = index[at], index[at + 1], index[at + 2]
-        B, L0 = params[p], params[p + 1]
+        i, j, k = index[i_index], index[i_index + 1], index[i_index + 2]
+        B, L0 = params[i_params], params[i_params + 1]
         t1, l1 = _tangent(_between_nodes(q, i, j), L0)
         t2, l2 = _tangent(_between_nodes(q, j, k), L0)
         g1, g2 = _slope(B, l1, t1, t2), _slope(B, l2, t2, t1)
@@ -167,14 +170,14 @@ def force(t, q, v, index, params, f):
         _add(f, j, g1, -1.0)
         _add(f, j, g2, 1.0)
         _add(f, k, g2, -1.0)
-        at, p = at + 4, p + 3
-    while at < index.shape[0]:
-        i, j = index[at], index[at + 1]
-        t1, l1 = _tangent(_between_nodes(q, i, j), params[p + 1])
-        g = _slope(2.0 * params[p], l1, t1, (params[p + 3], params[p + 4], params[p + 5]))
+        i_index, i_params = i_index + 4, i_params + 3
+    while i_index < index.shape[0]:
+        i, j = index[i_index], index[i_index + 1]
+        t1, l1 = _tangent(_between_nodes(q, i, j), params[i_params + 1])
+        g = _slope(2.0 * params[i_params], l1, t1, (params[i_params + 3], params[i_params + 4], params[i_params + 5]))
         _add(f, i, g, 1.0)
         _add(f, j, g, -1.0)
-        at, p = at + 4, p + 6
+        i_index, i_params = i_index + 4, i_params + 6
     return 0.0
 
 
@@ -201,7 +204,7 @@ def _cross_block(H, per, t1, t2):
 
 @njit(cache=True, error_model="numpy")
 def _assemble(weight, i, j, k, s, H11, H12, H21, H22, D, near, far):
-    """Add weight times the blocks of the three nodes of a pair of segments; H are the derivatives of g1 and g2 in d1 and d2."""
+    """Add weight times the blocks of the three nodes of a pair of segments; Hij is the derivative of g_i with respect to d_j."""
     free = D.shape[0]
     for x in range(3):
         for y in range(3):
@@ -233,10 +236,10 @@ def _assemble_clamp(weight, node, H, D):
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     """Exact second derivatives of the energy; see the module."""
     H11, H12, H21, H22 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    at, p = 1, 0
+    i_index, i_params = 1, 0
     for _ in range(index[0]):
-        i, j, k, s = index[at], index[at + 1], index[at + 2], index[at + 3]
-        B, L0 = params[p], params[p + 1]
+        i, j, k, s = index[i_index], index[i_index + 1], index[i_index + 2], index[i_index + 3]
+        B, L0 = params[i_params], params[i_params + 1]
         t1, l1 = _tangent(_between_nodes(q, i, j), L0)
         t2, l2 = _tangent(_between_nodes(q, j, k), L0)
         _own_block(H11, B, l1, t1, t2)
@@ -244,35 +247,35 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         _cross_block(H12, -B / (l1 * l2), t1, t2)
         _cross_block(H21, -B / (l1 * l2), t2, t1)
         _assemble(c_q, i, j, k, s, H11, H12, H21, H22, D, near, far)
-        at, p = at + 4, p + 3
-    while at < index.shape[0]:
-        t1, l1 = _tangent(_between_nodes(q, index[at], index[at + 1]), params[p + 1])
-        _own_block(H11, 2.0 * params[p], l1, t1, (params[p + 3], params[p + 4], params[p + 5]))
-        _assemble_clamp(c_q, index[at + 1], H11, D)
-        at, p = at + 4, p + 6
+        i_index, i_params = i_index + 4, i_params + 3
+    while i_index < index.shape[0]:
+        t1, l1 = _tangent(_between_nodes(q, index[i_index], index[i_index + 1]), params[i_params + 1])
+        _own_block(H11, 2.0 * params[i_params], l1, t1, (params[i_params + 3], params[i_params + 4], params[i_params + 5]))
+        _assemble_clamp(c_q, index[i_index + 1], H11, D)
+        i_index, i_params = i_index + 4, i_params + 6
 
 
 @njit(ENERGY_SIGNATURE, cache=True, error_model="numpy")
 def energy(t, q, index, params):
     """Sum of B/2 |t2 - t1|^2 and of B |c - t|^2 [J]."""
-    total, at, p = 0.0, 1, 0
+    total, i_index, i_params = 0.0, 1, 0
     for _ in range(index[0]):
-        t1, _ = _tangent(_between_nodes(q, index[at], index[at + 1]), params[p + 1])
-        t2, _ = _tangent(_between_nodes(q, index[at + 1], index[at + 2]), params[p + 1])
+        t1, _ = _tangent(_between_nodes(q, index[i_index], index[i_index + 1]), params[i_params + 1])
+        t2, _ = _tangent(_between_nodes(q, index[i_index + 1], index[i_index + 2]), params[i_params + 1])
         turn = _combined(1.0, t2, -1.0, t1)
-        total += 0.5 * params[p] * _dot(turn, turn)
-        at, p = at + 4, p + 3
-    while at < index.shape[0]:
-        t1, _ = _tangent(_between_nodes(q, index[at], index[at + 1]), params[p + 1])
-        turn = _combined(1.0, t1, -1.0, (params[p + 3], params[p + 4], params[p + 5]))
-        total += params[p] * _dot(turn, turn)
-        at, p = at + 4, p + 6
+        total += 0.5 * params[i_params] * _dot(turn, turn)
+        i_index, i_params = i_index + 4, i_params + 3
+    while i_index < index.shape[0]:
+        t1, _ = _tangent(_between_nodes(q, index[i_index], index[i_index + 1]), params[i_params + 1])
+        turn = _combined(1.0, t1, -1.0, (params[i_params + 3], params[i_params + 4], params[i_params + 5]))
+        total += params[i_params] * _dot(turn, turn)
+        i_index, i_params = i_index + 4, i_params + 6
     return total
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def _step_of(base, q, i, j, L0):
-    """Of a segment in a step: tangents and lengths at both ends, S and e of the module, and the change of the tangent."""
+    """Of a segment in a step from ``base`` to ``q``: both tangents, both lengths, S and e of the module, change of the tangent."""
     a, b = _between_nodes(base, i, j), _between_nodes(q, i, j)
     t_a, l_a = _tangent(a, L0)
     t_b, l_b = _tangent(b, L0)
@@ -291,10 +294,10 @@ def _turned(S, e, w):
 def _own_step_block(H, B, S, e, t_b, l_a, l_b, w):
     """Derivative in d_b of -B S (I - e e^T) w at constant w, for H."""
     along, per = _dot(e, w), S / (l_a + l_b)
-    rest = _combined(1.0, w, -along, e)
+    across = _combined(1.0, w, -along, e)
     for x in range(3):
         for y in range(3):
-            H[x, y] = B * (0.5 / (l_b * l_b) * rest[x] * t_b[y] + per * (e[x] * w[y] - 2.0 * along * e[x] * t_b[y]))
+            H[x, y] = B * (0.5 / (l_b * l_b) * across[x] * t_b[y] + per * (e[x] * w[y] - 2.0 * along * e[x] * t_b[y]))
         H[x, x] += B * per * along
 
 
@@ -312,10 +315,10 @@ def _add_turn_block(H, weight, S, e, t_b, l_b):
 def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     """Forces over a whole step as discrete gradients of the energy, with the numerical damper; see the module."""
     H11, H12, H21, H22 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    by_method, at, p = 0.0, 1, 0
+    by_method, i_index, i_params = 0.0, 1, 0
     for _ in range(index[0]):
-        i, j, k, s = index[at], index[at + 1], index[at + 2], index[at + 3]
-        B, L0, square = params[p], params[p + 1], (0.5 * h * params[p + 2]) ** 2
+        i, j, k, s = index[i_index], index[i_index + 1], index[i_index + 2], index[i_index + 3]
+        B, L0, square = params[i_params], params[i_params + 1], (0.5 * h * params[i_params + 2]) ** 2
         alpha = ALPHA * square / (1.0 + square)
         t1a, t1, l1a, l1, S1, e1, turn1 = _step_of(base, q, i, j, L0)
         t2a, t2, l2a, l2, S2, e2, turn2 = _step_of(base, q, j, k, L0)
@@ -337,11 +340,11 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         _add_turn_block(H12, -(0.5 + alpha) * B, S1, e1, t2, l2)
         _add_turn_block(H21, -(0.5 + alpha) * B, S2, e2, t1, l1)
         _assemble(1.0, i, j, k, s, H11, H12, H21, H22, D, near, far)
-        at, p = at + 4, p + 3
-    while at < index.shape[0]:
-        i, j = index[at], index[at + 1]
-        B, L0, square = 2.0 * params[p], params[p + 1], (0.5 * h * params[p + 2]) ** 2
-        alpha, c = ALPHA * square / (1.0 + square), (params[p + 3], params[p + 4], params[p + 5])
+        i_index, i_params = i_index + 4, i_params + 3
+    while i_index < index.shape[0]:
+        i, j = index[i_index], index[i_index + 1]
+        B, L0, square = 2.0 * params[i_params], params[i_params + 1], (0.5 * h * params[i_params + 2]) ** 2
+        alpha, c = ALPHA * square / (1.0 + square), (params[i_params + 3], params[i_params + 4], params[i_params + 5])
         _, t1, l1a, l1, S1, e1, turn1 = _step_of(base, q, i, j, L0)
         w1 = _combined(1.0, c, -alpha, turn1)
         g1 = _turned(-B * S1, e1, w1)
@@ -351,5 +354,5 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         _own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
         _add_turn_block(H11, alpha * B, S1, e1, t1, l1)
         _assemble_clamp(1.0, j, H11, D)
-        at, p = at + 4, p + 6
+        i_index, i_params = i_index + 4, i_params + 6
     return 0.0, by_method

@@ -27,7 +27,7 @@ class Gravity(Effect):
     """
 
     g: float = 9.81
-    direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
+    direction: Vector = (0.0, 0.0, -1.0)
 
     dead_load: ClassVar[bool] = True
     jax_traceable: ClassVar[bool] = True

@@ -1,12 +1,12 @@
 """A flat ground, or the bottom of a tank: a stiff, damped plane with Coulomb friction.
 
-A node that is a depth s below the plane is pressed back by
+The ground presses a node at a depth s below the plane back with the force
 
     N = k s + c r(s) ds/dt >= 0 ,     k = `stiffness` A ,   c = `damping` A ,   A = sum of d L0/2 over its segments ,
 
-with r = min(s/depth, 1). The damper sets in over a depth of `DEPTH` diameters, so that N has no jump when a node touches down
-(Hunt & Crossley's reason); the ground never pulls. Friction is -mu N v_t/sqrt(v_t^2 + u^2) for the velocity v_t along the plane: a
-node that sticks creeps, at less than the `slip_speed` u while the force along the plane is below 0.7 mu N.
+with r = min(s/depth, 1). The damper acts in full from a depth of `DEPTH` diameters on, so that N has no jump when a node touches
+down (as Hunt & Crossley argue). The ground never pulls. Friction is -mu N v_t/sqrt(v_t^2 + u^2), with the velocity v_t along the
+plane. A node that sticks creeps: slower than the `slip_speed` u while the force along the plane is below 0.7 mu N.
 
 Over a whole step from a to b, N is the secant of the spring energy k s^2/2 plus c/h (R_b - R_a), R the integral of r, plus the
 numerical damper alpha k (s_b - s_a) of `laws.unresolved_contact` where s_a > 0, and friction takes the mean velocity (q_b - q_a)/h
@@ -23,9 +23,9 @@ from typing import Any, Self
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import SceneError, check_direction, check_number
-from anet_lumped.effects.laws.axial import secant_tension, stored
-from anet_lumped.effects.laws.unresolved_contact import damper_share, settled_rate
+from anet_lumped.checks import SceneError, Vector, check_direction, check_number
+from anet_lumped.effects.laws.axial import secant_tension, spring_energy
+from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
 from .effect import Effect, height_under
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, SETTLE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
@@ -36,7 +36,7 @@ HEADER, EACH = 6, 4  # numbers in ``params`` before those of the nodes, and of e
 
 @dataclass(frozen=True)
 class Ground(Effect):
-    """A plane that holds up every moving node, which sinks in as deep as its load presses it; statics leave friction out.
+    """A plane that holds up every moving node; a node sinks in until the plane carries its load. Statics leave friction out.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Ground(Effect):
     stiffness: float = 3e6
     damping: float = 3e5
     friction: float = 0.0
-    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    normal: Vector = (0.0, 0.0, 1.0)
     slip_speed: float = 1e-3
 
     def check_parameters(self) -> None:
@@ -117,7 +117,7 @@ class Ground(Effect):
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _below(q, i, params):
+def _depth_below(q, i, params):
     """Depth of a node below the plane [m]."""
     return params[3] - (params[0] * q[i, 0] + params[1] * q[i, 1] + params[2] * q[i, 2])
 
@@ -125,24 +125,24 @@ def _below(q, i, params):
 @njit(cache=True, error_model="numpy", forceinline=True)
 def _of_node(params, i):
     """k, c, depth and mass of a node."""
-    at = HEADER + EACH * i
-    return params[at], params[at + 1], params[at + 2], params[at + 3]
+    first = HEADER + EACH * i
+    return params[first], params[first + 1], params[first + 2], params[first + 3]
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _pressed(s, rate, k, c, depth):
-    """N of the module's docstring, and its slopes in s and ds/dt."""
+def _normal_force(s, rate, k, c, depth):
+    """N of the module's docstring [N], and its slopes in s [N/m] and in ds/dt [N s/m]."""
     if s <= 0.0:
         return 0.0, 0.0, 0.0
-    set_in = min(s / depth, 1.0)
-    N = k * s + c * set_in * rate
+    damper_share = min(s / depth, 1.0)
+    N = k * s + c * damper_share * rate
     if N <= 0.0:
         return 0.0, 0.0, 0.0
-    return N, k + (c / depth * rate if s < depth else 0.0), c * set_in
+    return N, k + (c / depth * rate if s < depth else 0.0), c * damper_share
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _set_in(s, depth):
+def _damper_depth(s, depth):
     """R of the module's docstring [m], and its slope r."""
     if s <= 0.0:
         return 0.0, 0.0
@@ -152,11 +152,11 @@ def _set_in(s, depth):
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _pressed_between(s_a, s_b, h, k, c, depth, numerical):
-    """N over a step, its slope in s_b, and what damper and numerical damper [N/m] take."""
+def _normal_force_between(s_a, s_b, h, k, c, depth, numerical):
+    """N over a whole step [N], its slope in s_b [N/m], and what damper and numerical damper [N/m] take [J]."""
     secant, slope = secant_tension(s_a, s_b, k, 0.0)
-    before, _ = _set_in(s_a, depth)
-    after, r = _set_in(s_b, depth)
+    before, _ = _damper_depth(s_a, depth)
+    after, r = _damper_depth(s_b, depth)
     viscous, numerical = c / h * (after - before), numerical if s_a > 0.0 else 0.0
     damped = numerical * (max(s_b, 0.0) - s_a)  # of the sign of `viscous`
     N = secant + viscous + damped
@@ -171,7 +171,7 @@ def _pressed_between(s_a, s_b, h, k, c, depth, numerical):
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def _sliding(vx, vy, vz, params):
-    """Velocity along the plane over sqrt(v_t^2 + u^2), that root, and the speed of sinking in."""
+    """v_t/sqrt(v_t^2 + u^2) with the velocity v_t along the plane; the root sqrt(v_t^2 + u^2); the speed of sinking in [m/s]."""
     along = params[0] * vx + params[1] * vy + params[2] * vz
     vx, vy, vz = vx - along * params[0], vy - along * params[1], vz - along * params[2]
     root = math.sqrt(vx * vx + vy * vy + vz * vz + params[5] * params[5])
@@ -186,7 +186,7 @@ def _add_force(f, i, N, slide, params):
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def _add_tangent(D, i, slope, viscous, slide, params):
-    """Blocks of a node: ``slope`` is that of N in s, ``viscous`` mu N times the weight of the velocity over `_sliding`'s root."""
+    """Add the block of a node, with the slope of N in s, and ``viscous``, the slope of friction in the displacement of the node."""
     for x in range(3):
         for y in range(3):
             D[i, x, y] += slope * (params[x] - params[4] * slide[x]) * params[y]
@@ -196,14 +196,14 @@ def _add_tangent(D, i, slope, viscous, slide, params):
 
 @njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
-    """f_i += N n - mu N v_t/sqrt(v_t^2 + u^2); see the module. Returns what damper and friction take [W]."""
+    """f_i += N n - mu N v_t/sqrt(v_t^2 + u^2); see the module. Returns the power that damper and friction take [W]."""
     power = 0.0
     for i in range((params.shape[0] - HEADER) // EACH):
         k, c, depth, _ = _of_node(params, i)
-        s = _below(q, i, params)
+        s = _depth_below(q, i, params)
         if s > 0.0:
             slide, root, rate = _sliding(v[i, 0], v[i, 1], v[i, 2], params)
-            N, _, _ = _pressed(s, rate, k, c, depth)
+            N, _, _ = _normal_force(s, rate, k, c, depth)
             _add_force(f, i, N, slide, params)
             power += (N - k * s) * rate
             power += params[4] * N * root * (slide[0] * slide[0] + slide[1] * slide[1] + slide[2] * slide[2])
@@ -214,11 +214,11 @@ def force(t, q, v, index, params, f):
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     """Exact derivatives of `force`."""
     for i in range((params.shape[0] - HEADER) // EACH):
-        s = _below(q, i, params)
+        s = _depth_below(q, i, params)
         if s > 0.0:
             k, c, depth, _ = _of_node(params, i)
             slide, root, rate = _sliding(v[i, 0], v[i, 1], v[i, 2], params)
-            N, of_depth, of_rate = _pressed(s, rate, k, c, depth)
+            N, of_depth, of_rate = _normal_force(s, rate, k, c, depth)
             _add_tangent(D, i, c_q * of_depth + c_v * of_rate, c_v * params[4] * N / root, slide, params)
 
 
@@ -227,7 +227,7 @@ def energy(t, q, index, params):
     """Sum of k s^2/2 of the nodes below the plane [J]."""
     total = 0.0
     for i in range((params.shape[0] - HEADER) // EACH):
-        total += stored(_below(q, i, params), params[HEADER + EACH * i], 0.0)
+        total += spring_energy(_depth_below(q, i, params), params[HEADER + EACH * i], 0.0)
     return total
 
 
@@ -236,11 +236,11 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     """Force over a whole step, and its exact derivative; see the module."""
     dissipated, by_method, per_h = 0.0, 0.0, 1.0 / h
     for i in range((params.shape[0] - HEADER) // EACH):
-        s_a, s_b = _below(base, i, params), _below(q, i, params)
+        s_a, s_b = _depth_below(base, i, params), _depth_below(q, i, params)
         if s_a > 0.0 or s_b > 0.0:
             k, c, depth, mass = _of_node(params, i)
-            numerical = k * damper_share(damper, 0.25 * h * h * k / mass)
-            N, slope, viscous, unresolved = _pressed_between(s_a, s_b, h, k, c, depth, numerical)
+            numerical = k * numerical_share(damper, 0.25 * h * h * k / mass)
+            N, slope, viscous, unresolved = _normal_force_between(s_a, s_b, h, k, c, depth, numerical)
             vx, vy, vz = per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
             slide, root, _ = _sliding(vx, vy, vz, params)
             _add_force(f, i, N, slide, params)
@@ -255,7 +255,7 @@ def settle(t, h, damper, base, q, v, index, params):
     """Speed of sinking in of the nodes that stay below the plane, without what rings, see `laws.unresolved_contact`."""
     taken = 0.0
     for i in range((params.shape[0] - HEADER) // EACH):
-        s_a, s_b = _below(base, i, params), _below(q, i, params)
+        s_a, s_b = _depth_below(base, i, params), _depth_below(q, i, params)
         if s_a > 0.0 and s_b > 0.0:
             k, c, _, mass = _of_node(params, i)
             viscous = 0.5 * h * c / mass

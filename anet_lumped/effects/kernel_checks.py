@@ -11,8 +11,8 @@ from anet_lumped.compiled.exceptions import may_raise
 
 from .signatures import SIGNATURES, SLOTS
 
-OF_DEAD_LOADS = ("force", "energy")
-OF_OTHERS = ("force", "energy", "tangent")
+DEAD_LOAD_SLOTS = ("force", "energy")
+LIVE_FORCE_SLOTS = ("force", "energy", "tangent")
 
 
 def check_kernels(effect: Any) -> None:
@@ -29,16 +29,16 @@ def check_kernels(effect: Any) -> None:
         if slot not in SLOTS:
             hint = nearest(str(slot), SLOTS, quote="`") or "."
             raise SceneError(f"Compiled functions of an effect must be among {_listed(SLOTS)}, but {called} has `{slot}`{hint}")
-    required = OF_DEAD_LOADS if effect.dead_load else OF_OTHERS
+    required = DEAD_LOAD_SLOTS if effect.dead_load else LIVE_FORCE_SLOTS
     kind = "A dead load" if effect.dead_load else "An effect that exerts forces"
     for slot in required:
         if slot not in kernels:
             raise SceneError(f"{kind} must have the compiled functions {_listed(required)}, but {called} has no `{slot}`.")
     if effect.dead_load and len(kernels) > len(required):
-        more = next(slot for slot in kernels if slot not in required)
+        surplus = next(slot for slot in kernels if slot not in required)
         raise SceneError(
             f"A dead load must have the compiled functions {_listed(required)} alone, but {called}, whose `dead_load` is True, has "
-            f"`{more}`."
+            f"`{surplus}`."
         )
     if effect.linear_in_node_state and "whole_step" in kernels:
         raise SceneError(

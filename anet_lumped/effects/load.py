@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import check_names, check_number, check_vector
+from anet_lumped.checks import Vector, check_names, check_number, check_vector
 from anet_lumped.prescribed.smoothstep_kernel import ramped
 
 from .effect import Effect, names_left
@@ -16,10 +16,10 @@ from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
 @dataclass(frozen=True)
 class Load(Effect):
-    """A force p per unstretched length of cables, of which either node of a segment takes p L0/2.
+    """A force p per unstretched length of cables; each node of a segment takes p L0/2.
 
-    A constant load is a dead load, of potential energy -sum f . q. A load that grows has no potential energy: its work counts as
-    negative dissipation.
+    A constant load is a dead load, with the potential energy -sum f . q. A load that grows has no potential energy: its work counts
+    as negative dissipation.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class Load(Effect):
         Time from t = 0 in which the load grows from zero to p, by s^3 (6 s^2 - 15 s + 10) with s = t/ramp; 0: a constant load.
     """
 
-    per_length: tuple[float, float, float]
+    per_length: Vector
     cables: Sequence[str] | None = None
     ramp: float = 0.0
 
@@ -80,10 +80,10 @@ class Load(Effect):
 @njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
     """f_i += p_i; returns -sum p_i . v_i [W] for a load that grows, 0 for a constant one, which has an energy."""
-    (share, _, _), power = ramped(t, params[0]), 0.0
+    (ramp_share, _, _), power = ramped(t, params[0]), 0.0
     for i in range((params.shape[0] - 1) // 3):
         for x in range(3):
-            p = share * params[1 + 3 * i + x]
+            p = ramp_share * params[1 + 3 * i + x]
             f[i, x] += p
             power -= p * v[i, x]
     return power if params[0] > 0.0 else 0.0

@@ -44,8 +44,8 @@ class Temperature(Effect):
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
         if not isinstance(self.expansion, tuple):
             return self
-        of = [(piece, alpha) for name, alpha in self.expansion for piece in names_left(name, pieces)]
-        return Temperature(tuple(of), self.change) if of else None
+        expansions = [(piece, alpha) for name, alpha in self.expansion for piece in names_left(name, pieces)]
+        return Temperature(tuple(expansions), self.change) if expansions else None
 
     def length_changes(self, scene: Any) -> Sequence[LengthChange]:
         """The strain alpha dT of each cable.
@@ -55,5 +55,5 @@ class Temperature(Effect):
         SceneError : an unknown cable
         """
         names = [cable.name for cable in scene.cables]
-        of = dict.fromkeys(names, self.expansion) if isinstance(self.expansion, float) else dict(self.expansion)
-        return [LengthChange(scene.cable(name).name, STRAIN, alpha, self.change) for name, alpha in of.items()]
+        expansions = dict.fromkeys(names, self.expansion) if isinstance(self.expansion, float) else dict(self.expansion)
+        return [LengthChange(scene.cable(name).name, STRAIN, alpha, self.change) for name, alpha in expansions.items()]

@@ -1,20 +1,20 @@
 """Water with a free surface: buoyancy, drag, and the inertia of the water that cables and payloads push aside.
 
-At each end of a segment acts, with w the share of the segment's volume that is under water there (1/2 at each end if all of it is;
-smooth through the surface, see `laws.submergence`),
+The force on each end of a segment, and its added mass, are
 
     f = w (rho g V e_z + drag(u) + rho V ((1 + Can) a_n + (1 + Cat) a_t)) ,    A = w rho V (Can (I - t t^T) + Cat t t^T) ,
 
-with u the velocity of the water minus that of the node, a the acceleration of the water, and A the added mass of the node (Morison,
-see `laws.morison` and `laws.drag`). What a point carries is taken for a sphere of its volume. V is the unstretched volume. The
-tension is the effective one of mooring codes, which contains the pressure on a cut through the cable.
+with the velocity u of the water minus that of the node and the acceleration a of the water (Morison, see `laws.morison` and
+`laws.drag`). w is the share of the segment's volume that is under water and belongs to this end: 1/2 for a segment under water,
+with a smooth change at the surface, see `laws.submergence`. V is the unstretched volume. A point with a volume counts as a sphere.
+The tension is the effective one of mooring codes, which includes the pressure on a cross-section of the cable.
 
-The velocity of the water is the sum of a current, whose acceleration is left out, and of a wave, whose surface is the one that
-buoyancy takes. In still water buoyancy has an energy, -rho g V times the depth, and its work over a whole step is the change of
-that energy, so that no step can raise it. Added mass that turns with a cable or goes through the surface takes or gives the energy
-1/2 v.(dA/dt) v, since Morison's equation has no force that belongs to dA/dq; this counts as dissipated, with either sign. In a wave
-the work of all of these forces counts as given by the water. There is no slamming force, no shelter behind other cables, and the
-current does not change the length of the wave.
+The velocity of the water is the sum of that of a current, whose acceleration is left out, and that of a wave, whose surface limits
+the water. In still water buoyancy has an energy, -rho g V times the depth; its work over a whole step is the change of this energy,
+so that no step can raise the energy. Where added mass turns with a cable or goes through the surface, the energy 1/2 v.(dA/dt) v is
+taken or given, because Morison's equation has no force for dA/dq; it counts as dissipated, with either sign. In a wave the work of
+all these forces counts as given by the water. There is no slamming force, no shelter behind other cables, and the current does not
+change the length of the wave.
 
 Source
 ------
@@ -44,12 +44,12 @@ from anet_lumped.effects.laws.drag import (
     tangent_of,
 )
 from anet_lumped.effects.laws.morison import add_mass, point_force, segment_force, subtract_inertia_slopes
-from anet_lumped.effects.laws.submergence import share, share_between, sphere, wetted, wetted_between
+from anet_lumped.effects.laws.submergence import sphere_diameter, submerged_share, submerged_share_between, wetted, wetted_between
 
 from .effect import Effect, height_under
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, INERTIA_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
-HEADER, OF_SEGMENT, OF_POINT = 3, 8, 5  # numbers in ``params`` before all others, of each segment and of each point
+HEADER, SEGMENT_NUMBERS, POINT_NUMBERS = 3, 8, 5  # numbers in ``params`` before all others, of each segment and of each point
 
 
 @dataclass(frozen=True)
@@ -145,56 +145,59 @@ class Water(Effect):
 
     def _of_point(self, point: Any, g: float) -> tuple[float, ...]:
         mass = self.density * point.volume
-        return sphere(point), point_coefficient(self.density, point), g * mass, mass, point.Ca
+        return sphere_diameter(point), point_coefficient(self.density, point), g * mass, mass, point.Ca
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "inertia": inertia}
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _water(params):
-    """Level, current, wave, and where the numbers of the segments begin."""
-    at = HEADER + int(params[1])
-    return params[0], params[HEADER:at], params[at : at + int(params[2])], at + int(params[2])
+def _read_params(params):
+    """Level, current, wave, and the position in ``params`` at which the numbers of the segments begin."""
+    begin = HEADER + int(params[1])
+    return params[0], params[HEADER:begin], params[begin : begin + int(params[2])], begin + int(params[2])
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def _flow(t, q, level, current, wave):
-    """At a position q: height above the surface, its slopes, velocity of the water, its gradient, acceleration, its gradient."""
+    """At a position q: height above the surface, its slopes; velocity of the water, its gradient; acceleration, its gradient."""
     velocity, gradient = wind_at(t, q[0], q[1], q[2], current)
     if len(wave) == 0:
         return q[2] - level, (0.0, 0.0, 1.0), velocity, gradient, AT_REST[1], AT_REST[2]
-    (eta, _, eta_x, eta_y), u, of_u, a, of_a = wave_at(t, q[0], q[1], q[2], wave)
+    (eta, _, eta_x, eta_y), u, u_gradient, a, a_gradient = wave_at(t, q[0], q[1], q[2], wave)
     velocity = (velocity[0] + u[0], velocity[1] + u[1], velocity[2] + u[2])
     gradient = (
-        gradient[0] + of_u[0], gradient[1] + of_u[1], gradient[2] + of_u[2],
-        gradient[3] + of_u[3], gradient[4] + of_u[4], gradient[5] + of_u[5],
-        gradient[6] + of_u[6], gradient[7] + of_u[7], gradient[8] + of_u[8],
+        gradient[0] + u_gradient[0], gradient[1] + u_gradient[1], gradient[2] + u_gradient[2],
+        gradient[3] + u_gradient[3], gradient[4] + u_gradient[4], gradient[5] + u_gradient[5],
+        gradient[6] + u_gradient[6], gradient[7] + u_gradient[7], gradient[8] + u_gradient[8],
     )  # fmt: skip
-    return q[2] - level - eta, (-eta_x, -eta_y, 1.0), velocity, gradient, a, of_a
+    return q[2] - level - eta, (-eta_x, -eta_y, 1.0), velocity, gradient, a, a_gradient
 
 
 @njit(cache=True, forceinline=True)
-def _at(q, i):
+def _row(q, i):
     return q[i, 0], q[i, 1], q[i, 2]
 
 
 @njit(cache=True, forceinline=True)
-def _less(a, b):
+def _difference(a, b):
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @njit(cache=True, forceinline=True)
 def _add(f, i, w, force, lift):
-    """Add w times a force and a lift to those on a node."""
+    """Add w times a force, and a lift along z, to the force on a node."""
     f[i, 0] += w * force[0]
     f[i, 1] += w * force[1]
     f[i, 2] += w * force[2] + lift
 
 
 @njit(cache=True, forceinline=True)
-def _subtract(block, force, lift, slope, up):
-    """Subtract (force + lift e_z) slope up^T from a block: the slope of a force by its share under water, up that of the height."""
+def _subtract_share_slope(block, force, lift, slope, up):
+    """Subtract (force + lift e_z) slope up^T from a block, the part of a tangent that is due to the change of the submerged share.
+
+    ``slope`` is that of the share in the height [1/m], ``up`` that of the height in the position.
+    """
     for y in range(3):
         block[0, y] -= slope * force[0] * up[y]
         block[1, y] -= slope * force[1] * up[y]
@@ -203,109 +206,114 @@ def _subtract(block, force, lift, slope, up):
 
 @njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
-    """Add the force on both nodes of every segment and on points, see the module; returns -f.v of forces without an energy [W]."""
-    level, current, wave, at = _water(params)
-    segments, still, power = index[0], 1.0 if len(wave) == 0 else 0.0, 0.0
-    last, here = -1, _flow(t, (0.0, 0.0, 0.0), level, current, wave)
-    there = here
+    """Add the force on both nodes of every segment and on points, see the module.
+
+    Returns the power that the forces take which have no energy, -f.v [W].
+    """
+    level, current, wave, begin = _read_params(params)
+    segments, still_water, power = index[0], 1.0 if len(wave) == 0 else 0.0, 0.0
+    last, flow_i = -1, _flow(t, (0.0, 0.0, 0.0), level, current, wave)
+    flow_j = flow_i
     for s in range(segments):
-        i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
-        here = there if i == last else _flow(t, _at(q, i), level, current, wave)
-        there, last = _flow(t, _at(q, j), level, current, wave), j
-        _, w1, w2, _, _, _ = wetted(here[0], there[0], of[1])
+        i, j, numbers = index[1 + 2 * s], index[2 + 2 * s], params[begin + SEGMENT_NUMBERS * s : begin + SEGMENT_NUMBERS * (s + 1)]
+        flow_i = flow_j if i == last else _flow(t, _row(q, i), level, current, wave)
+        flow_j, last = _flow(t, _row(q, j), level, current, wave), j
+        _, w1, w2, _, _, _ = wetted(flow_i[0], flow_j[0], numbers[1])
         if w1 + w2 == 0.0:
             continue
-        d = _less(_at(q, j), _at(q, i))
-        tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], of[0])
+        d = _difference(_row(q, j), _row(q, i))
+        tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
         for side in range(2):
-            node, w, flow = (i, w1, here) if side == 0 else (j, w2, there)
-            V = _at(v, node)
-            F = segment_force(_less(flow[2], V), flow[4], (tx, ty, tz), of[2], of[3], of[5], of[6], of[7])
-            _add(f, node, w, F, w * of[4])
-            power -= w * (F[0] * V[0] + F[1] * V[1] + (F[2] + (1.0 - still) * of[4]) * V[2])
-    at += OF_SEGMENT * segments
+            node, w, flow = (i, w1, flow_i) if side == 0 else (j, w2, flow_j)
+            V = _row(v, node)
+            F = segment_force(
+                _difference(flow[2], V), flow[4], (tx, ty, tz), numbers[2], numbers[3], numbers[5], numbers[6], numbers[7]
+            )
+            _add(f, node, w, F, w * numbers[4])
+            power -= w * (F[0] * V[0] + F[1] * V[1] + (F[2] + (1.0 - still_water) * numbers[4]) * V[2])
+    begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
-        node, of = index[1 + 2 * segments + p], params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
-        flow, V = _flow(t, _at(q, node), level, current, wave), _at(v, node)
-        w, _, _ = share(flow[0], of[0])
-        F = point_force(_less(flow[2], V), flow[4], of[1], of[3], of[4])
-        _add(f, node, w, F, w * of[2])
-        power -= w * (F[0] * V[0] + F[1] * V[1] + (F[2] + (1.0 - still) * of[2]) * V[2])
+        node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
+        flow, V = _flow(t, _row(q, node), level, current, wave), _row(v, node)
+        w, _, _ = submerged_share(flow[0], numbers[0])
+        F = point_force(_difference(flow[2], V), flow[4], numbers[1], numbers[3], numbers[4])
+        _add(f, node, w, F, w * numbers[2])
+        power -= w * (F[0] * V[0] + F[1] * V[1] + (F[2] + (1.0 - still_water) * numbers[2]) * V[2])
     return power
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _segment_slopes(s, i, j, here, there, v1, v2, t, per_l, wet, lift, of, waves, c_q, c_v, D, near):
-    """Subtract the slopes of the force on both nodes of a segment; ``lift`` [N] is buoyancy that the shares w multiply."""
+def _segment_slopes(s, i, j, flow_i, flow_j, v1, v2, t, per_l, wet, lift, numbers, waves, c_q, c_v, D, near):
+    """Subtract the slopes of the force on both nodes of a segment; ``lift`` [N] is the part of its buoyancy that w multiplies."""
     for side in range(2):
-        node, flow, V, w, k = (i, here, v1, wet[1], wet[3]) if side == 0 else (j, there, v2, wet[2], wet[5])
+        node, flow, V, w, k = (i, flow_i, v1, wet[1], wet[3]) if side == 0 else (j, flow_j, v2, wet[2], wet[5])
         if node >= D.shape[0]:
             continue
-        u, own, other = _less(flow[2], V), D[node], near[s, side]
-        turn = 2.0 * side - 1.0
-        subtract_segment_slopes(u, flow[3], t, per_l, w * of[2], w * of[3], turn, c_q, c_v, own, other)
+        u, own, other = _difference(flow[2], V), D[node], near[s, side]
+        side_sign = 2.0 * side - 1.0
+        subtract_segment_slopes(u, flow[3], t, per_l, w * numbers[2], w * numbers[3], side_sign, c_q, c_v, own, other)
         if waves:
-            subtract_inertia_slopes(flow[4], flow[5], t, per_l, w * of[5], of[6], of[7], turn, c_q, own, other)
+            subtract_inertia_slopes(flow[4], flow[5], t, per_l, w * numbers[5], numbers[6], numbers[7], side_sign, c_q, own, other)
         if k != 0.0 or wet[4] != 0.0:
-            F = segment_force(u, flow[4], t, of[2], of[3], of[5], of[6], of[7])
-            _subtract(own, F, lift, c_q * k, flow[1])
-            _subtract(other, F, lift, c_q * wet[4], there[1] if side == 0 else here[1])
+            F = segment_force(u, flow[4], t, numbers[2], numbers[3], numbers[5], numbers[6], numbers[7])
+            _subtract_share_slope(own, F, lift, c_q * k, flow[1])
+            _subtract_share_slope(other, F, lift, c_q * wet[4], flow_j[1] if side == 0 else flow_i[1])
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _point_slopes(node, flow, V, wet, lift, of, c_q, c_v, D):
+def _point_slopes(node, flow, V, wet, lift, numbers, c_q, c_v, D):
     """Subtract the slopes of the force on a point; ``lift`` as for a segment."""
     w, slope, _ = wet
-    u = _less(flow[2], V)
-    F = point_force(u, flow[4], of[1], of[3], of[4])
-    subtract_point_slopes(u, flow[3], w * of[1], c_q, c_v, D[node])
-    m = c_q * w * of[3] * (1.0 + of[4])
+    u = _difference(flow[2], V)
+    F = point_force(u, flow[4], numbers[1], numbers[3], numbers[4])
+    subtract_point_slopes(u, flow[3], w * numbers[1], c_q, c_v, D[node])
+    m = c_q * w * numbers[3] * (1.0 + numbers[4])
     for x in range(3):
         for y in range(3):
             D[node, x, y] -= m * flow[5][3 * x + y]
-    _subtract(D[node], F, lift, c_q * slope, flow[1])
+    _subtract_share_slope(D[node], F, lift, c_q * slope, flow[1])
 
 
 @njit(TANGENT_SIGNATURE, cache=True, error_model="numpy")
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
-    """Subtract the exact slopes of `force`, with those of the water's motion over the position."""
-    level, current, wave, at = _water(params)
+    """Subtract the exact slopes of `force`, including those of the water's velocity and acceleration with the position."""
+    level, current, wave, begin = _read_params(params)
     segments, waves, last = index[0], len(wave) > 0, -1
-    here = _flow(t, (0.0, 0.0, 0.0), level, current, wave)
-    there = here
+    flow_i = _flow(t, (0.0, 0.0, 0.0), level, current, wave)
+    flow_j = flow_i
     for s in range(segments):
-        i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
-        here = there if i == last else _flow(t, _at(q, i), level, current, wave)
-        there, last = _flow(t, _at(q, j), level, current, wave), j
-        wet = wetted(here[0], there[0], of[1])
+        i, j, numbers = index[1 + 2 * s], index[2 + 2 * s], params[begin + SEGMENT_NUMBERS * s : begin + SEGMENT_NUMBERS * (s + 1)]
+        flow_i = flow_j if i == last else _flow(t, _row(q, i), level, current, wave)
+        flow_j, last = _flow(t, _row(q, j), level, current, wave), j
+        wet = wetted(flow_i[0], flow_j[0], numbers[1])
         if wet[1] + wet[2] == 0.0:
             continue
-        d = _less(_at(q, j), _at(q, i))
-        tx, ty, tz, per_l = tangent_of(d[0], d[1], d[2], of[0])
+        d = _difference(_row(q, j), _row(q, i))
+        tx, ty, tz, per_l = tangent_of(d[0], d[1], d[2], numbers[0])
         _segment_slopes(
-            s, i, j, here, there, _at(v, i), _at(v, j), (tx, ty, tz), per_l, wet, of[4], of, waves, c_q, c_v, D, near
+            s, i, j, flow_i, flow_j, _row(v, i), _row(v, j), (tx, ty, tz), per_l, wet, numbers[4], numbers, waves, c_q, c_v, D, near
         )  # fmt: skip
-    at += OF_SEGMENT * segments
+    begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
-        node, of = index[1 + 2 * segments + p], params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
-        flow = _flow(t, _at(q, node), level, current, wave)
-        _point_slopes(node, flow, _at(v, node), share(flow[0], of[0]), of[2], of, c_q, c_v, D)
+        node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
+        flow = _flow(t, _row(q, node), level, current, wave)
+        _point_slopes(node, flow, _row(v, node), submerged_share(flow[0], numbers[0]), numbers[2], numbers, c_q, c_v, D)
 
 
 @njit(ENERGY_SIGNATURE, cache=True, error_model="numpy")
 def energy(t, q, index, params):
     """-sum rho g V e of the segments and -sum rho g V H of the points, see `submergence` [J]; none in a wave."""
-    level, _, wave, at = _water(params)
+    level, _, wave, begin = _read_params(params)
     segments, total = index[0], 0.0
     if len(wave) > 0:
         return 0.0
     for s in range(segments):
-        of = params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
-        total -= of[4] * wetted(q[index[1 + 2 * s], 2] - level, q[index[2 + 2 * s], 2] - level, of[1])[0]
-    at += OF_SEGMENT * segments
+        numbers = params[begin + SEGMENT_NUMBERS * s : begin + SEGMENT_NUMBERS * (s + 1)]
+        total -= numbers[4] * wetted(q[index[1 + 2 * s], 2] - level, q[index[2 + 2 * s], 2] - level, numbers[1])[0]
+    begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
-        of = params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
-        total -= of[2] * share(q[index[1 + 2 * segments + p], 2] - level, of[0])[2]
+        numbers = params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
+        total -= numbers[2] * submerged_share(q[index[1 + 2 * segments + p], 2] - level, numbers[0])[2]
     return total
 
 
@@ -315,31 +323,32 @@ def _middle(base, q, i):
 
 
 @njit(cache=True, forceinline=True)
-def _mean(base, q, i, per_h):
+def _mean_velocity(base, q, i, per_h):
     return per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
 
 
 @njit(WHOLE_STEP_SIGNATURE, cache=True, error_model="numpy")
 def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
-    """Force over a whole step, and its exact derivative: `force` at the middle, apart from the buoyancy of still water.
+    """Force over a whole step, and its exact derivative.
 
-    Buoyancy takes the shares of `wetted_between`, so that its work is the change of its energy. The work of the other forces is
-    dissipated, and is never negative in water at rest.
+    It is `force` at the middle of the step, apart from the buoyancy of still water: that takes the weights of `wetted_between`, so
+    that its work is the change of its energy. The work of all other forces counts as dissipated; in water at rest it is never
+    negative.
     """
-    level, current, wave, at = _water(params)
+    level, current, wave, begin = _read_params(params)
     segments, waves, per_h, dissipated, last = index[0], len(wave) > 0, 1.0 / h, 0.0, -1
-    here = _flow(t, (0.0, 0.0, 0.0), level, current, wave)
-    there = here
+    flow_i = _flow(t, (0.0, 0.0, 0.0), level, current, wave)
+    flow_j = flow_i
     for s in range(segments):
-        i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
+        i, j, numbers = index[1 + 2 * s], index[2 + 2 * s], params[begin + SEGMENT_NUMBERS * s : begin + SEGMENT_NUMBERS * (s + 1)]
         q1, q2 = _middle(base, q, i), _middle(base, q, j)
-        here = there if i == last else _flow(t, q1, level, current, wave)
-        there, last = _flow(t, q2, level, current, wave), j
-        v1, v2, d, lift = _mean(base, q, i, per_h), _mean(base, q, j, per_h), _less(q2, q1), of[4]
-        wet = wetted(here[0], there[0], of[1])
+        flow_i = flow_j if i == last else _flow(t, q1, level, current, wave)
+        flow_j, last = _flow(t, q2, level, current, wave), j
+        v1, v2, d, lift = _mean_velocity(base, q, i, per_h), _mean_velocity(base, q, j, per_h), _difference(q2, q1), numbers[4]
+        wet = wetted(flow_i[0], flow_j[0], numbers[1])
         if not waves:
             g1, g2, s11, s12, s21, s22 = wetted_between(
-                base[i, 2] - level, base[j, 2] - level, q[i, 2] - level, q[j, 2] - level, of[1]
+                base[i, 2] - level, base[j, 2] - level, q[i, 2] - level, q[j, 2] - level, numbers[1]
             )  # fmt: skip
             f[i, 2] += lift * g1
             f[j, 2] += lift * g2
@@ -352,25 +361,27 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
             lift = 0.0
         if wet[1] + wet[2] == 0.0:
             continue
-        tx, ty, tz, per_l = tangent_of(d[0], d[1], d[2], of[0])
-        _segment_slopes(s, i, j, here, there, v1, v2, (tx, ty, tz), per_l, wet, lift, of, waves, 0.5, per_h, D, near)
+        tx, ty, tz, per_l = tangent_of(d[0], d[1], d[2], numbers[0])
+        _segment_slopes(s, i, j, flow_i, flow_j, v1, v2, (tx, ty, tz), per_l, wet, lift, numbers, waves, 0.5, per_h, D, near)
         for side in range(2):
-            node, flow, V, w = (i, here, v1, wet[1]) if side == 0 else (j, there, v2, wet[2])
-            F = segment_force(_less(flow[2], V), flow[4], (tx, ty, tz), of[2], of[3], of[5], of[6], of[7])
+            node, flow, V, w = (i, flow_i, v1, wet[1]) if side == 0 else (j, flow_j, v2, wet[2])
+            F = segment_force(
+                _difference(flow[2], V), flow[4], (tx, ty, tz), numbers[2], numbers[3], numbers[5], numbers[6], numbers[7]
+            )
             _add(f, node, w, F, w * lift)
             dissipated -= h * w * (F[0] * V[0] + F[1] * V[1] + (F[2] + lift) * V[2])
-    at += OF_SEGMENT * segments
+    begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
-        node, of = index[1 + 2 * segments + p], params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
-        flow, V, lift = _flow(t, _middle(base, q, node), level, current, wave), _mean(base, q, node, per_h), of[2]
+        node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
+        flow, V, lift = _flow(t, _middle(base, q, node), level, current, wave), _mean_velocity(base, q, node, per_h), numbers[2]
         if not waves:
-            g, slope = share_between(base[node, 2] - level, q[node, 2] - level, of[0])
+            g, slope = submerged_share_between(base[node, 2] - level, q[node, 2] - level, numbers[0])
             f[node, 2] += lift * g
             D[node, 2, 2] -= lift * slope
             lift = 0.0
-        wet = share(flow[0], of[0])
-        _point_slopes(node, flow, V, wet, lift, of, 0.5, per_h, D)
-        F = point_force(_less(flow[2], V), flow[4], of[1], of[3], of[4])
+        wet = submerged_share(flow[0], numbers[0])
+        _point_slopes(node, flow, V, wet, lift, numbers, 0.5, per_h, D)
+        F = point_force(_difference(flow[2], V), flow[4], numbers[1], numbers[3], numbers[4])
         _add(f, node, wet[0], F, wet[0] * lift)
         dissipated -= h * wet[0] * (F[0] * V[0] + F[1] * V[1] + (F[2] + lift) * V[2])
     return dissipated, 0.0
@@ -385,25 +396,25 @@ def _height(t, q, i, level, wave):
 @njit(INERTIA_SIGNATURE, cache=True, error_model="numpy")
 def inertia(t, q, index, params, A):
     """Add the added masses, see the module."""
-    level, _, wave, at = _water(params)
+    level, _, wave, begin = _read_params(params)
     segments, last, z1, z2 = index[0], -1, 0.0, 0.0
     for s in range(segments):
-        i, j, of = index[1 + 2 * s], index[2 + 2 * s], params[at + OF_SEGMENT * s : at + OF_SEGMENT * (s + 1)]
+        i, j, numbers = index[1 + 2 * s], index[2 + 2 * s], params[begin + SEGMENT_NUMBERS * s : begin + SEGMENT_NUMBERS * (s + 1)]
         z1 = z2 if i == last else _height(t, q, i, level, wave)
         z2, last = _height(t, q, j, level, wave), j
-        _, w1, w2, _, _, _ = wetted(z1, z2, of[1])
+        _, w1, w2, _, _, _ = wetted(z1, z2, numbers[1])
         if w1 + w2 == 0.0:
             continue
-        d = _less(_at(q, j), _at(q, i))
-        tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], of[0])
+        d = _difference(_row(q, j), _row(q, i))
+        tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
         if i < A.shape[0]:
-            add_mass(w1 * of[5], of[6], of[7], (tx, ty, tz), A[i])
+            add_mass(w1 * numbers[5], numbers[6], numbers[7], (tx, ty, tz), A[i])
         if j < A.shape[0]:
-            add_mass(w2 * of[5], of[6], of[7], (tx, ty, tz), A[j])
-    at += OF_SEGMENT * segments
+            add_mass(w2 * numbers[5], numbers[6], numbers[7], (tx, ty, tz), A[j])
+    begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
-        node, of = index[1 + 2 * segments + p], params[at + OF_POINT * p : at + OF_POINT * (p + 1)]
-        m = share(_height(t, q, node, level, wave), of[0])[0] * of[3] * of[4]
+        node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
+        m = submerged_share(_height(t, q, node, level, wave), numbers[0])[0] * numbers[3] * numbers[4]
         A[node, 0, 0] += m
         A[node, 1, 1] += m
         A[node, 2, 2] += m

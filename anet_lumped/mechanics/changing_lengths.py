@@ -2,9 +2,9 @@
 
     L(t) = (length + p(t))/N (1 + e(t)) ,     k(t) = EA N/(length + p(t)) ,
 
-with the length p paid out and the strain e at rest, and masses and the effects' numbers (weights, coefficients of drag), which are
-linear in p: `model.rest_lengths` finds how. They are those of one time or of a step: over a step, L0 is that of both its ends, and
-all else is that of its middle. What the change puts in is work, by its power at one time or over a step.
+with the length p paid out and the strain e at rest. Masses and the effects' numbers (weights, coefficients of drag) are linear in
+p; `model.rest_lengths` finds their slopes. All of these are taken at one time, or for a step: then L0 at both ends of the step, and
+everything else in its middle. A change of rest lengths does work on the net, given as power at one time and as work over a step.
 """
 
 import math
@@ -61,22 +61,25 @@ def _set_masses(net, paid):
 @internal
 def _omega_squared(net, c):
     """Square of the highest frequency of a segment of cable c, as `Net.axial` has it [1/s2]."""
-    count, node, largest, before = net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE], 0.0, net.cable[c, CABLE_START]
+    count, node, largest, node_before = net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE], 0.0, net.cable[c, CABLE_START]
     for j in range(count):
         i = node + j if j < count - 1 else net.cable[c, CABLE_END]
-        mobility = (1.0 / net.mass[before] if before < net.n_free else 0.0) + (1.0 / net.mass[i] if i < net.n_free else 0.0)
-        largest, before = max(largest, mobility), i
+        mobility = (1.0 / net.mass[node_before] if node_before < net.n_free else 0.0) + (
+            1.0 / net.mass[i] if i < net.n_free else 0.0
+        )
+        largest, node_before = max(largest, mobility), i
     return net.axial[c, AXIAL_STIFFNESS] * largest
 
 
 @kernel(SIGNATURES["set_lengths"])
 def set_lengths(net_address, before, middle, now):
-    """Write `Net.axial`, the masses and the effects' numbers of a net: L0 at two times, all else at the one in the middle.
+    """Write `Net.axial`, the masses and the effects' numbers of a net: L0 at ``before`` and ``now``, all else at ``middle``.
 
     Parameters
     ----------
     net_address : int64
-    before, middle, now : float64 [s]; thrice the same for one time
+    before, middle, now : float64 [s]
+        Start, middle and end of a step; for one time, that time three times.
     """
     net = view_net(net_address)
     lengths, axial = net.lengths, net.axial
@@ -93,9 +96,9 @@ def set_lengths(net_address, before, middle, now):
             if k == PAID_BEFORE:
                 axial[c, AXIAL_L0_BEFORE] = L * (1.0 + e)
             elif k == PAID_MIDDLE:
-                of_length = length / (length + p) if lengths.material[r, MATERIAL_BA_GIVEN] > 0.0 else 1.0
+                damper_ratio = length / (length + p) if lengths.material[r, MATERIAL_BA_GIVEN] > 0.0 else 1.0
                 axial[c, AXIAL_STIFFNESS] = lengths.material[r, MATERIAL_EA] / L
-                axial[c, AXIAL_DAMPER] = lengths.material[r, MATERIAL_DAMPER] * of_length
+                axial[c, AXIAL_DAMPER] = lengths.material[r, MATERIAL_DAMPER] * damper_ratio
             else:
                 paid[PAID_RATE, r] = rate[2 * r, 0]
                 axial[c, AXIAL_L0] = L * (1.0 + e)
@@ -107,7 +110,7 @@ def set_lengths(net_address, before, middle, now):
 
 @internal
 def _energy_gain(net, t, q, v, paid_before, paid_after):
-    """Kinetic and potential energy [J] of a state with the masses of one length paid out, less that with those of another.
+    """Kinetic and potential energy [J] of a state with the masses at ``paid_after`` minus that with the masses at ``paid_before``.
 
     Parameters
     ----------
@@ -130,11 +133,11 @@ def _energy_gain(net, t, q, v, paid_before, paid_after):
 
 @kernel(SIGNATURES["power_of_lengths"])
 def power_of_lengths(net_address, t, q, v, f):
-    """Power that the change of rest lengths puts in [W]: -T dL0/dt + dk/dt (l - L0)^2/2, and the energy of mass that comes.
+    """Power that the change of rest lengths puts in [W]: -T dL0/dt + dk/dt (l - L0)^2/2, plus the energy of mass paid out.
 
     From psi = k/2 (l - L0)^2 with k = EA/(length per segment): dpsi/dt = T_spring (dl/dt - dL0/dt) + dk/dt (l - L0)^2/2.
 
-    Multiplies the force f on each moving node by m0/m(t), its mass in the model over that at t, so that f/m0 is its acceleration.
+    Also multiplies the force f on each moving node by m0/m(t), with m0 its mass in the model, so that f/m0 is its acceleration.
     """
     net = view_net(net_address)
     lengths, power = net.lengths, 0.0
@@ -142,7 +145,9 @@ def power_of_lengths(net_address, t, q, v, f):
         c = lengths.cable[r]
         count, node, row = net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE], net.axial[c]
         spring, L0, L0_rate = spring_of(net, c), row[AXIAL_L0], row[AXIAL_L0_RATE]
-        stiffer = -spring[0] * lengths.paid[PAID_RATE, r] / (lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_NOW, r])
+        stiffness_rate = (
+            -spring[0] * lengths.paid[PAID_RATE, r] / (lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_NOW, r])
+        )
         a = net.cable[c, CABLE_START]
         for j in range(count):
             b = node + j if j < count - 1 else net.cable[c, CABLE_END]
@@ -151,7 +156,7 @@ def power_of_lengths(net_address, t, q, v, f):
             l = math.sqrt(dx * dx + dy * dy + dz * dz)
             rate = (dx * (v1[0] - v0[0]) + dy * (v1[1] - v0[1]) + dz * (v1[2] - v0[2])) / max(l, 1e-12 * L0) - L0_rate
             T, _ = tension_parts(l - L0, rate, spring, row[AXIAL_DAMPER], row[AXIAL_TWO_WAY_DAMPER])
-            power += elastic_energy(l - L0, (stiffer, *spring[1:])) + (energy_of_length(l - L0, spring) - T) * L0_rate
+            power += elastic_energy(l - L0, (stiffness_rate, *spring[1:])) + (energy_of_length(l - L0, spring) - T) * L0_rate
             a = b
     if lengths.mass_node.shape[0] > 0:
         for r in range(lengths.cable.shape[0]):
@@ -159,18 +164,19 @@ def power_of_lengths(net_address, t, q, v, f):
             lengths.trial[1, r] = lengths.paid[PAID_MIDDLE, r] + lengths.paid[PAID_RATE, r]
         power += 0.5 * _energy_gain(net, t, q, v, lengths.trial[0], lengths.trial[1])  # linear in the masses
     for i in range(net.n_free):
-        share = lengths.mass[i] / net.mass[i]
+        mass_ratio = lengths.mass[i] / net.mass[i]
         for x in range(3):
-            f[i, x] *= share
+            f[i, x] *= mass_ratio
     return power
 
 
 @kernel(SIGNATURES["work_of_lengths"])
 def work_of_lengths(stage, net_address, base, q, v):
-    """What the change of rest lengths puts in over a step of `LAW_BETWEEN` by the tensions that act in it [J].
+    """Work that the change of rest lengths puts in over a step of `LAW_BETWEEN`, by the tensions that act in it [J].
 
-    -T (L_b - L_a), and for the spring k of the middle, with which the secant was taken, what that of the ends stores besides; with
-    the energy of the mass that comes in the first half of the step. ``v`` (n, 3) [m/s] is the velocity at its end.
+    The sum of three parts: -T (L_b - L_a); the energy that the springs of both ends of the step store beyond that of the spring
+    in its middle, whose secant acts; and the energy of the mass paid out in the first half of the step. ``v`` (n, 3) [m/s] is the
+    velocity at the end of the step.
     """
     net, h = view_net(net_address), stage.tau
     lengths, work = net.lengths, 0.0
@@ -178,18 +184,19 @@ def work_of_lengths(stage, net_address, base, q, v):
         c = lengths.cable[r]
         first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
         L0, L0_before = net.axial[c, AXIAL_L0], net.axial[c, AXIAL_L0_BEFORE]
-        middle = lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_MIDDLE, r]
+        length_in_middle = lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_MIDDLE, r]
         spring = spring_of(net, c)
-        k_a = spring[0] * middle / (lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_BEFORE, r])
-        k_b = spring[0] * middle / (lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_NOW, r])
-        at_start, at_end = (k_a, spring[1], L0_before, *spring[3:]), (k_b, *spring[1:])
+        k_a = spring[0] * length_in_middle / (lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_BEFORE, r])
+        k_b = spring[0] * length_in_middle / (lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_NOW, r])
+        spring_at_start, spring_at_end = (k_a, spring[1], L0_before, *spring[3:]), (k_b, *spring[1:])
         a = net.cable[c, CABLE_START]
         for j in range(count):
-            b, before = node + j if j < count - 1 else net.cable[c, CABLE_END], net.segment[first + j, SEGMENT_STRETCH_BEFORE]
+            b = node + j if j < count - 1 else net.cable[c, CABLE_END]
+            stretch_before = net.segment[first + j, SEGMENT_STRETCH_BEFORE]
             dx, dy, dz = q[b, 0] - q[a, 0], q[b, 1] - q[a, 1], q[b, 2] - q[a, 2]
             stretch = math.sqrt(dx * dx + dy * dy + dz * dz) - L0
-            work += elastic_energy(before, spring) - elastic_energy(before, at_start)
-            work += elastic_energy(stretch, at_end) - elastic_energy(stretch, spring)
+            work += elastic_energy(stretch_before, spring) - elastic_energy(stretch_before, spring_at_start)
+            work += elastic_energy(stretch, spring_at_end) - elastic_energy(stretch, spring)
             work -= net.tension[first + j] * (L0 - L0_before)
             a = b
     if lengths.mass_node.shape[0] > 0:
@@ -203,7 +210,7 @@ def work_of_lengths(stage, net_address, base, q, v):
 
 @kernel(SIGNATURES["energy_of_paid_out"])
 def energy_of_paid_out(stage, net_address, q, v):
-    """Energy of the mass that comes in the second half of a step [J]; leaves the rest lengths of its end in force."""
+    """Energy of the mass paid out in the second half of a step [J]; then writes the rest lengths, masses and numbers of its end."""
     net, h = view_net(net_address), stage.tau
     lengths, energy = net.lengths, 0.0
     if lengths.mass_node.shape[0] > 0:

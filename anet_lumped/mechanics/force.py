@@ -1,4 +1,4 @@
-"""Force on every node at one time: all that an explicit method asks of a net."""
+"""Force on every node at one time, the only forces that an explicit method needs."""
 
 import math
 
@@ -34,30 +34,30 @@ _f1, _f2 = float64[::1], float64[:, ::1]
 
 @inlined
 def _cable_force(net, c, members, q, v, f):
-    """Force of a cable, or of the cables of a group of which ``members`` count; returns the power that dampers dissipate."""
+    """Force of a cable, or of the cables of a group of which ``members`` count; returns the power that dampers dissipate [W]."""
     node, start, end = column(net.cable, c, CABLE_FIRST_NODE), column(net.cable, c, CABLE_START), column(net.cable, c, CABLE_END)
     L0, spring, damper = column(net.axial, c, AXIAL_L0), spring_of(net, c), column(net.axial, c, AXIAL_DAMPER)
     two_damper, count = group_constant(net, c, AXIAL_TWO_WAY_DAMPER), segment_count(net, c)
-    Q, V, F, dissipated, L0_rate = flat(q), flat(v), flat(f), 0.0 * L0, column(net.axial, c, AXIAL_L0_RATE)
-    i, q0, v0, behind = start, row3(Q, start), row3(V, start), (dissipated, dissipated, dissipated)
+    flat_q, flat_v, flat_f, dissipated, L0_rate = flat(q), flat(v), flat(f), 0.0 * L0, column(net.axial, c, AXIAL_L0_RATE)
+    i, q0, v0, pull_behind = start, row3(flat_q, start), row3(flat_v, start), (dissipated, dissipated, dissipated)
     for j in range(count):
-        after = shifted(node, j, 1, 0) if j < count - 1 else end
-        q1, v1 = row3(Q, after), row3(V, after)
+        next_node = shifted(node, j, 1, 0) if j < count - 1 else end
+        q1, v1 = row3(flat_q, next_node), row3(flat_v, next_node)
         dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
         l = math.sqrt(dx * dx + dy * dy + dz * dz)
         per_l = 1.0 / max(l, 1e-12 * L0)
         rate = (dx * (v1[0] - v0[0]) + dy * (v1[1] - v0[1]) + dz * (v1[2] - v0[2])) * per_l - L0_rate
         T, elastic = tension_parts(l - L0, rate, spring, damper, two_damper)
         dissipated = dissipated + (T - elastic) * rate
-        along = T * per_l
-        ahead = along * dx, along * dy, along * dz
-        here = ahead[0] - behind[0], ahead[1] - behind[1], ahead[2] - behind[2]
+        tension_per_length = T * per_l
+        pull = tension_per_length * dx, tension_per_length * dy, tension_per_length * dz
+        node_force = pull[0] - pull_behind[0], pull[1] - pull_behind[1], pull[2] - pull_behind[2]
         if j == 0:
-            add_to_points(f, 0, start, members, here, 1.0)
+            add_to_points(f, 0, start, members, node_force, 1.0)
         else:
-            put_row3(F, i, here)
-        i, q0, v0, behind = after, q1, v1, ahead
-    add_to_points(f, 0, end, members, behind, -1.0)
+            put_row3(flat_f, i, node_force)
+        i, q0, v0, pull_behind = next_node, q1, v1, pull
+    add_to_points(f, 0, end, members, pull_behind, -1.0)
     return sum_of_members(dissipated, members)
 
 
@@ -90,10 +90,11 @@ def force(t, q, v, net_address, f, power):
     t : float64 [s]
     q, v : (n, 3) float64 [m], [m/s]
     net_address : int64
-    f : (n, 3) float64 [N], overwritten; on a node with added mass A the share m (m I + A)^-1 that accelerates its own mass. Where
-        masses change, f is multiplied by m0/m(t), so that f/m0 is the acceleration for the masses m0 of the model
-    power : (3,) float64 [W], overwritten: taken by dampers, taken by effects, put in by prescribed nodes and by what changes
-        the rest lengths
+    f : (n, 3) float64 [N], overwritten
+        On a node of mass m with added mass A, m (m I + A)^-1 times the force, so that f/m is its acceleration. Where masses
+        change, f is multiplied by m0/m(t), so that f/m0 is the acceleration, with m0 the mass in the model.
+    power : (3,) float64 [W], overwritten
+        Taken by dampers; taken by effects; put in by prescribed nodes and by changes of the rest lengths.
     """
     net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:

@@ -31,12 +31,12 @@ _i1, _i2 = (types.Array(types.int64, d, "C") for d in (1, 2))
 
 
 class Pattern(NamedTuple):
-    """Where the numbers of the Jacobian go; the same for every state of a model.
+    """Positions of all numbers in the Jacobian; the same for every state of a model.
 
-    The 3x3 blocks are numbered: first those of every moving node with itself, then both directions of every pair of
-    moving nodes that a segment joins, or where an effect joins them two segments of a cable. Entry e
-    of the matrix in compressed columns is ``scale[e]`` times entry
-    ``source[e]`` of all blocks of df/dq, all blocks of df/dv and a last 1.
+    The 3x3 blocks are numbered: first the block of every moving node with itself; then both blocks of every pair of moving nodes
+    that a segment joins, and of every pair that is two segments apart where an effect joins such pairs. Write the blocks of
+    df/dq, those of df/dv and a 1 one after the other: entry e of the matrix in compressed columns is ``scale[e]`` times
+    number ``source[e]`` of that row.
     """
 
     slot: np.ndarray  # (n_segments, 2) int64: blocks (first node, second node) and back; -1 if one is prescribed
@@ -79,40 +79,42 @@ def pattern(model):
 
 
 @internal
-def _add_couplings(net, slot, far_slot, of):
-    """Add what effects left in ``net.near_blocks`` and ``net.far_blocks`` to the blocks of the pairs of moving nodes."""
+def _add_couplings(net, slot, far_slot, blocks_of_pairs):
+    """Add ``net.near_blocks`` and ``net.far_blocks``, which effects wrote, to the blocks of pairs of moving nodes; clear them."""
     for s in range(net.near_blocks.shape[0]):
         for way in range(2):
             for x in range(3):
                 for y in range(3):
                     if slot[s, way] >= 0:
-                        of[slot[s, way], x, y] += net.near_blocks[s, way, x, y]
+                        blocks_of_pairs[slot[s, way], x, y] += net.near_blocks[s, way, x, y]
                     if net.far_blocks.shape[0] > 0 and far_slot[s, way] >= 0:
-                        of[far_slot[s, way], x, y] += net.far_blocks[s, way, x, y]
+                        blocks_of_pairs[far_slot[s, way], x, y] += net.far_blocks[s, way, x, y]
     clear(net.near_blocks)
     clear(net.far_blocks)
 
 
 @internal
-def _with_fluid(net, row, of):
-    """Multiply blocks of a force by m (m I + A)^-1, what added masses A of its node leave to the node's own."""
-    for b in range(of.shape[0]):
+def _with_fluid(net, row, force_blocks):
+    """Multiply the blocks of the force on a node by m (m I + A)^-1, with its mass m and added mass A, as `force` does the force."""
+    for b in range(force_blocks.shape[0]):
         m, A = net.mass[row[b]], net.added_mass[row[b]]
         inverse = elimination.inverse((m + A[0, 0], A[0, 1], A[0, 2], A[1, 0], m + A[1, 1], A[1, 2], A[2, 0], A[2, 1], m + A[2, 2]))
         for y in range(3):
-            of[b, 0, y], of[b, 1, y], of[b, 2, y] = elimination.times(inverse, m * of[b, 0, y], m * of[b, 1, y], m * of[b, 2, y])
+            force_blocks[b, 0, y], force_blocks[b, 1, y], force_blocks[b, 2, y] = elimination.times(
+                inverse, m * force_blocks[b, 0, y], m * force_blocks[b, 1, y], m * force_blocks[b, 2, y]
+            )
 
 
 @kernel(void(types.float64, _f2, _f2, types.int64, _i2, _i2, _i1, _f3, _f3))
-def blocks(t, q, v, net_address, slot, far_slot, row, of_q, of_v):
+def blocks(t, q, v, net_address, slot, far_slot, row, df_dq, df_dv):
     """Blocks of df/dq and df/dv.
 
     A segment from node a to node b, d = q_b - q_a of length l and n = d/l, u = v_b - v_a, pulls a with T n, where
 
         d(T n)/dd = n (T_l n + T_r (u - r n)/l)^T + (T/l)(I - n n^T),    d(T n)/du = T_r n n^T,    r = n . u ,
 
-    with the slopes T_l, T_r of the axial law in length and rate; effects add their own. With added masses A the blocks of a node's
-    force are multiplied by m (m I + A)^-1, of which the derivative is left out.
+    with the slopes T_l, T_r of the axial law in length and rate. Effects add their blocks. With added masses A the blocks of a
+    node's force are multiplied by m (m I + A)^-1; the derivative of this factor is left out.
 
     Parameters
     ----------
@@ -120,28 +122,24 @@ def blocks(t, q, v, net_address, slot, far_slot, row, of_q, of_v):
     q, v : (n, 3) float64 [m], [m/s]; prescribed rows hold the prescribed motion
     net_address : int, address of the net
     slot, far_slot, row : see `Pattern`
-    of_q, of_v : (blocks, 3, 3) float64 [N/m], [N s/m], overwritten
+    df_dq, df_dv : (blocks, 3, 3) float64 [N/m], [N s/m], overwritten
     """
     net = view_net(net_address)
     n_free, effects = net.n_free, net.effects
-    clear(of_q)
-    clear(of_v)
+    clear(df_dq)
+    clear(df_dv)
     for e in range(effects.address.shape[0]):
         if effects.address[e, SLOT_TANGENT] == 0:
             continue
         (index, params), tangent = numbers_of(effects, e), as_tangent(effects.address[e, SLOT_TANGENT])
-        tangent(t, q, v, index, params, -1.0, 0.0, of_q[:n_free], net.near_blocks, net.far_blocks)
-        _add_couplings(net, slot, far_slot, of_q)
-        tangent(t, q, v, index, params, 0.0, -1.0, of_v[:n_free], net.near_blocks, net.far_blocks)
-        _add_couplings(net, slot, far_slot, of_v)
+        tangent(t, q, v, index, params, -1.0, 0.0, df_dq[:n_free], net.near_blocks, net.far_blocks)
+        _add_couplings(net, slot, far_slot, df_dq)
+        tangent(t, q, v, index, params, 0.0, -1.0, df_dv[:n_free], net.near_blocks, net.far_blocks)
+        _add_couplings(net, slot, far_slot, df_dv)
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
-        spring, L0, damper, two_damper = (
-            spring_of(net, c),
-            net.axial[c, AXIAL_L0],
-            net.axial[c, AXIAL_DAMPER],
-            net.axial[c, AXIAL_TWO_WAY_DAMPER],
-        )
+        spring, L0, damper = spring_of(net, c), net.axial[c, AXIAL_L0], net.axial[c, AXIAL_DAMPER]
+        two_damper = net.axial[c, AXIAL_TWO_WAY_DAMPER]
         a = net.cable[c, CABLE_START]
         for j in range(count):
             b = node + j if j < count - 1 else net.cable[c, CABLE_END]
@@ -151,32 +149,36 @@ def blocks(t, q, v, net_address, slot, far_slot, row, of_q, of_v):
             per_l = 1.0 / max(l, 1e-12 * L0)
             n = (dx * per_l, dy * per_l, dz * per_l)
             rate = n[0] * ux + n[1] * uy + n[2] * uz
-            T, of_length, of_rate = tension_slopes(l - L0, rate, spring, damper, two_damper)
-            across, turn = T * per_l, of_rate * per_l
-            along = of_length - turn * rate - across
-            g = (along * n[0] + turn * ux, along * n[1] + turn * uy, along * n[2] + turn * uz)
+            T, length_slope, rate_slope = tension_slopes(l - L0, rate, spring, damper, two_damper)
+            tension_per_length, rate_slope_per_length = T * per_l, rate_slope * per_l
+            along_slope = length_slope - rate_slope_per_length * rate - tension_per_length
+            gradient = (
+                along_slope * n[0] + rate_slope_per_length * ux,
+                along_slope * n[1] + rate_slope_per_length * uy,
+                along_slope * n[2] + rate_slope_per_length * uz,
+            )
             ab, ba = slot[first + j, 0], slot[first + j, 1]
             for x in range(3):
                 for y in range(3):
-                    K, C = n[x] * g[y], of_rate * n[x] * n[y]
+                    K, C = n[x] * gradient[y], rate_slope * n[x] * n[y]
                     if x == y:
-                        K += across
+                        K += tension_per_length
                     if a < n_free:
-                        of_q[a, x, y] -= K
-                        of_v[a, x, y] -= C
+                        df_dq[a, x, y] -= K
+                        df_dv[a, x, y] -= C
                     if b < n_free:
-                        of_q[b, x, y] -= K
-                        of_v[b, x, y] -= C
+                        df_dq[b, x, y] -= K
+                        df_dv[b, x, y] -= C
                     if ab >= 0:
-                        of_q[ab, x, y] += K
-                        of_v[ab, x, y] += C
-                        of_q[ba, x, y] += K
-                        of_v[ba, x, y] += C
+                        df_dq[ab, x, y] += K
+                        df_dv[ab, x, y] += C
+                        df_dq[ba, x, y] += K
+                        df_dv[ba, x, y] += C
             a = b
     if net.added_mass.shape[0] > 0:
         add_masses(net, t, q)
-        _with_fluid(net, row, of_q)
-        _with_fluid(net, row, of_v)
+        _with_fluid(net, row, df_dq)
+        _with_fluid(net, row, df_dv)
 
 
 def sparse_jacobian(model, net):
@@ -193,12 +195,12 @@ def sparse_jacobian(model, net):
     jacobian : callable (t, q, v) -> csc_array (6 n_free, 6 n_free)
         t [s], q and v (n, 3) [m], [m/s] with the prescribed rows filled in. The pattern is fixed; zeros in it are kept.
     """
-    p, size = pattern(model), 6 * model.n_free
-    values = np.ones(18 * p.blocks + 1)
-    of_q, of_v = values[:-1].reshape(2, p.blocks, 3, 3)
+    places, size = pattern(model), 6 * model.n_free
+    values = np.ones(18 * places.blocks + 1)
+    df_dq, df_dv = values[:-1].reshape(2, places.blocks, 3, 3)
 
     def jacobian(t, q, v):
-        blocks(t, q, v, net.address, p.slot, p.far_slot, p.row, of_q, of_v)
-        return csc_array((values[p.source] * p.scale, p.indices, p.indptr), shape=(size, size))
+        blocks(t, q, v, net.address, places.slot, places.far_slot, places.row, df_dq, df_dv)
+        return csc_array((values[places.source] * places.scale, places.indices, places.indptr), shape=(size, size))
 
     return jacobian

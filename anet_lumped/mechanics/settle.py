@@ -1,4 +1,4 @@
-"""The account of a step of edmc, and what it takes out of the velocities that the step cannot resolve."""
+"""The energy account of a step of edmc, and the damping of axial ringing that the step cannot resolve."""
 
 import math
 
@@ -47,108 +47,123 @@ from integrators.stage import STAGE
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 
-SPENT = 1e-5  # of the kinetic energy, what the numerical damper may take in a step from a stretch that the step resolves
+MOST_SPENT = 1e-5  # share of the kinetic energy that the numerical damper may take in a step where the step resolves stretching
 
 
 @inlined
 def _mobility(net, node):
-    """Inverse of the mass of a node that moves [1/kg], 0 for one that is prescribed."""
+    """Inverse of the mass of a moving node [1/kg]; 0 for a prescribed one."""
     return select(is_below(node, net.n_free), 1.0 / load(net.mass, node), 0.0)
 
 
 @inlined
-def _moved(net, node, a, q, e):
-    """How far a driven node has gone along e in a step [m]; 0 for any other."""
-    return select(is_below(node, net.n_driven), 0.0, e[0] * (q[0] - a[0]) + e[1] * (q[1] - a[1]) + e[2] * (q[2] - a[2]))
+def _driven_distance(net, node, before, after, direction):
+    """Distance that a driven node moves along a direction in a step [m]; 0 for any other node."""
+    return select(
+        is_below(node, net.n_driven),
+        0.0,
+        direction[0] * (after[0] - before[0]) + direction[1] * (after[1] - before[1]) + direction[2] * (after[2] - before[2]),
+    )
 
 
 @inlined
-def _unresolved(stiff):
-    """Share s'/(1 + s') with s' = ``stiff`` squared: near 1 where the step resolves no motion, of fifth order where it does."""
-    return stiff * stiff / (1.0 + stiff * stiff)
+def _unresolved_share(ratio):
+    """s'/(1 + s') with s' = ``ratio``^2: near 1 for a motion that the step does not resolve; small of high order where it does."""
+    return ratio * ratio / (1.0 + ratio * ratio)
 
 
 @inlined
 def _cable_settle(stage, net, c, members, base, q, v):
-    """`settle` of a cable, or of the cables of a group of which ``members`` count; the impulses go to ``net.middle_v``.
+    """`settle` of a cable, or of the cables of a group of which ``members`` count.
+
+    Writes the changes of velocity by the impulses to ``net.middle_v``.
 
     Returns
     -------
-    by_dampers, by_method, put_in, of_impulses, full : float64 [J]
-        What dampers and the numerical damper dissipate, what driven ends put in by the tensions, prescribed ends and changes of
-        rest lengths by the impulses, and what the numerical damper in full would dissipate.
+    by_dampers, by_method : float64 [J]
+        Dissipated by the dampers and by the numerical damper.
+    put_in, by_impulses : float64 [J]
+        Work of driven ends against the tensions, and of prescribed ends and of changes of rest length against the impulses.
+    by_full_damper : float64 [J]
+        What the numerical damper would dissipate if no share of it were left out.
     """
     h, per_h = stage.tau, 1.0 / stage.tau
     first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
     start, end, count = column(net.cable, c, CABLE_START), column(net.cable, c, CABLE_END), segment_count(net, c)
     L0, k, damper = column(net.axial, c, AXIAL_L0), column(net.axial, c, AXIAL_STIFFNESS), column(net.axial, c, AXIAL_DAMPER)
     spring, two_damper = spring_of(net, c), group_constant(net, c, AXIAL_TWO_WAY_DAMPER)
-    square, L_a = column(net.axial, c, AXIAL_OMEGA_SQUARED), column(net.axial, c, AXIAL_L0_BEFORE)
+    omega_squared, L_a = column(net.axial, c, AXIAL_OMEGA_SQUARED), column(net.axial, c, AXIAL_L0_BEFORE)
     L0_rate = column(net.axial, c, AXIAL_L0_RATE)
     if group_constant(net, c, AXIAL_INEXTENSIBLE) > 0.0:
-        of_taut = of_slack = 2.0 * stage.dissipation + 0.0 * L0
+        taut_share = slack_share = 2.0 * stage.dissipation + 0.0 * L0
     else:
-        stiff, damped = 0.25 * h * h * square, 0.5 * h * square * damper / k
-        of_taut = 2.0 * stage.dissipation * _unresolved(stiff + damped * damped)
-        of_slack = 2.0 * stage.dissipation * _unresolved(spring[1] * stiff + two_damper * damped * damped)
-    A, Q, V, change, segment, zero = flat(base), flat(q), flat(v), flat(net.middle_v), flat(net.segment), 0.0 * L0
-    by_dampers, by_method, put_in, of_impulses, total_square = zero, zero, zero, zero, zero
-    i1, q1, v1, m1, of_1 = start, row3(Q, start), row3(V, start), _mobility(net, start), load(net.node_segments, start)
-    d = zero, zero, zero
+        spring_term, damping_term = 0.25 * h * h * omega_squared, 0.5 * h * omega_squared * damper / k
+        taut_share = 2.0 * stage.dissipation * _unresolved_share(spring_term + damping_term * damping_term)
+        slack_term = spring[1] * spring_term + two_damper * damping_term * damping_term
+        slack_share = 2.0 * stage.dissipation * _unresolved_share(slack_term)
+    flat_base, flat_q, flat_v, change, segment, zero = flat(base), flat(q), flat(v), flat(net.middle_v), flat(net.segment), 0.0 * L0
+    by_dampers, by_method, put_in, by_impulses, total_square = zero, zero, zero, zero, zero
+    i1, q1, v1, m1 = start, row3(flat_q, start), row3(flat_v, start), _mobility(net, start)
+    segments_at_1 = load(net.node_segments, start)
+    change_behind = zero, zero, zero
     for j in range(count):
         i2 = shifted(node, j, 1, 0) if j < count - 1 else end
         s = shifted(first, j, 1, 0)
-        row, T, q2, v2 = shifted(s, 0, SEGMENT_COLUMNS, 0), load(net.tension, s), row3(Q, i2), row3(V, i2)
-        m2, of_2 = _mobility(net, i2), load(net.node_segments, i2)
+        row, T, q2, v2 = shifted(s, 0, SEGMENT_COLUMNS, 0), load(net.tension, s), row3(flat_q, i2), row3(flat_v, i2)
+        m2, segments_at_2 = _mobility(net, i2), load(net.node_segments, i2)
         dx, dy, dz = q2[0] - q1[0], q2[1] - q1[1], q2[2] - q1[2]
         l = math.sqrt(dx * dx + dy * dy + dz * dz)
-        per_l, stretch, before = 1.0 / max(l, 1e-12 * L0), l - L0, load(segment, shifted(row, 0, 1, SEGMENT_STRETCH_BEFORE))
-        n, longer = (dx * per_l, dy * per_l, dz * per_l), stretch - before
+        per_l, stretch, stretch_before = 1.0 / max(l, 1e-12 * L0), l - L0, load(segment, shifted(row, 0, 1, SEGMENT_STRETCH_BEFORE))
+        n, lengthening = (dx * per_l, dy * per_l, dz * per_l), stretch - stretch_before
         numerical = load(segment, shifted(row, 0, 1, SEGMENT_NUMERICAL_DAMPER))
-        acting, _, secant = tension_law(stage, stretch, before, spring, damper, two_damper, numerical)
+        T_at_end, _, secant = tension_law(stage, stretch, stretch_before, spring, damper, two_damper, numerical)
         store(segment, shifted(row, 0, 1, SEGMENT_STRETCH), stretch)
-        store(segment, shifted(row, 0, 1, SEGMENT_TENSION), acting)
-        moved, stretched = damped_changes(before, stretch, spring[1], two_damper)
-        of_damper, of_method = damper * per_h * abs(moved), numerical * abs(stretched)
-        off, per_damper = (T - secant) * longer, of_damper / max(of_damper + of_method, 1e-300)
-        by_dampers, by_method = by_dampers + per_damper * off, by_method + (1.0 - per_damper) * off
-        total_square = total_square + longer * longer
+        store(segment, shifted(row, 0, 1, SEGMENT_TENSION), T_at_end)
+        damped_change, numerically_damped_change = damped_changes(stretch_before, stretch, spring[1], two_damper)
+        damper_force, method_force = damper * per_h * abs(damped_change), numerical * abs(numerically_damped_change)
+        dissipated, damper_share = (T - secant) * lengthening, damper_force / max(damper_force + method_force, 1e-300)
+        by_dampers, by_method = by_dampers + damper_share * dissipated, by_method + (1.0 - damper_share) * dissipated
+        total_square = total_square + lengthening * lengthening
         rate = n[0] * (v2[0] - v1[0]) + n[1] * (v2[1] - v1[1]) + n[2] * (v2[2] - v1[2]) - L0_rate
-        wanted = select(stretch > 0.0, of_taut, of_slack) * (rate - longer * per_h)
-        acts = ((T > 0.0) | (two_damper > 0.0)) & (wanted * rate > 0.0) & (m1 + m2 > 0.0)
-        impulse = select(acts, select(abs(wanted) > abs(rate), rate, wanted) / (of_1 * m1 + of_2 * m2), 0.0)
+        change_wanted = select(stretch > 0.0, taut_share, slack_share) * (rate - lengthening * per_h)
+        impulse_acts = ((T > 0.0) | (two_damper > 0.0)) & (change_wanted * rate > 0.0) & (m1 + m2 > 0.0)
+        impulse = select(
+            impulse_acts,
+            select(abs(change_wanted) > abs(rate), rate, change_wanted) / (segments_at_1 * m1 + segments_at_2 * m2),
+            0.0,
+        )
         store(net.tension, s, T + impulse * per_h)
-        of_impulses = of_impulses - impulse * L0_rate
-        a, b = impulse * m1, impulse * m2
-        here = d[0] + a * n[0], d[1] + a * n[1], d[2] + a * n[2]
+        by_impulses = by_impulses - impulse * L0_rate
+        speed_1, speed_2 = impulse * m1, impulse * m2
+        node_change = change_behind[0] + speed_1 * n[0], change_behind[1] + speed_1 * n[1], change_behind[2] + speed_1 * n[2]
         if j == 0:
-            add_to_points(net.middle_v, 0, start, members, here, 1.0)
-            of_impulses = of_impulses - select(m1 == 0.0, impulse, 0.0) * (n[0] * v1[0] + n[1] * v1[1] + n[2] * v1[2])
+            add_to_points(net.middle_v, 0, start, members, node_change, 1.0)
+            by_impulses = by_impulses - select(m1 == 0.0, impulse, 0.0) * (n[0] * v1[0] + n[1] * v1[1] + n[2] * v1[2])
         else:
-            put_row3(change, i1, here)
+            put_row3(change, i1, node_change)
         if j == count - 1:
-            of_impulses = of_impulses + select((m2 == 0.0) & (m1 > 0.0), impulse, 0.0) * (
+            by_impulses = by_impulses + select((m2 == 0.0) & (m1 > 0.0), impulse, 0.0) * (
                 n[0] * v2[0] + n[1] * v2[1] + n[2] * v2[2]
             )
         if j == 0 or j == count - 1:
-            a1, a2, per = row3(A, i1), row3(A, i2), 1.0 / max(l + before + L_a, 1e-12 * L_a)
-            e = (a2[0] - a1[0] + dx) * per, (a2[1] - a1[1] + dy) * per, (a2[2] - a1[2] + dz) * per
-            put_in = put_in + T * (_moved(net, i2, a2, q2, e) - _moved(net, i1, a1, q1, e))
-        d = -b * n[0], -b * n[1], -b * n[2]
-        i1, q1, v1, m1, of_1 = i2, q2, v2, m2, of_2
-    add_to_points(net.middle_v, 0, end, members, d, 1.0)
+            a1, a2, per_length = row3(flat_base, i1), row3(flat_base, i2), 1.0 / max(l + stretch_before + L_a, 1e-12 * L_a)
+            e = (a2[0] - a1[0] + dx) * per_length, (a2[1] - a1[1] + dy) * per_length, (a2[2] - a1[2] + dz) * per_length
+            put_in = put_in + T * (_driven_distance(net, i2, a2, q2, e) - _driven_distance(net, i1, a1, q1, e))
+        change_behind = -speed_2 * n[0], -speed_2 * n[1], -speed_2 * n[2]
+        i1, q1, v1, m1, segments_at_1 = i2, q2, v2, m2, segments_at_2
+    add_to_points(net.middle_v, 0, end, members, change_behind, 1.0)
     return (
         sum_of_members(by_dampers, members),
         sum_of_members(by_method, members),
         sum_of_members(put_in, members),
-        sum_of_members(of_impulses, members),
+        sum_of_members(by_impulses, members),
         sum_of_members(numerical_damper(stage, net, c) * total_square, members),
     )
 
 
 @inlined
-def _added(a, b):
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4]
+def _added(first, second):
+    return first[0] + second[0], first[1] + second[1], first[2] + second[2], first[3] + second[3], first[4] + second[4]
 
 
 @on_demand
@@ -172,7 +187,7 @@ def settle_of_groups(stage, net_address, base, q, v):
 
 @on_demand
 def settle_effects(stage, net_address, base, q, v):
-    """What effects take out of the velocities at the end of a step, which rings in their contacts; returns its energy [J]."""
+    """Take what rings in contacts out of the velocities at the end of a step; returns its energy [J]."""
     net, taken = view_net(net_address), 0.0
     for e in range(net.effects.address.shape[0]):
         if net.effects.address[e, SLOT_SETTLE] != 0:
@@ -185,61 +200,62 @@ def settle_effects(stage, net_address, base, q, v):
 
 @kernel(types.void(STAGE, _f2, _f2, _f2, int64, _f1))
 def settle(stage, base, q, v, net_address, energy):
-    """Account for a step of law ``LAW_BETWEEN`` from base to q, and take out of the velocities at its end what rings.
+    """Account for the energy of a step of law ``LAW_BETWEEN`` from base to q, and damp axial ringing that it cannot resolve.
 
-    The energy put in by driven nodes and dissipated is that of the very forces that acted in the step; what changes the rest
-    lengths puts in -T (L_b - L_a), so that dampers dissipate by the change of l - L0.
+    **Account.** Work and dissipation are those of the forces that acted in the step. A change of rest length puts in
+    -T (L_b - L_a); therefore dampers dissipate by the change of l - L0.
 
-    Where stretching is over within a step, v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for ever, while the
-    places are at rest. Each segment takes from the rate of l - L0 a share s'/(1 + s') of what that differs from the step's own,
-    s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2 of the spring and the damper that act on it, so that a slack segment of a cable that
-    cannot push takes nothing, by equal and opposite impulses along itself, all at once and each as if its nodes were as many times
-    lighter as they have segments: momenta are kept, and the kinetic energy falls but for the work of prescribed nodes and of
-    changing rest lengths. Of fifth order where the step resolves the stretching. The impulses over the
-    step are a part of the tensions that acted.
+    **Ringing.** Where stretching has died out within a step, v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for
+    ever, while the positions are at rest. Let the rate of l - L0 of a segment differ by r from its change over the step by h. Each segment removes
+    the share 2 ``dissipation`` s'/(1 + s') of r, s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2, by opposite impulses along itself. In
+    s' only the spring and the damper count that act on the segment, so that a slack segment of a cable that cannot push removes
+    nothing. All impulses act at once, and each node's mass counts as if it were divided among its segments: so momenta are kept,
+    and the kinetic energy falls, apart from the work of prescribed nodes and of changing rest lengths. Where the step resolves
+    stretching, the change is of fifth order in the step. The impulses, divided by the step, are added to the tensions that acted.
 
-    Sets the least share of the numerical damper in the next step: all of it, unless that would take more than `SPENT` of the
-    kinetic energy. Where stretching is no part of the motion, the full damper forgets what is left of an error in a length.
+    **Numerical damper.** Sets the least share of the numerical damper in the next step: all of it, unless that would take more
+    than `MOST_SPENT` of the kinetic energy. Where stretching is no part of the motion, the full damper removes the error that is
+    left in a length.
 
     Parameters
     ----------
     stage, base, net_address
         As in the last call of `residual`.
     q, v : (n, 3) float64 [m], [m/s]
-        At the end of the step; v is changed.
+        At the end of the step; v is overwritten by the damped velocities.
     energy : (4,) float64 [J], overwritten: put in; dissipated by dampers, by effects and by the method
     """
     net, h, per_h = view_net(net_address), stage.tau, 1.0 / stage.tau
-    change, right = net.middle_v, net.right_side
+    change, right_side = net.middle_v, net.right_side
     put_in, by_effects, by_steps_of_effects, kinetic = 0.0, 0.0, 0.0, 0.0
-    changing = net.lengths.cable.shape[0] > 0
-    if changing:
+    lengths_change = net.lengths.cable.shape[0] > 0
+    if lengths_change:
         put_in = as_work_of_lengths(net.kernels[KERNEL_WORK_OF_LENGTHS])(stage, net_address, base, q, v)
     if any_live(net):
         take_middle(net, 0.5, per_h, base, q)
         for i in range(net.n_free, q.shape[0]):
             for x in range(3):
-                right[i, x] = 0.0
+                right_side[i, x] = 0.0
         effects = net.effects
         for e in range(effects.address.shape[0]):
             index, params = numbers_of(effects, e)
             if effects.address[e, SLOT_WHOLE_STEP] != 0:
                 taken, numerical = as_whole_step(effects.address[e, SLOT_WHOLE_STEP])(
-                    stage.t, h, stage.dissipation, base, q, index, params, right, net.diagonal, net.near_blocks, net.far_blocks
+                    stage.t, h, stage.dissipation, base, q, index, params, right_side, net.diagonal, net.near_blocks, net.far_blocks
                 )
                 by_effects, by_steps_of_effects = by_effects + taken, by_steps_of_effects + numerical
             else:
                 by_effects += h * as_force(effects.address[e, SLOT_FORCE])(
-                    stage.t, net.middle_q, net.middle_v, index, params, right
+                    stage.t, net.middle_q, net.middle_v, index, params, right_side
                 )
         for i in range(net.n_driven, q.shape[0]):
             for x in range(3):
-                put_in -= right[i, x] * (q[i, x] - base[i, x])
-        for i in range(net.added_mass.shape[0]):  # what the fluid was given, at the acceleration 2 (v_b - v)/h of the step
+                put_in -= right_side[i, x] * (q[i, x] - base[i, x])
+        for i in range(net.added_mass.shape[0]):  # given to the fluid, at the step's acceleration 2 (v_b - v_mean)/h
             for x in range(3):
                 for y in range(3):
-                    at_end = v[i, y] - net.middle_v[i, y]
-                    by_effects += 2.0 * net.middle_v[i, x] * net.added_mass[i, x, y] * at_end
+                    half_change = v[i, y] - net.middle_v[i, y]
+                    by_effects += 2.0 * net.middle_v[i, x] * net.added_mass[i, x, y] * half_change
     for i in range(net.n_interior, q.shape[0]):
         for x in range(3):
             change[i, x] = 0.0
@@ -248,9 +264,9 @@ def settle(stage, base, q, v, net_address, energy):
         sums = as_cable_settle(net.kernels[KERNEL_SETTLE_GROUPS])(stage, net_address, base, q, v)
     if net.single_cables.shape[0] > 0:
         sums = _added(sums, as_cable_settle(net.kernels[KERNEL_SETTLE_SINGLES])(stage, net_address, base, q, v))
-    by_dampers, by_method, by_tensions, of_impulses, full = sums
-    put_in += by_tensions + of_impulses
-    by_method += of_impulses + by_steps_of_effects
+    by_dampers, by_method, by_tensions, by_impulses, by_full_damper = sums
+    put_in += by_tensions + by_impulses
+    by_method += by_impulses + by_steps_of_effects
     for i in range(net.n_free):
         x, y, z, cx, cy, cz = v[i, 0], v[i, 1], v[i, 2], change[i, 0], change[i, 1], change[i, 2]
         by_method -= net.mass[i] * (cx * (x + 0.5 * cx) + cy * (y + 0.5 * cy) + cz * (z + 0.5 * cz))
@@ -258,8 +274,8 @@ def settle(stage, base, q, v, net_address, energy):
         v[i, 0], v[i, 1], v[i, 2] = x + cx, y + cy, z + cz
     if net.kernels[KERNEL_SETTLE_EFFECTS] != 0:
         by_method += as_settle_effects(net.kernels[KERNEL_SETTLE_EFFECTS])(stage, net_address, base, q, v)
-    net.linearised[LINEARISED_LEAST_DAMPER] = min(1.0, SPENT * kinetic / max(full, 1e-300))
+    net.linearised[LINEARISED_LEAST_DAMPER] = min(1.0, MOST_SPENT * kinetic / max(by_full_damper, 1e-300))
     net.linearised[LINEARISED_BEGINNING] = BEGINS
-    if changing:
+    if lengths_change:
         put_in += as_energy_of_paid_out(net.kernels[KERNEL_ENERGY_OF_PAID_OUT])(stage, net_address, q, v)
     energy[0], energy[1], energy[2], energy[3] = put_in, by_dampers, by_effects, by_method

@@ -7,6 +7,7 @@ the finer one tells. Where it is many times as much, the motion has multiplied e
 error, and the run says from when on.
 """
 
+import logging
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -19,6 +20,7 @@ from integrators import schemes
 
 from .choice import Choice
 
+LOG = logging.getLogger(__name__)
 ERROR_OF_LENGTH = 1e-3  # of the longest cable, and
 ERROR_OF_MOTION = 0.05  # of the largest way that a node goes: errors of places that the default keeps
 SMALLEST_ERROR = 1e-6  # of the longest cable: a motion that is smaller than its error is at rest
@@ -101,6 +103,9 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
         if parts < 2:
             break
         coarser, before, choice = run, known, _finer(choice, parts, span)
+        took = parts * run.wall_time
+        LOG.info("with dt=%.3g s places are known to %.2g m, the largest tension to %.2g", run.dt, known.error, known.tension_error)
+        LOG.info("again with dt=%.3g s, which takes about %.2g s", choice.dt, took)
         run = march(choice, duration)
         known = _compared(run, coarser, wanted) if run.ok else known
         in_vain = known.error > NEARER * before.error, known.tension_error > NEARER * before.tension_error
@@ -159,15 +164,18 @@ def _kept(run: Run, known: Known, wanted: Wanted) -> bool:
 def _told(run: Run, known: Known, wanted: Wanted) -> Run:
     """The run with what was kept in its reason, and what was not in its warnings."""
     allowed = wanted.of_places(run)
+    if run.error is not None:
+        more = (known.of_told - 1.0) * run.error
+        run = replace(run, error_growth=run.error_growth + more)
     reason = (
         f"{run.reason}; dt={run.dt:.3g} s keeps places to {allowed:.2g} m (estimated {known.error:.2g} m) "
         f"and peak tensions to {wanted.tension_error:.2g} (estimated {known.tension_error:.2g})"
     )
     if _kept(run, known, wanted):
-        return replace(run, reason=reason)
+        return replace(run, reason=reason, kept=True)
     found = []
     if known.error > allowed:
-        until = float(run.t[np.argmax(known.of_told * run.error > allowed)])
+        until = float(run.t[np.argmax(run.error > allowed)])
         why = f", because the motion multiplies errors {known.of_told:.2g} times from t={known.since:.4g} s on"
         found.append(
             f"places are known to {allowed:.2g} m until t={until:.4g} s, to {known.error:.2g} m at the end"
@@ -179,4 +187,4 @@ def _told(run: Run, known: Known, wanted: Wanted) -> Run:
             "it jumps faster than the steps resolve"
         )
     text = f"{run.method}: {'; '.join(found)}; dt={run.dt:.3g} s was the last step tried."
-    return replace(run, reason=f"{run.reason}; {'; '.join(found)}", warnings=(*run.warnings, text))
+    return replace(run, reason=f"{run.reason}; {'; '.join(found)}", warnings=(*run.warnings, text), kept=False)

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 
@@ -21,6 +22,7 @@ SHARE_OF_LIMIT = 0.5  # of the predicted limit for an explicit step
 # 1/4, 0.11 at 0.18 and 0.06 at 1/8; with rk4, which damps the fastest motion, by 0.01 at any.
 SHARE_OF_LIMIT_SLACK = 0.125
 CALM_DAMPING_RATIO = 0.01  # from which on a cable that goes slack and snaps taut gains no energy in explicit steps
+DRAWN = 10.0  # times the weight of all, beyond which the tension of a cable is that of a string
 SHARE_OF_TIME_SCALE = 1.0 / 32.0  # of the motion's time scale for an implicit one: 10 ms for a metre of hanging cable
 
 
@@ -35,11 +37,12 @@ class Choice:
     warnings: tuple[str, ...]
 
 
-def time_scale(scene):
+def time_scale(scene, tension=0.0):
     """Time in which the motion changes [s]: the shortest of
 
     sqrt(L/g) of a cable that swings, the ramps of the driven points, 2/omega of those that shake, what an effect
-    says of itself, and without gravity L sqrt(mu/EA) times ten.
+    says of itself, and without gravity L sqrt(mu/EA) times ten. Where the ``tension`` [N] of each cable is beyond `DRAWN` times the
+    weight of all, they are like one string with all their length and mass, sqrt(m L/T)/pi.
     """
     g = float(np.linalg.norm(scene.gravity))
     scales = [math.sqrt(c.length / g) if g > 0 else 10.0 * c.length * math.sqrt(c.mass_per_length / c.EA) for c in scene.cables]
@@ -47,6 +50,10 @@ def time_scale(scene):
         scales += _path_scales(path)
     for effect in scene.effects:
         scales += effect.time_scales
+    payloads = [min([p.mass, *(e.mass for e in scene.events if e.point == p.name)]) for p in scene.free_points]
+    mass = sum(cable.mass_per_length * cable.length for cable in scene.cables) + sum(payloads)
+    if tension > DRAWN * mass * g:
+        scales.append(math.sqrt(mass * sum(cable.length for cable in scene.cables) / tension) / math.pi)
     return min(scales)
 
 
@@ -65,12 +72,12 @@ def _predict(scene, schemes):
     return stability.predict(scene, schemes=schemes)
 
 
-def choose(scene, method=None, dt=None, adaptive=False):
+def choose(scene, method=None, dt=None, adaptive=False, tension=0.0):
     """Fill in what the user left open.
 
     An explicit step is cheap but tied to the top axial frequency; an implicit one is tied to the motion. Whichever needs less
     time for a second of motion is taken; a step that is given decides by its stability. An effect that is ``stiff``, so that
-    axial frequencies do not tell the limit, asks for the implicit one.
+    axial frequencies do not tell the limit, asks for the implicit one. At the start each cable is drawn by ``tension`` [N] or more.
 
     Returns
     -------
@@ -80,13 +87,13 @@ def choose(scene, method=None, dt=None, adaptive=False):
     able = schemes.names(takes_rigid_springs=True)
     if rigid is not None and method not in (None, *able):
         needed = " or ".join(f'method="{name}"' for name in able)
-        raise ValueError(
+        raise InputError(
             f'A cable that does not stretch needs {needed}, but cable "{rigid}" has EA=inf and the method is {method}.'
         )
     chosen_by_user = method is not None
     prediction = _predict(scene, tuple(sorted({DEFAULT_EXPLICIT, method if chosen_by_user else DEFAULT_IMPLICIT})))
     limit = prediction.limits[DEFAULT_EXPLICIT].step
-    motion = SHARE_OF_TIME_SCALE * time_scale(scene)
+    motion = SHARE_OF_TIME_SCALE * time_scale(scene, tension)
     explicit_step = SHARE_OF_LIMIT * limit
     undamped_slack_cable = next(
         (c.name for c in scene.cables if c.compression != "linear" and c.damping_ratio < CALM_DAMPING_RATIO), None

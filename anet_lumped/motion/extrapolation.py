@@ -15,18 +15,19 @@ from dataclasses import astuple, replace
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from integrators import schemes
 
 WEIGHT = 1.0 / 3.0  # 1/(2^2 - 1)
 
 
 def method_to_extrapolate(method, rtol, atol):
-    """The method to extrapolate; ValueError if it, or steps chosen by a tolerance, are not to be extrapolated."""
+    """The method to extrapolate; InputError if it, or steps chosen by a tolerance, are not to be extrapolated."""
     able = [name for name in schemes.names(own=True) if schemes.scheme(name).extrapolated_order is not None]
     if method not in (None, *able) or rtol is not None or atol is not None:
         given = "`rtol` or `atol` is given" if method in (None, *able) else f"the method is {method}"
         needed = " or ".join(f'method="{name}"' for name in able)
-        raise ValueError(f"Argument `extrapolate` needs {needed} with a fixed step, but {given}.")
+        raise InputError(f"Argument `extrapolate` needs {needed} with a fixed step, but {given}.")
     return able[0] if method is None else method
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import nearest
+from anet_lumped.checks import InputError, nearest
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
@@ -91,7 +91,7 @@ def simulate(
 
     Raises
     ------
-    ValueError : an argument out of its range
+    InputError : an argument out of its range
     RunError : with ``check=True``
     RunInterrupt : Ctrl-C; with what was done as its ``run``
     """
@@ -103,8 +103,9 @@ def simulate(
     adaptive = rtol is not None or atol is not None or (scheme is not None and scheme.chooses_steps(dt))
     if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
         able = ", ".join(schemes.names(takes_changing_rest_lengths=True))
-        raise ValueError(f"Lengths that change in time need a method of this package, {able}, but the method is {method}.")
-    choice = choose(lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end)), method, dt, adaptive)
+        raise InputError(f"Lengths that change in time need a method of this package, {able}, but the method is {method}.")
+    lightest_scene = lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end))
+    choice = choose(lightest_scene, method, dt, adaptive, begin.least_tension)
     scheme = schemes.scheme(choice.method)
     _check_breaks(scene, scheme, extrapolate)
     if dt is None and not adaptive:
@@ -130,13 +131,16 @@ def simulate(
         every = run.t[1] - run.t[0] if len(run.t) > 2 else t_end
         run = extrapolated(run, whole(replace(choice, dt=0.5 * choice.dt), save_every=every))
     if audit and run.ok:
-        finer: dict[str, Any]
-        if adaptive:
-            finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), settings.tolerances, strict=True)}
-        else:
-            finer = {"dt": 0.5 * choice.dt}
-        finer["save_every"] = save_every if adaptive or len(run.t) < 3 else run.t[1] - run.t[0]
-        again = partial(simulate, scene, t_end, method=run.method, start=start, rho_inf=rho_inf, extrapolate=extrapolate, **finer)
+        every = save_every if adaptive or len(run.t) < 3 else run.t[1] - run.t[0]
+
+        def again(parts: int) -> Run:
+            finer: dict[str, Any] = {"dt": run.dt / parts}
+            if adaptive:
+                finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), settings.tolerances, strict=True)}
+            return simulate(
+                scene, t_end, method=run.method, start=start, rho_inf=rho_inf, extrapolate=extrapolate, save_every=every, **finer
+            )
+
         order = None if adaptive else scheme.extrapolated_order if extrapolate else scheme.order
         run = audited(run, again, order, None if audit is True else audit)
     if run.ok:
@@ -181,7 +185,7 @@ def _start(model: Model, start: str | State) -> State:
         return equilibrium(model.scene)
     if start == "straight":
         return State(model, 0.0, straight(model), still, np.zeros(model.n_segments))
-    raise ValueError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {start!r}.')
+    raise InputError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {start!r}.')
 
 
 def straight(model: Model) -> np.ndarray:
@@ -206,7 +210,7 @@ def _adopt(model: Model, state: State) -> State:
     for cable in model.scene.cables:
         other = {c.name: c.segments for c in state.scene.cables}.get(cable.name)
         if other != cable.segments:
-            raise ValueError(
+            raise InputError(
                 f'A State to start from must have the scene\'s cables, but of cable "{cable.name}" with {cable.segments} '
                 f"segments it has {'none' if other is None else other}."
             )
@@ -225,7 +229,7 @@ def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:
     if brittle is not None and (extrapolate or not scheme.stops_at_events):
         unable = ", ".join(schemes.names(stops_at_events=False))
         given = "`extrapolate` is set" if extrapolate else f"the method is {scheme.name}"
-        raise ValueError(
+        raise InputError(
             f'A cable with a `breaking_tension` needs a method other than {unable} and one run, but cable "{brittle}" '
             f"has one and {given}."
         )
@@ -236,7 +240,7 @@ def _check_keeps_error(scheme: Scheme, dt: float | None, adaptive: bool, extrapo
     given = "`dt`" if dt is not None else "`rtol` or `atol`" if adaptive else "`extrapolate`" if extrapolate else None
     if given or not scheme.own:
         what = f"{given} is given" if given else f"the method is {scheme.name}"
-        raise ValueError(
+        raise InputError(
             f"Arguments `error` and `tension_error` choose the step of one run with a method of this package, but {what}; "
             "leave it out, or take `audit`."
         )
@@ -248,13 +252,13 @@ def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: A
     for name, value in sizes.items():
         if value is not None and not (isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0):
             unit = "" if name in ("rtol", "tension_error") else " [m]" if name in ("atol", "audit", "error") else " [s]"
-            raise ValueError(f"Argument `{name}` must be positive and finite{unit}, but it is {value!r}.")
+            raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {value!r}.")
     if method is not None and method not in tuple(schemes.MODULES):
         known, near = ", ".join(schemes.MODULES), nearest(str(method), schemes.MODULES)
-        raise ValueError(f"Argument `method` must be one of {known}, but it is {method!r}" + (near or "."))
+        raise InputError(f"Argument `method` must be one of {known}, but it is {method!r}" + (near or "."))
     if rho_inf is not None:
         if method is not None and "rho_inf" not in schemes.scheme(method).options:
             able = " and ".join(name for name in schemes.MODULES if "rho_inf" in schemes.scheme(name).options)
-            raise ValueError(f"Argument `rho_inf` belongs to {able}, but the method is {method}.")
+            raise InputError(f"Argument `rho_inf` belongs to {able}, but the method is {method}.")
         if not 0 <= rho_inf <= 1:
-            raise ValueError(f"Argument `rho_inf` must lie between 0 and 1, but it is {rho_inf!r}.")
+            raise InputError(f"Argument `rho_inf` must lie between 0 and 1, but it is {rho_inf!r}.")

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import nearest
+from anet_lumped.checks import InputError, nearest
 from anet_lumped.scene.scene import Cable, Scene
 from integrators.schemes import MODULES, names
 from integrators.schemes import scheme as record_of
@@ -80,7 +80,7 @@ def step_limit(scheme: str, omega: float | np.ndarray, zeta: float | np.ndarray 
 
     Parameters
     ----------
-    scheme : name of the scheme; ValueError if it does not exist
+    scheme : name of the scheme; InputError if it does not exist
     omega, zeta, rate : float or array_like, frequency [rad/s], damping ratio and mass-proportional damping [1/s]
 
     Returns
@@ -222,11 +222,11 @@ def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None =
 
 
 def _checked(scheme: str, **values: float | np.ndarray) -> list:
-    """The limit of a scheme, and values as float arrays of one shape; ValueError for an unknown scheme or a negative value."""
+    """The limit of a scheme, and values as float arrays of one shape; InputError for an unknown scheme or a negative value."""
     if scheme not in MODULES:
         hint = nearest(str(scheme), MODULES) or ", known are " + ", ".join(MODULES) + "."
-        raise ValueError(f'Argument `scheme` must name a scheme, but is "{scheme}"{hint}')
+        raise InputError(f'Argument `scheme` must name a scheme, but is "{scheme}"{hint}')
     for name, value in values.items():
         if not np.all(np.asarray(value) >= 0.0):
-            raise ValueError(f"Argument `{name}` must not be negative or NaN, but is {value}.")
+            raise InputError(f"Argument `{name}` must not be negative or NaN, but is {value}.")
     return [record_of(scheme).limit, *np.broadcast_arrays(*(np.asarray(value, float) for value in values.values()))]

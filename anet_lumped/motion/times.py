@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from integrators.system import SAME_TIME
 
 SAVES = 400  # states that come back when nothing else is asked for
@@ -33,7 +34,7 @@ class Leg(NamedTuple):
 
         Raises
         ------
-        ValueError : ``save_every`` is no multiple of the step
+        InputError : ``save_every`` is no multiple of the step
         """
         steps = max(1, math.ceil((self.run_end - self.run_begin) / dt * (1 - 1e-12) - 1e-12))
         if self.save_every is None:
@@ -41,7 +42,7 @@ class Leg(NamedTuple):
         else:
             stride = max(1, round(self.save_every / dt))
             if abs(stride * dt - self.save_every) > 1e-6 * self.save_every:
-                raise ValueError(
+                raise InputError(
                     f"Argument `save_every` must be a multiple of the step, but save_every={self.save_every:g} s and dt={dt:g} s."
                 )
         return stride, math.ceil((self.end - self.begin) / (stride * dt)) + 4

@@ -1,7 +1,8 @@
 """What a run knows of its own errors: of places, as far as its steps, its method and its lost energy tell, and of peak tensions.
 
 Places. What the steps leave out adds up in the march (`integrators.marching.error_growth`). Besides, energy that the method took
-is missing in the motion: of an amplitude A, which goes with the square root of the energy, a share E_lost/2E.
+is missing in the motion: of an amplitude A, which goes with the square root of the energy, a share E_lost/2E. Both together are not
+more than the longest way that a node goes.
 
 Tensions. What a run shows of a tension is a number at every saved time. Between two of them a peak of a smooth tension is missed
 by at most an eighth of its second difference; twice that is taken. Where the step does not resolve the lowest axial vibration of a
@@ -44,7 +45,8 @@ def place_errors(run: Any) -> np.ndarray:
     if any(isinstance(point, Driven) for point in run.scene.points):
         moved = moved - moved[:, run.model.n_free :].mean(axis=1, keepdims=True)
     amplitude = np.maximum.accumulate(np.abs(moved).max(axis=(1, 2)))
-    return run.error_growth + 0.5 * _lost(run.energy) * amplitude
+    told = run.error_growth + 0.5 * _lost(run.energy) * amplitude
+    return np.minimum(told, max(float(np.abs(run.q - run.q[0]).max()), float(run.error_growth[0])))
 
 
 def _lost(energy: np.ndarray) -> np.ndarray:
@@ -60,7 +62,7 @@ def _lost(energy: np.ndarray) -> np.ndarray:
 
 
 def tension_error(run: Any) -> float:
-    """Error of the largest tension of a run, over that tension; 0 where none is taut.
+    """Error of the largest tension of a run, over what that tension may be; 0 where none is taut.
 
     Returns
     -------
@@ -74,7 +76,7 @@ def tension_error(run: Any) -> float:
         if len(T) < 3 or peak <= 0.0:
             continue
         jump = np.abs(np.diff(T, 2, axis=0))
-        omega, zeta = _lowest_axial_mode(run.scene, cable)
+        omega, zeta = lowest_axial_mode(run.scene, cable)
         square = (0.5 * omega * run.dt) ** 2
         unresolved = square / (1.0 + square)
         ringing = _forgetting(jump, zeta * omega * np.diff(run.t)[1:]) if unresolved > 1e-3 else jump
@@ -83,7 +85,7 @@ def tension_error(run: Any) -> float:
     if largest == 0.0:
         return 0.0
     lost = float(_lost(run.energy)[-1]) if run.energy.shape[1] > BY_METHOD else 0.0
-    return max(more / largest - 1.0, 0.0) + LOST * lost
+    return max(1.0 - largest / max(more, largest), LOST * lost)
 
 
 def _forgetting(jump: np.ndarray, decay: np.ndarray) -> np.ndarray:
@@ -95,7 +97,7 @@ def _forgetting(jump: np.ndarray, decay: np.ndarray) -> np.ndarray:
     return np.maximum.accumulate(jump / fading, axis=0) * fading
 
 
-def _lowest_axial_mode(scene: Scene, cable: Cable) -> tuple[float, float]:
+def lowest_axial_mode(scene: Scene, cable: Cable) -> tuple[float, float]:
     """Frequency [rad/s] and damping ratio of the lowest axial mode of a cable with what hangs on it, EA/(L (M + mu L/2.5)).
 
     A cable without a load has omega = pi/2 sqrt(EA/mu)/L, since 2.5 is about (pi/2)^2. One that does not stretch has no such mode.

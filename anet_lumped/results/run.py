@@ -104,6 +104,11 @@ class State:
         """(segments,) tension of a cable's segments from its start to its end [N]."""
         return self.segment_tension[self.model.segments(cable)]
 
+    @property
+    def least_tension(self) -> float:
+        """Mean tension of the cable whose mean tension is the least [N]."""
+        return min(float(self.tension(cable.name).mean()) for cable in self.scene.cables)
+
     def length(self, cable: str) -> float:
         """Stretched length of a cable [m], without segments that broke."""
         lengths = np.linalg.norm(np.diff(self.shape(cable), axis=0), axis=1)
@@ -152,6 +157,9 @@ class Run:
         What happened, in order: payloads that changed, segments that broke; with what its start had behind it. Rows saved at the
         very time show the state before it.
     extrapolated : bool, whether it is the limit of two runs, with a step and with its half
+    kept : bool or None
+        Whether the errors that were to be kept are, as far as its own estimates tell (see `motion.accuracy`); None if the step was
+        given.
     """
 
     model: Model
@@ -172,6 +180,7 @@ class Run:
     audit: Audit | None = None
     events: tuple[Event, ...] = ()
     extrapolated: bool = False
+    kept: bool | None = None
 
     @property
     def scene(self) -> Scene:

@@ -27,6 +27,7 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         "audit": json.dumps(asdict(run.audit) if run.audit else None),
         "events": json.dumps([asdict(event) for event in run.events]),
         "extrapolated": int(run.extrapolated),
+        "kept": json.dumps(run.kept),
     }
     arrays: dict[str, Any] = {
         "q": (("t", "node", "axis"), run.q, {"units": "m", "long_name": "place"}),
@@ -69,5 +70,6 @@ def read(path: str | PathLike[str]) -> dict[str, Any]:
             "warnings": tuple(json.loads(account["warnings"])),
             "audit": json.loads(account["audit"]),
             "events": json.loads(account["events"]),
+            "kept": json.loads(account.get("kept", "null")),
             "extrapolated": bool(account.get("extrapolated", False)),  # a file of version 0.1 does not say
         }

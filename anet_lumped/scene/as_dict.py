@@ -113,7 +113,7 @@ def _parts(maker: Callable, key: str, value: Any, place: str) -> Any:
     """Return the value of an argument of `maker`, with what it holds as tables, itself or within, made of those."""
     annotation = _arguments(maker)[key].annotation
     for part, (what, kinds) in PARTS.items():
-        if _mentions(annotation, part):
+        if value is not None and _mentions(annotation, part):
             return _made(what, kinds, value, f"{place}.{key}", may_be_number=_mentions(annotation, float))
     return value
 
@@ -147,7 +147,7 @@ def _make(maker: Callable, entry: dict[str, Any], place: str) -> Any:
         return maker(**entry)
     except ValidationError as error:
         first = error.errors()[0]
-        key = str(first["loc"][0]) + "".join(f"[{index}]" for index in first["loc"][1:])
+        key = str(first["loc"][0]) + "".join(f"[{index}]" for index in first["loc"][1:] if isinstance(index, int))
         if first["type"] == "missing":
             raise SceneError(f"{place}: key `{key}` is missing.") from None
         raise SceneError(f"{place}: key `{key}` has the wrong type: {first['msg']}, but it is {first['input']!r}.") from None
@@ -174,8 +174,7 @@ def _schema(maker: Callable) -> Any:
 
 def _type(argument: inspect.Parameter) -> Any:
     """The type that a table must give: any string for words to choose from, as the class itself says which there are."""
-    annotation = str if get_origin(argument.annotation) is Literal else argument.annotation
-    return annotation | None if argument.default is None else annotation
+    return str if get_origin(argument.annotation) is Literal else argument.annotation
 
 
 def _take_kind(entry: dict[str, Any], kinds: Mapping[str, Callable], what: str, place: str) -> tuple[Callable, dict]:

@@ -17,6 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from anet_lumped.checks import InputError
+
 
 @dataclass(frozen=True, eq=False)
 class Catenary:
@@ -70,7 +72,7 @@ class Catenary:
 
         Raises
         ------
-        ValueError
+        InputError
             For a wrong argument, and for a cable with neither weight nor end force.
 
         Source
@@ -80,7 +82,7 @@ class Catenary:
         p1, force = _vectors(p1=p1, force=force)
         EA, weight_per_length = _material(length, EA, mass_per_length, gravity)
         if weight_per_length == 0 and not force.any():
-            raise ValueError("A cable with neither weight nor end force has no shape: give a force or a gravity.")
+            raise InputError("A cable with neither weight nor end force has no shape: give a force or a gravity.")
         H = math.hypot(*force[:-1])
         half_made = cls(p1, p1, float(length), EA, weight_per_length, H, float(force[-1]), _direction(force, H))
         return replace(half_made, p2=half_made._place(half_made.length))
@@ -112,7 +114,7 @@ class Catenary:
         slop = 1e-12 * self.length  # sums of segment lengths may overshoot by round-off
         outside = ~((s >= -slop) & (s <= self.length + slop))
         if outside.any():
-            raise ValueError(f"Arc length must lie between 0 and the length {self.length:g} m, got {s[outside][0]:g}.")
+            raise InputError(f"Arc length must lie between 0 and the length {self.length:g} m, got {s[outside][0]:g}.")
         return s
 
     def point(self, s: ArrayLike) -> np.ndarray:
@@ -128,7 +130,7 @@ class Catenary:
 
         Raises
         ------
-        ValueError
+        InputError
             If an s lies off the cable.
         """
         return self._place(self._on_cable(s))
@@ -216,7 +218,7 @@ def catenary(
 
     Raises
     ------
-    ValueError
+    InputError
         If an inextensible cable is not longer than its chord, if a cable without gravity is not shorter than its
         chord, or for a wrong argument.
 
@@ -234,13 +236,13 @@ def catenary(
     excess = float(square / Fraction(length) ** 2 - 1) / (chord / length + 1)  # chord/length - 1
 
     if math.isinf(EA) and excess >= 0:
-        raise ValueError(
+        raise InputError(
             f"An inextensible cable must be longer than its chord: the length is {length:.17g} m, "
             f"the chord {chord:.17g} m; give EA to let it stretch."
         )
     if weight_per_length == 0:
         if excess <= 0:
-            raise ValueError(
+            raise InputError(
                 f"Without gravity only a stretched cable has a shape: the chord {chord:.17g} m must exceed "
                 f"the length {length:.17g} m."
             )
@@ -307,10 +309,10 @@ def _vectors(**named: ArrayLike) -> list[np.ndarray]:
     vectors = [np.array(value, dtype=float) for value in named.values()]
     for name, vector in zip(named, vectors, strict=True):
         if vector.shape not in {(2,), (3,)} or not np.isfinite(vector).all():
-            raise ValueError(f"{name} must hold two or three finite numbers, got {named[name]!r}.")
+            raise InputError(f"{name} must hold two or three finite numbers, got {named[name]!r}.")
     if len({len(vector) for vector in vectors}) > 1:
         given = " and ".join(f"{len(vector)} for {name}" for name, vector in zip(named, vectors, strict=True))
-        raise ValueError(f"{' and '.join(named)} must have the same number of coordinates, got {given}.")
+        raise InputError(f"{' and '.join(named)} must have the same number of coordinates, got {given}.")
     return vectors
 
 
@@ -318,7 +320,7 @@ def _material(length: float, EA: float | None, mass_per_length: float, gravity: 
     """EA [N], inf for None, and mu g [N/m]."""
     for name, value in (("length", length), ("EA", 1.0 if EA is None else EA), ("mass_per_length", mass_per_length)):
         if not 0 < value < math.inf:
-            raise ValueError(f"{name} must be positive and finite, got {value!r}.")
+            raise InputError(f"{name} must be positive and finite, got {value!r}.")
     if not 0 <= gravity < math.inf:
-        raise ValueError(f"gravity must be finite and not negative, got {gravity!r}.")
+        raise InputError(f"gravity must be finite and not negative, got {gravity!r}.")
     return (math.inf if EA is None else float(EA)), float(mass_per_length) * float(gravity)

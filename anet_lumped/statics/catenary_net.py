@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from anet_lumped.checks import InputError
 from anet_lumped.scene.scene import Cable, Free, Scene
 
 from .catenary import Catenary, catenary
@@ -87,7 +88,7 @@ def catenary_net(scene: Scene, places: Mapping[str, ArrayLike], *, elastic: bool
 
     Raises
     ------
-    ValueError
+    InputError
         A scene without gravity, or a cable with a tension-strain curve that is to stretch.
     CatenaryNetError
         No balance within 1e-11 of the weight carried or what round-off allows.
@@ -116,14 +117,14 @@ class _Hung:
     def __init__(self, scene: Scene, places: Mapping[str, ArrayLike], elastic: bool) -> None:
         self.g = float(np.linalg.norm(scene.gravity))
         if self.g == 0:
-            raise ValueError("A catenary needs gravity, but the scene has no Gravity effect or g = 0.")
+            raise InputError("A catenary needs gravity, but the scene has no Gravity effect or g = 0.")
         self.turn = _turn_down(scene.gravity / self.g)
         self.at = {name: self.turn @ np.asarray(xyz, dtype=float) for name, xyz in places.items()}
         self.load = {point.name: point.mass * self.g for point in scene.points if isinstance(point, Free)}
         self.weight = sum(self.load.values()) + self.g * sum(c.mass_per_length * c.length for c in scene.cables)
         curved = next((c.name for c in scene.cables if c.tension_strain is not None), None)
         if elastic and curved is not None:
-            raise ValueError(
+            raise InputError(
                 f'A cable with a tension-strain curve, such as "{curved}", has no catenary in closed form; take elastic=False.'
             )
         self.EA = {c.name: c.EA if elastic else INEXTENSIBLE * self.weight for c in scene.cables}

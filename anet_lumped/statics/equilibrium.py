@@ -1,16 +1,17 @@
 """Static shape of a net: the exact equilibrium of the lumped chains, found in the forces.
 
-Given the force F at its start, a cable's shape follows segment by segment: every node takes its load off the force,
+Given the force F at its start, a cable's shape follows segment by segment: the load of each node is subtracted from the force,
 F_next = F - load, and a segment lies along its force with length L0 (1 + |F|/EA). So each cable has three unknowns, however
-many segments; where it ends is the gradient of its complementary energy,
+many segments it has. The position of its end relative to its start is the gradient of its complementary energy,
 
     r(F) = dU*/dF ,     U*(F) = sum over segments of L0 (|F_s| + |F_s|^2/(2 EA)) ,
 
-which is convex: the forces that carry the loads of all free points and close all cables are the minimum of a convex function
-under linear conditions, whose multipliers are the places of the free points. Newton's method with a line search finds it from
-any start. A segment without force is slack, and |F| has a kink there: it is rounded off, by less and less, and the direction
-u of each segment is an unknown of its own, |F| u = F, so that a slack cable closes as exactly as a taut one (the primal-dual
-idea of Andersen, Christiansen, Conn & Overton, SIAM J. Sci. Comput. 22 (2000) 243).
+which is convex. A cable closes if it ends at its end point. The forces that carry the loads of all free points and close all cables
+are the minimum of a convex function under linear conditions, whose multipliers are the positions of the free points. Newton's
+method with a line search finds this minimum from any start. A segment without force is slack, and |F| has a kink there. The kink is
+rounded off, less in each of `ROUNDINGS` rounds. The direction u of each segment is an unknown of its own, |F| u = F, so that a
+slack cable closes as exactly as a taut one (the primal-dual idea of Andersen, Christiansen, Conn & Overton, SIAM J. Sci. Comput.
+22 (2000) 243).
 """
 
 from typing import Any
@@ -56,8 +57,8 @@ class EquilibriumError(RuntimeError):
 def _cable_end(net, load, EA, c, H, delta, u, C):
     """End of cable c relative to its start for a force H at its start, with the directions u of its segments.
 
-    Writes the flexibility (9,) of the linearised cable to C. Returns where the directions u put the end, where those that
-    belong to H would, the force at the end, and by how much |F| u is not F.
+    Writes the flexibility (9,) of the linearised cable to C. Returns the end by the directions u, the end by the directions of the
+    forces that H causes, the force at the end, and the largest difference of |F| u and F.
     """
     count, node, L0, first = (
         net.cable[c, CABLE_SEGMENTS],
@@ -93,7 +94,7 @@ def _cable_end(net, load, EA, c, H, delta, u, C):
 
 @inlined
 def _turn(net, load, c, H, change, length, delta, u):
-    """Newton step of the directions of cable c's segments, which goes with a change of its forces."""
+    """Newton step of the directions of cable c's segments, for a change of its forces."""
     count, node, first = net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_FIRST_SEGMENT]
     fx, fy, fz = H[0], H[1], H[2]
     dx, dy, dz = length * change[0], length * change[1], length * change[2]
@@ -114,10 +115,10 @@ def _turn(net, load, c, H, change, length, delta, u):
 
 @internal
 def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
-    """Linearise at forces H: closing gaps, stiffness of each cable, out-of-balance force of the free points in ``right``.
+    """Linearise at forces H: write the gap and the stiffness of each cable, and the equations of the free points.
 
-    Returns the largest gap over a cable's length, the largest out-of-balance force, by how much |F| u is not F, and the
-    largest force and length that occur, which rounding is relative to.
+    Returns the largest gap over a cable's length, the largest out-of-balance force, the largest difference of |F| u and F, and the
+    largest force and length that occur, to which rounding is relative.
     """
     block, right = net.points.block, net.right_side
     block[:] = 0.0
@@ -171,7 +172,7 @@ def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
     types.UniTuple(float64, 4)(int64, _f2, _f1, float64, float64, _f2, _f2), cache=True, error_model="numpy", fastmath={"contract"}
 )
 def solve(net_address, load, EA, scale, tolerance, H, q):
-    """Forces at the cables' starts and places of the free points, in place.
+    """Find the forces at the cables' starts and the positions of the free points; overwrite H and q by them.
 
     Parameters
     ----------
@@ -180,14 +181,14 @@ def solve(net_address, load, EA, scale, tolerance, H, q):
     EA : (n_cables,) float64 [N]
     scale : float64 [N], the load that tolerances are relative to
     tolerance : float64, of the gaps over the cables' lengths
-    H : (n_cables, 3) float64 [N], force that a cable pulls its start with; any start
+    H : (n_cables, 3) float64 [N], force with which a cable pulls its start; any first guess
     q : (n, 3) float64 [m], rows of the points are read and those of the free points written
 
     Returns
     -------
     closing, balance, noise, iterations : float64
-        Largest gap relative to a cable's length, largest force on a free point relative to scale, what rounding of the
-        largest tension may leave in that, Newton iterations.
+        Largest gap relative to a cable's length; largest out-of-balance force on a free point relative to scale; what rounding of
+        the largest tension may leave in that force; Newton iterations.
     """
     net = view_net(net_address)
     cables = net.cable.shape[0]
@@ -253,7 +254,7 @@ def solve(net_address, load, EA, scale, tolerance, H, q):
 
 @kernel(types.void(int64, _f2, _f1, _f2, _f2, _f1))
 def unroll(net_address, load, EA, H, q, tension):
-    """Places of the interior nodes and tensions of the segments that belong to the forces H, right after `solve`."""
+    """Positions of the interior nodes and tensions of the segments for the forces H, right after `solve`."""
     net = view_net(net_address)
     for c in range(net.cable.shape[0]):
         first, count, node, L0 = (

@@ -136,9 +136,11 @@ def run_command(command, folder):
     if done.returncode:
         raise SystemError(f"{command} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
     told = [line for line in done.stderr.splitlines() if line.startswith("anet-lumped: ")]
-    told = [
-        line for line in told if not line.startswith("anet-lumped: Compiling")
-    ]  # the first run on a machine alone
+    for passing in (
+        "Compiling",
+        "... ",
+    ):  # what the first run on a machine alone says, and progress
+        told = [line for line in told if not line.startswith(f"anet-lumped: {passing}")]
     lines = [line.rstrip() for line in [*done.stdout.splitlines(), *told]]
     return "".join(
         f"{line}\n" for line, after in zip(lines, [*lines[1:], "end"], strict=True) if line or after

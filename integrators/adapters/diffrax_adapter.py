@@ -1,17 +1,17 @@
 """diffrax's solvers on M dv/dt = f(t, q, v), with the work of all forces carried along.
 
-The state is y = (q, v) of the moving nodes and three integrals of powers that the force returns anyway; these decide about no
-step. Steps are taken one by one with diffrax's solver and step size controller, in one compiled loop, so that what each took
-can be counted.
+The state is y = (q, v) of the moving nodes, and three integrals of powers that the force returns anyway; the integrals have no
+influence on steps. A compiled loop takes the steps one by one with diffrax's solver and step size controller, so that the work of
+each step can be counted.
 
 The stages of an implicit solver are found by a chord iteration of our own, because diffrax's takes the dense Jacobian of dy/dt.
 A stage y = y_p + tau dy/dt has q = q_p + tau v and v = v_p + tau a, which leaves
 
     M a = f(t, q_p + tau (v_p + tau a), v_p + tau a) ,    corrected by    (M - tau df/dv - tau^2 df/dq) da = M a - f ,
 
-a system of second order whose structure the motion knows. All implicit stages have the same tau, so the matrix is made once a
-step, near its first one; the iteration ends when what is left of the error, as far as its rate of convergence tells, is below
-`KAPPA` of the step's tolerance. Hairer & Wanner, Solving Ordinary Differential Equations II, IV.8.
+a system of second order whose structure the motion knows. All implicit stages have the same tau, so the matrix is made once a step,
+near its first implicit stage. The iteration ends when the remaining error, estimated from its convergence, is below `KAPPA` of
+the step's tolerance. Hairer & Wanner, Solving Ordinary Differential Equations II, IV.8.
 
 JAX computes in float64 here: importing this module sets ``jax_enable_x64`` for the whole process.
 """
@@ -34,11 +34,11 @@ from .outcome import LARGEST_COORDINATE, Outcome, Task, fastest_node
 
 jax.config.update("jax_enable_x64", True)
 
-MOST = 5_000_000  # steps tried in a run; a bound on what is otherwise unbounded
-AT_ONCE = 100  # steps tried before Python has a look, which lets Ctrl-C through
+MOST_WORK = 5_000_000  # steps tried in a run; a bound on what is otherwise unbounded
+STEPS_PER_CALL = 100  # steps tried in one compiled call; Ctrl-C acts between calls
 KAPPA = 1e-2
 ITERATIONS = 10  # for a stage, before the step is tried with a fifth of its length, as diffrax has it
-SHORTEST = 1e-14  # a step, relative to the time and the stretch marched
+SHORTEST_STEP = 1e-14  # a step, relative to the time and the stretch marched
 
 
 class Motion(Protocol):
@@ -69,7 +69,7 @@ class _State(NamedTuple):
 
 
 class _March(NamedTuple):
-    """Where a march is: time, next time, y, what solver and controller remember, states saved, counts, how it fails."""
+    """State of a march: time, next time, y, memory of solver and controller, states saved, counts, how it fails."""
 
     t: Any
     t_next: Any
@@ -85,7 +85,7 @@ class _March(NamedTuple):
     failure: Any
 
 
-FINE, TOO_SHORT, NO_STAGE, NOT_FINITE, TOO_LARGE = range(5)  # how a march fails
+NO_FAILURE, TOO_SHORT, NO_STAGE, NOT_FINITE, TOO_LARGE = range(5)  # how a march fails
 REASONS = {
     TOO_SHORT: (UNCONVERGED, "the step needed is too short for the arithmetic"),
     NO_STAGE: (UNCONVERGED, "a stage was not solved even with the shortest step"),
@@ -127,8 +127,8 @@ class _Chord(optx.AbstractRootFinder):
         """Correct the acceleration."""
         _, diagonal, _, _, _, behind, (motion, _, factor), dt = args
         tau = diagonal * dt
-        off, aux = fn(y._replace(q=behind.v + tau * y.v), args)
-        correction = jnp.where(tau > 0.0, motion.solve(factor, motion.mass[:, None] * off.v), off.v)
+        residual, aux = fn(y._replace(q=behind.v + tau * y.v), args)
+        correction = jnp.where(tau > 0.0, motion.solve(factor, motion.mass[:, None] * residual.v), residual.v)
         a = y.v - correction
         v = behind.v + tau * a
         scale_q, scale_v = (self.atol + self.rtol * jnp.abs(x) for x in (behind.q + tau * v, v))
@@ -138,11 +138,13 @@ class _Chord(optx.AbstractRootFinder):
 
     def terminate(self, fn, y, args, options, state, tags):
         """Whether what is left of the error is small, or the iteration diverges."""
-        rate, started, twice = state.size / state.before, state.iterations > 0, state.iterations > 1
-        done = (state.size < KAPPA) | (twice & (rate < 1.0) & (state.size * rate < KAPPA * (1.0 - rate)))
-        lost = started & ~jnp.isfinite(state.size) | (twice & (rate > 2.0))  # diffrax asks before the first iteration too
-        result = optx.RESULTS.where(lost & ~done, optx.RESULTS.nonlinear_divergence, optx.RESULTS.successful)
-        return done | lost, result
+        rate, has_started, has_rate = state.size / state.before, state.iterations > 0, state.iterations > 1
+        done = (state.size < KAPPA) | (has_rate & (rate < 1.0) & (state.size * rate < KAPPA * (1.0 - rate)))
+        diverges = has_started & ~jnp.isfinite(state.size) | (
+            has_rate & (rate > 2.0)
+        )  # diffrax asks before the first iteration too
+        result = optx.RESULTS.where(diverges & ~done, optx.RESULTS.nonlinear_divergence, optx.RESULTS.successful)
+        return done | diverges, result
 
     def postprocess(self, fn, y, aux, args, options, state, tags, result):
         """Take the powers at the stage found."""
@@ -150,7 +152,7 @@ class _Chord(optx.AbstractRootFinder):
 
 
 def _typed(tree):
-    """The same numbers with types that are not weak, so that the first call of a compiled function serves all others."""
+    """The same numbers without JAX's weak types, so that all calls of a compiled function have the types of the first."""
     return jax.tree.map(lambda x: lax.convert_element_type(x, x.dtype), tree)
 
 
@@ -163,7 +165,7 @@ def _solver(method, rtol, atol):
 
 @eqx.filter_jit
 def _begin(solver, controller, motion, t, stop, first_step, y):
-    """Memories of solver and controller at the start of a stretch, and dy/dt."""
+    """Memories of solver and controller where the solver starts, and dy/dt there."""
     term, args = diffrax.ODETerm(_rates), (motion, stop, None)
     t_next, memory = controller.init(term, t, stop, y, first_step, args, solver.func, solver.order(term))
     return t_next, solver.init(term, t, t_next, y, args), (*memory[:2], jnp.array(memory[2])), _rates(t, y, args)
@@ -171,54 +173,57 @@ def _begin(solver, controller, motion, t, stop, first_step, y):
 
 @eqx.filter_jit
 def _advance(solver, controller, motion, stop, times, march):
-    """Up to `AT_ONCE` steps towards ``stop``; saves at ``times``."""
+    """Up to `STEPS_PER_CALL` steps towards ``stop``; saves at ``times``."""
     term, diagonal = diffrax.ODETerm(_rates), solver.tableau.a_diagonal
-    order, last = solver.order(term), march.tried + AT_ONCE
-    shortest = SHORTEST * (jnp.abs(march.t) + jnp.abs(stop))
+    order, most_tried = solver.order(term), march.tried + STEPS_PER_CALL
+    shortest = SHORTEST_STEP * (jnp.abs(march.t) + jnp.abs(stop))
 
     def unfinished(m):
-        return (m.t < stop) & (m.failure == FINE) & (m.tried < last)
+        return (m.t < stop) & (m.failure == NO_FAILURE) & (m.tried < most_tried)
 
     def step(m):
-        left = stop - m.t
-        t = jnp.where((m.t_next - m.t) * (1.0 + 1e-9) >= left, stop, m.t_next)
+        time_left = stop - m.t
+        t = jnp.where((m.t_next - m.t) * (1.0 + 1e-9) >= time_left, stop, m.t_next)
         factor = None
         if diagonal is not None:
             tau = diagonal[-1] * (t - m.t)
-            ahead, a = 2.0 * tau, m.solver[1].v  # the first implicit stage; acceleration at the end of the last step, or zero
-            place = m.y.q + ahead * (m.y.v + 0.5 * ahead * a), m.y.v + ahead * a
-            factor = motion.factor(m.t + ahead, stop, *place, tau)
+            to_first_stage, a = 2.0 * tau, m.solver[1].v  # a: acceleration at the end of the last step, or zero
+            first_stage = m.y.q + to_first_stage * (m.y.v + 0.5 * to_first_stage * a), m.y.v + to_first_stage * a
+            factor = motion.factor(m.t + to_first_stage, stop, *first_stage, tau)
         args = motion, stop, factor
         y, error, dense, memory, result = solver.step(term, m.t, t, m.y, args, m.solver, False)
         # a solver that keeps its last stage as the next step's first one has none to keep when it starts
-        afresh = m.solver[0] if solver.tableau.fsal else jnp.array(True)
-        spent = dense["k"].iterations / (t - m.t)
-        iterations = jnp.rint(jnp.sum(spent[1:]) + jnp.where(afresh, spent[0], 0.0)).astype(int)
+        computes_first_stage = m.solver[0] if solver.tableau.fsal else jnp.array(True)
+        stage_iterations = dense["k"].iterations / (t - m.t)
+        iterations = jnp.rint(jnp.sum(stage_iterations[1:]) + jnp.where(computes_first_stage, stage_iterations[0], 0.0)).astype(int)
         y = y._replace(iterations=jnp.zeros(()))
         solved = result == diffrax.RESULTS.successful
         finite = jnp.isfinite(_norm(y))
-        good = solved & finite & jnp.isfinite(_norm(error))
-        error = jax.tree.map(lambda e: jnp.where(good, e, jnp.inf), error)
-        kept, _, t_next, _, controlled, _ = controller.adapt_step_size(m.t, t, m.y, y, args, error, order, m.controller)
-        why = jnp.where(~finite, NOT_FINITE, jnp.where(~solved, NO_STAGE, TOO_SHORT))
-        failure = jnp.where(~kept & (t_next - m.t < shortest), why, FINE)
-        failure = jnp.where(kept & ~(jnp.maximum(jnp.abs(y.q).max(), jnp.abs(y.v).max()) < LARGEST_COORDINATE), TOO_LARGE, failure)
+        usable = solved & finite & jnp.isfinite(_norm(error))
+        error = jax.tree.map(lambda e: jnp.where(usable, e, jnp.inf), error)
+        accepted, _, t_next, _, controlled, _ = controller.adapt_step_size(m.t, t, m.y, y, args, error, order, m.controller)
+        failure_of_step = jnp.where(~finite, NOT_FINITE, jnp.where(~solved, NO_STAGE, TOO_SHORT))
+        failure = jnp.where(~accepted & (t_next - m.t < shortest), failure_of_step, NO_FAILURE)
+        failure = jnp.where(
+            accepted & ~(jnp.maximum(jnp.abs(y.q).max(), jnp.abs(y.v).max()) < LARGEST_COORDINATE), TOO_LARGE, failure
+        )
         curve = solver.interpolation_cls(t0=m.t, t1=t, **dense)
 
         def due(saving):
-            return kept & (saving[0] < len(times)) & (times[jnp.minimum(saving[0], len(times) - 1)] <= t)
+            return accepted & (saving[0] < len(times)) & (times[jnp.minimum(saving[0], len(times) - 1)] <= t)
 
         def save(saving):
             k, out = saving
-            at = curve.evaluate(times[k])
-            at = jax.tree.map(lambda a, b: jnp.where(times[k] == t, b, a), at, y)
-            return k + 1, jax.tree.map(lambda rows, a: rows.at[k].set(a), out, at)
+            state_saved = curve.evaluate(times[k])
+            state_saved = jax.tree.map(lambda a, b: jnp.where(times[k] == t, b, a), state_saved, y)
+            return k + 1, jax.tree.map(lambda rows, a: rows.at[k].set(a), out, state_saved)
 
         saved, out = lax.while_loop(due, save, (m.saved, m.out))
-        t_now, y, memory = jax.tree.map(lambda a, b: jnp.where(kept, a, b), (t, y, memory), (m.t, m.y, m.solver))
+        t_now, y, memory = jax.tree.map(lambda a, b: jnp.where(accepted, a, b), (t, y, memory), (m.t, m.y, m.solver))
         return _March(
             t_now, t_next, y, memory, controlled, saved, out,
-            m.tried + 1, m.steps + kept, m.stages + solver.tableau.num_stages - ~afresh, m.iterations + iterations, failure,
+            m.tried + 1, m.steps + accepted, m.stages + solver.tableau.num_stages - ~computes_first_stage,
+            m.iterations + iterations, failure,
         )  # fmt: skip
 
     return _typed(lax.while_loop(unfinished, step, march))
@@ -238,7 +243,7 @@ def march(motion: Motion, task: Task) -> Outcome:
     out = jax.tree.map(lambda a: jnp.zeros((len(times) + 1, *a.shape)).at[0].set(a), y)
     zero = jnp.array(0)
     m = _March(jnp.asarray(float(task.t0)), None, y, None, None, zero + 1, out, zero, zero, zero, zero, zero)
-    failure, node, starts = FINE, -1, 0
+    failure, node, starts = NO_FAILURE, -1, 0
     saving = jnp.asarray(times)
     for stop in jnp.asarray(task.ends()):
         first = jnp.minimum(task.first_step, stop - m.t)
@@ -247,18 +252,18 @@ def march(motion: Motion, task: Task) -> Outcome:
         starts += 1
         if starts == 1:
             _advance(solver, controller, motion, stop, saving, m._replace(failure=_typed(zero + NOT_FINITE)))
-            began = time.perf_counter()  # what was needed is compiled, by a march of no step
+            started = time.perf_counter()  # what was needed is compiled, by a march of no step
         if not np.isfinite(rates.v).all():
             failure, node = NOT_FINITE, fastest_node(rates.v)
             break
-        while m.t < stop and failure == FINE and m.tried < MOST:
+        while m.t < stop and failure == NO_FAILURE and m.tried < MOST_WORK:
             m = _advance(solver, controller, motion, stop, saving, m)
             failure = int(m.failure)
         if m.t < stop:
             break
     status, reason = REASONS.get(failure, (DONE, ""))
-    if failure == FINE and m.tried >= MOST:
-        status, reason = UNCONVERGED, f"{MOST} steps tried were not enough"
+    if failure == NO_FAILURE and m.tried >= MOST_WORK:
+        status, reason = UNCONVERGED, f"{MOST_WORK} steps tried were not enough"
     if failure == NOT_FINITE and m.tried == 0:
         reason = "the force at the start is not finite"
     elif status == DIVERGED:
@@ -272,7 +277,7 @@ def march(motion: Motion, task: Task) -> Outcome:
         saved += 1
     return Outcome(
         status, reason, node, times[:saved], out[0][:saved], out[1][:saved], out[2][:saved],
-        _counts(solver, m, starts), time.perf_counter() - began,
+        _counts(solver, m, starts), time.perf_counter() - started,
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""What a solver of another package is asked to do, and what it leaves, whatever the package."""
+"""The task and the outcome of a march with a solver of another package."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ LARGEST_COORDINATE = 1e12  # [m], [m/s], beyond which a motion has diverged
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """A march to be made.
+    """The task of a march.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class Task:
     atol: float
 
     def ends(self):
-        """Times at which a stretch without a stop in between ends, as a list of floats [s]; the last one is t_end."""
+        """Times at which the solver has to end a step and start anew, and t_end last, as a list of floats [s]."""
         between = (self.stops > self.t0) & (self.stops < self.t_end)
         return [*self.stops[between].tolist(), float(self.t_end)]
 
@@ -52,7 +52,7 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """How a march ended and what it leaves.
+    """How a march ended, and its results.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class Outcome:
     reason : str, why it stopped, if it did not reach its end
     node : int, where it diverged, else -1
     t : (k,) float64 [s]
-        Times asked for, as far as it came, and at last the time that it reached.
+        The times of the task up to the time reached, and the time reached.
     q, v : (k, n_free, 3) float64 [m], [m/s], of the moving nodes at these times
     work : (k, 3) float64 [J], taken inside, taken outside and put in since the start, see `integrators.system`
     wall_time : float [s], without that of compiling

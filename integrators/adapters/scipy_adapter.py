@@ -1,8 +1,8 @@
 """scipy's adaptive solvers on M dv/dt = f(t, q, v), with the work of all forces carried along.
 
-The state handed to scipy is y = (q, v, work) of the moving nodes. The work (3,) is the integral of powers that the force kernel
-returns anyway: taken inside, taken outside, put in. It has a huge absolute tolerance, so that it never decides about a step, and
-tolerances are scaled where a solver's norm is a mean over all components, so that its steps are those of (q, v) alone.
+The state of scipy's solver is y = (q, v, work) of the moving nodes. The work (3,) is the integral of powers that the force kernel
+returns anyway: taken inside, taken outside, put in. Steps are those of (q, v) alone: the work has a huge absolute tolerance, and
+the other tolerances are scaled where a solver's norm is a mean over all components.
 """
 
 import time
@@ -20,9 +20,9 @@ from integrators.system import COUNTS, DIVERGED, DONE, EVENT, FACTORISATIONS, FO
 
 from .outcome import LARGEST_COORDINATE, Outcome, Task, fastest_node
 
-MOST = 50_000_000  # force evaluations of a run; a bound on what is otherwise unbounded
+MOST_WORK = 50_000_000  # force evaluations of a run; a bound on what is otherwise unbounded
 EPS = np.finfo(float).eps
-FREE = 1e100  # absolute tolerance of what must not decide about a step
+UNCONTROLLED = 1e100  # absolute tolerance of what must not decide about a step
 
 
 class Motion(NamedTuple):
@@ -49,7 +49,7 @@ class Motion(NamedTuple):
 
 
 class _StopError(Exception):
-    """A march that cannot go on; its arguments are the status and the reason."""
+    """Ends a march; its arguments are the status and the reason."""
 
 
 class _Equations:
@@ -73,8 +73,8 @@ class _Equations:
     def rates(self, t, y):
         """dy/dt."""
         self.calls += 1
-        if self.calls > MOST:
-            raise _StopError(UNCONVERGED, f"{MOST} force evaluations were not enough")
+        if self.calls > MOST_WORK:
+            raise _StopError(UNCONVERGED, f"{MOST_WORK} force evaluations were not enough")
         self.y[self.order] = y
         self.nodes_at(t, self.y)
         self.motion.force(t, self.q, self.v, self.f, self.power)
@@ -94,20 +94,20 @@ class _Equations:
         """Margin of the motion at (t, y), y in the natural order."""
         return self.motion.margin(*self.nodes_at(t, y))
 
-    def event(self, before, t, dense):
-        """Time at which the margin turns positive within a step from ``before`` to t, and y there, in the natural order."""
+    def event(self, t_before, t, dense):
+        """Time at which the margin turns positive within a step from ``t_before`` to t, and y there, in the natural order."""
         position = np.argsort(self.order)
-        if self.margin(before, dense(before)[position]) < 0.0:
-            t = brentq(lambda t: self.margin(t, dense(t)[position]), before, t, xtol=1e-9 * (t - before), rtol=8 * EPS)
+        if self.margin(t_before, dense(t_before)[position]) < 0.0:
+            t = brentq(lambda t: self.margin(t, dense(t)[position]), t_before, t, xtol=1e-9 * (t - t_before), rtol=8 * EPS)
         else:
-            t = before
+            t = t_before
         return t, dense(t)[position]
 
     def narrow(self, t):
-        """Reorder y so that the Jacobian's band is narrow; returns what LSODA has to know about it."""
+        """Reorder y so that the Jacobian's band is narrow; returns the options of LSODA for this band."""
         J = self.matrix(t, self.y.copy())
-        whole = csr_array((np.ones(J.nnz), J.indices, J.indptr), shape=J.shape)  # with its zeros; transposed
-        self.order = reverse_cuthill_mckee(whole, symmetric_mode=False)
+        pattern = csr_array((np.ones(J.nnz), J.indices, J.indptr), shape=J.shape)  # with its zeros; transposed
+        self.order = reverse_cuthill_mckee(pattern, symmetric_mode=False)
         position = np.argsort(self.order)
         row, column = position[J.indices], np.repeat(position, np.diff(J.indptr))
         upper, lower = max(0, (column - row).max()), max(0, (row - column).max())
@@ -126,23 +126,23 @@ def march(motion: Motion, task: Task) -> Outcome:
     Radau and BDF factorise the sparse Jacobian. LSODA takes a dense or a banded one, so y is reordered (reverse
     Cuthill-McKee) to make its band narrow.
     """
-    began = time.perf_counter()
+    started = time.perf_counter()
     equations, counts = _Equations(motion, task.q, task.v), np.zeros(COUNTS, np.int64)
     times = task.saved_times()
     states = np.empty((len(times), equations.size))
     states[0], saved = equations.y, 1
     status, reason, t, y = DONE, "", task.t0, equations.y.copy()
     try:
-        before = t
+        t_before = t
         for t, y, dense in _steps(equations, task, counts):
             if motion.margin is not None and equations.margin(t, y) > 0.0:
-                t, y = equations.event(before, t, dense())
+                t, y = equations.event(t_before, t, dense())
                 status = EVENT
-            before = t
-            due = saved + np.searchsorted(times[saved:], t, side="right")
-            if due > saved:
-                states[saved:due, equations.order] = dense()(times[saved:due]).T
-                saved = due
+            t_before = t
+            saved_after = saved + np.searchsorted(times[saved:], t, side="right")
+            if saved_after > saved:
+                states[saved:saved_after, equations.order] = dense()(times[saved:saved_after]).T
+                saved = saved_after
             if times[saved - 1] == t:
                 states[saved - 1] = y
             if status == EVENT:
@@ -156,13 +156,13 @@ def march(motion: Motion, task: Task) -> Outcome:
     node = fastest_node(np.abs(equations.rate[:-3]).reshape(2, -1, 3).max(axis=0)) if status == DIVERGED else -1
     q, v = np.moveaxis(states[:saved, :-3].reshape(saved, 2, -1, 3), 1, 0)
     work = states[:saved, -3:]
-    return Outcome(status, reason, node, times[:saved], q, v, work, counts, time.perf_counter() - began)
+    return Outcome(status, reason, node, times[:saved], q, v, work, counts, time.perf_counter() - started)
 
 
 def _steps(equations, task, counts):
-    """Time, state in the natural order and the maker of dense output after each step of a march."""
-    t, y, options, make = task.t0, equations.y.copy(), {}, getattr(scipy.integrate, task.method)
-    rtol, atol = task.rtol, np.append(np.full(equations.size - 3, task.atol), [FREE] * 3)
+    """Yield, after each step of a march, the time, the state in the natural order and the function that makes the dense output."""
+    t, y, options, make_solver = task.t0, equations.y.copy(), {}, getattr(scipy.integrate, task.method)
+    rtol, atol = task.rtol, np.append(np.full(equations.size - 3, task.atol), [UNCONTROLLED] * 3)
     if not np.isfinite(equations.rates(t, y)).all():
         raise _StopError(DIVERGED, "the force at the start is not finite")
     if task.method == "LSODA":
@@ -175,7 +175,7 @@ def _steps(equations, task, counts):
     order, atol, position = equations.order, atol[equations.order], np.argsort(equations.order)
     for stop in task.ends():
         first = min(task.first_step, stop - t) if t == task.t0 else None
-        solver = make(equations.rates, t, y[order], stop, rtol=rtol, atol=atol, first_step=first, **options)
+        solver = make_solver(equations.rates, t, y[order], stop, rtol=rtol, atol=atol, first_step=first, **options)
         while solver.status == "running":
             calls, factorisations = equations.calls, solver.nlu
             failure = _step(solver)
@@ -191,21 +191,21 @@ def _steps(equations, task, counts):
 
 def _step(solver):
     """Take a step; returns None or why it failed."""
-    with warnings.catch_warnings(record=True) as said:  # LSODA gives its reasons as warnings
+    with warnings.catch_warnings(record=True) as warned:  # LSODA gives its reasons as warnings
         warnings.simplefilter("always")
         try:
             failure = solver.step()
         except RuntimeError as error:  # a singular matrix
             return str(error)
-    return str(said[-1].message) if failure and said else failure
+    return str(warned[-1].message) if failure and warned else failure
 
 
-def _count(method, solver, calls, done, counts):
-    """Add up a step of ``calls`` force evaluations; scipy does not tell rejected steps nor Newton iterations."""
-    counts[STEPS] += done
+def _count(method, solver, calls, accepted, counts):
+    """Count the work of a step with ``calls`` force evaluations; scipy does not count rejected steps and Newton iterations."""
+    counts[STEPS] += accepted
     if method == "BDF":
         counts[NEWTON] += calls
     elif method == "Radau":
         counts[NEWTON] += calls // 3  # three stages an iteration; one more for the state reached or an error estimate
     elif method != "LSODA":
-        counts[REJECTED] += calls // solver.n_stages - done
+        counts[REJECTED] += calls // solver.n_stages - accepted

@@ -1,8 +1,8 @@
-"""Marching with steps chosen by step doubling: one step of h beside two of h/2, of which the two are kept.
+"""Marching with steps chosen by step doubling: one step of h is compared with two of h/2, and the march goes on from the two.
 
-The error of the two is |q_2 - q_1|/(2^order - 1) by Richardson's estimate; a step is taken when its largest component
-over the moving nodes is at most atol + rtol max|q|, and the next is chosen by a PI controller (`step_control.growth`).
-Source: Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (1993), II.4.
+The error of the two is |q_2 - q_1|/(2^order - 1) by Richardson's estimate. A step is accepted when the largest component of its
+error over the moving nodes is at most atol + rtol max|q|; the next is chosen by a PI controller (`step_control.growth`). Source:
+Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (1993), II.4.
 """
 
 from typing import NamedTuple
@@ -32,7 +32,7 @@ from .events import locate, margin_of, remember
 from .step_control import MOST_REJECTIONS, growth, next_corner, shortened, shrinkage
 from .stepper import STEPPER, take_step
 
-SMALLEST = 2.0**-12  # of the first step: there Newton's method may fail no more
+SMALLEST_PART = 2.0**-12  # of the first step: a march ends where Newton's method fails for a shorter one
 MOST_GROWTH = 4.0  # of a step after another
 
 
@@ -62,14 +62,14 @@ ADAPTIVE_STEPS = types.NamedTuple((types.float64,) * 5 + (types.Array(types.floa
 
 @internal
 def interpolate(theta, h, start, end, q, v):
-    """Cubic Hermite polynomial of a step between two states at theta of its length h, and its derivative."""
-    u, q_a, v_a, q_b, v_b = 1.0 - theta, start.q, start.v, end.q, end.v
+    """Positions and velocities at the share theta of a step of length h between two states, by a cubic Hermite polynomial."""
+    complement, q_a, v_a, q_b, v_b = 1.0 - theta, start.q, start.v, end.q, end.v
     for i in range(q.shape[0]):
         for x in range(3):
             rise = q_b[i, x] - q_a[i, x]
             curve_a, curve_b = h * v_a[i, x] - rise, rise - h * v_b[i, x]
-            q[i, x] = u * q_a[i, x] + theta * q_b[i, x] + theta * u * (u * curve_a + theta * curve_b)
-            slope = rise + (1.0 - 2.0 * theta) * (u * curve_a + theta * curve_b) + theta * u * (curve_b - curve_a)
+            q[i, x] = complement * q_a[i, x] + theta * q_b[i, x] + theta * complement * (complement * curve_a + theta * curve_b)
+            slope = rise + (1.0 - 2.0 * theta) * (complement * curve_a + theta * curve_b) + theta * complement * (curve_b - curve_a)
             v[i, x] = slope / h
 
 
@@ -91,14 +91,14 @@ def double_step(stepper, t, h, order, start, state, whole):
     start : StepState
         A copy of the state at t.
     state : StepState
-        At t; then after the two.
+        At t; overwritten by the state after the two steps.
     whole : (n, 3) float64
-        Overwritten: places after the one.
+        Overwritten by the positions after the one step.
 
     Returns
     -------
     error, size : float64 [m]
-        Estimated error of places, inf where a step failed or the state has diverged; the largest coordinate.
+        Estimated error of positions, inf if a step failed or the state has diverged; the largest coordinate.
     """
     if take_step(stepper, t, h, state) != DONE:
         return np.inf, 0.0
@@ -138,19 +138,20 @@ def adaptive_steps(stepper, times, order, state, scratch, saved, stop):
     system, t0, t_end, atol, rtol = system_at(system_address), times.t0, times.t_end, times.atol, times.rtol
     evaluate_start(system_address, data_address, t0, state, counts)
     rows = save(system_address, data_address, NONE, t0, 0.0, state, saved)
-    start, whole, shown, observed_a, observed_b = scratch.start, scratch.q, scratch.balance, scratch.observed_a, scratch.observed_b
+    start, whole, balance_saved, observed_a = scratch.start, scratch.q, scratch.balance, scratch.observed_a
+    observed_b = scratch.observed_b
     copy(saved.observed[0], observed_b)
-    t, h, total, before, rejections, corner = t0, times.first, 0.0, 1.0, 0, NONE
-    margin, watched, status = -1.0, margin_of(stepper, state) > NO_EVENTS, DONE
+    t, h, total_error, error_before, rejections, corner = t0, times.first, 0.0, 1.0, 0, NONE
+    margin, has_events, status = -1.0, margin_of(stepper, state) > NO_EVENTS, DONE
     while t < t_end:
         if stop[0] != 0:
-            return INTERRUPTED, rows, t, -1, total
+            return INTERRUPTED, rows, t, -1, total_error
         corner = next_corner(times.corners, corner, t, 1e-12 * (t_end - t0))
         goal = min(times.corners[corner], t_end) if corner < times.corners.shape[0] else t_end
-        full = h
+        h_wanted = h
         h, _ = shortened(t, h, goal)
         copy_state(state, start)
-        if watched:
+        if has_events:
             remember(stepper)
         error, size = double_step(stepper, t, h, order, start, state, whole)
         error = error / (atol + rtol * size)
@@ -159,13 +160,13 @@ def adaptive_steps(stepper, times, order, state, scratch, saved, stop):
             rejections += 1
             copy_state(start, state)
             h *= shrinkage(error, order + 1.0)
-            if rejections > MOST_REJECTIONS or (error == np.inf and h < SMALLEST * times.first):
-                return UNCONVERGED, rows, t, -1, total
+            if rejections > MOST_REJECTIONS or (error == np.inf and h < SMALLEST_PART * times.first):
+                return UNCONVERGED, rows, t, -1, total_error
             continue
         counts[STEPS] += 1
-        total += error * (atol + rtol * largest_coordinate(state.q))
+        total_error += error * (atol + rtol * largest_coordinate(state.q))
         end = goal if t + h >= goal - 1e-9 * h else t + h
-        if watched:
+        if has_events:
             margin_before, margin = margin, margin_of(stepper, state)
             if margin > 0.0:
                 status = EVENT
@@ -177,19 +178,19 @@ def adaptive_steps(stepper, times, order, state, scratch, saved, stop):
             for i in range(observed_a.shape[0]):
                 saved.observed[rows, i] = (1.0 - theta) * observed_a[i] + theta * observed_b[i]
             interpolate(theta, end - t, start, state, saved.q[rows], saved.v[rows])
-            copy(state.balance, shown)
-            system.energy(saved.t[rows], saved.q[rows], saved.v[rows], data_address, shown)
-            copy(shown[:ENERGIES], saved.energy[rows])
-            saved.error[rows] = total
+            copy(state.balance, balance_saved)
+            system.energy(saved.t[rows], saved.q[rows], saved.v[rows], data_address, balance_saved)
+            copy(balance_saved[:ENERGIES], saved.energy[rows])
+            saved.error[rows] = total_error
             rows += 1
         t = end
         if status == EVENT:
             if saved.t[rows - 1] < t:
-                rows = save(system_address, data_address, rows, t, total, state, saved)
-            return EVENT, rows, t, -1, total
-        h = max(h * growth(error, before, order + 1.0, MOST_GROWTH), full if h < full and error < 0.5 else 0.0)
-        before, rejections = error, 0
-    return DONE, rows, t, -1, total
+                rows = save(system_address, data_address, rows, t, total_error, state, saved)
+            return EVENT, rows, t, -1, total_error
+        h = max(h * growth(error, error_before, order + 1.0, MOST_GROWTH), h_wanted if h < h_wanted and error < 0.5 else 0.0)
+        error_before, rejections = error, 0
+    return DONE, rows, t, -1, total_error
 
 
 def compiled_adaptive_steps():

@@ -33,8 +33,8 @@ from .events import locate, margin_of, remember
 from .step_control import MOST_REJECTIONS, growth, next_corner, shortened, shrinkage
 from .stepper import STEPPER, take_step
 
-MOST = 1_000_000  # steps tried in a run; a bound on what is otherwise unbounded
-SUSTAINED, RELIEVED = 15, 6  # steps in a row (Hairer & Wanner): held by stability from so many on, and free again
+MOST_WORK = 1_000_000  # steps tried in a run; a bound on what is otherwise unbounded
+SUSTAINED, RELIEVED = 15, 6  # steps in a row after which a march counts as held by stability, and as free again (Hairer & Wanner)
 MOST_GROWTH = 5.0  # of a step after another
 
 
@@ -54,9 +54,9 @@ PAIR_LIMITS = types.NamedTuple((types.int64, types.int64, types.float64), PairLi
 
 
 class Stiffness(NamedTuple):
-    """Steps that stability holds to a length at which accuracy would let them grow.
+    """Steps that stability keeps short although accuracy would let them grow ("held").
 
-    They count where at least `SUSTAINED` were held with no `RELIEVED` free ones in a row between them.
+    They count from `SUSTAINED` held steps on, if there are never `RELIEVED` free steps in a row between them.
     """
 
     held: int  # steps held
@@ -68,7 +68,7 @@ class Stiffness(NamedTuple):
 
 @internal
 def count_held(known, is_held, h):
-    """Add a step of h [s] that is held, or free, to what is known."""
+    """Count a step of h [s] that is held or free."""
     held, held_for, row_for = known.held, known.held_for, known.row_for
     held_in_row, free_in_row = (known.held_in_row + 1, 0) if is_held else (known.held_in_row, known.free_in_row + 1)
     row_for += h if is_held else 0.0
@@ -82,28 +82,28 @@ def count_held(known, is_held, h):
 
 
 @internal
-def save_within(stepper, t, h, end, total, scratch, state, rows, saved):
+def save_within(stepper, t, h, end, total_error, scratch, state, rows, saved):
     """Save at the times that a step from t to ``end`` has passed, by dense output; returns the rows written so far.
 
-    ``total`` is the sum of the errors of places up to ``end`` [m].
+    ``total_error`` is the sum of the errors of places up to ``end`` [m].
     """
     system, data_address = system_at(stepper.system_address), stepper.data_address
-    memory, parameters, ready, start, balance = state.memory, stepper.parameters, False, scratch.start, scratch.balance
+    memory, parameters, prepared, start, balance = state.memory, stepper.parameters, False, scratch.start, scratch.balance
     while rows < saved.t.shape[0] and saved.t[rows] <= end:
-        at, shown = saved.t[rows], StepState(saved.q[rows], saved.v[rows], memory[:0], balance)
-        copy_state(state, shown)
-        if at < end:
-            if not ready:
+        t_saved, state_saved = saved.t[rows], StepState(saved.q[rows], saved.v[rows], memory[:0], balance)
+        copy_state(state, state_saved)
+        if t_saved < end:
+            if not prepared:
                 prepare_dense_output(stepper.system_address, data_address, t, h, start, memory, parameters, stepper.counts)
-                ready = True
+                prepared = True
             for k in range(PUT_IN, TAKEN_BY_METHOD + 1):
                 balance[k] = start.balance[k]
-            dense_output((at - t) / h, h, start, memory, parameters, system.n_free, shown)
-        system.prescribe(at, data_address, shown.q, shown.v)
-        system.observe(shown.q, shown.v, data_address, saved.observed[rows])
-        system.energy(at, shown.q, shown.v, data_address, balance)
+            dense_output((t_saved - t) / h, h, start, memory, parameters, system.n_free, state_saved)
+        system.prescribe(t_saved, data_address, state_saved.q, state_saved.v)
+        system.observe(state_saved.q, state_saved.v, data_address, saved.observed[rows])
+        system.energy(t_saved, state_saved.q, state_saved.v, data_address, balance)
         copy(balance[:ENERGIES], saved.energy[rows])
-        saved.error[rows] = total
+        saved.error[rows] = total_error
         rows += 1
     return rows
 
@@ -112,9 +112,10 @@ def save_within(stepper, t, h, end, total, scratch, state, rows, saved):
 def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
     """March with steps chosen by the error that an embedded pair estimates.
 
-    A step is taken when its error (see `embedded_pair.judge_step`) is at most atol + rtol max|q|, and the next is chosen by a PI
-    controller. Steps end on the corners of the prescribed motions, whose velocities are limits from the left up to there,
-    and on t_end; states at the times in ``saved.t`` come from the dense output. The march ends at an event, see `events.locate`.
+    A step is accepted when its error (see `embedded_pair.judge_step`) is at most atol + rtol max|q|; the next is chosen by a PI
+    controller. Steps end on t_end and on the corners of the prescribed motions; a step that ends on a corner takes the velocity
+    from the left there. States at the times in ``saved.t`` come from the dense output. The march ends at an event, see
+    `events.locate`.
 
     Parameters
     ----------
@@ -134,10 +135,10 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
     system, t0, t_end, corners = system_at(system_address), times.t0, times.t_end, times.corners
     evaluate_start(system_address, data_address, t0, state, counts)
     rows = save(system_address, data_address, NONE, t0, 0.0, state, saved)
-    t, h, total, before, rejections, tried = t0, times.first, 0.0, 1.0, 0, 0
+    t, h, total_error, error_before, rejections, tried = t0, times.first, 0.0, 1.0, 0, 0
     start, stiffness = scratch.start, Stiffness(NONE, 0.0, NONE, NONE, 0.0)
     corner = next_corner(corners, NONE, t, 1e-12 * (t_end - t0))
-    status, node, margin, watched = DONE, -1, -1.0, margin_of(stepper, state) > NO_EVENTS
+    status, node, margin, has_events = DONE, -1, -1.0, margin_of(stepper, state) > NO_EVENTS
     while t < t_end:
         if stop[0] != 0 or tried == pair.most:
             status = INTERRUPTED if stop[0] != 0 else OUT_OF_STEPS
@@ -145,17 +146,17 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
         tried += 1
         at_corner = corner < corners.shape[0] and corners[corner] < t_end
         goal = corners[corner] if at_corner else t_end
-        full = h
-        h, lands = shortened(t, h, goal)
-        if lands and at_corner:  # the last stages look back from a corner: some roundings of the time before it
+        h_wanted = h
+        h, ends_on_goal = shortened(t, h, goal)
+        if ends_on_goal and at_corner:  # the last stages look back from a corner: some roundings of the time before it
             h -= 1e-15 * (abs(goal) + abs(t))
         copy_state(state, start)
-        if watched:
+        if has_events:
             remember(stepper)
         take_step(stepper, t, h, state)
-        error, of_places, size, fastest = judge_step(system.n_free, h, state, stepper.parameters)
-        allowed = times.atol + times.rtol * size
-        error = error / allowed if allowed > 0.0 or error == np.inf else (0.0 if error == 0.0 else np.inf)
+        error, of_places, size, h_lambda = judge_step(system.n_free, h, state, stepper.parameters)
+        error_allowed = times.atol + times.rtol * size
+        error = error / error_allowed if error_allowed > 0.0 or error == np.inf else (0.0 if error == 0.0 else np.inf)
         if not error <= 1.0:
             counts[REJECTED] += 1
             rejections += 1
@@ -167,27 +168,27 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
                 break
             continue
         counts[STEPS] += 1
-        total += of_places
-        stiffness = count_held(stiffness, fastest > pair.stiff_beyond, h)
-        end = goal if lands else t + h
-        if watched:
+        total_error += of_places
+        stiffness = count_held(stiffness, h_lambda > pair.stiff_beyond, h)
+        end = goal if ends_on_goal else t + h
+        if has_events:
             margin_before, margin = margin, margin_of(stepper, state)
             if margin > 0.0:
                 h = locate(stepper, t, h, ONE, margin_before, margin, start, state)
                 end, status = t + h, EVENT
-        rows = save_within(stepper, t, h, end, total, scratch, state, rows, saved)
+        rows = save_within(stepper, t, h, end, total_error, scratch, state, rows, saved)
         t = end
         if status == EVENT:
             break
-        if lands and at_corner:
+        if ends_on_goal and at_corner:
             corner += 1
             evaluate_start(system_address, data_address, t, state, counts)
-        factor = growth(error, before, 1.0 * pair.order, MOST_GROWTH if rejections == 0 else 1.0)
-        h = max(h * factor, full if h < full and error < 0.5 else 0.0)
-        before, rejections = error, 0
+        factor = growth(error, error_before, 1.0 * pair.order, MOST_GROWTH if rejections == 0 else 1.0)
+        h = max(h * factor, h_wanted if h < h_wanted and error < 0.5 else 0.0)
+        error_before, rejections = error, 0
     if status != DONE and saved.t[rows - 1] < t and rows < saved.t.shape[0]:  # the state that was reached
-        rows = save(system_address, data_address, rows, t, total, state, saved)
-    return status, rows, t, node if status == DIVERGED else -1, total, stiffness.held, stiffness.held_for
+        rows = save(system_address, data_address, rows, t, total_error, state, saved)
+    return status, rows, t, node if status == DIVERGED else -1, total_error, stiffness.held, stiffness.held_for
 
 
 def compiled_embedded_steps():

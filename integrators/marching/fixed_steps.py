@@ -27,8 +27,8 @@ from .error_growth import GROWTH, STEP_ERROR, begin, follow, largest_error
 from .events import locate, margin_of, remember
 from .stepper import STEPPER, take_step
 
-CHECK_EVERY = 16  # steps between two looks for a divergence
-SMALLEST_PART = 2.0**-12  # of a step: there Newton's method may fail no more
+CHECK_EVERY = 16  # steps between two checks for a divergence
+SMALLEST_PART = 2.0**-12  # of a step: a march ends where Newton's method fails for a shorter one
 
 
 class FixedSteps(NamedTuple):
@@ -63,7 +63,7 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
     stepper : Stepper
     times : FixedSteps
     step_error : StepError
-        Explicit steps do not fail, so that the state before one is copied only where an event may ask for it.
+        Explicit steps cannot fail: then the state before a step is copied only if the system has events.
     state : StepState, at the start, and then at the end
     scratch : Scratch
     growth : Growth, overwritten
@@ -80,44 +80,44 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
     evaluate_start(system_address, data_address, t, state, counts)
     rows = save(system_address, data_address, NONE, t, 0.0, state, saved)
     steps, weight = begin(growth, state.v, n_free), 1.0
-    start, margin, watched = scratch.start, -1.0, margin_of(stepper, state) > NO_EVENTS
+    start, margin, has_events = scratch.start, -1.0, margin_of(stepper, state) > NO_EVENTS
     last = max(1, int(np.ceil((times.t_end - times.origin) / times.dt - SAME_TIME))) - 1
     for s in range(min(int(np.floor((times.t0 - times.origin) / times.dt + SAME_TIME)), last), last + 1):
         goal = times.t_end if s == last else times.origin + (s + 1) * times.dt
-        whole, taken, part = goal - t, 0.0, 1.0
+        length, taken, part = goal - t, 0.0, 1.0
         while taken < 1.0:
-            if watched or not explicit:
+            if has_events or not explicit:
                 copy_state(state, start)
-            if watched:
+            if has_events:
                 remember(stepper)
-            now, h = t + taken * whole, part * whole
-            if take_step(stepper, now, h, state) != DONE:
+            t_part, h = t + taken * length, part * length
+            if take_step(stepper, t_part, h, state) != DONE:
                 copy_state(start, state)
                 counts[HALVINGS] += 1
                 part *= 0.5
                 if part < SMALLEST_PART:
-                    rows = save(system_address, data_address, rows, now, largest_error(growth, n_free), state, saved)
-                    return UNCONVERGED, rows, now, -1
+                    rows = save(system_address, data_address, rows, t_part, largest_error(growth, n_free), state, saved)
+                    return UNCONVERGED, rows, t_part, -1
                 continue
             counts[STEPS] += 1
-            if watched:
-                before, margin = margin, margin_of(stepper, state)
+            if has_events:
+                margin_before, margin = margin, margin_of(stepper, state)
                 if margin > 0.0 and worst_node(state.q, state.v) < 0:
-                    now += locate(stepper, now, h, ONE, before, margin, start, state)
-                    rows = save(system_address, data_address, rows, now, largest_error(growth, n_free), state, saved)
-                    return EVENT, rows, now, -1
+                    t_part += locate(stepper, t_part, h, ONE, margin_before, margin, start, state)
+                    rows = save(system_address, data_address, rows, t_part, largest_error(growth, n_free), state, saved)
+                    return EVENT, rows, t_part, -1
             taken += part
             if taken % (2.0 * part) == 0.0:
                 part = min(2.0 * part, 1.0)
         t = goal
-        steps, weight = follow(growth, step_error, steps, weight, whole, state.v, n_free)
-        ends = s == last or stop[0] != 0
-        saves = (s + 1) % times.stride == 0 or ends
-        if saves or s % CHECK_EVERY == 0:
+        steps, weight = follow(growth, step_error, steps, weight, length, state.v, n_free)
+        is_last = s == last or stop[0] != 0
+        is_saved = (s + 1) % times.stride == 0 or is_last
+        if is_saved or s % CHECK_EVERY == 0:
             node = worst_node(state.q, state.v)
             if node >= 0:
                 return DIVERGED, rows, t, node
-        if saves:
+        if is_saved:
             rows = save(system_address, data_address, rows, t, largest_error(growth, n_free), state, saved)
         if stop[0] != 0:
             return INTERRUPTED, rows, t, -1

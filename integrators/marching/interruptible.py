@@ -9,8 +9,8 @@ import numpy as np
 def interruptible(march, *arguments):
     """Call ``march(*arguments, stop)``, which releases the interpreter's lock and ends soon after ``stop[0]`` is set.
 
-    Python raises KeyboardInterrupt in its main thread, between two lines of Python, and a compiled march is one line. In any
-    other thread the march is simply called.
+    Python raises KeyboardInterrupt in its main thread, between two lines of Python; a compiled march is one line. Therefore the
+    march runs in another thread. Called from any other thread than the main one, it runs in that thread.
 
     Returns
     -------

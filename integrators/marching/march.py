@@ -1,4 +1,4 @@
-"""A march with a scheme of this package: the arrays that it works in, the compiled loop, and what comes of it."""
+"""A march with a scheme of this package: its arrays, its compiled loop and its outcome."""
 
 import time
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ from .stepper import Stepper
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """How a march ended and what it leaves.
+    """How a march ended, and its results.
 
     Parameters
     ----------
@@ -72,34 +72,41 @@ def march(
     times : FixedSteps or AdaptiveSteps
     q, v : (n, 3) float64 [m], [m/s], at the start; not changed
     saves : (times, numbers observed)
-        Increasing (k,) float64 [s] at which an adaptive march saves, from its start on; of a march with fixed steps the number
-        of rows that it may write. And how many numbers the system observes of a state.
+        Times: increasing (k,) float64 [s] at which an adaptive march saves, from its start on; for a march with fixed steps, the
+        number of rows that it may write. Numbers observed: how many numbers the system observes of a state.
     parameters : (k,) float64 or None
         From `Scheme.parameters`; None takes the defaults.
     """
     step, words = first_class(compiled(scheme.step, STEP)), words_in_memory(system)
-    adaptive, (asked, observed) = isinstance(times, AdaptiveSteps), saves
-    t = np.array(asked, float) if adaptive else np.empty(asked)
-    k, n = len(t), len(q)
-    places, velocities, unknown = np.empty((k, n, 3)), np.empty((k, n, 3)), np.full(k, np.nan)
-    saved = Saved(t, places, velocities, np.zeros((k, ENERGIES)), np.empty((k, observed)), unknown)
+    adaptive, (times_or_rows, observed) = isinstance(times, AdaptiveSteps), saves
+    t = np.array(times_or_rows, float) if adaptive else np.empty(times_or_rows)
+    rows_saved, n = len(t), len(q)
+    saved = Saved(
+        t,
+        np.empty((rows_saved, n, 3)),
+        np.empty((rows_saved, n, 3)),
+        np.zeros((rows_saved, ENERGIES)),
+        np.empty((rows_saved, observed)),
+        np.full(rows_saved, np.nan),
+    )
     state = StepState(
         np.array(q, float, order="C"), np.array(v, float, order="C"), np.zeros((scheme.memory_rows, n, 3)), np.zeros(BALANCE)
     )
     counts = np.zeros(COUNTS, np.int64)
     stepper = Stepper(step, words.ctypes.data, data_address, scheme.parameters() if parameters is None else parameters, counts)
     if adaptive and scheme.embedded:
-        loop, own = compiled_embedded_steps(), PairLimits(scheme.order, embedded_steps.MOST, scheme.stiff_beyond)
+        loop, loop_argument = compiled_embedded_steps(), PairLimits(scheme.order, embedded_steps.MOST_WORK, scheme.stiff_beyond)
     elif adaptive:
-        loop, own = compiled_adaptive_steps(), scheme.order
+        loop, loop_argument = compiled_adaptive_steps(), scheme.order
     else:
-        loop, own = compiled_fixed_steps(), StepError(scheme.explicit, scheme.error_order or scheme.order, scheme.error_constant)
+        loop = compiled_fixed_steps()
+        loop_argument = StepError(scheme.explicit, scheme.error_order or scheme.order, scheme.error_constant)
     scratch = scratch_for(state, scheme.carried_rows, observed)
     room = () if adaptive else (Growth(np.empty((n, 3)), np.zeros((n, 3))),)
-    began = time.perf_counter()
-    given = stepper, times, own, state, scratch, *room, saved
+    started = time.perf_counter()
+    given = stepper, times, loop_argument, state, scratch, *room, saved
     (status, rows, t, node, *more), interrupted = interruptible(entry_point(loop), *given)
-    wall_time = time.perf_counter() - began
+    wall_time = time.perf_counter() - started
     if scheme.error_shift and not adaptive:
         saved.error[:rows] += scheme.error_shift * times.dt * np.maximum.accumulate(np.abs(saved.v[:rows]).max(axis=(1, 2)))
     return Outcome(status, t, node, Saved(*(part[:rows] for part in saved)), counts, wall_time, interrupted, *more)

@@ -1,15 +1,15 @@
-"""Lengths of steps that are chosen: by the error of the last one, and so that some of them end on given times."""
+"""The length of the next step: by the error of the last one, and so that steps end on given times."""
 
 import numpy as np
 
 from integrators.jit import internal
 
-MOST_REJECTIONS = 40  # in a row, after which an error is called one that no step keeps small
+MOST_REJECTIONS = 40  # in a row, after which a march ends because no step keeps the error small
 
 
 @internal
 def next_corner(corners, corner, t, resolution):
-    """Number of the first corner after t, from the number ``corner`` on; one within the resolution [s] is not after t."""
+    """Index of the first corner later than t + ``resolution`` [s], searched from the index ``corner`` on."""
     while corner < corners.shape[0] and corners[corner] <= t + resolution:
         corner += 1
     return corner
@@ -17,12 +17,12 @@ def next_corner(corners, corner, t, resolution):
 
 @internal
 def shortened(t, h, goal):
-    """Length of a step from t that is to be h [s], so that none passes the goal and no short one is left before it.
+    """Length of a step from t that should be h [s]: shortened so that no step passes the goal and no short step is left before it.
 
     Returns
     -------
     h : float64 [s]
-    lands : bool, whether it ends on the goal
+    ends_on_goal : bool
     """
     if t + h > goal - 1e-9 * h:
         return goal - t, True

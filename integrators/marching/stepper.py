@@ -1,4 +1,4 @@
-"""A scheme's step with all that it is given besides time and state."""
+"""A scheme's step with all its arguments besides time and state."""
 
 from typing import NamedTuple
 

@@ -1,7 +1,7 @@
 """Backward Euler: q+ = q + h v+, v+ = v + h a(q+, v+), with the rate of a length taken over the whole step.
 
-Order 1. For springs that cannot push the step is the minimum of a strictly convex energy and never raises the energy; it
-eats the motion too. Source: Martin et al., ACM Trans. Graph. 30 (2011) 72, for the variational form.
+Order 1. For springs that cannot push the step is the minimum of a strictly convex energy and never raises the energy. It damps
+the motion itself, too. Source: Martin et al., ACM Trans. Graph. 30 (2011) 72, for the variational form.
 """
 
 from integrators.jit import scheme_step

@@ -3,12 +3,12 @@
 `midpoint`, `sdirk2` and `tr_bdf2` have a tableau each. All are unconditionally stable for a linear system; none keeps a nonlinear
 one from gaining energy.
 
-Where a step does not resolve the stretching, the internal forces of single stages mislead. The stages of sdirk2 are of order 1,
-and no step makes the error of their forces smaller: the centripetal force of a mass on a stiff spring that goes round is -1/sqrt 2
-times what it must be in the first stage and 3/2 (2 + sqrt 2) = 5.12 times in the last, while their mean with the weights b is right
-(stages on the circle, q_s = q + h sum A V, in the limit of small steps). With the midpoint rule the places at the end of a step
-are not those that any forces balanced. Of these two the mean over the step is observed instead. The stages of tr_bdf2 are of order
-2, and its last force is right.
+Where a step does not resolve stretching, the internal forces of single stages are wrong. The stages of sdirk2 are of order 1, and
+the error of their forces does not fall with the step: for a mass that circles on a stiff spring the force of the first stage is
+-1/sqrt 2 times the centripetal force, that of the last stage 3/2 (2 + sqrt 2) = 5.12 times, while their mean with the weights b is
+right (stages on the circle, q_s = q + h sum A V, in the limit of small steps). With the midpoint rule no forces balance the
+positions at the end of a step. Therefore the mean over the step is observed with these two. The stages of tr_bdf2 are of order 2,
+and the force of its last stage is right.
 """
 
 import math
@@ -68,11 +68,11 @@ def step(system_address, data_address, t, h, state, parameters, counts):
     for s in range(stages):
         V, A = memory[5 + s], memory[8 + s]
         row = table[MOST_STAGES * s : MOST_STAGES * (s + 1)]
-        ahead = 0.0
+        c_s = 0.0
         for r in range(stages):
-            ahead += row[r]
-        gh = h * row[s]
-        if gh == 0.0:
+            c_s += row[r]
+        gamma_h = h * row[s]
+        if gamma_h == 0.0:
             for i in range(system.n_free):
                 for x in range(3):
                     V[i, x], A[i, x] = v[i, x], memory[0, i, x] * system.per_mass[i, x]
@@ -85,29 +85,29 @@ def step(system_address, data_address, t, h, state, parameters, counts):
                     q_hat += h * row[r] * memory[5 + r, i, x]
                     v_hat += h * row[r] * memory[8 + r, i, x]
                 base[i, x] = q_hat
-                target[i, x] = q_hat + gh * v_hat
+                target[i, x] = q_hat + gamma_h * v_hat
                 q_s[i, x] = target[i, x]
         for i in range(system.n_free, q.shape[0]):
             for x in range(3):
                 q_s[i, x], v_s[i, x] = q[i, x], v[i, x]
-        system.prescribe(t + ahead * h, data_address, q_s, v_s)
+        system.prescribe(t + c_s * h, data_address, q_s, v_s)
         for i in range(system.n_free, q.shape[0]):
             for x in range(3):
-                base[i, x] = q_s[i, x] - gh * v_s[i, x]
-        stage = Stage(LAW_AT_END, t + ahead * h, 1.0 / (gh * gh), 1.0, gh, 0.0)
+                base[i, x] = q_s[i, x] - gamma_h * v_s[i, x]
+        stage = Stage(LAW_AT_END, t + c_s * h, 1.0 / (gamma_h * gamma_h), 1.0, gamma_h, 0.0)
         if not newton(system_address, data_address, stage, base, target, q_s, parameters, counts):
             return UNCONVERGED
         if averages:
             system.average(data_address, b[s], h)
         for i in range(system.n_free):
             for x in range(3):
-                v_s[i, x] = V[i, x] = (q_s[i, x] - base[i, x]) / gh
-        system.force(t + ahead * h, q_s, v_s, data_address, A, power)  # for its powers
+                v_s[i, x] = V[i, x] = (q_s[i, x] - base[i, x]) / gamma_h
+        system.force(t + c_s * h, q_s, v_s, data_address, A, power)  # for its powers
         counts[FORCES] += 1
         add_work(balance, h * b[s], power)
         for i in range(system.n_free):
             for x in range(3):
-                A[i, x] = (V[i, x] - (target[i, x] - base[i, x]) / gh) / gh
+                A[i, x] = (V[i, x] - (target[i, x] - base[i, x]) / gamma_h) / gamma_h
     for i in range(system.n_free):
         for x in range(3):
             for s in range(stages):

@@ -31,14 +31,14 @@ from integrators.system import (
 )
 
 WORKING_ROWS = 8  # besides those of the stages
-SECOND = 1.0  # [s] over which an error of a velocity is an error of a place
+VELOCITY_TIME = 1.0  # [s] over which an error of a velocity counts as an error of a position
 # Coefficients of a step: numbers of stages, of those before the end, and of the powers of theta; then c, A, A A; both error
 # estimates of v and of q; the dense output.
 STAGES, END, DEGREE, TABLEAU = FIRST_OWN, FIRST_OWN + 1, FIRST_OWN + 2, FIRST_OWN + 3
 
 
 class Pair(NamedTuple):
-    """Tableau of a pair whose last stage is the first one of the next step.
+    """Tableau of an embedded pair whose last stage is the first stage of the next step.
 
     Parameters
     ----------
@@ -71,8 +71,8 @@ def coefficients(pair):
 
 
 @inlined
-def _next(parameters, of_v, of_q, j, s):
-    """The first of the weights from j on, up to s, that is not zero."""
+def _next_weight(parameters, of_v, of_q, j, s):
+    """Index of the first weight from j on that is not zero; s if there is none before s."""
     while j < s and parameters[of_v + j] == 0.0 and parameters[of_q + j] == 0.0:
         j += 1
     return j
@@ -82,15 +82,15 @@ def _next(parameters, of_v, of_q, j, s):
 def _sums(numbers, width, parameters, of_v, of_q, s, n, dV, dQ):
     """Sums of the first s accelerations, rows of ``width`` in ``numbers``, with the weights at ``of_v`` and ``of_q``.
 
-    Four rows at once, so that the sums are loaded and stored a quarter as often; one that is missing has the weight zero.
+    Four rows are added at once, so that the sums are loaded and stored a quarter as often; a missing row has the weight zero.
     """
     for i in range(n):
         dV[i], dQ[i] = 0.0, 0.0
-    j = _next(parameters, of_v, of_q, 0, s)
+    j = _next_weight(parameters, of_v, of_q, 0, s)
     while j < s:
-        k = _next(parameters, of_v, of_q, j + 1, s)
-        l = _next(parameters, of_v, of_q, k + 1, s)
-        m = _next(parameters, of_v, of_q, l + 1, s)
+        k = _next_weight(parameters, of_v, of_q, j + 1, s)
+        l = _next_weight(parameters, of_v, of_q, k + 1, s)
+        m = _next_weight(parameters, of_v, of_q, l + 1, s)
         v0, q0 = parameters[of_v + j], parameters[of_q + j]
         v1, q1 = (parameters[of_v + k], parameters[of_q + k]) if k < s else (0.0, 0.0)
         v2, q2 = (parameters[of_v + l], parameters[of_q + l]) if l < s else (0.0, 0.0)
@@ -100,11 +100,11 @@ def _sums(numbers, width, parameters, of_v, of_q, s, n, dV, dQ):
         for i in range(n):
             dV[i] += v0 * a0[i] + v1 * a1[i] + v2 * a2[i] + v3 * a3[i]
             dQ[i] += q0 * a0[i] + q1 * a1[i] + q2 * a2[i] + q3 * a3[i]
-        j = _next(parameters, of_v, of_q, m + 1, s)
+        j = _next_weight(parameters, of_v, of_q, m + 1, s)
 
 
 class Call(NamedTuple):
-    """What all stages of a step are given: the step from a time [s], of a length [s], and the rows it works in."""
+    """Arguments that all stages of a step share: start time t [s], length h [s], state at the start, memory, parameters, counts."""
 
     system_address: int
     data_address: int
@@ -140,7 +140,7 @@ def _stage(call, s, q_s, v_s, f):
 
 @inlined
 def _add_work(balance, duration, powers):
-    """Add what powers do in a time [s] to the energy balance."""
+    """Add the work of powers over a duration [s] to the energy balance."""
     balance[TAKEN_INSIDE] += duration * powers[POWER_INSIDE]
     balance[TAKEN_OUTSIDE] += duration * powers[POWER_OUTSIDE]
     balance[PUT_IN] += duration * powers[POWER_PUT_IN]
@@ -174,17 +174,17 @@ def step(system_address, data_address, t, h, state, parameters, counts):
 
 @internal
 def judge_step(n_free, h, state, parameters):
-    """Error of the step that `step` took last, and how its length compares with the fastest motion.
+    """Error of the last step, and the product of its length and the fastest rate |lambda| of the motion.
 
-    Each estimate e_v = h sum w_j a_j, e_q = h^2 sum (w A)_j a_j is taken at its largest component over the moving nodes. The
-    last stage before the end is at the end's time too, so that with d their difference h |lambda| is about
+    Each estimate e_v = h sum w_j a_j, e_q = h^2 sum (w A)_j a_j is taken at its largest component over the moving nodes. The last
+    stage before the end has the time of the end too; with the differences d between both, h |lambda| is about
     |(h dv, h^2 da)|/|(dq, h dv)|.
 
     Returns
     -------
     error, of_places, size, stiff : float64
-        The larger one of the error of places and of that of velocities over a second [m], inf if the state has
-        diverged; the error of places [m]; the largest coordinate [m]; h |lambda|.
+        The larger one of the error of positions and of that of velocities over `VELOCITY_TIME` [m], inf if the state has diverged;
+        the error of positions [m]; the largest coordinate [m]; h |lambda|.
     """
     q, v = state.q, state.v
     S, end, n = int(parameters[STAGES]), int(parameters[END]), 3 * n_free
@@ -197,28 +197,28 @@ def judge_step(n_free, h, state, parameters):
     _sums(numbers, width, parameters, weights + 2 * S, weights + 3 * S, end + 1, n, coarse_dv, coarse_dq)
     Q, V, Q_s, V_s = flat(q), flat(v), part(numbers, (2 * S + 1) * width, n), part(numbers, (2 * S + 2) * width, n)
     a, a_s = part(numbers, (1 + end) * width, n), part(numbers, end * width, n)
-    fine_v, fine_q, coarse_v, coarse_q, size, above, below = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    fine_v, fine_q, coarse_v, coarse_q, size, square_above, square_below = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(n):
         fine_v, fine_q = max(fine_v, abs(fine_dv[i])), max(fine_q, abs(fine_dq[i]))
         coarse_v, coarse_q = max(coarse_v, abs(coarse_dv[i])), max(coarse_q, abs(coarse_dq[i]))
         size = max(size, abs(Q[i]))
         dq, dv, da = Q[i] - Q_s[i], h * (V[i] - V_s[i]), h * h * (a[i] - a_s[i])
-        above += dv * dv + da * da
-        below += dq * dq + dv * dv
+        square_above += dv * dv + da * da
+        square_below += dq * dq + dv * dv
     of_places = h * h * _combined(fine_q, coarse_q)
-    error = max(of_places, SECOND * h * _combined(fine_v, coarse_v))
-    return error, of_places, size, np.sqrt(above / below) if below > 0.0 else 0.0
+    error = max(of_places, VELOCITY_TIME * h * _combined(fine_v, coarse_v))
+    return error, of_places, size, np.sqrt(square_above / square_below) if square_below > 0.0 else 0.0
 
 
 @internal
 def _combined(fine, coarse):
-    """Of order 8 for errors of orders 5 and 3: e^2/sqrt(e^2 + E^2/100)."""
+    """Combined error e^2/sqrt(e^2 + E^2/100), of order 8 for errors e and E of orders 5 and 3."""
     return fine * fine / np.sqrt(fine * fine + 0.01 * coarse * coarse) if fine > 0.0 else 0.0
 
 
 @internal
 def prepare_dense_output(system_address, data_address, t, h, start, memory, parameters, counts):
-    """Stages that the dense output alone needs, of the step from t and the state ``start`` that `step` took last."""
+    """Compute the stages that only the dense output needs, of the last step, which was taken from t and the state ``start``."""
     S, end = int(parameters[STAGES]), int(parameters[END])
     call = Call(system_address, data_address, t, h, flat(start.q), flat(start.v), memory, parameters, counts)
     for s in range(end + 1, S):
@@ -227,7 +227,7 @@ def prepare_dense_output(system_address, data_address, t, h, start, memory, para
 
 @internal
 def dense_output(theta, h, start, memory, parameters, n_free, found):
-    """State at t + theta h of the step from ``start``: moving nodes of ``found``; adds to the work in its balance."""
+    """Write the moving nodes of the state at t + theta h of the step from ``start`` to ``found``; add the work up to there."""
     S, n = int(parameters[STAGES]), 3 * n_free
     degree, A, balance = int(parameters[DEGREE]), TABLEAU + S, found.balance
     dense = A + 2 * S * S + 4 * S
@@ -241,11 +241,11 @@ def dense_output(theta, h, start, memory, parameters, n_free, found):
             weight = theta * (weight + parameters[dense + j * degree + k])
         weights[j] = weight
     for j in range(S):
-        of_v, of_q = h * weights[j], 0.0
+        v_weight, q_weight = h * weights[j], 0.0
         for s in range(j + 1, S):
-            of_q += h * h * weights[s] * parameters[A + s * S + j]
-        _add_work(balance, of_v, memory[1 + S + j, 0])
+            q_weight += h * h * weights[s] * parameters[A + s * S + j]
+        _add_work(balance, v_weight, memory[1 + S + j, 0])
         a = flat(memory[1 + j])
         for i in range(n):
-            Q_to[i] += of_q * a[i]
-            V_to[i] += of_v * a[i]
+            Q_to[i] += q_weight * a[i]
+            V_to[i] += v_weight * a[i]

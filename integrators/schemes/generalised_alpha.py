@@ -27,11 +27,11 @@ def step(system_address, data_address, t, h, state, parameters, counts):
     rho = parameters[FIRST_OWN]
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma, beta = 0.5 - alpha_m + alpha_f, 0.25 * (1.0 - alpha_m + alpha_f) ** 2
-    moving = False
+    has_acceleration = False
     for i in range(system.n_free):
         for x in range(3):
-            moving |= a[i, x] != 0.0
-    if not moving:  # at the start, or at rest, where the two accelerations agree
+            has_acceleration |= a[i, x] != 0.0
+    if not has_acceleration:  # at the start, or at rest, where the two accelerations agree
         for i in range(system.n_free):
             for x in range(3):
                 a[i, x] = f[i, x] * system.per_mass[i, x]
@@ -41,8 +41,8 @@ def step(system_address, data_address, t, h, state, parameters, counts):
         for x in range(3):
             q_hat[i, x] = q[i, x] + h * v[i, x] + h * h * (0.5 - beta) * a[i, x]
             base[i, x] = q_hat[i, x] - tau * (v[i, x] + h * (1.0 - gamma) * a[i, x])
-            pull = alpha_m * a[i, x] - alpha_f * f[i, x] * system.per_mass[i, x]
-            target[i, x] = q_hat[i, x] - pull / ((1.0 - alpha_f) * W)
+            inertia_and_force = alpha_m * a[i, x] - alpha_f * f[i, x] * system.per_mass[i, x]
+            target[i, x] = q_hat[i, x] - inertia_and_force / ((1.0 - alpha_f) * W)
             q[i, x] += h * v[i, x]
     system.prescribe(t + h, data_address, q, v)
     for i in range(system.n_free, q.shape[0]):
@@ -54,10 +54,10 @@ def step(system_address, data_address, t, h, state, parameters, counts):
     for i in range(system.n_free):
         for x in range(3):
             v[i, x] = (q[i, x] - base[i, x]) / tau
-            fresh = (q[i, x] - q_hat[i, x]) / (beta * h * h)
-            inertia = ((1.0 - alpha_m) * fresh + alpha_m * a[i, x]) / system.per_mass[i, x]
+            a_next = (q[i, x] - q_hat[i, x]) / (beta * h * h)
+            inertia = ((1.0 - alpha_m) * a_next + alpha_m * a[i, x]) / system.per_mass[i, x]
             balanced[i, x] = (inertia - alpha_f * f[i, x]) / (1.0 - alpha_f)
-            a[i, x] = fresh
+            a[i, x] = a_next
     evaluate_end(system_address, data_address, t, h, state, counts)
     for i in range(system.n_free):
         for x in range(3):

@@ -17,27 +17,27 @@ from .record import Family, own_scheme
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; memory[0] is the force at its start, and then at its end."""
     system, memory = system_at(system_address), state.memory
-    Q, V, per_m = flat(state.q), flat(state.v), flat(system.per_mass)
+    flat_q, flat_v, per_m = flat(state.q), flat(state.v), flat(system.per_mass)
     f, Q_s, V_s, dQ, dV = flat(memory[0]), flat(memory[1]), flat(memory[2]), flat(memory[3]), flat(memory[4])
     power, n = memory[5, 0, :2], 3 * system.n_free
-    for i in range(n, Q.shape[0]):
-        Q_s[i], V_s[i] = Q[i], V[i]
+    for i in range(n, flat_q.shape[0]):
+        Q_s[i], V_s[i] = flat_q[i], flat_v[i]
     for stage in range(4):
         weight = 1.0 / 6.0 if stage == 0 or stage == 3 else 1.0 / 3.0
-        ahead = h if stage == 2 else 0.5 * h
+        stage_step = h if stage == 2 else 0.5 * h
         for i in range(n):
-            speed, acceleration = V[i] if stage == 0 else V_s[i], per_m[i] * f[i]
+            speed, acceleration = flat_v[i] if stage == 0 else V_s[i], per_m[i] * f[i]
             dQ[i] = weight * speed + (dQ[i] if stage > 0 else 0.0)
             dV[i] = weight * acceleration + (dV[i] if stage > 0 else 0.0)
-            Q_s[i] = Q[i] + ahead * speed
-            V_s[i] = V[i] + ahead * acceleration
+            Q_s[i] = flat_q[i] + stage_step * speed
+            V_s[i] = flat_v[i] + stage_step * acceleration
         if stage < 3:
-            system.prescribe(t + ahead, data_address, memory[1], memory[2])
-            system.force(t + ahead, memory[1], memory[2], data_address, memory[0], power)
+            system.prescribe(t + stage_step, data_address, memory[1], memory[2])
+            system.force(t + stage_step, memory[1], memory[2], data_address, memory[0], power)
             counts[FORCES] += 1
     for i in range(n):
-        Q[i] += h * dQ[i]
-        V[i] += h * dV[i]
+        flat_q[i] += h * dQ[i]
+        flat_v[i] += h * dV[i]
     evaluate_end(system_address, data_address, t, h, state, counts)
     return DONE
 

@@ -17,10 +17,10 @@ from .record import EnergyPromise, Family, own_scheme
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; memory[0] is the force at its start, and then at its end."""
     system = system_at(system_address)
-    Q, V, f, per_m = flat(state.q), flat(state.v), flat(state.memory[0]), flat(system.per_mass)
+    flat_q, flat_v, f, per_m = flat(state.q), flat(state.v), flat(state.memory[0]), flat(system.per_mass)
     for i in range(3 * system.n_free):
-        V[i] += h * per_m[i] * f[i]
-        Q[i] += h * V[i]
+        flat_v[i] += h * per_m[i] * f[i]
+        flat_q[i] += h * flat_v[i]
     evaluate_end(system_address, data_address, t, h, state, counts)
     return DONE
 

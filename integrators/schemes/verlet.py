@@ -17,16 +17,16 @@ from .record import EnergyPromise, Family, own_scheme
 def step(system_address, data_address, t, h, state, parameters, counts):
     """One step; memory[0] is the force at its start, and then at its end."""
     system = system_at(system_address)
-    Q, V, per_m = flat(state.q), flat(state.v), flat(system.per_mass)
+    flat_q, flat_v, per_m = flat(state.q), flat(state.v), flat(system.per_mass)
     f, f_before = flat(state.memory[0]), flat(state.memory[1])
     for i in range(3 * system.n_free):
         change = h * per_m[i] * f[i]
-        Q[i] += h * (V[i] + 0.5 * change)
-        V[i] += change
+        flat_q[i] += h * (flat_v[i] + 0.5 * change)
+        flat_v[i] += change
         f_before[i] = f[i]
     evaluate_end(system_address, data_address, t, h, state, counts)
     for i in range(3 * system.n_free):
-        V[i] += 0.5 * h * per_m[i] * (f[i] - f_before[i])
+        flat_v[i] += 0.5 * h * per_m[i] * (f[i] - f_before[i])
     return DONE
 
 

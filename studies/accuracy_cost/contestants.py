@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from anet_lumped import simulate
+from anet_lumped import InputError, simulate
 from anet_lumped.motion.simulate import StabilityWarning
 from anet_lumped.motion.stability import predict
 from integrators import schemes
@@ -119,7 +119,7 @@ def _run_own(motion, method, t_end, setting):
         warnings.simplefilter("ignore", StabilityWarning)
         try:
             run = simulate(motion.scene, t_end, method=method, start=motion.start, save_every=motion.save_every, **setting)
-        except (ValueError, ImportError) as error:  # a scene that the method does not take, a package that is not there
+        except (InputError, ImportError) as error:  # a scene that the method does not take, a package that is not there
             return Attempt(np.zeros((0, 3)), np.nan, np.nan, "refused", str(error))
     reason = run.message or (f"{run.method} at {1e3 * run.dt:.4g} ms" if method is None else "")
     return Attempt(run.position(motion.point), run.wall_time, 0.0, run.status, reason)

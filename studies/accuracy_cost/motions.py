@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from anet_lumped import Scene, State, equilibrium, load_scene, simulate
+from anet_lumped.checks import InputError
 from anet_lumped.scene.scene import Driven, Fixed, Free
 
 SCENES = Path(__file__).parents[1] / "scenes"
@@ -72,7 +73,7 @@ class Motion:
         """The same motion of cables with another axial stiffness, from rest or from straight cables."""
         scene = _changed(self.scene, EA=EA)
         if self.recipe not in (REST, "straight"):
-            raise ValueError(f"Only a motion from rest or from straight cables has another stiffness, but this is {self.recipe}.")
+            raise InputError(f"Only a motion from rest or from straight cables has another stiffness, but this is {self.recipe}.")
         return replace(self, scene=scene, start=equilibrium(scene) if self.recipe == REST else self.start)
 
 

@@ -8,13 +8,13 @@ from importlib import import_module
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from anet_lumped.model.build import build
 from anet_lumped.motion.choice import choose
 from anet_lumped.motion.energy_gain import GAINED as ENERGY_GAINED
 from anet_lumped.motion.run_warnings import Finding, findings
 from anet_lumped.motion.simulate import StabilityWarning, simulate
 from anet_lumped.results.run import STATUS
-from anet_lumped.scene.scene import SceneError
 from anet_lumped.statics.equilibrium import EquilibriumError
 from integrators import schemes
 from integrators.schemes.record import Origin, Stepping
@@ -32,7 +32,7 @@ OWN_NODE_TRIES, EXPLICIT_NODE_TRIES, IMPLICIT_NODE_TRIES = 2e7, 1e6, 1.5e6
 solver of diffrax, and of an implicit one times its order."""
 SPENT_A_STEP = 8  # force evaluations of a step of an explicit pair of scipy's, about
 SCIPY_MARCH, DIFFRAX_MARCH = "integrators.adapters.scipy_adapter", "integrators.adapters.diffrax_adapter"
-EMBEDDED_MARCH = "integrators.marching.embedded_steps"  # modules with a bound `MOST` of their own
+EMBEDDED_MARCH = "integrators.marching.embedded_steps"  # modules with a bound `MOST_WORK` of their own
 FEWEST = 200  # evaluations, or steps, that are worth a try
 EXCUSED_BY_WARNING = (ACCURACY, REST, LOAD)
 """Kinds of statements that a run may break which says so itself, in its warnings; not energy, momentum or spin."""
@@ -133,7 +133,7 @@ def try_case(case: Case, method: str) -> Outcome:
     """
     try:
         return _try_case(case, method)
-    except (SceneError, EquilibriumError, ValueError) as error:
+    except (InputError, EquilibriumError) as error:
         rigid = any(cable.inextensible for cable in case.scene.cables) and method != DEFAULT
         said, cause = str(error), RIGID if rigid else OTHER
     except ModuleNotFoundError as error:  # a package that is not installed; never a file of ours
@@ -262,11 +262,11 @@ def bounded_work(evaluations, march="", tries=0):
     """
     bounds = {SCIPY_MARCH: evaluations} | ({march: tries} if march else {})
     modules = {import_module(name): number for name, number in bounds.items()}
-    before = {module: module.MOST for module in modules}
+    before = {module: module.MOST_WORK for module in modules}
     for module, number in modules.items():
-        module.MOST = number
+        module.MOST_WORK = number
     try:
         yield
     finally:
         for module, number in before.items():
-            module.MOST = number
+            module.MOST_WORK = number

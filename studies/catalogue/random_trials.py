@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, Scene, SceneError, State, effects
+from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, InputError, Scene, SceneError, State, effects
 from anet_lumped.model.build import build
 from anet_lumped.model.tables import AXIAL_STIFFNESS
 from anet_lumped.motion.simulate import StabilityWarning, simulate, straight
@@ -190,9 +190,8 @@ def attempt(trial: Trial) -> tuple[str, str]:
             run = simulate(
                 trial.scene, trial.t_end, method=trial.method, dt=trial.dt, rtol=trial.rtol, start=_start(trial)
             )  # fmt: skip
-    except (SceneError, EquilibriumError, ValueError) as error:
-        own = type(error) in (SceneError, EquilibriumError) or "must" in str(error)
-        return (REFUSED if own and str(error).strip() else FAILED), f"{type(error).__name__}: {error}"
+    except (InputError, EquilibriumError) as error:
+        return (REFUSED if str(error).strip() else FAILED), f"{type(error).__name__}: {error}"
     except Exception as error:
         return FAILED, f"{type(error).__name__}: {error}"
     finite = np.isfinite(run.q).all() and np.isfinite(run.v).all()

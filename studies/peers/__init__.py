@@ -8,6 +8,7 @@ for.
 
 from importlib import import_module
 
+from anet_lumped.checks import InputError
 from studies.peers.problem import Outcome
 
 __all__ = ["PEERS", "Outcome", "installed", "peer"]
@@ -20,10 +21,10 @@ def peer(name):
 
     Raises
     ------
-    ValueError : a name that is not one of `PEERS`
+    InputError : a name that is not one of `PEERS`
     """
     if name not in PEERS:
-        raise ValueError(f"A peer must be one of {', '.join(PEERS)}, but it is {name!r}.")
+        raise InputError(f"A peer must be one of {', '.join(PEERS)}, but it is {name!r}.")
     return import_module(f"studies.peers.{name}")
 
 

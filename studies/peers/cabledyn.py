@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from anet_lumped.scene.scene import Driven, Fixed
 from studies.peers.problem import problem, raise_if_refused, unsupported, version_of
 
@@ -79,7 +80,7 @@ def run(scene, t_end, save_every, start=None, *, dt):
         positions = np.array([point.position() for point in engine.points])[np.argsort(at)]
         off = np.abs(positions - task.q[[model.node(name) for name in names]]).max()
         if off > CLOSE or np.abs(task.v[: model.n_free]).max() > 0:
-            raise ValueError("Argument `start` must be the equilibrium of the scene, because CableDyn starts there, but it is not.")
+            raise InputError("Argument `start` must be the equilibrium of the scene, because CableDyn starts there, but it is not.")
         ready = time.perf_counter()
         try:
             for k in range(1, len(times)):

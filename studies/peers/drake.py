@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from anet_lumped.scene.scene import Fixed, Free
 from studies.peers.problem import problem, raise_if_refused, unsupported, version_of
 
@@ -55,7 +56,7 @@ def run(scene, t_end, save_every, start=None, *, accuracy, scheme):
     """
     raise_if_refused(refuses(scene))
     if scheme not in SCHEMES:
-        raise ValueError(f"Argument `scheme` must be one of {', '.join(SCHEMES)}, but it is {scheme!r}.")
+        raise InputError(f"Argument `scheme` must be one of {', '.join(SCHEMES)}, but it is {scheme!r}.")
     from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 
     began = time.perf_counter()
@@ -95,7 +96,7 @@ def _plane(positions, gravity):
         normal = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
     normal /= np.linalg.norm(normal)
     if np.abs(directions @ normal).max() > 1e-9:
-        raise ValueError("Drake's chain hinges in one plane, but the cable starts outside that of its first segment and gravity.")
+        raise InputError("Drake's chain hinges in one plane, but the cable starts outside that of its first segment and gravity.")
     across = np.cross(normal, along)
     return along, across, np.unwrap(np.arctan2(directions @ across, directions @ along))
 

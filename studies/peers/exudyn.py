@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from anet_lumped.prescribed.smoothstep import smoothstep
 from anet_lumped.scene.scene import Driven
 from studies.peers.problem import explicit_limit, problem, raise_if_refused, unsupported, version_of
@@ -68,15 +69,15 @@ def run(scene, t_end, save_every, start=None, *, dt, solver="GeneralizedAlpha", 
     """
     raise_if_refused(refuses(scene))
     if solver not in ("GeneralizedAlpha", *LIMITS):
-        raise ValueError(f"Argument `solver` must be one of GeneralizedAlpha, {', '.join(LIMITS)}, but it is {solver!r}.")
+        raise InputError(f"Argument `solver` must be one of GeneralizedAlpha, {', '.join(LIMITS)}, but it is {solver!r}.")
     if law not in LAWS:
-        raise ValueError(f"Argument `law` must be one of {', '.join(LAWS)}, but it is {law!r}.")
+        raise InputError(f"Argument `law` must be one of {', '.join(LAWS)}, but it is {law!r}.")
     import exudyn
 
     began = time.perf_counter()
     task = problem(scene, t_end, save_every, start)
     if solver in LIMITS and task.driven:
-        raise ValueError(f"Solver {solver} of EXUDYN takes no constraints, but the scene has driven points.")
+        raise InputError(f"Solver {solver} of EXUDYN takes no constraints, but the scene has driven points.")
     model, times = task.model, task.t
     # the symbolic functions must live as long as the system that calls them, the container as long as the system
     container, system, sensors, functions = _system(exudyn, task, law)

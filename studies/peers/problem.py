@@ -6,6 +6,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from anet_lumped.effects import Gravity
 from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
@@ -99,7 +100,7 @@ def problem(scene, t_end, save_every, start=None):
         q, v, t0 = straight(model), np.zeros((model.n, 3)), 0.0
     else:
         if [cable.segments for cable in start.scene.cables] != [cable.segments for cable in scene.cables]:
-            raise ValueError("Argument `start` must be a State of a scene with the same cables and segments, but it has others.")
+            raise InputError("Argument `start` must be a State of a scene with the same cables and segments, but it has others.")
         q, v, t0 = np.zeros((model.n, 3)), np.zeros((model.n, 3)), float(start.t)
         for cable in scene.cables:
             mine, theirs = model.nodes(cable.name), start.model.nodes(cable.name)
@@ -138,9 +139,9 @@ def explicit_limit(scene, reach):
 
 
 def raise_if_refused(reason):
-    """Raise ValueError if there is a reason to refuse a scene."""
+    """Raise InputError if there is a reason to refuse a scene."""
     if reason is not None:
-        raise ValueError(reason)
+        raise InputError(reason)
 
 
 def version_of(package):

@@ -31,7 +31,8 @@ def run_summary(run) -> dict:
         "reason": run.reason,
         "reached": run.t[-1],
         "wall_time": run.wall_time,
-        "error_estimate": run.error_estimate,
+        "error_estimate_m": run.error_estimate,
+        "tension_error_percent": 100.0 * run.tension_error,
     }
     return {name: value for name, value in result.items() if value is not None and value != ""} | {
         "work": [asdict(run.work)],
@@ -62,7 +63,7 @@ def _event(event) -> dict:
 def _audit(audit) -> dict:
     return {
         "error_m": audit.error, "where": audit.where, "t_s": audit.t, "allowed_m": audit.allowed, "imbalance": audit.imbalance,
-        "wall_time": audit.wall_time, "passed": audit.passed,
+        "tension_error_percent": 100.0 * audit.tension_error, "wall_time": audit.wall_time, "passed": audit.passed,
     }  # fmt: skip
 
 

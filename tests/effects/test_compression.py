@@ -51,7 +51,7 @@ def test_secant(a, b, part, near):
 
     exact = (psi(B) - psi(A)) / (B - A) if A != B else k * A * (1 if A > 0 else r)
     assert T == pytest.approx(float(exact), abs=16 * EPS * 37.0 * (abs(a) + abs(b)))
-    assert axial.stored(a, 37.0, part) == pytest.approx(float(psi(A)), rel=4 * EPS)
+    assert axial.spring_energy(a, 37.0, part) == pytest.approx(float(psi(A)), rel=4 * EPS)
     if abs(B - A) > 1e-3 and min(abs(a), abs(b)) > 1e-6:
         step = Fraction(1, 2**30)
         of_b = [(psi(x) - psi(A)) / (x - A) for x in (B - step, B + step)]

@@ -19,14 +19,14 @@ EPS = np.finfo(float).eps
 NORMAL, ALONG = 0.37, 0.021  # [kg/m]
 component = st.floats(-50.0, 50.0).map(lambda x: round(x * 2**20) / 2**20)
 vector = st.tuples(component, component, component)
-# Functions of the law with JAX's `where` in place of `select`; `size` and `tangent_of` are called by name.
-SIZE = with_select(drag.size, jnp.where)
+# Functions of the law with JAX's `where` in place of `select`; `vector_length` and `tangent_of` are called by name.
+SIZE = with_select(drag.vector_length, jnp.where)
 TANGENT = with_select(drag.tangent_of, jnp.where)
-TANGENT.__globals__["size"] = SIZE
+TANGENT.__globals__["vector_length"] = SIZE
 SEGMENT = with_select(drag.segment_drag, jnp.where)
-SEGMENT.__globals__["size"] = SIZE
+SEGMENT.__globals__["vector_length"] = SIZE
 POINT = with_select(drag.point_drag, jnp.where)
-POINT.__globals__["size"] = SIZE
+POINT.__globals__["vector_length"] = SIZE
 
 
 def traced(u, d, L0=0.1):

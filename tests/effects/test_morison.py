@@ -20,9 +20,9 @@ component = st.floats(-20.0, 20.0).map(lambda x: round(x * 2**20) / 2**20)
 vector = st.tuples(component, component, component)
 # Functions of the law with JAX's `where` in place of `select`; what they call is called by name.
 SIZE, TANGENT, DRAG, FORCE = (
-    with_select(law, jnp.where) for law in (drag.size, drag.tangent_of, drag.segment_drag, morison.segment_force)
+    with_select(law, jnp.where) for law in (drag.vector_length, drag.tangent_of, drag.segment_drag, morison.segment_force)
 )
-TANGENT.__globals__["size"] = DRAG.__globals__["size"] = SIZE
+TANGENT.__globals__["vector_length"] = DRAG.__globals__["vector_length"] = SIZE
 FORCE.__globals__["segment_drag"] = DRAG
 L0 = 0.3  # [m]
 

@@ -12,7 +12,14 @@ from scipy.integrate import quad
 from anet_lumped import Free
 from anet_lumped.effects.laws import submergence
 from anet_lumped.effects.laws.axial import with_select
-from anet_lumped.effects.laws.submergence import immersed, share, share_between, sphere, wetted, wetted_between
+from anet_lumped.effects.laws.submergence import (
+    immersed,
+    sphere_diameter,
+    submerged_share,
+    submerged_share_between,
+    wetted,
+    wetted_between,
+)
 
 jax = pytest.importorskip("jax")
 jax.config.update("jax_enable_x64", True)
@@ -23,10 +30,10 @@ EPS = np.finfo(float).eps
 heights = st.floats(-8.0, 8.0).map(lambda x: round(x * 2**20) / 2**20) | st.floats(-0.6, 0.6)
 D = 0.25  # [m]
 
-# Functions of the law with JAX's `where` in place of `select`; `cut` and `share` are called by name.
-CUT, SHARE, IMMERSED = (with_select(getattr(submergence, name), jnp.where) for name in ("cut", "share", "immersed"))
-SHARE.__globals__["cut"] = IMMERSED.__globals__["cut"] = CUT
-IMMERSED.__globals__["share"] = SHARE
+# Functions of the law with JAX's `where` in place of `select`; `limited` and `submerged_share` are called by name.
+CUT, SHARE, IMMERSED = (with_select(getattr(submergence, name), jnp.where) for name in ("limited", "submerged_share", "immersed"))
+SHARE.__globals__["limited"] = IMMERSED.__globals__["limited"] = CUT
+IMMERSED.__globals__["submerged_share"] = SHARE
 # JAX compiles each of these once, for all examples.
 SLOPES_OF_A_SHARE = jax.jit(jax.jacobian(lambda z: jnp.stack(SHARE(z, D))))
 SLOPES_OF_THE_WEIGHTS = jax.jit(jax.jacobian(lambda z: jnp.stack(IMMERSED(z[0], z[1], D)[:3])))
@@ -37,19 +44,19 @@ def test_share_of_a_sphere(depth):
     """Archimedes: the cap of height h of a sphere of radius R has the volume pi h^2 (R - h/3)."""
     R, h = 0.5 * D, min(max(depth, 0.0), 1.0) * D
     cap = math.pi * h * h * (R - h / 3.0)
-    assert share(R - depth * D, D)[0] == pytest.approx(cap / (4.0 / 3.0 * math.pi * R**3), abs=4 * EPS)
+    assert submerged_share(R - depth * D, D)[0] == pytest.approx(cap / (4.0 / 3.0 * math.pi * R**3), abs=4 * EPS)
 
 
 def test_sphere():
-    assert sphere(Free("p", volume=math.pi / 6.0 * 0.3**3)) == pytest.approx(0.3, rel=4 * EPS)
-    assert sphere(Free("p", CdA=math.pi / 4.0 * 0.3**2)) == pytest.approx(0.3, rel=4 * EPS)
+    assert sphere_diameter(Free("p", volume=math.pi / 6.0 * 0.3**3)) == pytest.approx(0.3, rel=4 * EPS)
+    assert sphere_diameter(Free("p", CdA=math.pi / 4.0 * 0.3**2)) == pytest.approx(0.3, rel=4 * EPS)
 
 
 def test_share_is_near_that_of_a_level_cylinder():
     """What the module promises for cables: within 0.04."""
     x = np.linspace(0.0, 1.0, 201)
     angle = 2.0 * np.arccos(1.0 - 2.0 * x)
-    off = [share((0.5 - depth) * D, D)[0] for depth in x] - (angle - np.sin(angle)) / (2.0 * math.pi)
+    off = [submerged_share((0.5 - depth) * D, D)[0] for depth in x] - (angle - np.sin(angle)) / (2.0 * math.pi)
     assert 0.035 < np.abs(off).max() < 0.04
 
 
@@ -58,7 +65,7 @@ def test_share_is_near_that_of_a_level_cylinder():
 def test_slopes_of_a_share(z):
     """H' = h and h' by JAX."""
     assume(abs(abs(z) - 0.5) > 1e-9)  # where JAX takes the slope of a cut to be 0
-    h, slope, _ = share(z * D, D)
+    h, slope, _ = submerged_share(z * D, D)
     of_h, _, of_H = SLOPES_OF_A_SHARE(z * D)
     assert float(of_H) == pytest.approx(h, abs=8 * EPS)
     assert float(of_h) == pytest.approx(slope, abs=32 * EPS / D)
@@ -76,9 +83,9 @@ def test_weights_are_integrals(z1, z2):
     def integral(function):
         return sum(quad(function, a, b, epsabs=1e-14, epsrel=1e-13)[0] for a, b in itertools.pairwise(breaks))
 
-    assert e == pytest.approx(integral(lambda s: share(z1 + s * (z2 - z1), D)[2]), abs=1e-13)
-    assert w1 == pytest.approx(integral(lambda s: (1.0 - s) * share(z1 + s * (z2 - z1), D)[0]), abs=1e-13)
-    assert w2 == pytest.approx(integral(lambda s: s * share(z1 + s * (z2 - z1), D)[0]), abs=1e-13)
+    assert e == pytest.approx(integral(lambda s: submerged_share(z1 + s * (z2 - z1), D)[2]), abs=1e-13)
+    assert w1 == pytest.approx(integral(lambda s: (1.0 - s) * submerged_share(z1 + s * (z2 - z1), D)[0]), abs=1e-13)
+    assert w2 == pytest.approx(integral(lambda s: s * submerged_share(z1 + s * (z2 - z1), D)[0]), abs=1e-13)
     assert wetted(z1, z2, D) == pytest.approx(immersed(z1, z2, D), abs=4 * EPS * (1.0 + abs(z1) + abs(z2)))
     assert immersed(z2, z1, D)[1:3] == (w2, w1)
 
@@ -127,8 +134,12 @@ def test_work_of_a_step(a, b, near):
 @given(a=heights, b=heights, near=st.sampled_from([1.0, 1e-2, 1e-5]))
 def test_work_of_a_step_of_a_sphere(a, b, near):
     a, b = a * D, (a + near * (b - a)) * D
-    g, slope = share_between(a, b, D)
-    assert g * (b - a) == pytest.approx(share(b, D)[2] - share(a, D)[2], abs=8 * EPS * max(abs(a), abs(b)) + (1e-4 * D) ** 3 / D**2)
+    g, slope = submerged_share_between(a, b, D)
+    assert g * (b - a) == pytest.approx(
+        submerged_share(b, D)[2] - submerged_share(a, D)[2], abs=8 * EPS * max(abs(a), abs(b)) + (1e-4 * D) ** 3 / D**2
+    )
     if abs(b - a) > 1e-2 * D:
         h = 1e-5 * D
-        assert (share_between(a, b + h, D)[0] - share_between(a, b - h, D)[0]) / (2 * h) == pytest.approx(slope, abs=1e-6 / D)
+        assert (submerged_share_between(a, b + h, D)[0] - submerged_share_between(a, b - h, D)[0]) / (2 * h) == pytest.approx(
+            slope, abs=1e-6 / D
+        )

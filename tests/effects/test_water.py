@@ -13,7 +13,7 @@ from anet_lumped.effects.flow.wave_kernel import wave_at
 from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.wind import PowerLaw, Sampled, Uniform
 from anet_lumped.effects.flow.wind.kernel import pack, wind_at
-from anet_lumped.effects.laws.submergence import immersed, share, sphere
+from anet_lumped.effects.laws.submergence import immersed, sphere_diameter, submerged_share
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import paths
@@ -83,7 +83,7 @@ def twin(scene, t, q, v):
         if isinstance(point, Free):
             node = model.node(point.name)
             z, u, a = surface(water, t, q[node])
-            w, _, _ = share(z, sphere(point))
+            w, _, _ = submerged_share(z, sphere_diameter(point))
             f[node] += w * 0.5 * RHO * point.CdA * np.linalg.norm(u - v[node]) * (u - v[node])
             f[node] += w * RHO * point.volume * (1 + point.Ca) * a
             lift[node, 2] += w * RHO * G * point.volume
@@ -222,7 +222,9 @@ def test_draft_of_a_float():
     scene = Scene([Fixed("a", (0, 0, -0.2)), Free("b", m, volume=volume)], [cable(mass_per_length=1e-6, diameter=1e-4, EA=10.0)],
                   [Gravity(G), Water(RHO)])  # fmt: skip
     z = equilibrium(scene).position("b")[2]
-    assert share(z, sphere(scene.point("b")))[0] == pytest.approx((m + 1e-6) / (RHO * volume), rel=1e-5)  # what the cable weighs
+    assert submerged_share(z, sphere_diameter(scene.point("b")))[0] == pytest.approx(
+        (m + 1e-6) / (RHO * volume), rel=1e-5
+    )  # what the cable weighs
 
 
 def test_a_buoy_pulls_its_mooring_upwards():

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import studies
-from anet_lumped.effects import Gravity, ViscousDamping
+from anet_lumped.effects import Bending, Gravity, ViscousDamping
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.prescribed.paths import harmonic, line, samples
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
@@ -145,14 +145,14 @@ def test_defaults_are_expanded_and_overruled(tmp_path):
         ('points = [{name = "a"}]', r'points\[0\]: key `kind` is missing; a point is one of "fixed", "driven", "free"'),
         ('points = [{kind = "fixd"}]', r"points\[0\]: unknown point 'fixd', did you mean \"fixed\"\?"),
         ('points = [{kind = "bolted"}]', r"points\[0\]: unknown point 'bolted'; known: \"fixed\", \"driven\""),
-        ('points = [{kind = "fixed", name = "a", at = [0, 0]}]', r"points\[0\]: key `at\[2\]` is missing"),
+        ('points = [{kind = "fixed", name = "a", at = [0, 0]}]', r"points\[0\]: Argument `at` must be three .* has at=\(0, 0\)"),
         (
             'points = [{kind = "fixed", name = "a", at = [0, 0, "1"]}]',
             r"`at\[2\]` has the wrong type: .* but it is '1'",
         ),
         (
             'points = [{kind = "fixed", name = "a", at = [0, 0, 1, 2]}]',
-            r"key `at` has the wrong type: .* at most 3 items",
+            r"points\[0\]: Argument `at` must be three finite numbers \(x, y, z\) \[m\], .* has at=\(0, 0, 1, 2\)",
         ),
         ('points = [{kind = "fixed", name = "a", at = [0, 0, nan]}]', r"points\[0\]: Argument `at` must be three"),
         ('points = [{kind = "driven", name = "a"}]', r"points\[0\]: key `path` is missing"),
@@ -190,3 +190,29 @@ def test_unreadable_files(tmp_path):
 def test_dict_names_its_source():
     with pytest.raises(SceneError, match=r"^scene: unknown key `point`, did you mean `points`\?"):
         scene_from_dict({"point": []})
+
+
+def test_none_is_accepted_where_the_argument_may_be_none():
+    entries = {
+        "points": [{"kind": "fixed", "name": "a", "at": [0, 0, 0]}, {"kind": "free", "name": "b", "at": None}],
+        "cables": [{"start": "a", "end": "b", "length": 1.0, "mass_per_length": 0.1, "EA": 1e3, "segments": 2, "diameter": 0.1}],
+        "effects": {"gravity": {}, "air": {"wind": None}},
+    }
+    scene = scene_from_dict(entries)
+    assert scene.point("b").at is None and scene.effects[1].wind is None
+    for key, kind in (("EA", "number"), ("name", "string")):  # their default None stands for what is found elsewhere
+        with pytest.raises(SceneError, match=rf"cables\[0\]: key `{key}` has the wrong type: .*{kind}, but it is None"):
+            scene_from_dict(entries | {"cables": [entries["cables"][0] | {key: None}]})
+
+
+def test_clamps_of_a_scene_file_may_be_a_table():
+    entries = scene_to_dict(
+        Scene(
+            [Fixed("a", [0, 0, 0]), Free("b")],
+            [Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1.0, EI=1.0, segments=2)],
+            [Bending({"a": [0, 0, 1]})],
+        )
+    )
+    assert scene_from_dict(entries | {"effects": {"bending": {"clamped": {"a": [0, 0, 1]}}}}) == scene_from_dict(entries)
+    with pytest.raises(SceneError, match=r"effects.bending: key `clamped\[2\]` has the wrong type: .*number, but it is 'x'"):
+        scene_from_dict(entries | {"effects": {"bending": {"clamped": {"a": [0, 0, "x"]}}}})

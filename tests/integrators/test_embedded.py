@@ -375,7 +375,7 @@ def test_a_soft_motion_is_not_called_stiff(motion):
 
 
 def test_work_is_bounded(monkeypatch):
-    monkeypatch.setattr(embedded_steps, "MOST", 50)
+    monkeypatch.setattr(embedded_steps, "MOST_WORK", 50)
     run = simulate(loose_cable(1e6), 1.0, method="dop853", start="straight")
     assert run.status == "out of steps" and not run.ok and 0 < run.t[-1] < 1.0
     assert run.work.steps + run.work.rejected == 50 and len(run.t) == 2  # the start and the state it reached

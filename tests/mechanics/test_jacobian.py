@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from anet_lumped.effects import Gravity, ViscousDamping
-from anet_lumped.effects.laws.axial import SWITCHES, one_spring, tension_parts, tension_slopes, with_select
+from anet_lumped.effects.laws.axial import SWITCHES, spring_without_curve, tension_parts, tension_slopes, with_select
 from anet_lumped.mechanics import force, prescribe
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.mechanics.jacobian import sparse_jacobian
@@ -119,7 +119,7 @@ def test_equals_jax_on_a_net_written_from_the_equation(compression):
         x, u = (jnp.asarray(fixed).at[:n].set(part.reshape(n, 3)) for fixed, part in ((q, y[: 3 * n]), (v, y[3 * n :])))
         d = x[b] - x[a]
         l = jnp.linalg.norm(d, axis=1)
-        T, _ = law(l - L0, jnp.sum(d * (u[b] - u[a]), axis=1) / l, one_spring(k, two_spring), c, two_damper)
+        T, _ = law(l - L0, jnp.sum(d * (u[b] - u[a]), axis=1) / l, spring_without_curve(k, two_spring), c, two_damper)
         pull = (T / l)[:, None] * d
         f = jnp.zeros_like(x).at[a].add(pull).at[b].add(-pull)[:n]
         return jnp.concatenate([u[:n].ravel(), (f / m + jnp.array([0.0, 0.0, -9.81]) - RATE * u[:n]).ravel()])
@@ -151,7 +151,7 @@ def test_pattern_is_fixed_and_no_larger_than_the_net():
 def test_slopes_of_the_axial_law_are_those_of_jax(compression):
     law = with_select(tension_parts, jnp.where)
     two_spring, two_damper = SWITCHES[compression]
-    made = one_spring(2e3, two_spring), 3.0, two_damper
+    made = spring_without_curve(2e3, two_spring), 3.0, two_damper
 
     def of(i):
         return jax.jit(jax.vmap(jax.grad(lambda s, r: law(s, r, *made)[0], i)))

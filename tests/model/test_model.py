@@ -146,6 +146,13 @@ def test_effects_that_a_scene_lacks_take_no_room():
     assert model.effects.params_at.tolist() == [0, 3 + model.n_free, 3 + 2 * model.n_free]
 
 
+def test_an_effect_not_asked_for_has_no_entry():
+    scene = everything()
+    for effects, n in (((), 0), ((Gravity(),), 1), ((ViscousDamping(1.0), Gravity()), 2)):
+        table = build(Scene(scene.points, scene.cables, effects)).effects
+        assert table.address.shape == (n, 5) and len(table.index_at) == len(table.params_at) == n + 1
+
+
 # Elimination of the free points --------------------------------------------------------------------------------------
 
 

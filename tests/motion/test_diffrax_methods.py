@@ -271,7 +271,7 @@ def test_corners_are_landed_on_and_a_jerk_is_not_stepped_over():
 def test_runs_that_fail_say_when_and_why(monkeypatch):
     scene = hung()
     with monkeypatch.context() as short:
-        short.setattr(diffrax_adapter, "MOST", 1)
+        short.setattr(diffrax_adapter, "MOST_WORK", 1)
         with pytest.raises(RunError) as failed:
             simulate(hung(zeta=0.0, EA=1e5), 100.0, method="Kvaerno5", start="straight", save_every=25.0, rtol=1e-7, check=True)
     run = failed.value.run

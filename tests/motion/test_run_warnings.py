@@ -86,19 +86,6 @@ def test_an_extrapolation_far_from_its_limit_says_so(tmp_path):
     assert back.warnings == late.warnings and back.extrapolated
 
 
-def test_a_file_that_does_not_say_holds_no_extrapolation(tmp_path):
-    """As version 0.1 wrote it."""
-    import xarray as xr
-
-    run = simulate(loose_cable(), 0.02, dt=0.01, method="edmc")
-    run.save(tmp_path / "new.nc")
-    with xr.open_dataset(tmp_path / "new.nc", engine="scipy") as data:
-        old = data.load()
-    del old.attrs["extrapolated"]
-    old.to_netcdf(tmp_path / "old.nc", engine="scipy")
-    assert load_run(tmp_path / "old.nc").extrapolated is False
-
-
 def test_an_extrapolation_of_places_is_no_length(swing):
     """A stiff cable's end goes round and the extrapolation straight on."""
     scene, start = swing

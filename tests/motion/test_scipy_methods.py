@@ -264,7 +264,7 @@ def test_saved_times_are_those_asked_for(save_every):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_too_much_work_ends_the_run_with_its_good_part(monkeypatch, method):
-    monkeypatch.setattr(scipy_adapter, "MOST", 300)
+    monkeypatch.setattr(scipy_adapter, "MOST_WORK", 300)
     scene = loose_cable()
     result = run(scene, method, 2.0, q=straight(build(scene)), save_every=1.0)
     assert result.status == "unconverged" and not result.ok

@@ -44,7 +44,7 @@ def test_only_the_dashpot_acts_on_a_slack_segment(speed, rho_inf, EA):
 
 
 def test_the_step_may_be_long():
-    """Steps of seven time constants: the place follows -W t/c within half a step's way, and the velocity does not ring."""
+    """A step of seven time constants: the place follows -W t/c within half a step, and the velocity does not ring about that."""
     scene, start = thrown(0.0)
     run = simulate(scene, 1.0, method="edmc", dt=0.125, start=start)
     assert run.position("w")[-1, 2] == pytest.approx(Z0 - WEIGHT / C, abs=0.5 * run.dt * WEIGHT / C)

@@ -1,7 +1,7 @@
-"""Axial elasticity with Kelvin-Voigt damping: the law of one segment, in time and between two times.
+"""Axial elasticity with Kelvin-Voigt damping: the law of one segment, at one time and between two times.
 
-What a segment does when it is shorter than its rest length is given by two switches, 0.0 or 1.0; with ``"damped"`` the spring
-may push with a part of its stiffness, and its switch is that part, EA_compression/EA:
+Two switches, 0.0 or 1.0, say whether spring and damper of a segment act where it is shorter than its rest length. With ``"damped"``
+the spring may push with a part of its stiffness; its switch is that part, EA_compression/EA:
 
 ============  ===============  ===============
 compression   two_way_spring   two_way_damper
@@ -11,18 +11,18 @@ compression   two_way_spring   two_way_damper
 ``"linear"``  1                1
 ============  ===============  ===============
 
-A tension-strain curve of straight pieces is that spring and more in parallel, each of which acts from a strain eps_i on,
+A tension-strain curve of straight pieces is this spring in parallel with further springs, each of which acts above a strain eps_i,
 
     T = k (l - L0) + sum_i share_i k max(l - L0 - eps_i L0, 0) .
 
-Its energy is the sum of theirs, and the secant between two lengths is, too: what is proved for a step with one spring holds as
-long as the tension never falls.
+Energy and secant of the curve are the sums of those of its springs. So the energy statement of a step with one spring holds for the
+curve, as long as the tension never falls with the strain.
 
-What the laws take as ``spring`` is a tuple: k [N/m], its switch, L0 [m], and of a table with rows (eps_i, share_i) the first one
-and the one after the last.
+The argument ``spring`` of the laws is a tuple: k [N/m], its switch, L0 [m], a table with rows (eps_i, share_i), and the first row
+of the cable's curve and the row after its last.
 
-The law at one time is plain arithmetic and `select`, so that the same lines are compiled by Numba, run on arrays by NumPy and
-traced by JAX: `with_select` gives them another `select`, such as ``numpy.where`` or ``jax.numpy.where``.
+The law at one time is plain arithmetic and `select`: Numba compiles these lines, NumPy runs them on arrays and JAX traces them.
+`with_select` gives them another `select`, such as ``numpy.where`` or ``jax.numpy.where``.
 """
 
 from types import FunctionType
@@ -45,17 +45,17 @@ def with_select(law, where):
     return FunctionType(law.py_func.__code__, names)
 
 
-def one_spring(k, two_way_spring):
+def spring_without_curve(k, two_way_spring):
     """``spring`` of a law without a curve."""
     return k, two_way_spring, 1.0, np.zeros((0, 2)), 0, 0
 
 
 @njit(cache=True, forceinline=True)
 def tension_parts(stretch, rate, spring, c, two_way_damper):
-    """Tension of a segment at one time, and the part of it that the spring alone would have.
+    """Tension of a segment at one time, and the tension of its spring alone.
 
-    T = k (l - L0) + c dl/dt; a spring that cannot push is cut at l = L0; with ``"none"`` the damper is cut there too and
-    T is never negative.
+    T = k (l - L0) + c dl/dt. A spring that cannot push does not act below l = L0; with ``"none"`` the damper does not act there
+    either, and T is never negative.
 
     Parameters
     ----------
@@ -75,8 +75,8 @@ def tension_parts(stretch, rate, spring, c, two_way_damper):
     taut = stretch > 0.0
     elastic = select(taut, k, two_way_spring * k) * stretch
     for i in range(first, last):
-        beyond = stretch - springs[i, 0] * L0
-        elastic = elastic + select(beyond > 0.0, springs[i, 1] * k * beyond, 0.0)
+        stretch_beyond = stretch - springs[i, 0] * L0
+        elastic = elastic + select(stretch_beyond > 0.0, springs[i, 1] * k * stretch_beyond, 0.0)
     T = elastic + select(taut, c, two_way_damper * c) * rate
     return select(T > 0.0, T, two_way_damper * T), elastic
 
@@ -86,19 +86,19 @@ def tension_slopes(stretch, rate, spring, c, two_way_damper):
     """Tension of `tension_parts` and its derivatives with respect to stretch [N/m] and to rate [N s/m]."""
     k, two_way_spring, L0, springs, first, last = spring
     taut = stretch > 0.0
-    of_stretch, of_rate = select(taut, k, two_way_spring * k), select(taut, c, two_way_damper * c)
-    T = of_stretch * stretch + of_rate * rate
+    stretch_slope, rate_slope = select(taut, k, two_way_spring * k), select(taut, c, two_way_damper * c)
+    T = stretch_slope * stretch + rate_slope * rate
     for i in range(first, last):
-        beyond = stretch - springs[i, 0] * L0
-        acts = select(beyond > 0.0, springs[i, 1] * k, 0.0)
-        T, of_stretch = T + acts * beyond, of_stretch + acts
-    acts = select(T > 0.0, 1.0, two_way_damper)
-    return acts * T, acts * of_stretch, acts * of_rate
+        stretch_beyond = stretch - springs[i, 0] * L0
+        piece_slope = select(stretch_beyond > 0.0, springs[i, 1] * k, 0.0)
+        T, stretch_slope = T + piece_slope * stretch_beyond, stretch_slope + piece_slope
+    factor = select(T > 0.0, 1.0, two_way_damper)
+    return factor * T, factor * stretch_slope, factor * rate_slope
 
 
 @njit(cache=True, forceinline=True)
-def stored(stretch, k, two_way_spring):
-    """Energy of one spring, psi = k/2 (l - L0)^2 [J], of the taut part only if it cannot push."""
+def spring_energy(stretch, k, two_way_spring):
+    """Energy of one spring, psi = k/2 (l - L0)^2 [J]; 0 for a short spring that cannot push."""
     taut = 1.0 * (stretch > 0.0)
     return 0.5 * k * stretch * stretch * (two_way_spring + (1.0 - two_way_spring) * taut)
 
@@ -107,15 +107,15 @@ def stored(stretch, k, two_way_spring):
 def elastic_energy(stretch, spring):
     """Energy psi of the springs of a law [J]."""
     k, two_way_spring, L0, springs, first, last = spring
-    energy = stored(stretch, k, two_way_spring)
+    energy = spring_energy(stretch, k, two_way_spring)
     for i in range(first, last):
-        energy = energy + stored(stretch - springs[i, 0] * L0, springs[i, 1] * k, 0.0)
+        energy = energy + spring_energy(stretch - springs[i, 0] * L0, springs[i, 1] * k, 0.0)
     return energy
 
 
 @njit(cache=True, forceinline=True)
 def energy_of_length(stretch, spring):
-    """Derivative of `elastic_energy` in L0 at the same stretch and k [N]: a curve's pieces begin at eps_i L0."""
+    """Derivative of `elastic_energy` in L0 at constant stretch and k [N]; not zero for a curve, whose pieces begin at eps_i L0."""
     k, _, L0, springs, first, last = spring
     slope = 0.0
     for i in range(first, last):
@@ -124,26 +124,27 @@ def energy_of_length(stretch, spring):
 
 
 @njit(cache=True, forceinline=True)
-def _secant_of_two_springs(stretch_a, stretch_b, k, soft):
-    """`secant_tension` of a spring k that pushes with another stiffness, ``soft`` [N/m].
+def _secant_of_two_springs(stretch_a, stretch_b, k, push_stiffness):
+    """`secant_tension` of a spring k that pushes with another stiffness, ``push_stiffness`` [N/m].
 
-    On one side of L0 it is the mean of the tensions at both ends; across it each end x has the part k_x x/2 times x/(b - a).
+    If both lengths are on one side of L0, the secant is the mean of both tensions. If not, a stretch x at either end contributes
+    k_x x/2 times x/(b - a).
     """
-    k_a, k_b = select(stretch_a > 0.0, k, soft), select(stretch_b > 0.0, k, soft)
-    taut, short = (stretch_a >= 0.0) & (stretch_b > 0.0), (stretch_a <= 0.0) & (stretch_b <= 0.0)
+    k_a, k_b = select(stretch_a > 0.0, k, push_stiffness), select(stretch_b > 0.0, k, push_stiffness)
+    both_taut, both_short = (stretch_a >= 0.0) & (stretch_b > 0.0), (stretch_a <= 0.0) & (stretch_b <= 0.0)
     change = stretch_b - stretch_a
-    per = 1.0 / select(abs(change) > 1e-300, change, 1e-300)
-    T = 0.5 * (k_b * stretch_b * (stretch_b * per) - k_a * stretch_a * (stretch_a * per))
-    slope = (k_b * stretch_b - T) * per
-    return select(taut | short, 0.5 * k_b * (stretch_a + stretch_b), T), select(taut | short, 0.5 * k_b, slope)
+    per_change = 1.0 / select(abs(change) > 1e-300, change, 1e-300)
+    T = 0.5 * (k_b * stretch_b * (stretch_b * per_change) - k_a * stretch_a * (stretch_a * per_change))
+    slope = (k_b * stretch_b - T) * per_change
+    return select(both_taut | both_short, 0.5 * k_b * (stretch_a + stretch_b), T), select(both_taut | both_short, 0.5 * k_b, slope)
 
 
 @njit(cache=True, forceinline=True)
 def secant_tension(stretch_a, stretch_b, k, two_way_spring):
     """Secant of the energy of one spring between two lengths, (psi_b - psi_a)/(l_b - l_a), without cancellation.
 
-    With the cut stretches x = max(l - L0, 0) it is k (x_a + x_b)/2 times (x_b - x_a)/(l_b - l_a), and that last ratio is
-    one when both are taut and needs no small difference when only one is.
+    With the taut stretches x = max(l - L0, 0) the secant is k (x_a + x_b)/2 times (x_b - x_a)/(l_b - l_a). The last ratio is one if
+    both lengths are taut, and takes no small difference if only one is.
 
     Returns
     -------
@@ -152,12 +153,12 @@ def secant_tension(stretch_a, stretch_b, k, two_way_spring):
     """
     if two_way_spring > 0.0 and two_way_spring < 1.0:
         return _secant_of_two_springs(stretch_a, stretch_b, k, two_way_spring * k)
-    whole = (stretch_a >= 0.0) & (stretch_b > 0.0) | (two_way_spring > 0.0)
-    x_a, x_b, change = max(stretch_a, 0.0), max(stretch_b, 0.0), stretch_b - stretch_a
-    per = 1.0 / select(abs(change) > 1e-300, change, 1e-300)
-    T = 0.5 * k * (x_b * (x_b * per) - x_a * (x_a * per))
-    slope = (k * x_b - T) * per
-    return select(whole, 0.5 * k * (stretch_a + stretch_b), T), select(whole, 0.5 * k, slope)
+    linear = (stretch_a >= 0.0) & (stretch_b > 0.0) | (two_way_spring > 0.0)
+    taut_a, taut_b, change = max(stretch_a, 0.0), max(stretch_b, 0.0), stretch_b - stretch_a
+    per_change = 1.0 / select(abs(change) > 1e-300, change, 1e-300)
+    T = 0.5 * k * (taut_b * (taut_b * per_change) - taut_a * (taut_a * per_change))
+    slope = (k * taut_b - T) * per_change
+    return select(linear, 0.5 * k * (stretch_a + stretch_b), T), select(linear, 0.5 * k, slope)
 
 
 @njit(cache=True, forceinline=True)
@@ -166,18 +167,19 @@ def elastic_secant(stretch_a, stretch_b, spring):
     k, two_way_spring, L0, springs, first, last = spring
     T, slope = secant_tension(stretch_a, stretch_b, k, two_way_spring)
     for i in range(first, last):
-        begins = springs[i, 0] * L0
-        more, steeper = secant_tension(stretch_a - begins, stretch_b - begins, springs[i, 1] * k, 0.0)
-        T, slope = T + more, slope + steeper
+        stretch_from = springs[i, 0] * L0
+        piece_T, piece_slope = secant_tension(stretch_a - stretch_from, stretch_b - stretch_from, springs[i, 1] * k, 0.0)
+        T, slope = T + piece_T, slope + piece_slope
     return T, slope
 
 
 @njit(cache=True, forceinline=True)
 def damped_changes(stretch_a, stretch_b, two_way_spring, two_way_damper):
-    """Changes of length that the physical damper and the numerical one of a step see [m].
+    """Changes of length in a step that the physical damper and the numerical one damp [m].
 
-    Each sees the taut part of the length, and of the rest as much as it acts there: the numerical damper stands in for a spring
-    that the step does not resolve, and acts only as the spring does. On a slack segment it would be glue.
+    Both damp the change of the taut part of the length. Below the rest length the physical damper acts as its switch says, and
+    the numerical one as far as the spring does: it stands for a spring that the step does not resolve, and would hold a slack
+    segment like glue.
     """
     taut = max(stretch_b, 0.0) - max(stretch_a, 0.0)
     slack = (stretch_b - stretch_a) - taut
@@ -188,7 +190,7 @@ def damped_changes(stretch_a, stretch_b, two_way_spring, two_way_damper):
 def tension_between(stretch_a, stretch_b, spring, damper, numerical, two_way_damper):
     """Tension that acts over a whole step, from a to b, so that no step can raise the energy.
 
-    T = secant + damper (x_b - x_a) + numerical (y_b - y_a), with the changes of `damped_changes`; T >= 0 for ``"none"``.
+    T = secant + damper (x_b - x_a) + numerical (y_b - y_a), with both changes from `damped_changes`; T >= 0 for ``"none"``.
 
     Parameters
     ----------
@@ -202,15 +204,15 @@ def tension_between(stretch_a, stretch_b, spring, damper, numerical, two_way_dam
     Returns
     -------
     T, slope, secant : float64 [N], [N/m], [N]
-        The tension, its derivative in l_b, and the part that is conservative: (T - secant)(l_b - l_a) >= 0 is dissipated.
+        The tension, its derivative in l_b, and its conservative part: (T - secant)(l_b - l_a) >= 0 is dissipated.
 
     Source
     ------
     After Armero & Romero, Comput. Methods Appl. Mech. Engrg. 190 (2001) 2603 and 6783, for springs that cannot push.
     """
     secant, slope = elastic_secant(stretch_a, stretch_b, spring)
-    moved, stretched = damped_changes(stretch_a, stretch_b, spring[1], two_way_damper)
-    T = secant + damper * moved + numerical * stretched
+    damped_change, numerically_damped_change = damped_changes(stretch_a, stretch_b, spring[1], two_way_damper)
+    T = secant + damper * damped_change + numerical * numerically_damped_change
     slope = slope + select(stretch_b > 0.0, damper + numerical, two_way_damper * damper + spring[1] * numerical)
     acts = (T > 0.0) | (two_way_damper > 0.0)
     return select(acts, T, 0.0), select(acts, slope, 0.0), secant

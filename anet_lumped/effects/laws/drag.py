@@ -2,11 +2,11 @@
 
 The cross-flow principle: with the unit tangent t of a segment and the velocity u of the fluid relative to it, across
 u_n = u - (u.t) t and along s = u.t, the force per length is rho/2 d (Cdn |u_n| u_n + pi Cdt |s| s t). Each node of a segment
-carries half of it at the node's own velocity, so that in a fluid at rest no node gains energy,
-f.v = -(normal |v_n|^3 + along |v_t|^3) <= 0, and the force on a node depends on no velocity but its own. Lengths are unstretched,
-d L0: with strains of a few per mille a stretched cable is as much thinner as it is longer.
+carries half of this force, taken at the node's own velocity. So the force on a node depends on no other node's velocity, and in a
+fluid at rest no node gains energy, f.v = -(normal |v_n|^3 + along |v_t|^3) <= 0. The area is that of the unstretched cable, d L0: a
+stretched cable is longer and thinner.
 
-The forces are plain arithmetic and `select`, so that JAX traces the lines that Numba compiles (`axial.with_select`).
+The forces are plain arithmetic and `select`, so that JAX can trace the lines that Numba compiles (`axial.with_select`).
 
 Source
 ------
@@ -19,7 +19,7 @@ from numba import njit
 
 from .axial import select
 
-SHORTEST = 1e-2  # of the rest length; below, a segment's direction counts as turning no faster than at it
+SHORTEST = 1e-2  # of the rest length: a shorter segment counts as this long where its turning is linearised
 
 
 def segment_coefficients(density, cable):
@@ -40,20 +40,20 @@ def point_coefficient(density, point):
 
 
 @njit(cache=True, forceinline=True)
-def size(x, y, z):
+def vector_length(x, y, z):
     """Length of a vector, differentiable where it is zero."""
     square = x * x + y * y + z * z
-    moves = square > 0.0
-    return select(moves, select(moves, square, 1.0) ** 0.5, 0.0)
+    nonzero = square > 0.0
+    return select(nonzero, select(nonzero, square, 1.0) ** 0.5, 0.0)
 
 
 @njit(cache=True, forceinline=True)
 def tangent_of(dx, dy, dz, L0):
-    """Unit vector along (dx, dy, dz), and what a change of that vector is divided by in a change of direction [1/m].
+    """Unit vector along d = (dx, dy, dz), and 1/l, by which a change of d across that vector turns it [1/m].
 
-    The vector is shorter than 1 for a segment of no length; the slope is bounded, and exact for l >= SHORTEST L0.
+    For a segment of no length the vector is shorter than 1. 1/l is exact for l >= SHORTEST L0 and constant below.
     """
-    l = size(dx, dy, dz)
+    l = vector_length(dx, dy, dz)
     per_l = 1.0 / select(l > 1e-12 * L0, l, 1e-12 * L0)
     return dx * per_l, dy * per_l, dz * per_l, 1.0 / select(l > SHORTEST * L0, l, SHORTEST * L0)
 
@@ -81,7 +81,7 @@ def segment_drag(ux, uy, uz, tx, ty, tz, normal, along):
     """
     s = ux * tx + uy * ty + uz * tz
     nx, ny, nz = ux - s * tx, uy - s * ty, uz - s * tz
-    across, lengthwise = normal * size(nx, ny, nz), along * abs(s) * s
+    across, lengthwise = normal * vector_length(nx, ny, nz), along * abs(s) * s
     return across * nx + lengthwise * tx, across * ny + lengthwise * ty, across * nz + lengthwise * tz
 
 
@@ -97,7 +97,7 @@ def subtract_segment_slopes(u, gradient, t, per_l, normal, along, side, c_q, c_v
     ----------
     u : tuple of 3 float64 [m/s]
     gradient : tuple of 9 float64 [1/s]
-        Of the fluid's velocity in place, row by row.
+        Derivatives of the fluid's velocity with respect to position, row by row.
     t : tuple of 3 float64
     per_l : float64 [1/m]
         Both from `tangent_of`.
@@ -112,38 +112,40 @@ def subtract_segment_slopes(u, gradient, t, per_l, normal, along, side, c_q, c_v
     """
     s = u[0] * t[0] + u[1] * t[1] + u[2] * t[2]
     n = (u[0] - s * t[0], u[1] - s * t[1], u[2] - s * t[2])
-    speed = size(n[0], n[1], n[2])
+    speed = vector_length(n[0], n[1], n[2])
     a, c = normal * speed, 2.0 * along * abs(s)
     b = normal / speed if speed > 0.0 else 0.0
     turning = side * c_q * per_l
     for x in range(3):
-        of_u = (
+        df_du = (
             (c - a) * t[x] * t[0] + b * n[x] * n[0] + (a if x == 0 else 0.0),
             (c - a) * t[x] * t[1] + b * n[x] * n[1] + (a if x == 1 else 0.0),
             (c - a) * t[x] * t[2] + b * n[x] * n[2] + (a if x == 2 else 0.0),
         )
         for y in range(3):
             across = (1.0 if x == y else 0.0) - t[x] * t[y]
-            of_d = turning * ((0.5 * c - a) * s * across + (c - a) * t[x] * n[y] - s * b * n[x] * n[y])
-            of_flow = of_u[0] * gradient[y] + of_u[1] * gradient[3 + y] + of_u[2] * gradient[6 + y]
-            own[x, y] -= of_d + c_q * of_flow - c_v * of_u[y]
-            other[x, y] += of_d
+            df_dd = turning * ((0.5 * c - a) * s * across + (c - a) * t[x] * n[y] - s * b * n[x] * n[y])
+            df_du_gradient = df_du[0] * gradient[y] + df_du[1] * gradient[3 + y] + df_du[2] * gradient[6 + y]
+            own[x, y] -= df_dd + c_q * df_du_gradient - c_v * df_du[y]
+            other[x, y] += df_dd
 
 
 @njit(cache=True, forceinline=True)
 def point_drag(ux, uy, uz, coefficient):
     """Force on what a point carries, f = coefficient |u| u, coefficient = rho/2 CdA [kg/m]: (fx, fy, fz) [N]."""
-    a = coefficient * size(ux, uy, uz)
+    a = coefficient * vector_length(ux, uy, uz)
     return a * ux, a * uy, a * uz
 
 
 @njit(cache=True, forceinline=True)
 def subtract_point_slopes(u, gradient, coefficient, c_q, c_v, own):
     """Subtract c_q df/dq + c_v df/dv of `point_drag` from a diagonal block: df/du = coefficient (|u| I + u u^T/|u|)."""
-    speed = size(u[0], u[1], u[2])
+    speed = vector_length(u[0], u[1], u[2])
     a = coefficient * speed
     b = coefficient / speed if speed > 0.0 else 0.0
     for x in range(3):
         for y in range(3):
-            of_flow = b * u[x] * (u[0] * gradient[y] + u[1] * gradient[3 + y] + u[2] * gradient[6 + y]) + a * gradient[3 * x + y]
-            own[x, y] -= c_q * of_flow - c_v * (b * u[x] * u[y] + (a if x == y else 0.0))
+            df_du_gradient = (
+                b * u[x] * (u[0] * gradient[y] + u[1] * gradient[3 + y] + u[2] * gradient[6 + y]) + a * gradient[3 * x + y]
+            )
+            own[x, y] -= c_q * df_du_gradient - c_v * (b * u[x] * u[y] + (a if x == y else 0.0))

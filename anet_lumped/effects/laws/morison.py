@@ -4,8 +4,9 @@ With the displaced mass M, the unit tangent t and the acceleration a of the wate
 
     f = drag(u) + M (1 + Can) a_n + M (1 + Cat) s t ,
 
-1 for the pressure that accelerates the water itself (Froude-Krylov), Can and Cat for the water that the cable pushes aside. What
-its own acceleration costs is the added mass A = M (Can (I - t t^T) + Cat t t^T). A sphere has M (1 + Ca) a and M Ca.
+with 1 for the pressure that accelerates the water itself (Froude-Krylov), and Can and Cat for the water that the cable pushes
+aside. The acceleration of the cable itself meets the added mass A = M (Can (I - t t^T) + Cat t t^T). On a sphere the force of the
+accelerated water is M (1 + Ca) a, and its added mass is M Ca.
 
 Source
 ------
@@ -19,7 +20,7 @@ from .drag import point_drag, segment_drag
 
 @njit(cache=True, forceinline=True)
 def segment_force(u, a, t, normal, along, mass, Can, Cat):
-    """Force on a segment, were all of it under water.
+    """Force on a segment that is all under water.
 
     Parameters
     ----------
@@ -39,34 +40,38 @@ def segment_force(u, a, t, normal, along, mass, Can, Cat):
     """
     fx, fy, fz = segment_drag(u[0], u[1], u[2], t[0], t[1], t[2], normal, along)
     across = mass * (1.0 + Can)
-    along_t = mass * (Cat - Can) * (a[0] * t[0] + a[1] * t[1] + a[2] * t[2])
-    return fx + across * a[0] + along_t * t[0], fy + across * a[1] + along_t * t[1], fz + across * a[2] + along_t * t[2]
+    along_less_across = mass * (Cat - Can) * (a[0] * t[0] + a[1] * t[1] + a[2] * t[2])
+    return (
+        fx + across * a[0] + along_less_across * t[0],
+        fy + across * a[1] + along_less_across * t[1],
+        fz + across * a[2] + along_less_across * t[2],
+    )
 
 
 @njit(cache=True, forceinline=True)
 def subtract_inertia_slopes(a, gradient, t, per_l, mass, Can, Cat, side, c_q, own, other):
-    """Subtract c_q df/dq of the part of `segment_force` that the water's acceleration makes.
+    """Subtract c_q df/dq of the part of `segment_force` that is due to the water's acceleration.
 
     df/da = M (1 + Can) I + M (Cat - Can) t t^T,   df/dd = M (Cat - Can) (s (I - t t^T) + t a_n^T)/l .
 
     Parameters
     ----------
     a, gradient : tuples of 3 float64 [m/s2] and 9 float64 [1/s2]
-        The water's acceleration and its slopes in place, row by row.
+        The water's acceleration and its derivatives with respect to position, row by row.
     t, per_l, side, own, other
         As in `drag.subtract_segment_slopes`.
     mass, Can, Cat : float64 [kg], [1], [1]
     """
     s = a[0] * t[0] + a[1] * t[1] + a[2] * t[2]
-    across, more = mass * (1.0 + Can), mass * (Cat - Can)
-    turning = side * c_q * per_l * more
+    across, along_less_across = mass * (1.0 + Can), mass * (Cat - Can)
+    turning = side * c_q * per_l * along_less_across
     for x in range(3):
         for y in range(3):
-            of_d = turning * (t[x] * (a[y] - 2.0 * s * t[y]) + (s if x == y else 0.0))
-            of_flow = across * gradient[3 * x + y]
-            of_flow += more * t[x] * (t[0] * gradient[y] + t[1] * gradient[3 + y] + t[2] * gradient[6 + y])
-            own[x, y] -= of_d + c_q * of_flow
-            other[x, y] += of_d
+            df_dd = turning * (t[x] * (a[y] - 2.0 * s * t[y]) + (s if x == y else 0.0))
+            df_da_gradient = across * gradient[3 * x + y]
+            df_da_gradient += along_less_across * t[x] * (t[0] * gradient[y] + t[1] * gradient[3 + y] + t[2] * gradient[6 + y])
+            own[x, y] -= df_dd + c_q * df_da_gradient
+            other[x, y] += df_dd
 
 
 @njit(cache=True, forceinline=True)
@@ -79,7 +84,7 @@ def add_mass(mass, Can, Cat, t, A):
 
 @njit(cache=True, forceinline=True)
 def point_force(u, a, coefficient, mass, Ca):
-    """Force on what a point carries, were all of it under water: drag + M (1 + Ca) a [N]."""
+    """Force on what a point carries, all of it under water: drag + M (1 + Ca) a [N]."""
     fx, fy, fz = point_drag(u[0], u[1], u[2], coefficient)
     m = mass * (1.0 + Ca)
     return fx + m * a[0], fy + m * a[1], fz + m * a[2]

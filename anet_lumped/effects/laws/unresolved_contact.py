@@ -20,7 +20,7 @@ from numba import njit
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def damper_share(damper, square):
+def numerical_share(damper, square):
     """alpha of the module's docstring for ``square`` = (omega h/2)^2."""
     fourth = square * square
     return damper * fourth / (1.0 + fourth)
@@ -28,8 +28,8 @@ def damper_share(damper, square):
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def settled_rate(damper, square, rate, mean):
-    """Rate of a depth at the end of a step, without what rings about that over the step, ``mean``; for `damper_share`'s square."""
-    wanted = 2.0 * damper_share(damper, square) * (rate - mean)
+    """Rate of a depth at the end of a step, without what rings about that over the step, ``mean``; for `numerical_share`'s square."""
+    wanted = 2.0 * numerical_share(damper, square) * (rate - mean)
     if wanted * rate <= 0.0:
         return rate
     return 0.0 if abs(wanted) > abs(rate) else rate - wanted

@@ -24,7 +24,7 @@ import math
 from numba import njit
 
 from anet_lumped.compiled.dual import slope, value_of
-from anet_lumped.effects.laws.unresolved_contact import damper_share, settled_rate
+from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 from anet_lumped.effects.signatures import SETTLE_SIGNATURE, WHOLE_STEP_SIGNATURE
 
 from .seeds import add, constant, position, seeded
@@ -99,7 +99,7 @@ def _damper(damper, square, V_a, V_b):
     """gamma of the module's docstring and its derivative in V_b, for ``square`` = (omega h/2)^2."""
     if V_a <= 0.0 or damper == 0.0:
         return 0.0, 0.0
-    twice, x_a = 2.0 * damper_share(damper, square), math.sqrt(V_a)
+    twice, x_a = 2.0 * numerical_share(damper, square), math.sqrt(V_a)
     if V_b <= 0.0:
         return -twice, 0.0
     x_b = math.sqrt(V_b)

@@ -1,9 +1,14 @@
 """The compiled functions of an effect from its law for one element, with their derivatives by dual numbers (`dual`).
 
-Each of these takes ``law``, compiled; ``numbers(params, at)``, which returns the law's further arguments, those of the element
-from ``params[at]`` on; where the first element's are; and how many each has. It returns functions by their slot in `signatures`.
-``index`` holds the node of each node's law; of each segment's law both nodes, the segment, and which of ``near[segment]`` has the
-row of the first and the column of the second of them.
+Each function ``of_...`` here returns compiled functions by their slot in `signatures`. Its arguments:
+
+law : the law, compiled
+numbers(params, begin) : compiled; the law's further arguments, with those of one element from ``params[begin]`` on
+first : position in ``params`` of the numbers of the first element
+each : how many numbers each element has
+
+For a law of nodes ``index`` holds the node of each element. For a law of segments it holds four numbers of each: both nodes, the
+segment, and which of the two blocks ``near[segment]`` has the row of the first node and the column of the second.
 """
 
 from numba import njit
@@ -33,7 +38,7 @@ def _subtract(block, c, f):
 
 @njit(error_model="numpy")
 def _add_second(block, c, E):
-    """Add c times the second derivatives of an energy to a block, rows by its outer and columns by its inner slopes."""
+    """Add c times the second derivatives of an energy to a block: outer slopes give its rows, inner slopes its columns."""
     for x in range(3):
         for y in range(3):
             block[x, y] += c * slope(slope(E, x), y)
@@ -49,12 +54,12 @@ def _add_second_transposed(block, c, E):
 
 @njit(ENERGY_SIGNATURE, cache=True)
 def no_energy(t, q, index, params):
-    """What a force law has."""
+    """The energy of a law of forces, 0 [J]."""
     return 0.0
 
 
 def of_node_force(law, numbers, first, each):
-    """Of law(t, q, v, ...) -> force on a node [N]."""
+    """Compiled functions of a law(t, q, v, ...) -> force on a node [N]."""
 
     @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
@@ -69,24 +74,24 @@ def of_node_force(law, numbers, first, each):
     @njit(TANGENT_SIGNATURE, error_model="numpy")
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0]):
-            i, of = index[n], numbers(params, first + each * n)
-            _subtract(D[i], c_q, law(t, seeded(position(q, i)), constant(position(v, i)), *of))
-            _subtract(D[i], c_v, law(t, constant(position(q, i)), seeded(position(v, i)), *of))
+            i, own = index[n], numbers(params, first + each * n)
+            _subtract(D[i], c_q, law(t, seeded(position(q, i)), constant(position(v, i)), *own))
+            _subtract(D[i], c_v, law(t, constant(position(q, i)), seeded(position(v, i)), *own))
 
     return {"force": force, "tangent": tangent, "energy": no_energy}
 
 
 def of_node_energy(law, numbers, first, each):
-    """Of law(t, q, ...) -> energy of a node [J]; its change with the time alone is put in or taken out from outside."""
+    """Compiled functions of a law(t, q, ...) -> energy of a node [J]; work from outside changes it where it depends on time."""
 
     @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
         power = 0.0
         for n in range(index.shape[0]):
-            i, of = index[n], numbers(params, first + each * n)
-            E = law(t, seeded(position(q, i)), *of)
+            i, own = index[n], numbers(params, first + each * n)
+            E = law(t, seeded(position(q, i)), *own)
             add(f, i, -slope(E, 0), -slope(E, 1), -slope(E, 2))
-            power -= slope(law(dual(t, 1.0, 0.0, 0.0), position(q, i), *of), 0)
+            power -= slope(law(dual(t, 1.0, 0.0, 0.0), position(q, i), *own), 0)
         return power
 
     @njit(TANGENT_SIGNATURE, error_model="numpy")
@@ -107,7 +112,7 @@ def of_node_energy(law, numbers, first, each):
 
 
 def of_segment_force(law, numbers, first, each):
-    """Of law(t, q0, q1, v0, v1, ...) -> forces on both nodes of a segment [N]."""
+    """Compiled functions of a law(t, q0, q1, v0, v1, ...) -> forces on both nodes of a segment [N]."""
 
     @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
@@ -127,20 +132,20 @@ def of_segment_force(law, numbers, first, each):
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0] // 4):
             i, j, s, side = index[4 * n], index[4 * n + 1], index[4 * n + 2], index[4 * n + 3]
-            of, qi, qj, vi, vj = numbers(params, first + each * n), position(q, i), position(q, j), position(v, i), position(v, j)
+            own, qi, qj, vi, vj = numbers(params, first + each * n), position(q, i), position(q, j), position(v, i), position(v, j)
             near_ij, near_ji = near[s, side], near[s, 1 - side]
             if i < D.shape[0]:
-                on_i, on_j = law(t, seeded(qi), constant(qj), constant(vi), constant(vj), *of)
+                on_i, on_j = law(t, seeded(qi), constant(qj), constant(vi), constant(vj), *own)
                 _subtract(D[i], c_q, on_i)
                 _subtract(near_ji, c_q, on_j)
-                on_i, on_j = law(t, constant(qi), constant(qj), seeded(vi), constant(vj), *of)
+                on_i, on_j = law(t, constant(qi), constant(qj), seeded(vi), constant(vj), *own)
                 _subtract(D[i], c_v, on_i)
                 _subtract(near_ji, c_v, on_j)
             if j < D.shape[0]:
-                on_i, on_j = law(t, constant(qi), seeded(qj), constant(vi), constant(vj), *of)
+                on_i, on_j = law(t, constant(qi), seeded(qj), constant(vi), constant(vj), *own)
                 _subtract(D[j], c_q, on_j)
                 _subtract(near_ij, c_q, on_i)
-                on_i, on_j = law(t, constant(qi), constant(qj), constant(vi), seeded(vj), *of)
+                on_i, on_j = law(t, constant(qi), constant(qj), constant(vi), seeded(vj), *own)
                 _subtract(D[j], c_v, on_j)
                 _subtract(near_ij, c_v, on_i)
 
@@ -148,32 +153,32 @@ def of_segment_force(law, numbers, first, each):
 
 
 def of_segment_energy(law, numbers, first, each):
-    """Of law(t, q0, q1, ...) -> energy of a segment [J]; its change with the time alone is put in or taken out from outside."""
+    """Compiled functions of a law(t, q0, q1, ...) -> energy of a segment [J]; time in it acts as in `of_node_energy`."""
 
     @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
         power = 0.0
         for n in range(index.shape[0] // 4):
-            i, j, of = index[4 * n], index[4 * n + 1], numbers(params, first + each * n)
+            i, j, own = index[4 * n], index[4 * n + 1], numbers(params, first + each * n)
             qi, qj = position(q, i), position(q, j)
-            E = law(t, seeded(qi), constant(qj), *of)
+            E = law(t, seeded(qi), constant(qj), *own)
             add(f, i, -slope(E, 0), -slope(E, 1), -slope(E, 2))
-            E = law(t, constant(qi), seeded(qj), *of)
+            E = law(t, constant(qi), seeded(qj), *own)
             add(f, j, -slope(E, 0), -slope(E, 1), -slope(E, 2))
-            power -= slope(law(dual(t, 1.0, 0.0, 0.0), qi, qj, *of), 0)
+            power -= slope(law(dual(t, 1.0, 0.0, 0.0), qi, qj, *own), 0)
         return power
 
     @njit(TANGENT_SIGNATURE, error_model="numpy")
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0] // 4):
             i, j, s, side = index[4 * n], index[4 * n + 1], index[4 * n + 2], index[4 * n + 3]
-            of, qi, qj = numbers(params, first + each * n), position(q, i), position(q, j)
+            own, qi, qj = numbers(params, first + each * n), position(q, i), position(q, j)
             if i < D.shape[0]:
-                _add_second(D[i], c_q, law(t, seeded(seeded(qi)), constant(constant(qj)), *of))
+                _add_second(D[i], c_q, law(t, seeded(seeded(qi)), constant(constant(qj)), *own))
             if j < D.shape[0]:
-                _add_second(D[j], c_q, law(t, constant(constant(qi)), seeded(seeded(qj)), *of))
+                _add_second(D[j], c_q, law(t, constant(constant(qi)), seeded(seeded(qj)), *own))
             if i < D.shape[0] and j < D.shape[0]:
-                E = law(t, seeded(constant(qi)), constant(seeded(qj)), *of)
+                E = law(t, seeded(constant(qi)), constant(seeded(qj)), *own)
                 _add_second(near[s, side], c_q, E)
                 _add_second_transposed(near[s, 1 - side], c_q, E)
 

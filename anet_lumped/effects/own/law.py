@@ -99,10 +99,10 @@ def compiled(law, shapes):
     ------
     SceneError : Numba does not compile it; it returns something else than a law of its kind does
     """
-    name, function, given = law.function.__name__, njit(error_model="numpy")(law.function), iter(shapes)
+    name, function, shapes_left = law.function.__name__, njit(error_model="numpy")(law.function), iter(shapes)
     kinds = [float64 if key == "t" else _vector for key in law.kind.first]
     for key in law.further:
-        n = 0 if key in law.kind.filled else next(given)
+        n = 0 if key in law.kind.filled else next(shapes_left)
         kinds.append(types.UniTuple(float64, n) if n else float64)
     try:
         function.compile(tuple(kinds))
@@ -122,18 +122,18 @@ def kernels(law, shapes):
     ------
     SceneError : as `compiled`; a function in it whose derivative is not known
     """
-    function, at, own, texts, given = compiled(law, shapes), 0, 0, [], iter(shapes)
+    function, in_parameters, in_elements, sources, shapes_left = compiled(law, shapes), 0, 0, [], iter(shapes)
     for key in law.further:
         if key in law.kind.filled:
-            texts.append(f"params[at + {own}]")
-            own += 1
+            sources.append(f"params[begin + {in_elements}]")
+            in_elements += 1
         else:
-            n = next(given)
-            texts.append(f"({''.join(f'params[{at + i}], ' for i in range(n))})" if n else f"params[{at}]")
-            at += n or 1
-    numbers = njit(eval(f"lambda params, at: ({''.join(f'{text}, ' for text in texts)})"))
+            n = next(shapes_left)
+            sources.append(f"({''.join(f'params[{in_parameters + i}], ' for i in range(n))})" if n else f"params[{in_parameters}]")
+            in_parameters += n or 1
+    numbers = njit(eval(f"lambda params, begin: ({''.join(f'{text}, ' for text in sources)})"))
     try:
-        return law.kind.make(function, numbers, at, own)
+        return law.kind.make(function, numbers, in_parameters, in_elements)
     except NumbaError as error:
         raise SceneError(
             f"The law of an effect must be made of arithmetic and of {', '.join(NAMES)}, whose derivatives are known, but "
@@ -144,11 +144,13 @@ def kernels(law, shapes):
 def _why(error, law):
     """What Numba says first, and the line of the law that it is about."""
     lines = [line.strip() for line in str(error).splitlines()]
-    said = next((line for line in lines if line and not line.startswith(("Failed in nopython", "During"))), type(error).__name__)
-    if said.startswith("No implementation of function"):
+    first_line = next(
+        (line for line in lines if line and not line.startswith(("Failed in nopython", "During"))), type(error).__name__
+    )
+    if first_line.startswith("No implementation of function"):
         call = next((line.removeprefix(">>> ") for line in lines if line.startswith(">>> ")), "")
-        said = f"there is no {call}"
+        first_line = f"there is no {call}"
     file = law.function.__code__.co_filename.replace("\\", "/").split("/")[-1]
-    at = next((line for line in lines if line.startswith("File ") and file in line), "")
-    where = at.rstrip(":").rpartition("line ")[2]
-    return said.rstrip(".:") + (f", in line {where}." if where.isdigit() else ".")
+    location = next((line for line in lines if line.startswith("File ") and file in line), "")
+    where = location.rstrip(":").rpartition("line ")[2]
+    return first_line.rstrip(".:") + (f", in line {where}." if where.isdigit() else ".")

@@ -9,18 +9,26 @@ tension acts, and k = dT/dl, 0 for a slack segment. Keeping the tension as an un
 number that occurs as large as inertia and tension, not as large as the stiffness: with M = D + a I,
 
     y = M^-1 e,   z = M^-T g,   rho = 1/(1 + k g . y),   T = rho [T_0 + k (g - a z) . d_next - k z . r_i]
-    S = a I - a^2 M^-1 + rho k (e - a y)(g - a z)^T        is what the part behind looks like to the next node,
+    S = a I - a^2 M^-1 + rho k (e - a y)(g - a z)^T .
 
-which is (G^-1 + D^-1)^-1 for the segment stiffness G = a I + k e g^T, after Sherman and Morrison. Effects that join neighbours
-along a cable, or next-but-one neighbours, add their blocks ``net.near_blocks`` and ``net.far_blocks``;
-`node_elimination` has the formulas.
+S is the stiffness of all that lies behind, as the next node feels it: (G^-1 + D^-1)^-1 for the segment stiffness G = a I + k e g^T,
+after Sherman and Morrison. Effects that join neighbours along a cable, or next-but-one neighbours, add their blocks
+``net.near_blocks`` and ``net.far_blocks``; `node_elimination` has the formulas. "Behind" a node is the side of the cable's start,
+"ahead" that of its end.
 """
 
 import numpy as np
 
 from anet_lumped.compiled.jit import inlined, internal, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, lane, load, load_four, max_of_lanes, shifted, store, store_four
-from anet_lumped.mechanics.linear.node_elimination import eliminate, eliminate_far, eliminate_near, less, minus, times
+from anet_lumped.mechanics.linear.node_elimination import (
+    difference,
+    eliminate,
+    eliminate_far,
+    eliminate_near,
+    identity_multiple_minus,
+    times,
+)
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     CABLE_BLOCK_END_START,
@@ -60,7 +68,7 @@ def _linearised(segment, first, j):
 
 
 @inlined
-def _pair(numbers, s):
+def _blocks_of_segment(numbers, s):
     """The two blocks of a segment, by rows, 18 numbers."""
     row = shifted(s, 0, 18, 0)
     first, second = load_four(numbers, row) + load_four(numbers, shifted(row, 0, 1, 4)), load_four(numbers, shifted(row, 0, 1, 8))
@@ -73,38 +81,40 @@ def _pair(numbers, s):
 
 
 @inlined
-def _pass(state, views, blocks, node, first, j):
-    """`eliminate` interior node j, through segment j + 1; writes ``net.factor``, and returns what is not written there."""
-    diagonal, right, segment, factor, further = views
-    at_D, at_r, at_f = shifted(node, j, 9, 0), shifted(node, j, 3, 0), shifted(first, j + 1, 16, 0)
-    D = (*load_four(diagonal, at_D), *load_four(diagonal, shifted(at_D, 0, 1, 4)), load(diagonal, shifted(at_D, 0, 1, 8)))
-    r = (load(right, at_r), load(right, shifted(at_r, 0, 1, 1)), load(right, shifted(at_r, 0, 1, 2)))
+def _eliminate_node(state, flat_arrays, blocks, node, first, j):
+    """Eliminate interior node j through segment j + 1, see `eliminate`; write ``net.factor`` and return the other results."""
+    diagonal, right, segment, factor, far_factor = flat_arrays
+    index_D, index_r, index_factor = shifted(node, j, 9, 0), shifted(node, j, 3, 0), shifted(first, j + 1, 16, 0)
+    D = (*load_four(diagonal, index_D), *load_four(diagonal, shifted(index_D, 0, 1, 4)), load(diagonal, shifted(index_D, 0, 1, 8)))
+    r = (load(right, index_r), load(right, shifted(index_r, 0, 1, 1)), load(right, shifted(index_r, 0, 1, 2)))
     row, s = _linearised(segment, first, j + 1), shifted(first, j, 1, 1)
     if len(blocks) == 0:
         ahead, follows, M, y, z, rho = eliminate(state, D, r, row)
     elif len(blocks) == 1:
-        ahead, follows, M, y, z, rho = eliminate_near(state, D, r, row, _pair(blocks[0], s))
+        ahead, follows, M, y, z, rho = eliminate_near(state, D, r, row, _blocks_of_segment(blocks[0], s))
     else:
-        ahead, follows, M, y, z, rho = eliminate_far(state, D, r, row, _pair(blocks[0], s), _pair(blocks[1], s))
-        at_more = shifted(s, 0, 12, 0)
-        store_four(further, at_more, follows[16:20])
-        store_four(further, shifted(at_more, 0, 1, 4), follows[20:24])
-        store_four(further, shifted(at_more, 0, 1, 8), follows[24:])
-    store_four(factor, at_f, follows[:4])
-    store_four(factor, shifted(at_f, 0, 1, 4), follows[4:8])
-    store_four(factor, shifted(at_f, 0, 1, 8), follows[8:12])
-    store_four(factor, shifted(at_f, 0, 1, 12), follows[12:16])
+        ahead, follows, M, y, z, rho = eliminate_far(
+            state, D, r, row, _blocks_of_segment(blocks[0], s), _blocks_of_segment(blocks[1], s)
+        )
+        index_far = shifted(s, 0, 12, 0)
+        store_four(far_factor, index_far, follows[16:20])
+        store_four(far_factor, shifted(index_far, 0, 1, 4), follows[20:24])
+        store_four(far_factor, shifted(index_far, 0, 1, 8), follows[24:])
+    store_four(factor, index_factor, follows[:4])
+    store_four(factor, shifted(index_factor, 0, 1, 4), follows[4:8])
+    store_four(factor, shifted(index_factor, 0, 1, 8), follows[8:12])
+    store_four(factor, shifted(index_factor, 0, 1, 12), follows[12:16])
     return ahead, M, y, z, rho
 
 
 @inlined
-def _views(net):
+def _flat_arrays(net):
     return flat(net.diagonal), flat(net.right_side), flat(net.segment), flat(net.factor), flat(net.far_factor)
 
 
 @inlined
 def _eliminate(net, blocks, c, members):
-    """Eliminate the interior of a cable, or of the cables of a group of which ``members`` count, that hangs on a fixed start."""
+    """Eliminate the interior of a cable with a prescribed start, or of the cables of a group of which ``members`` count."""
     first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
     ex, ey, ez, gx, gy, gz, a, k, T = _linearised(flat(net.segment), first, 0)
     kx, ky, kz = k * ex, k * ey, k * ez
@@ -112,20 +122,20 @@ def _eliminate(net, blocks, c, members):
         a + kx * gx, kx * gy, kx * gz, ky * gx, a + ky * gy, ky * gz, kz * gx, kz * gy, a + kz * gz, -ex * T, -ey * T, -ez * T
     )  # fmt: skip
     if len(blocks) < 2:
-        beyond = state
+        behind = state
     else:
-        o = 0.0 * a  # nothing behind acts beyond the first node
-        six = (o, o, o, o, o, o)
-        beyond = state + six + six + six + six + six
-    views = _views(net)
+        zero = 0.0 * a  # nothing behind acts beyond the first node
+        six_zeros = (zero, zero, zero, zero, zero, zero)
+        behind = state + six_zeros + six_zeros + six_zeros + six_zeros + six_zeros
+    flat_arrays = _flat_arrays(net)
     for j in range(lane(column(net.cable, c, CABLE_SEGMENTS), 0) - 1):
-        beyond = _pass(beyond, views, blocks, node, first, j)[0]
-    _finish(net, c, members, beyond)
+        behind = _eliminate_node(behind, flat_arrays, blocks, node, first, j)[0]
+    _finish(net, c, members, behind)
 
 
 @inlined
 def _finish(net, c, members, state):
-    """Hand what a cable looks like from its end to its end point, if that is free."""
+    """Add the block and the right-hand side that an eliminated cable leaves at its end to those of its end point, if free."""
     ends = column(net.cable, c, CABLE_END)
     for k in range(members):
         end = lane(ends, k)
@@ -141,7 +151,8 @@ def _finish(net, c, members, state):
 def eliminate_all_groups(net_address, blocks):
     """Eliminate the interior of the cables that are taken by fours, see `eliminate_cables`.
 
-    ``blocks`` are those of `Net.near_blocks` and `Net.far_blocks` that there are, flat, a tuple whose length the compiler knows.
+    ``blocks`` is (), (`Net.near_blocks`,) or (`Net.near_blocks`, `Net.far_blocks`), flat: the blocks that the scene's effects have.
+    The compiler knows its length.
     """
     net = view_net(net_address)
     for g in range(net.cable_groups.shape[0]):
@@ -150,7 +161,7 @@ def eliminate_all_groups(net_address, blocks):
 
 @inlined
 def eliminate_all_singles(net_address, blocks):
-    """Eliminate the interior of the cables that are in no group and hang on a held start."""
+    """Eliminate the interior of the cables that are in no group and have a prescribed start."""
     net = view_net(net_address)
     for i in range(net.single_kinds[1], net.single_cables.shape[0]):
         _eliminate(net, blocks, net.single_cables[i], 1)
@@ -183,7 +194,7 @@ def eliminate_bordered(net_address):
 
 
 @inlined
-def _take(table, m):
+def _subtract_block(table, m):
     for x in range(3):
         for y in range(3):
             table[x, y] -= m[x, y]
@@ -193,11 +204,11 @@ def _take(table, m):
 def _eliminate_bordered(net_address, blocks, c):
     """Eliminate a cable whose start is a free point too.
 
-    The displacement of the start and the tension T of the first segment are carried along as four unknowns u = (d_start, T):
-    the first node sees A_0 d_start - a_0 d - e_0 T behind it, so that no stiffness enters before T itself is eliminated at the
-    end. C (3, 4) is what u adds to the right-hand side of the node eliminated now, and C_next to that of the next one. What the
-    start and T see of the interior, (B_0 d_first - F_0 d_second, g_0 . d_first), is Y d + Y_next d_next + p + P u in terms of the
-    two nodes whose turn comes.
+    The displacement of the start and the tension T of the first segment are carried along as four unknowns u = (d_start, T).
+    The force on the first node from behind is A_0 d_start - a_0 d - e_0 T, so that no stiffness enters before T is eliminated, last
+    of all. C (3, 4) times u is added to the right-hand side of the node that is eliminated, and C_next times u to that of the next
+    one. The interior enters the equations of the start and of T by (B_0 d_first - F_0 d_second, g_0 . d_first); this vector is
+    written as Y d + Y_next d_next + p + P u, with the displacements of the next two nodes to be eliminated.
     """
     net = view_net(net_address)
     start, end, s = net.cable[c, CABLE_START], net.cable[c, CABLE_END], net.cable[c, CABLE_FIRST_SEGMENT]
@@ -211,37 +222,39 @@ def _eliminate_bordered(net_address, blocks, c):
     for x in range(3):
         C[x, x], C[x, 3], Y[x, x], Y[3, x] = a0, -e0[x], a0, g0[x]
     if len(blocks) > 0:
-        _take(C, net.near_blocks[s, 1])
-        _take(Y, net.near_blocks[s, 0])
+        _subtract_block(C, net.near_blocks[s, 1])
+        _subtract_block(Y, net.near_blocks[s, 0])
     behind = (a0, 0.0, 0.0, 0.0, a0, 0.0, 0.0, 0.0, a0, 0.0, 0.0, 0.0)
     if len(blocks) < 2:
         state = behind
     else:
-        six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        state = behind + six + six + six + six + six
-        _take(C_next, net.far_blocks[s, 1])
-        _take(Y_next, net.far_blocks[s, 0])
-    views = _views(net)
+        six_zeros = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        state = behind + six_zeros + six_zeros + six_zeros + six_zeros + six_zeros
+        _subtract_block(C_next, net.far_blocks[s, 1])
+        _subtract_block(Y_next, net.far_blocks[s, 0])
+    flat_arrays = _flat_arrays(net)
     for j in range(net.cable[c, CABLE_SEGMENTS] - 1):
         s += 1
         row, border, H, h = net.segment[s], net.border[s], net.factor[s, :9], net.factor[s, 9:12]
         a = row[SEGMENT_GEOMETRIC]
         if len(blocks) > 0:
-            B = less(a, _pair(blocks[0], s)[9:])
+            B = identity_multiple_minus(a, _blocks_of_segment(blocks[0], s)[9:])
             if len(blocks) > 1:
-                B = minus(B, state[21:30])
-        state, M, y, z, rho = _pass(state, views, blocks, net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_FIRST_SEGMENT], j)
+                B = difference(B, state[21:30])
+        state, M, y, z, rho = _eliminate_node(
+            state, flat_arrays, blocks, net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_FIRST_SEGMENT], j
+        )
         for u in range(4):
-            of_T = rho * (z[0] * C[0, u] + z[1] * C[1, u] + z[2] * C[2, u])
+            T_share = rho * (z[0] * C[0, u] + z[1] * C[1, u] + z[2] * C[2, u])
             b = times(M, C[0, u], C[1, u], C[2, u])
-            bx, by, bz = b[0] - y[0] * of_T, b[1] - y[1] * of_T, b[2] - y[2] * of_T
-            border[u], border[4 + u], border[8 + u], border[12 + u] = bx, by, bz, -of_T
+            bx, by, bz = b[0] - y[0] * T_share, b[1] - y[1] * T_share, b[2] - y[2] * T_share
+            border[u], border[4 + u], border[8 + u], border[12 + u] = bx, by, bz, -T_share
             if len(blocks) == 0:
                 ahead = a * bx, a * by, a * bz
             else:
                 ahead = times(B, bx, by, bz)
             for x in range(3):
-                C[x, u] = ahead[x] + row[x] * of_T + C_next[x, u]
+                C[x, u] = ahead[x] + row[x] * T_share + C_next[x, u]
             if len(blocks) > 1:
                 for x in range(3):
                     C_next[x, u] = -(
@@ -259,45 +272,45 @@ def _eliminate_bordered(net_address, blocks, c):
                 for i in range(3):
                     Y_next[x, i] = Yx * J[i] + Yy * J[3 + i] + Yz * J[6 + i]
     # T = T_0 + k_0 g_0 . (d_first - d_start), solved for T: = tie . (d_end, d_start) + constant
-    tie = net.factor[net.cable[c, CABLE_FIRST_SEGMENT]]
+    first_tension = net.factor[net.cable[c, CABLE_FIRST_SEGMENT]]
     rho = 1.0 / (1.0 - k0 * P[3, 3])
     for i in range(3):
-        tie[i] = rho * k0 * Y[3, i]
-        tie[3 + i] = rho * k0 * (P[3, i] - g0[i])
-    tie[6] = rho * (first[SEGMENT_TENSION] + k0 * p[3])
+        first_tension[i] = rho * k0 * Y[3, i]
+        first_tension[3 + i] = rho * k0 * (P[3, i] - g0[i])
+    first_tension[6] = rho * (first[SEGMENT_TENSION] + k0 * p[3])
     _finish(net, c, 1, state)
     of_start, of_end, right = block[start - net.n_interior], block[end - net.n_interior], net.right_side
     to_end, to_start = block[net.cable[c, CABLE_BLOCK_START_END]], block[net.cable[c, CABLE_BLOCK_END_START]]
     for x in range(3):
-        # force on the start: what it sees of the interior, less a_0 d_start, and e_0 T; on the end: what `_finish` gave it, and C u
-        of_T = P[x, 3] + e0[x]
-        right[start, x] += p[x] + of_T * tie[6]
-        right[end, x] += C[x, 3] * tie[6]
+        # force on the start: that of the interior, e_0 T and -a_0 d_start; on the end: that of `_finish`, and C u
+        T_share = P[x, 3] + e0[x]
+        right[start, x] += p[x] + T_share * first_tension[6]
+        right[end, x] += C[x, 3] * first_tension[6]
         of_start[x, x] += a0
         for i in range(3):
-            of_start[x, i] -= P[x, i] + of_T * tie[3 + i]
-            to_end[x, i] -= Y[x, i] + of_T * tie[i]
-            to_start[x, i] -= C[x, i] + C[x, 3] * tie[3 + i]
-            of_end[x, i] -= C[x, 3] * tie[i]
+            of_start[x, i] -= P[x, i] + T_share * first_tension[3 + i]
+            to_end[x, i] -= Y[x, i] + T_share * first_tension[i]
+            to_start[x, i] -= C[x, i] + C[x, 3] * first_tension[3 + i]
+            of_end[x, i] -= C[x, 3] * first_tension[i]
 
 
 @inlined
-def _follow(factor, more, s, x, y, z, before):
-    """Displacement of the node before segment s, and the tension of that, from the displacement of the one behind it.
+def _displacement_behind(factor, far_factors, s, x, y, z, second_ahead):
+    """Displacement of the node behind segment s and tension of that segment, from the displacement (x, y, z) of the node ahead.
 
-    ``more`` is (`Net.far_factor`,) where that depends on the one ``before`` that, too, and else ().
+    ``far_factors`` is (`Net.far_factor`,) where both also depend on the displacement of the second node ahead; else ().
     """
     row = shifted(s, 0, 16, 0)
     h00, h01, h02, h10 = load_four(factor, row)
     h11, h12, h20, h21 = load_four(factor, shifted(row, 0, 1, 4))
     h22, hx, hy, hz = load_four(factor, shifted(row, 0, 1, 8))
     wx, wy, wz, T = load_four(factor, shifted(row, 0, 1, 12))
-    if len(more) == 1:
-        u, v, w = before
+    if len(far_factors) == 1:
+        u, v, w = second_ahead
         row = shifted(s, 0, 12, 0)
-        j00, j01, j02, j10 = load_four(more[0], row)
-        j11, j12, j20, j21 = load_four(more[0], shifted(row, 0, 1, 4))
-        j22, ox, oy, oz = load_four(more[0], shifted(row, 0, 1, 8))
+        j00, j01, j02, j10 = load_four(far_factors[0], row)
+        j11, j12, j20, j21 = load_four(far_factors[0], shifted(row, 0, 1, 4))
+        j22, ox, oy, oz = load_four(far_factors[0], shifted(row, 0, 1, 8))
         hx = hx + j00 * u + j01 * v + j02 * w
         hy = hy + j10 * u + j11 * v + j12 * w
         hz = hz + j20 * u + j21 * v + j22 * w
@@ -309,46 +322,55 @@ def _follow(factor, more, s, x, y, z, before):
 
 
 @inlined
-def _substitute(net, more, c):
-    """`substitute_cables` of a cable, or of a group, that hangs on a fixed start or has no interior."""
-    first, node, end = (
-        column(net.cable, c, CABLE_FIRST_SEGMENT),
-        column(net.cable, c, CABLE_FIRST_NODE),
-        column(net.cable, c, CABLE_END),
-    )
+def _substitute(net, far_factors, c):
+    """`substitute_cables` of a cable, or of a group, that has a prescribed start or no interior."""
+    first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
+    end = column(net.cable, c, CABLE_END)
     step, factor, segment = flat(net.newton_step), flat(net.factor), flat(net.segment)
-    at_end, at_start = shifted(end, 0, 3, 0), shifted(column(net.cable, c, CABLE_START), 0, 3, 0)
-    x, y, z = load(step, at_end), load(step, shifted(at_end, 0, 1, 1)), load(step, shifted(at_end, 0, 1, 2))
-    most, before = -np.inf + 0.0 * x, (0.0 * x, 0.0 * x, 0.0 * x)
+    index_end, index_start = shifted(end, 0, 3, 0), shifted(column(net.cable, c, CABLE_START), 0, 3, 0)
+    x, y, z = load(step, index_end), load(step, shifted(index_end, 0, 1, 1)), load(step, shifted(index_end, 0, 1, 2))
+    largest_push, second_ahead = -np.inf + 0.0 * x, (0.0 * x, 0.0 * x, 0.0 * x)
     for j in range(lane(column(net.cable, c, CABLE_SEGMENTS), 0) - 1, 0, -1):
         s = shifted(first, j, 1, 0)
-        (x, y, z, T), before = _follow(factor, more, s, x, y, z, before), (x, y, z)
+        (x, y, z, T), second_ahead = _displacement_behind(factor, far_factors, s, x, y, z, second_ahead), (x, y, z)
         store(net.tension, s, T)
         i = shifted(node, j - 1, 3, 0)
         store(step, i, x)
         store(step, shifted(i, 0, 1, 1), y)
         store(step, shifted(i, 0, 1, 2), z)
-        most = max(most, -T)
+        largest_push = max(largest_push, -T)
     _, _, _, gx, gy, gz, _, k, T = _linearised(segment, first, 0)
-    x, y, z = x - load(step, at_start), y - load(step, shifted(at_start, 0, 1, 1)), z - load(step, shifted(at_start, 0, 1, 2))
+    x, y, z = (
+        x - load(step, index_start),
+        y - load(step, shifted(index_start, 0, 1, 1)),
+        z - load(step, shifted(index_start, 0, 1, 2)),
+    )
     T = T + k * (gx * x + gy * y + gz * z)
     store(net.tension, first, T)
-    return -max_of_lanes(max(most, -T))
+    return -max_of_lanes(max(largest_push, -T))
 
 
 @inlined
-def _substitute_bordered(net, more, c):
+def _substitute_bordered(net, far_factors, c):
     """`substitute_cables` of a cable whose start is a free point too."""
     first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
     step, factor, tension, start, end = net.newton_step, net.factor, net.tension, net.cable[c, CABLE_START], net.cable[c, CABLE_END]
     x, y, z = step[end, 0], step[end, 1], step[end, 2]
     sx, sy, sz = step[start, 0], step[start, 1], step[start, 2]
-    tie = factor[first]
-    T0 = tie[6] + tie[0] * x + tie[1] * y + tie[2] * z + tie[3] * sx + tie[4] * sy + tie[5] * sz
-    tension[first], smallest, before = T0, T0, (0.0, 0.0, 0.0)
+    first_tension = factor[first]
+    T0 = (
+        first_tension[6]
+        + first_tension[0] * x
+        + first_tension[1] * y
+        + first_tension[2] * z
+        + first_tension[3] * sx
+        + first_tension[4] * sy
+        + first_tension[5] * sz
+    )
+    tension[first], smallest, second_ahead = T0, T0, (0.0, 0.0, 0.0)
     for j in range(count - 1, 0, -1):
         b, i = net.border[first + j], node + j - 1
-        (x, y, z, T), before = _follow(flat(factor), more, first + j, x, y, z, before), (x, y, z)
+        (x, y, z, T), second_ahead = _displacement_behind(flat(factor), far_factors, first + j, x, y, z, second_ahead), (x, y, z)
         x += b[0] * sx + b[1] * sy + b[2] * sz + b[3] * T0
         y += b[4] * sx + b[5] * sy + b[6] * sz + b[7] * T0
         z += b[8] * sx + b[9] * sy + b[10] * sz + b[11] * T0
@@ -359,30 +381,30 @@ def _substitute_bordered(net, more, c):
 
 
 @inlined
-def substitute_all_groups(net_address, more):
+def substitute_all_groups(net_address, far_factors):
     """`substitute_cables` of the cables that are taken by fours; returns their smallest tension [N]."""
     net, smallest = view_net(net_address), np.inf
     for g in range(net.cable_groups.shape[0]):
-        smallest = min(smallest, _substitute(net, more, group_members(net.cable_groups, g)))
+        smallest = min(smallest, _substitute(net, far_factors, group_members(net.cable_groups, g)))
     return smallest
 
 
 @inlined
-def substitute_all_singles(net_address, more):
+def substitute_all_singles(net_address, far_factors):
     """`substitute_cables` of the cables in no group, but for those between two free points; returns their smallest tension [N]."""
     net, smallest = view_net(net_address), np.inf
     for i in range(net.single_cables.shape[0]):
         if i < net.single_kinds[0] or i >= net.single_kinds[1]:
-            smallest = min(smallest, _substitute(net, more, net.single_cables[i]))
+            smallest = min(smallest, _substitute(net, far_factors, net.single_cables[i]))
     return smallest
 
 
 @inlined
-def substitute_all_bordered(net_address, more):
+def substitute_all_bordered(net_address, far_factors):
     """`substitute_cables` of the cables between two free points; returns their smallest tension [N]."""
     net, smallest = view_net(net_address), np.inf
     for i in range(net.single_kinds[0], net.single_kinds[1]):
-        smallest = min(smallest, _substitute_bordered(net, more, net.single_cables[i]))
+        smallest = min(smallest, _substitute_bordered(net, far_factors, net.single_cables[i]))
     return smallest
 
 

@@ -22,8 +22,8 @@ def _blocks(net_address):
 
 
 @inlined
-def _further(net_address):
-    """The factors by which a displacement depends on that of the next-but-one neighbour."""
+def _far_factors(net_address):
+    """The factors by which a displacement depends on that of the next-but-one neighbour, see `chain`."""
     return (flat(view_net(net_address).far_factor),)
 
 
@@ -48,16 +48,16 @@ def eliminate_bordered(net_address):
 @on_demand
 def substitute_groups(net_address):
     """`substitute_all_groups` with the blocks between next-but-one neighbours along a cable."""
-    return substitute_all_groups(net_address, _further(net_address))
+    return substitute_all_groups(net_address, _far_factors(net_address))
 
 
 @on_demand
 def substitute_singles(net_address):
     """`substitute_all_singles` with the blocks between next-but-one neighbours along a cable."""
-    return substitute_all_singles(net_address, _further(net_address))
+    return substitute_all_singles(net_address, _far_factors(net_address))
 
 
 @on_demand
 def substitute_bordered(net_address):
     """`substitute_all_bordered` with the blocks between next-but-one neighbours along a cable."""
-    return substitute_all_bordered(net_address, _further(net_address))
+    return substitute_all_bordered(net_address, _far_factors(net_address))

@@ -1,6 +1,6 @@
 """The elimination of `chain` for nets whose effects join neighbours along a cable, compiled when a scene first asks for it.
 
-The way back is that of `chain`: a displacement depends on that of one neighbour.
+The substitution is that of `chain`, since each displacement still depends on that of one neighbour alone.
 """
 
 from anet_lumped.compiled.jit import inlined, on_demand

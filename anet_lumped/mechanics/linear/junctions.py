@@ -13,7 +13,7 @@ def add_block(block, m, sign):
 
 @inlined
 def _factor(M):
-    """LU of a 3x3 block in net_address, unit lower, the inverse of the diagonal kept."""
+    """Overwrite a 3x3 block by its LU factors: L with a unit diagonal, U with the inverse of its diagonal."""
     M[0, 0] = 1.0 / M[0, 0]
     M[1, 0] *= M[0, 0]
     M[2, 0] *= M[0, 0]
@@ -37,35 +37,35 @@ def _solved(M, x, y, z):
 def solve_points(net_address):
     """Block LU of the free points in their elimination order; their displacements go to ``net.newton_step``.
 
-    By solves with factored blocks, never by their inverses: two points tied by a stiff cable share a block whose condition is
-    that of the stiffness over the inertia, and an inverse would lose it three times over.
+    The blocks are factored and never inverted: where a stiff cable joins two points, the condition number of their block is the
+    ratio of stiffness to inertia, and an inverse would lose three times as many digits.
     """
     net = view_net(net_address)
-    points, right, step, base = net.points, net.right_side, net.newton_step, net.n_interior
-    block, P = points.block, net.n_free - net.n_interior
-    for p in range(P):
-        M, rp = block[p], right[base + p]
+    points, right_side, step, base = net.points, net.right_side, net.newton_step, net.n_interior
+    block, points_free = points.block, net.n_free - net.n_interior
+    for p in range(points_free):
+        M, rp = block[p], right_side[base + p]
         _factor(M)
         rp[0], rp[1], rp[2] = _solved(M, rp[0], rp[1], rp[2])
-        first, last, at = points.later_at[p], points.later_at[p + 1], points.target_at[p]
+        first, last, target = points.later_at[p], points.later_at[p + 1], points.target_at[p]
         for j in range(first, last):
             U = block[points.upper[j]]
             for i in range(3):
                 U[0, i], U[1, i], U[2, i] = _solved(M, U[0, i], U[1, i], U[2, i])
         for i in range(first, last):
-            L, rq = block[points.lower[i]], right[base + points.later[i]]
+            L, rq = block[points.lower[i]], right_side[base + points.later[i]]
             for x in range(3):
                 rq[x] -= L[x, 0] * rp[0] + L[x, 1] * rp[1] + L[x, 2] * rp[2]
             for j in range(first, last):
-                S, U = block[points.target[at]], block[points.upper[j]]
+                S, U = block[points.target[target]], block[points.upper[j]]
                 for x in range(3):
                     for y in range(3):
                         S[x, y] -= L[x, 0] * U[0, y] + L[x, 1] * U[1, y] + L[x, 2] * U[2, y]
-                at += 1
-    for p in range(P - 1, -1, -1):
+                target += 1
+    for p in range(points_free - 1, -1, -1):
         d = step[base + p]
-        d[0], d[1], d[2] = right[base + p, 0], right[base + p, 1], right[base + p, 2]
+        d[0], d[1], d[2] = right_side[base + p, 0], right_side[base + p, 1], right_side[base + p, 2]
         for j in range(points.later_at[p], points.later_at[p + 1]):
-            U, after = block[points.upper[j]], step[base + points.later[j]]
+            U, step_later = block[points.upper[j]], step[base + points.later[j]]
             for x in range(3):
-                d[x] -= U[x, 0] * after[0] + U[x, 1] * after[1] + U[x, 2] * after[2]
+                d[x] -= U[x, 0] * step_later[0] + U[x, 1] * step_later[1] + U[x, 2] * step_later[2]

@@ -1,7 +1,8 @@
-"""The elimination of one node of a cable, on which `chain` is built: of one cable, or of four that are alike.
+"""The elimination of one node of a cable, or of one node of each of four cables that are alike; `chain` is built on it.
 
-`eliminate` is that of a cable alone, `eliminate_near` that of one whose neighbours effects join by the blocks that its name says,
-and `eliminate_far` that of one whose next-but-one neighbours they join too. Matrices are tuples by rows.
+`eliminate` serves cables whose nodes are joined by segments alone, `eliminate_near` those in which effects join neighbours by
+``net.near_blocks``, `eliminate_far` those in which effects join next-but-one neighbours too, by ``net.far_blocks``. Matrices are
+tuples by rows.
 """
 
 from anet_lumped.compiled.jit import inlined
@@ -9,17 +10,18 @@ from anet_lumped.compiled.jit import inlined
 
 @inlined
 def inverse(m):
-    """Inverse of a 3x3 matrix, a tuple by rows, by LU without pivoting: backward stable for what is nearly symmetric
-    positive definite, where the adjugate would lose twice the digits of the condition number.
+    """Inverse of a 3x3 matrix by LU without pivoting.
 
-    The eliminated rows keep the factor of their pivot (Bareiss), so that one division serves all three pivots.
+    Backward stable for a matrix that is nearly symmetric and positive definite; the adjugate would lose twice as many digits as
+    the condition number says. The eliminated rows keep the factor of their pivot (Bareiss), so that one division serves all
+    three pivots.
     """
     m00, m01, m02, m10, m11, m12, m20, m21, m22 = m
     p11, p12 = m00 * m11 - m10 * m01, m00 * m12 - m10 * m02
     p21, p22 = m00 * m21 - m20 * m01, m00 * m22 - m20 * m02
     det = p11 * p22 - p12 * p21
-    per = 1.0 / (m00 * p11 * det)
-    per_00, per_11, i2 = per * p11 * det, per * m00 * det, per * (m00 * p11) * (m00 * p11)
+    per_product = 1.0 / (m00 * p11 * det)
+    per_00, per_11, i2 = per_product * p11 * det, per_product * m00 * det, per_product * (m00 * p11) * (m00 * p11)
     i1, l10, u12, l21 = per_11 * m00, per_00 * m10, per_00 * p12, per_11 * p21
     a01 = -per_00 * m01 * i1
     a12 = -i1 * u12 * i2
@@ -34,6 +36,7 @@ def inverse(m):
 
 @inlined
 def times(m, x, y, z):
+    """Matrix times vector."""
     return (
         m[0] * x + m[1] * y + m[2] * z,
         m[3] * x + m[4] * y + m[5] * z,
@@ -43,6 +46,7 @@ def times(m, x, y, z):
 
 @inlined
 def times_transposed(m, x, y, z):
+    """Transposed matrix times vector."""
     return (
         m[0] * x + m[3] * y + m[6] * z,
         m[1] * x + m[4] * y + m[7] * z,
@@ -52,40 +56,42 @@ def times_transposed(m, x, y, z):
 
 @inlined
 def _product(a, b):
+    """Matrix times matrix."""
     first, second = times_transposed(b, a[0], a[1], a[2]), times_transposed(b, a[3], a[4], a[5])
     return first + second + times_transposed(b, a[6], a[7], a[8])
 
 
 @inlined
 def _outer(x, y):
+    """Outer product x y^T."""
     return (
         x[0] * y[0], x[0] * y[1], x[0] * y[2], x[1] * y[0], x[1] * y[1], x[1] * y[2], x[2] * y[0], x[2] * y[1], x[2] * y[2]
     )  # fmt: skip
 
 
 @inlined
-def _plus(a, b):
+def _sum(a, b):
     return (
         a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5], a[6] + b[6], a[7] + b[7], a[8] + b[8]
     )  # fmt: skip
 
 
 @inlined
-def minus(a, b):
+def difference(a, b):
     return (
         a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3], a[4] - b[4], a[5] - b[5], a[6] - b[6], a[7] - b[7], a[8] - b[8]
     )  # fmt: skip
 
 
 @inlined
-def less(a, m):
+def identity_multiple_minus(a, m):
     """a I - m."""
     return a - m[0], -m[1], -m[2], -m[3], a - m[4], -m[5], -m[6], -m[7], a - m[8]
 
 
 @inlined
 def _condense(state, D, r, row):
-    """M, y, z, u = M^-1 r, rho k and the constant part of T, as in the docstring of `chain`; M the inverse."""
+    """M^-1, y, z, M^-1 r, rho k and the constant part of T, as in the docstring of `chain`."""
     s00, m01, m02, m10, s11, m12, m20, m21, s22, r0, r1, r2 = state
     ex, ey, ez, gx, gy, gz, a, k, T_0 = row
     r0, r1, r2 = r0 + r[0], r1 + r[1], r2 + r[2]
@@ -99,11 +105,11 @@ def _condense(state, D, r, row):
     f1, h1 = m00 * ey - m10 * ex, m00 * gy - m01 * gx
     f2, h2 = p11 * (m00 * ez - m20 * ex) - p21 * f1, p11 * (m00 * gz - m02 * gx) - p12 * h1
     det, m_p = p11 * p22 - p12 * p21, m00 * p11
-    whole = m_p * det
-    rho = whole / (whole + k * (gx * ex * (p11 * det) + f1 * h1 * det + f2 * h2))
-    per = 1.0 / whole
-    i0, i1, i2 = per * p11 * det, per * m00 * m00 * det, per * m_p * m_p
-    l10, u12, l21 = i0 * m10, i0 * p12, per * m00 * det * p21
+    product = m_p * det
+    rho = product / (product + k * (gx * ex * (p11 * det) + f1 * h1 * det + f2 * h2))
+    per_product = 1.0 / product
+    i0, i1, i2 = per_product * p11 * det, per_product * m00 * m00 * det, per_product * m_p * m_p
+    l10, u12, l21 = i0 * m10, i0 * p12, per_product * m00 * det * p21
     a01, a12 = -i0 * m01 * i1, -i1 * u12 * i2
     a02, b20 = i0 * (m01 * u12 * i1 - m02) * i2, l10 * l21 - i0 * m20
     M = (
@@ -122,15 +128,19 @@ def eliminate(state, D, r, row):
 
     Parameters
     ----------
-    state : tuple of 12, what lies behind: a block and a right-hand side
+    state : tuple of 12
+        Block (9) and right-hand side (3) that all that lies behind adds to the node.
     D, r, row : tuples of 9, 3 and 9
         Stiffness by rows, right-hand side, and e, g, a, k, T_0 of the segment.
 
     Returns
     -------
-    ahead : tuple of 12, what the next node sees behind it
-    follows : tuple of 16, how the node follows the next one, a row of ``Net.factor``: d = H d_next + h, T = w . d_next + T
-    M, y, z, rho k : as in the docstring of `chain`, M the inverse
+    ahead : tuple of 12
+        The same block and right-hand side for the next node.
+    follows : tuple of 16
+        H, h, w and T_c of d = H d_next + h, T = w . d_next + T_c, from which the node follows once the next one is known; a row of
+        ``Net.factor``.
+    M, y, z, rho k : the inverse M^-1, and the rest as in the docstring of `chain`
     """
     ex, ey, ez, gx, gy, gz, a = row[:7]
     M, y, z, u, rho, T = _condense(state, D, r, row)
@@ -152,43 +162,44 @@ def eliminate(state, D, r, row):
 
 @inlined
 def eliminate_near(state, D, r, row, near):
-    """The same where effects join the node and the next one: ``near`` (18,), the blocks of the one's row and of the other's.
+    """The same where effects join the node and the next one, by ``near`` (18,), blocks in the rows of this node and of the next.
 
     With A = a I - near_0 and B = a I - near_1 in place of a I,
 
         w = rho k (g - A^T z),   H = M^-1 A + y w^T,   S = a I - B H + e w^T .
     """
     e, g, a = row[:3], row[3:6], row[6]
-    A, B = less(a, near[:9]), less(a, near[9:])
+    A, B = identity_multiple_minus(a, near[:9]), identity_multiple_minus(a, near[9:])
     M, y, z, u, rho, T = _condense(state, D, r, row)
-    turned = times_transposed(A, z[0], z[1], z[2])
-    w = rho * (g[0] - turned[0]), rho * (g[1] - turned[1]), rho * (g[2] - turned[2])
-    H = _plus(_product(M, A), _outer(y, w))
+    A_z = times_transposed(A, z[0], z[1], z[2])
+    w = rho * (g[0] - A_z[0]), rho * (g[1] - A_z[1]), rho * (g[2] - A_z[2])
+    H = _sum(_product(M, A), _outer(y, w))
     h = u[0] + y[0] * T, u[1] + y[1] * T, u[2] + y[2] * T
-    back = times(B, h[0], h[1], h[2])
-    S, s = _plus(less(a, _product(B, H)), _outer(e, w)), (back[0] - e[0] * T, back[1] - e[1] * T, back[2] - e[2] * T)
+    B_h = times(B, h[0], h[1], h[2])
+    S, s = _sum(identity_multiple_minus(a, _product(B, H)), _outer(e, w)), (B_h[0] - e[0] * T, B_h[1] - e[1] * T, B_h[2] - e[2] * T)
     return S + s, (*H, *h, *w, T), M, y, z, rho
 
 
 @inlined
 def eliminate_far(state, D, r, row, near, far):
-    """The same where effects join the node and the next but one too, by ``far`` (18,).
+    """The same where effects join the node and the next-but-one too, by ``far`` (18,).
 
-    What lies behind now acts on the next two nodes: ``state`` (42,) is that on the next one (12,), the blocks between the two
-    (18,), and that on the second (12,). The node follows both, d = H d_1 + J d_2 + h, T = w . d_1 + o . d_2 + T: ``follows`` (28,)
-    is that of `eliminate`, J and o. With F = far_0 and G = far_1,
+    All that lies behind acts on this node and the next. ``state`` (42,) holds block and right-hand side of this one (12,),
+    the blocks between both (18,), and block and right-hand side of the next one (12,). The node follows the next two nodes,
+    d = H d_1 + J d_2 + h, T = w . d_1 + o . d_2 + T_c; ``follows`` (28,) is that of `eliminate`, then J and o. With F = far_0 and
+    G = far_1,
 
         o = rho k F^T z,   J = y o^T - M^-1 F,   S_12 = e o^T - B J,   S_21 = G H,   S_22 = G J .
     """
-    across, beyond = state[12:30], state[30:]
-    joined = _plus(near[:9], across[:9]) + _plus(near[9:], across[9:])
-    ahead, follows, M, y, z, rho = eliminate_near(state[:12], D, r, row, joined)
-    F, G, B = far[:9], far[9:], less(row[6], joined[9:])
-    turned = times_transposed(F, z[0], z[1], z[2])
-    o = rho * turned[0], rho * turned[1], rho * turned[2]
-    J = minus(_outer(y, o), _product(M, F))
-    back = times(G, follows[9], follows[10], follows[11])
-    S, s = _plus(ahead[:9], beyond[:9]), (ahead[9] + beyond[9], ahead[10] + beyond[10], ahead[11] + beyond[11])
-    S_12, S_21, S_22 = minus(_outer(row[:3], o), _product(B, J)), _product(G, follows[:9]), _product(G, J)
-    s_2 = (-back[0], -back[1], -back[2])
+    between_both, on_second = state[12:30], state[30:]
+    blocks_between = _sum(near[:9], between_both[:9]) + _sum(near[9:], between_both[9:])
+    ahead, follows, M, y, z, rho = eliminate_near(state[:12], D, r, row, blocks_between)
+    F, G, B = far[:9], far[9:], identity_multiple_minus(row[6], blocks_between[9:])
+    F_z = times_transposed(F, z[0], z[1], z[2])
+    o = rho * F_z[0], rho * F_z[1], rho * F_z[2]
+    J = difference(_outer(y, o), _product(M, F))
+    G_h = times(G, follows[9], follows[10], follows[11])
+    S, s = _sum(ahead[:9], on_second[:9]), (ahead[9] + on_second[9], ahead[10] + on_second[10], ahead[11] + on_second[11])
+    S_12, S_21, S_22 = difference(_outer(row[:3], o), _product(B, J)), _product(G, follows[:9]), _product(G, J)
+    s_2 = (-G_h[0], -G_h[1], -G_h[2])
     return S + s + S_12 + S_21 + S_22 + s_2, follows + J + o, M, y, z, rho

@@ -28,18 +28,18 @@ from integrators.flat_view import flat
 
 @internal
 def eliminate_cables(net_address):
-    """Eliminate the interior of every cable; adds what each looks like to ``net.points.block`` and ``net.right_side``.
+    """Eliminate the interior of every cable; add what is left of it at its ends to ``net.points.block`` and ``net.right_side``.
 
     Reads ``net.segment``, ``net.diagonal`` and ``net.right_side``; writes ``net.factor``, ``net.far_factor`` and ``net.border``. A
-    node waits for the one before it and little else does, so four cables of one length are eliminated side by side.
+    node has to wait for the node behind it; therefore four cables of one length are eliminated side by side.
     """
     net = view_net(net_address)
     diagonal, block, kinds = net.diagonal, net.points.block, net.single_kinds
-    P = net.n_free - net.n_interior
+    free_points = net.n_free - net.n_interior
     for p in range(block.shape[0]):
         for x in range(3):
             for y in range(3):
-                block[p, x, y] = diagonal[net.n_interior + p, x, y] if p < P else 0.0
+                block[p, x, y] = diagonal[net.n_interior + p, x, y] if p < free_points else 0.0
     if net.cable_groups.shape[0] > 0:
         as_eliminate(net.kernels[KERNEL_ELIMINATE_GROUPS])(net_address)
     for i in range(kinds[0]):
@@ -52,18 +52,18 @@ def eliminate_cables(net_address):
 
 @internal
 def _eliminate_short(net, c):
-    """A cable of one segment has no interior: its stiffness goes straight to its end points."""
+    """Add the stiffness of a cable of one segment, which has no interior, to its end points."""
     start, end, block = net.cable[c, CABLE_START], net.cable[c, CABLE_END], net.points.block
-    e = net.segment[net.cable[c, CABLE_FIRST_SEGMENT]]
-    G, T = segment_stiffness(e), e[SEGMENT_TENSION]
+    row = net.segment[net.cable[c, CABLE_FIRST_SEGMENT]]
+    G, T = segment_stiffness(row), row[SEGMENT_TENSION]
     if start < net.n_free:
         add_block(block[start - net.n_interior], G, 1.0)
         for x in range(3):
-            net.right_side[start, x] += e[x] * T
+            net.right_side[start, x] += row[x] * T
     if end < net.n_free:
         add_block(block[end - net.n_interior], G, 1.0)
         for x in range(3):
-            net.right_side[end, x] -= e[x] * T
+            net.right_side[end, x] -= row[x] * T
     if net.cable[c, CABLE_JOINS_FREE_POINTS] == 1:
         add_block(block[net.cable[c, CABLE_BLOCK_START_END]], G, -1.0)
         add_block(block[net.cable[c, CABLE_BLOCK_END_START]], G, -1.0)
@@ -75,7 +75,7 @@ def _eliminate_short(net, c):
 
 @internal
 def substitute_cables(net_address):
-    """From the free points back along each cable: displacements to ``net.newton_step``, tensions to ``net.tension``.
+    """Write displacements to ``net.newton_step`` and tensions to ``net.tension``, back from the free points along each cable.
 
     Returns the smallest tension [N].
     """

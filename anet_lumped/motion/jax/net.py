@@ -23,6 +23,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.scipy.linalg import lu_factor, lu_solve
 
+from anet_lumped.checks import InputError
 from anet_lumped.effects.laws.axial import tension_parts, with_select
 from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_TWO_WAY_DAMPER, CABLE_END, CABLE_SEGMENTS, CABLE_START
 from anet_lumped.scene.scene import Driven, Fixed
@@ -194,11 +195,11 @@ def jax_net(model):
 
     Raises
     ------
-    ValueError : an effect that JAX cannot trace
+    InputError : an effect that JAX cannot trace
     """
     for effect in model.scene.effects:
         if not effect.jax_traceable:
-            raise ValueError(
+            raise InputError(
                 "Methods of diffrax need effects that JAX can trace, such as Gravity and ViscousDamping, but "
                 f"{type(effect).__name__} is none (`Effect.jax_traceable`); take a method of this package or of scipy."
             )

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from anet_lumped import Cable, Fixed, Free, Scene, SceneError, simulate
+from anet_lumped import Cable, Fixed, Free, InputError, Scene, SceneError, simulate
 from anet_lumped.effects import Gravity
 from studies.catalogue import random_trials
 from studies.catalogue.random_trials import FAILED, GAINED, HELD, REFUSED, Random, Trial, attempt, draw, try_many
@@ -104,12 +104,18 @@ def test_a_nan_called_done_fails(monkeypatch):
     assert attempt(trial()) == (FAILED, "done, yet not finite")
 
 
-def test_an_error_that_is_not_the_librarys_fails(monkeypatch):
+@pytest.mark.parametrize(("error", "outcome"), [
+    (IndexError("index 7 is out of bounds"), FAILED),
+    (ValueError("shapes must match"), FAILED),  # such as NumPy raises, whatever the words
+    (InputError("the step is too long"), REFUSED),
+    (InputError(""), FAILED),
+])  # fmt: skip
+def test_an_error_is_a_refusal_if_it_is_the_librarys_own_and_has_words(monkeypatch, error, outcome):
     def break_down(run):
-        raise IndexError("index 7 is out of bounds")
+        raise error
 
     tampered(monkeypatch, break_down)
-    assert attempt(trial()) == (FAILED, "IndexError: index 7 is out of bounds")
+    assert attempt(trial()) == (outcome, f"{type(error).__name__}: {error}")
 
 
 @pytest.mark.parametrize(("changes", "words"), [

@@ -1,29 +1,19 @@
-"""The laws of one element: against slow twins, against JAX and its derivatives, and what they promise."""
+"""The axial law of one segment: against slow twins, against JAX and its derivatives, and what it promises."""
 
-import math
 from fractions import Fraction
-from types import SimpleNamespace
 
 import naive
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from systems import mesh, nets, scatter
 
-import anet_lumped.effects
-from anet_lumped import Cable, Fixed, Free, Scene
-from anet_lumped.effects import REGISTRY, Gravity, ViscousDamping
+from anet_lumped import Cable
 from anet_lumped.effects.laws import axial
-from anet_lumped.mechanics.bindings import system
-from anet_lumped.mechanics.fresh_net import fresh_net
-from anet_lumped.model.build import build
-from anet_lumped.results.run import segment_tensions
 
 jax = pytest.importorskip("jax")
 jax.config.update("jax_enable_x64", True)
 
-NO_BLOCKS = (np.zeros((0, 2, 3, 3)), np.zeros((0, 2, 3, 3)))  # near and far, of a net in which no effect joins nodes
 jnp = jax.numpy
 
 EPS = np.finfo(float).eps
@@ -44,7 +34,7 @@ def cable_of(compression, EA=1e3, BA=5.0, length=0.5):
 def numbers(cable):
     """Spring, damper and its switch, as the compiled laws take them."""
     two_way_spring, two_way_damper = axial.SWITCHES[cable.compression]
-    return axial.one_spring(cable.stiffness, two_way_spring), cable.dashpot, two_way_damper
+    return axial.spring_without_curve(cable.stiffness, two_way_spring), cable.dashpot, two_way_damper
 
 
 @pytest.mark.parametrize("compression", COMPRESSION)
@@ -157,110 +147,3 @@ def test_slope_between(compression, a, b, k, c):
     # T is rounded at eps T in each of two values 2^-39 apart; its third derivative in l_b is below k/(b - a)^3
     size = (k + c / h) * (abs(a) + abs(b))
     assert (high - low) / float(2 * step) == pytest.approx(slope, abs=4 * EPS * size * 2**39 + 1e-12 * k / abs(b - a) ** 3)
-
-
-@pytest.mark.parametrize("compression", COMPRESSION)
-def test_forces_energies_and_tensions_of_nets(compression):
-    """The kernels of a net against its slow twin, and internal forces that sum to zero with no net torque."""
-    effects = [Gravity(3.0, (1, -2, 2)), ViscousDamping(0.7)]
-    for name, scene in {**nets(compression=compression, effects=effects), "mesh": mesh(3, 4, 3)}.items():
-        model, rng = build(scene), np.random.default_rng(len(name))
-        compiled, net = system(model), fresh_net(model)
-        np.testing.assert_allclose(model.mass, naive.masses(model), rtol=1e-15)
-        q, v = scatter(model, rng), rng.normal(size=(model.n, 3))
-        f, power, energy = np.full((model.n, 3), np.nan), np.full(3, np.nan), np.zeros(3)
-        compiled.force(0.0, q, v, net.address, f, power)
-        compiled.energy(0.0, q, v, net.address, energy)
-        expected, by_dampers, by_effects, put_in = naive.force(model, q, v)
-        prescribed_moves = model.n_driven < model.n
-        # sums of a few dozen rounded forces of up to 1e4 N
-        np.testing.assert_allclose(f, expected, atol=1e-10, err_msg=name)
-        assert power[:2] == pytest.approx([by_dampers, by_effects], rel=1e-12)
-        assert power[2] == (pytest.approx(put_in, rel=1e-12) if prescribed_moves else 0.0)
-        np.testing.assert_allclose(energy[:3], naive.energies(model, q, v), rtol=1e-12)
-        inner = f - naive.external(model, q, v)
-        np.testing.assert_allclose(inner.sum(axis=0), 0.0, atol=1e-10)
-        np.testing.assert_allclose(np.cross(q, inner).sum(axis=0), 0.0, atol=1e-10)
-        T, at = segment_tensions(model, q, v), iter(naive.tensions(model, q, v))
-        for cable in scene.cables:
-            expected = [next(at) for _ in range(cable.segments)]
-            np.testing.assert_allclose(T[model.segments(cable.name)], expected, rtol=1e-10, atol=1e-10)
-
-
-def test_force_is_the_slope_of_the_energy():
-    """-dE/dq of a net without dampers, by central differences."""
-    for compression in COMPRESSION:
-        model = build(nets(compression=compression, zeta=0.0)["wheel"])
-        compiled, net, rng = system(model), fresh_net(model), np.random.default_rng(3)
-        q, v = scatter(model, rng), np.zeros((model.n, 3))
-        f, power, d = np.zeros((model.n, 3)), np.zeros(3), rng.normal(size=(model.n, 3))
-
-        def energy(x):
-            out = np.zeros(3)
-            compiled.energy(0.0, q + x * d, v, net.address, out)  # noqa: B023
-            return out[1] + out[2]
-
-        compiled.force(0.0, q, v, net.address, f, power)
-        h = 1e-5  # m; energies of 1e3 J leave 1e-13/h = 1e-8, a cubic remainder of k h^2 = 1e-6 of the slope
-        assert -(energy(h) - energy(-h)) / (2 * h) == pytest.approx(np.sum(f * d), rel=1e-5)
-
-
-def test_an_effect_not_asked_for_has_no_entry():
-    scene = nets()["junction"]
-    for effects, n in (((), 0), ((Gravity(),), 1), ((ViscousDamping(1.0), Gravity()), 2)):
-        table = build(Scene(scene.points, scene.cables, effects)).effects
-        assert table.address.shape == (n, 5) and len(table.index_at) == len(table.params_at) == n + 1
-
-
-def test_effects_are_found_by_name_and_not_imported_before():
-    assert {REGISTRY["gravity"], REGISTRY["viscous_damping"]} == {Gravity, ViscousDamping} <= set(REGISTRY.values())
-    assert REGISTRY.name_of(Gravity()) == "gravity" and REGISTRY.name_of(object()) is None
-    known = [REGISTRY.classes[name] for name in REGISTRY.library]
-    assert {kind if isinstance(kind, str) else kind.__name__ for kind in known} < set(anet_lumped.effects.__all__)
-    with pytest.raises(AttributeError, match="has no attribute 'Gravitas'"):
-        anet_lumped.effects.Gravitas  # noqa: B018
-
-
-def test_gravity():
-    gravity = Gravity(2.0, (0, 3, -4))
-    np.testing.assert_allclose(gravity.uniform_acceleration, [0, 1.2, -1.6], rtol=1e-15)
-    q = np.arange(6.0).reshape(2, 3)
-    index, params = gravity.table(SimpleNamespace(mass=np.array([1.0, 3.0]), n_free=2))
-    force, energy = gravity.kernels().values()
-    f = np.ones((3, 3))
-    assert force(0.0, q, q, index, params, f) == 0.0
-    np.testing.assert_allclose(f, 1 + np.array([[0, 1.2, -1.6], [0, 3.6, -4.8], [0, 0, 0]]), rtol=1e-15)
-    assert energy(0.0, q, index, params) == pytest.approx(-(1.2 - 3.2) - 3 * (4.8 - 8.0), rel=1e-15)
-    np.testing.assert_array_equal(Gravity(0.0).uniform_acceleration, 0.0)
-
-
-def test_viscous_damping():
-    damping = ViscousDamping(0.5)
-    index, params = damping.table(SimpleNamespace(mass=np.array([1.0, 3.0]), n_free=2))
-    force, tangent, energy = damping.kernels().values()
-    v, f, D = np.array([[1.0, 2, 3], [-1, 0, 1]]), np.zeros((2, 3)), np.zeros((2, 3, 3))
-    assert force(0.0, v, v, index, params, f) == pytest.approx(0.5 * 14 + 1.5 * 2)
-    np.testing.assert_allclose(f, [[-0.5, -1, -1.5], [1.5, 0, -1.5]])
-    tangent(0.0, v, v, index, params, 7.0, 100.0, D, *NO_BLOCKS)
-    np.testing.assert_allclose(D, [50 * np.eye(3), 150 * np.eye(3)])
-    assert energy(0.0, v, index, params) == 0.0
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: Gravity(-1.0), r"`g` must be non-negative and finite \[m/s2\], but effect Gravity has g=-1.0"),
-        (lambda: Gravity(math.nan), "but effect Gravity has g=nan"),
-        (lambda: Gravity(math.inf), "but effect Gravity has g=inf"),
-        (lambda: Gravity("9.81"), r"`g` must be non-negative and finite \[m/s2\], but effect Gravity has g='9.81'"),
-        (lambda: Gravity(9.81, (0, 0, 0)), r"`direction` must not be zero, but effect Gravity has direction=\(0.0, 0.0, 0.0\)"),
-        (lambda: Gravity(9.81, (0, 1)), r"`direction` must be three finite numbers \(x, y, z\), but effect Gravity has"),
-        (lambda: Gravity(9.81, (0, math.nan, 1)), "`direction` must be three finite numbers"),
-        (lambda: ViscousDamping(-0.1), r"`rate` must be non-negative and finite \[1/s\], but effect ViscousDamping has rate=-0.1"),
-        (lambda: ViscousDamping(math.inf), "but effect ViscousDamping has rate=inf"),
-        (lambda: Scene([Fixed("a", (0, 0, 0)), Free("b")], [cable_of("none")], [Gravity(), Gravity()]), "given twice"),
-    ],
-)
-def test_messages(make, message):
-    with pytest.raises(ValueError, match=message):
-        make()

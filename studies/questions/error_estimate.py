@@ -1,0 +1,184 @@
+"""How wrong can it be: what do runs say of their own errors beside the truth, and what does the default keep?"""
+
+import json
+import math
+import warnings
+
+import numpy as np
+import pandas as pd
+
+from anet_lumped import EquilibriumError, simulate
+from anet_lumped.motion.accuracy import ERROR_OF_LENGTH, ERROR_OF_MOTION, TENSION_ERROR, Wanted
+from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE, time_scale
+from studies.catalogue.random_motions import random_motion
+from studies.shown.palette import look
+from studies.shown.sentences import counted, percent
+from studies.study import Drawing, Part, Record
+from studies.sweeping.rows import run_rows
+
+STUDY = Record(question=__doc__, part=Part.COST, first_look="24 random motions in place of 200.")
+TABLES = {
+    "runs": "A line for each run: what it tells of its largest error of a place and of its largest tension, and the truth.",
+    "defaults": "A line for each motion with neither method nor step given: what was kept, what the run says, and the truth.",
+}
+
+MOTIONS, QUICK_MOTIONS = 200, 24
+STEPS = (4.0, 2.0, 1.0, 0.5)  # of a 32nd of the motion's time scale
+MOST_STEPS = 3000  # of the first of these
+FINER = (16, 32)  # times as short as the shortest are the steps of the two references, extrapolated
+RESOLVED = 0.1  # of an error: what the two references may differ by where it is judged
+FACTOR, FAR = 4.0, 10.0  # between an estimate and the truth
+SEEN = 1e-3  # of the largest tension: errors of it that are judged
+SMALL = 1e-9  # of the length: round-off
+
+
+def compare(row):
+    """Runs of one motion with some steps, and by default, beside the reference."""
+    motion = random_motion(row["number"])
+    scene, start = motion.scene, motion.start
+    length = max(cable.length for cable in scene.cables)
+    found = {"kind": motion.kind, "runs": "[]", "default": "{}"}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            default = simulate(scene, motion.t_end, start=start)
+        except EquilibriumError:
+            return found
+        dt = min(SHARE_OF_TIME_SCALE * time_scale(scene, default.state(0).least_tension), motion.t_end / 100.0)
+        t_end = min(motion.t_end, MOST_STEPS * dt)
+        longest = t_end / math.ceil(t_end / (max(STEPS) * dt))
+        shortest = longest * min(STEPS) / max(STEPS)
+        coarse, fine = (_run(scene, t_end, start, shortest / finer, longest, extrapolate=True) for finer in FINER)
+        if coarse.ok and fine.ok:
+            peak = _run(scene, t_end, start, shortest / FINER[1], shortest / FINER[1]).segment_tension.max()
+            known_to = float(np.linalg.norm(fine.q - coarse.q, axis=2).max())
+            runs = []
+            for share in STEPS:
+                step = longest * share / max(STEPS)
+                run = _run(scene, t_end, start, step, step)
+                rows = np.arange(0, len(run.t), round(max(STEPS) / share))
+                if run.ok and len(rows) == len(fine.t):
+                    off = float(np.linalg.norm(run.q[rows] - fine.q, axis=2).max())
+                    runs.append(_line(run, off, known_to, peak, length) | {"step_share": share})
+            found["runs"] = json.dumps(runs)
+        found["default"] = json.dumps(_default(motion, default, length))
+    return found
+
+
+def _run(scene, t_end, start, dt, save_every, **more):
+    return simulate(scene, t_end, start=start, method="edmc", dt=dt, save_every=save_every, **more)
+
+
+def _line(run, off, known_to, peak, length):
+    """What a run tells and what is true."""
+    largest = float(run.segment_tension.max())
+    return {
+        "step_s": run.dt, "told_m": run.error_estimate, "true_m": off, "known_to_m": known_to,
+        "judged": known_to < RESOLVED * off and off > SMALL * length,
+        "told_tension": run.tension_error, "true_tension": abs(largest - peak) / peak if peak > 0.0 else 0.0,
+    }  # fmt: skip
+
+
+def _default(motion, run, length):
+    """What the default run of a motion kept."""
+    if not run.ok:
+        return {"status": run.status, "steps": run.work.steps, "reason": run.message}
+    every = run.t[1] - run.t[0]
+    line = {
+        "status": run.status, "steps": run.work.steps, "step_s": run.dt, "kept": run.kept, "reason": run.reason,
+        "allowed_m": Wanted(None, TENSION_ERROR).of_places(run), "told_m": run.error_estimate, "told_tension": run.tension_error,
+    }  # fmt: skip
+    if run.work.steps * FINER[0] > 1e6:
+        return line
+    references = [_run(motion.scene, motion.t_end, motion.start, run.dt / n, every, extrapolate=True) for n in (4, 8)]
+    if not all(one.ok and len(one.t) == len(run.t) for one in references):
+        return line
+    known_to, off = (float(np.linalg.norm(one.q - references[1].q, axis=2).max()) for one in (references[0], run))
+    peak = float(references[1].segment_tension.max())
+    return line | _line(run, off, known_to, peak, length)
+
+
+def compute(quick=False, executor=None, out=None):
+    """What the runs of random motions tell of their errors, and the truth."""
+    rows = [{"number": number} for number in range(QUICK_MOTIONS if quick else MOTIONS)]
+    found = run_rows(compare, rows, executor=executor, out=out and out / "motions")
+    done = found[found["status"] == "done"]
+    head = [{"number": one.number, "kind": one.kind} for one in done.itertuples()]
+    runs = [known | line for known, one in zip(head, done.itertuples(), strict=True) for line in json.loads(one.runs)]
+    defaults = [known | json.loads(one.default) for known, one in zip(head, done.itertuples(), strict=True)]
+    return {"runs": pd.DataFrame(runs), "defaults": pd.DataFrame(line for line in defaults if "status" in line)}
+
+
+def plot(rows):
+    """Drawings of the study, by name."""
+    return {
+        "told": Drawing(
+            _plot(rows["runs"]),
+            "Left: the error of places that a run of edmc tells beside the true one, for random motions at four steps each; "
+            f"between the lines the two are within a factor of {FACTOR:g}. Right: the same of the largest tension.",
+        )
+    }
+
+
+def _plot(runs):
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.5, 4.4), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    seen = runs[runs.judged]
+    _scatter(left, seen.true_m, seen.told_m, seen.kind, "true error of places [m]", "told error of places [m]")
+    seen = runs[runs.true_tension > SEEN]
+    _scatter(
+        right, seen.true_tension, seen.told_tension, seen.kind, "true error of the largest tension [-]",
+        "told error of the largest tension [-]",
+    )  # fmt: skip
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=7, fontsize=8, frameon=False)
+    return figure
+
+
+def _scatter(panel, true, told, kinds, x, y):
+    low, high = float(true.min()) / 2.0, float(true.max()) * 2.0
+    for k, kind in enumerate(sorted(set(kinds))):
+        of_kind = kinds == kind
+        points = look(k) | {"linestyle": "", "label": kind, "ms": 3.5, "alpha": 0.7}
+        panel.loglog(true[of_kind], told[of_kind].clip(lower=low / 30.0), **points)
+    for factor, style in ((1.0, "-"), (FACTOR, ":"), (1.0 / FACTOR, ":")):
+        panel.loglog([low, high], [factor * low, factor * high], color="0.4", lw=0.8, ls=style)
+    panel.set(xlabel=x, ylabel=y, xlim=(low, high))
+
+
+def answer(rows):
+    """The answer in words, every number and claim from `rows`."""
+    runs, defaults = rows["runs"], rows["defaults"]
+    judged, tense = runs[runs.judged], runs[runs.true_tension > SEEN]
+    far = (judged.told_m < judged.true_m / FAR).mean(), (tense.told_tension < tense.true_tension / FAR).mean()
+    first = (
+        f"Of {counted(len(judged), 'run')} of edmc at a given step, {percent(_within(judged.told_m / judged.true_m))} tell their "
+        f"error of places within a factor of {FACTOR:g}, and {percent(far[0])} tell less than a tenth of it. Of "
+        f"{counted(len(tense), 'error')} of the largest tension beyond {percent(SEEN)} of it, "
+        f"{percent(_within(tense.told_tension / tense.true_tension))} are told within that factor, and {percent(far[1])} are ten "
+        "times as large as told."
+    )
+    done = defaults[defaults["status"] == "done"]
+    kept = done[done.kept.astype(bool)]
+    second = (
+        f"With neither method nor step given, {len(kept)} of {len(done)} runs say that they keep {percent(ERROR_OF_LENGTH)} of the "
+        f"longest cable, {percent(ERROR_OF_MOTION)} of the motion and {percent(TENSION_ERROR)} of the largest tension; the others "
+        "say what they do not keep."
+    )
+    known = kept[kept.judged.fillna(False).astype(bool)]
+    if len(known):
+        over = known.true_m / known.allowed_m
+        second += (
+            f" Of {counted(len(known), 'run')} that say so and can be judged, {percent((over <= 1.0).mean())} keep it, "
+            f"{percent((over <= 2.0).mean())} within a factor of two, and the worst is off by {over.max():.2g} times as much."
+        )
+    third = (
+        f"Left out: {counted(len(runs) - len(judged), 'run')} whose reference is not known to {percent(RESOLVED)} of the error, "
+        "such as those past a whip."
+    )
+    return "\n\n".join([first, second, third])
+
+
+def _within(ratio):
+    return ((ratio < FACTOR) & (ratio > 1.0 / FACTOR)).mean()

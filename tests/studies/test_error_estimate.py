@@ -1,0 +1,44 @@
+"""The study of what runs tell of their errors: its random motions, a look at two of them, and its answer from made-up rows."""
+
+import json
+
+import pandas as pd
+import pytest
+
+from studies.catalogue.random_motions import KINDS, random_motion
+from studies.questions import error_estimate
+
+
+def test_random_motions_are_the_same_again_and_of_all_kinds():
+    motions = [random_motion(number) for number in range(60)]
+    assert {motion.kind for motion in motions} == set(KINDS)
+    assert motions[7] == random_motion(7) and motions[7] != random_motion(7, seed=12)
+
+
+@pytest.mark.parametrize("number", [3, 7])  # a pendulum and a string, 96 and 107 steps
+def test_a_motion_beside_its_reference(number):
+    row = error_estimate.compare({"number": number})
+    runs, default = pd.DataFrame(json.loads(row["runs"])), json.loads(row["default"])
+    judged = runs[runs.judged]
+    assert len(runs) == 4 and len(judged) >= 2 and (judged.true_m.diff()[1:] < 0.0).all()
+    assert (judged.told_m / judged.true_m).between(0.25, 4.0).all()
+    assert default["kept"] and default["true_m"] < 2.0 * default["allowed_m"]
+
+
+def rows(told, kept=True):
+    runs = pd.DataFrame(
+        {"judged": [True, True, False], "told_m": [told, 1e-3, 1.0], "true_m": [1e-3, 1e-3, 2.0],
+         "told_tension": [told, 0.01, 0.01], "true_tension": [1e-3, 1e-5, 0.01]}
+    )  # fmt: skip
+    default = {"status": "done", "kept": kept, "judged": True, "true_m": 1e-3, "allowed_m": 2e-3}
+    return {"runs": runs, "defaults": pd.DataFrame([default, default | {"status": "unconverged"}])}
+
+
+def test_the_answer():
+    text = error_estimate.answer(rows(2e-3))
+    assert "Of 2 runs of edmc at a given step, 100 % tell" in text and "and 0 % tell less than a tenth" in text
+    assert "1 of 1 runs say that they keep 0.1 % of the longest cable" in text and "100 % keep it" in text
+    assert "Left out: 1 run " in text
+    text = error_estimate.answer(rows(5e-5, kept=False))
+    assert "50 % tell their error" in text and "and 50 % tell less than a tenth" in text and "0 of 1 runs say" in text
+    assert "keep it" not in text
