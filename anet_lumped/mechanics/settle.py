@@ -206,12 +206,13 @@ def settle(stage, base, q, v, net_address, energy):
     -T (L_b - L_a); therefore dampers dissipate by the change of l - L0.
 
     **Ringing.** Where stretching has died out within a step, v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for
-    ever, while the positions are at rest. Let the rate of l - L0 of a segment differ by r from its change over the step by h. Each segment removes
-    the share 2 ``dissipation`` s'/(1 + s') of r, s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2, by opposite impulses along itself. In
-    s' only the spring and the damper count that act on the segment, so that a slack segment of a cable that cannot push removes
-    nothing. All impulses act at once, and each node's mass counts as if it were divided among its segments: so momenta are kept,
-    and the kinetic energy falls, apart from the work of prescribed nodes and of changing rest lengths. Where the step resolves
-    stretching, the change is of fifth order in the step. The impulses, divided by the step, are added to the tensions that acted.
+    ever, while the positions are at rest. Let the rate of l - L0 of a segment differ by r from its change over the step by h.
+    Each segment removes the share 2 ``dissipation`` s'/(1 + s') of r, s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2, by opposite
+    impulses along itself. In s' only the spring and the damper count that act on the segment, so that a slack segment of a cable
+    that cannot push removes nothing. All impulses act at once, and each node's mass counts as if it were divided among its
+    segments: so momenta are kept, and the kinetic energy falls, apart from the work of prescribed nodes and of changing rest
+    lengths. Where the step resolves stretching, the change is of fifth order in the step. The impulses, divided by the step, are
+    added to the tensions that acted.
 
     **Numerical damper.** Sets the least share of the numerical damper in the next step: all of it, unless that would take more
     than `MOST_SPENT` of the kinetic energy. Where stretching is no part of the motion, the full damper removes the error that is
