@@ -28,7 +28,7 @@ def numerical_share(damper, square):
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def settled_rate(damper, square, rate, mean):
-    """Rate of a depth at the end of a step without what rings about that over the step, ``mean``; for `numerical_share`'s square."""
+    """Rate of a depth at the end of a step without what rings about ``mean``, its rate over the step."""
     wanted = 2.0 * numerical_share(damper, square) * (rate - mean)
     if wanted * rate <= 0.0:
         return rate
