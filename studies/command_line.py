@@ -390,9 +390,10 @@ def _tell_what_takes_long():
             if time.monotonic() - began > QUIET:
                 _tell(f"... {record.getMessage()}")
 
-    log = logging.getLogger("anet_lumped")
-    log.handlers = [Late()]
-    log.setLevel(logging.INFO)
+    for package in ("anet_lumped", "studies"):
+        log = logging.getLogger(package)
+        log.handlers = [Late()]
+        log.setLevel(logging.INFO)
 
 
 def _give(result, as_json=False, out=None, stem=""):

@@ -109,8 +109,8 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
         run = march(choice, duration)
         if not run.ok:
             return run
-        if (run.error_estimate or 0.0) > (coarser.error_estimate or 0.0):  # such steps show rounding and Newton's tolerance
-            return _told(coarser, before, wanted)
+        if (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0) and run.tension_error > before.tension_error:
+            return _told(coarser, before, wanted)  # such short steps show rounding and Newton's tolerance
         known = _compared(run, coarser, wanted)
         in_vain = known.error > NEARER * before.error, known.tension_error > NEARER * before.tension_error
     return _told(run, known, wanted) if run.ok else run
