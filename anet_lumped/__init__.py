@@ -1,4 +1,21 @@
-"""Elastic cables and cable nets as lumped masses."""
+"""Elastic cables and cable nets as lumped masses.
+
+What Numba has not compiled on this machine yet is compiled when it is first needed; one line on stderr says so, unless the variable
+ANET_LUMPED_QUIET of the environment is set.
+"""
+
+import multiprocessing
+import os
+import sys
+
+from integrators.compiling import NOTICE
+
+if NOTICE.tell is None and multiprocessing.parent_process() is None and "ANET_LUMPED_QUIET" not in os.environ:
+    NOTICE.watch(
+        "anet_lumped compiles what this machine has not compiled yet, for up to about 40 s; later runs do without.",
+        lambda line: print(line, file=sys.stderr, flush=True),
+        only_cached=True,
+    )
 
 from anet_lumped.checks import InputError
 from anet_lumped.effects.flow import waves, wind

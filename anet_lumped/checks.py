@@ -9,6 +9,9 @@ from typing import Any
 Vector = Sequence[float]  # three numbers; a tuple once it is checked
 
 
+SHOWN, LISTED = 160, 12  # characters of a value, and names, in a message
+
+
 class InputError(ValueError):
     """An input that this package refuses. Its message says what must hold and what was given."""
 
@@ -123,13 +126,32 @@ def check_name(value: Any, what: str) -> str:
     return value
 
 
-def nearest(name: str, known: Iterable[str], quote: str = '"') -> str:
-    """Return ', did you mean "p0"?' for the known name nearest to `name`, or '' if none is near."""
+def nearest(name: Any, known: Iterable[str], quote: str = '"') -> str:
+    """Return ', did you mean "p0"?' for the known name nearest to `name`, or '' if none is near; `Ea` is `EA` and not `EI`."""
+    if not isinstance(name, str):
+        return ""
     cutoff = 0.5 if len(name) <= 2 else 0.6  # "p1" and "p0" share half their letters
-    near = difflib.get_close_matches(name, known, n=1, cutoff=cutoff)
-    return f", did you mean {quote}{near[0]}{quote}?" if near else ""
+    in_lower_case = {other.lower(): other for other in known}
+    near = difflib.get_close_matches(name.lower(), in_lower_case, n=1, cutoff=cutoff)
+    return f", did you mean {quote}{in_lower_case[near[0]]}{quote}?" if near else ""
+
+
+def look_up(what: str, name: Any, known: Mapping[str, Any]) -> Any:
+    """Return the point or cable (`what`) of a scene called `name`, of the `known` ones."""
+    if not isinstance(name, str) or name not in known:
+        names = [f'"{other}"' for other in known]
+        listed = f"; known: {', '.join(names[:LISTED])}{', ...' if len(names) > LISTED else ''}." if names else "."
+        given = f'"{name}"' if isinstance(name, str) else shown(name)
+        raise SceneError(f"The scene has no {what} {given}" + (nearest(name, known) or listed))
+    return known[name]
+
+
+def shown(value: Any) -> str:
+    """Return the text of a value for a message, on one line and not longer than one reads."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
 
 
 def _sentence(argument: str, demand: str, unit: str, owner: str, value: Any) -> str:
-    shown = repr(value) if isinstance(value, str) else str(value)
-    return f"Argument `{argument}` must be {demand}{f' [{unit}]' if unit else ''}, but {owner} has {argument}={shown}."
+    given = str(value) if isinstance(value, Real) else shown(value)
+    return f"Argument `{argument}` must be {demand}{f' [{unit}]' if unit else ''}, but {owner} has {argument}={given}."

@@ -15,10 +15,7 @@ release = tomllib.loads((HERE.parent / "pyproject.toml").read_text(encoding="utf
 
 extensions = [
     "docstrings",
-    "keys",
     "mathml",
-    "commands",
-    "methods",
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",

@@ -3,6 +3,8 @@
     python docs/record.py            all of them, some minutes
     python docs/record.py NAME ...   these alone: commands, as in `simulate`, and pages, as in `tutorial` or `effects/air`
 
+Parts of pages that are made of the source (`extensions/generated.py`) are made anew every time.
+
 The tests hold what is written against what is printed; run this where a change of the program is meant to change it. A new
 command needs a file `docs/recorded/NAME.txt` whose first line is `$ anet-lumped NAME ...`.
 """
@@ -15,6 +17,8 @@ from pathlib import Path
 HERE = Path(__file__).parent
 FIGURES = (".svg", ".gif")
 sys.path.insert(0, str(HERE / "extensions"))
+
+from generated import filled  # noqa: E402
 
 from examples import examples, run, run_command  # noqa: E402
 
@@ -61,6 +65,9 @@ def main(asked):
         file.relative_to(HERE).with_suffix("").as_posix(): (record_document, file)
         for file in documents()
     }
+    for page in sorted(HERE.rglob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        page.write_text(filled(text), encoding="utf-8")
     for name in asked or files:
         record, file = files[name]
         record(file)

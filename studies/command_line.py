@@ -6,6 +6,7 @@ that `--help` answers at once.
 
 import logging
 import sys
+import tempfile
 import time
 import warnings
 from pathlib import Path
@@ -13,9 +14,10 @@ from typing import Annotated
 
 import typer
 
+from studies.quantities import metres, newtons, seconds
+
 app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
-SCENES = Path(__file__).parent / "scenes"
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
 QUIET = 3.0  # seconds, after which a command says what it is doing
@@ -24,10 +26,26 @@ FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "recommend": 30, "effects":
 Scene = Annotated[
     str, typer.Argument(metavar="SCENE", help="A TOML or MoorDyn file (.txt, .dat), or a scene that comes with this by name.")
 ]
-Out = Annotated[Path | None, typer.Option(help="Folder for the results.")]
+
+
+def _folder(out):
+    """The folder for results, made and tried before anything is computed for it."""
+    if out is not None:
+        try:
+            out.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=out):
+                pass
+        except OSError as error:
+            raise typer.BadParameter(f"must be a folder that can be written, but {out}: {error.strerror}.") from None
+    return out
+
+
+Out = Annotated[Path | None, typer.Option(help="Folder for the results.", callback=_folder)]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables (SI units).")]
+TIME = {"parser": seconds, "metavar": "TIME"}
+LENGTH = {"parser": metres, "metavar": "LENGTH"}
 Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for you if not given.")]
-Step = Annotated[float | None, typer.Option(help="Step [s]; chosen for you if not given.")]
+Step = Annotated[float | None, typer.Option(help="Step, as in 10ms or 0.01 (s); chosen for you if not given.", **TIME)]
 Start = Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")]
 Changes = Annotated[
     list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
@@ -48,8 +66,11 @@ def main(arguments: list[str] | None = None) -> None:
         ours = type(error).__module__.partition(".")[0] in ("anet_lumped", "studies")
         if not ours and not isinstance(error, OSError):
             raise
+        unprinted = isinstance(error, OSError) and not error.filename
+        if isinstance(error, OSError) and error.strerror:
+            error = f"{error.filename or 'What is printed could not be written'}: {error.strerror}."
         _tell(str(error))
-        sys.exit(1 if isinstance(error, RuntimeError) else 2)
+        sys.exit(1 if unprinted or isinstance(error, RuntimeError) else 2)
 
 
 @app.callback(epilog="Example: anet-lumped simulate net_carried --t-end 4 --out results/carried   (4 s of motion)")
@@ -64,23 +85,21 @@ def equilibrium(scene: Scene, out: Out = None, as_json: Json = False):
     from studies.shown.summary import rest_summary, write_nodes
 
     state = equilibrium(_load(scene, "equilibrium"))
-    _give(rest_summary(state), as_json, out, "equilibrium")
-    if out:
-        write_nodes(state, out / "nodes.csv")
+    _give(rest_summary(state), as_json, out, "equilibrium", lambda: write_nodes(state, out / "nodes.csv"))
 
 
 @app.command(epilog="Example: anet-lumped simulate loose_cable --t-end 0.6 --start straight --method edmc --dt 0.01")
 def simulate(
     scene: Scene,
-    t_end: Annotated[float, typer.Option(help="How long to run [s].")],
+    t_end: Annotated[float, typer.Option(help="How long to run, as in 4s or 4.", **TIME)],
     method: Method = None,
     dt: Step = None,
     rtol: Annotated[float | None, typer.Option(help="Adaptive steps: error of a step over the largest coordinate.")] = None,
     extrapolate: Annotated[bool, typer.Option(help="Half the step too, and their limit: order 4 of edmc.")] = False,
     start: Start = None,
-    save_every: Annotated[float | None, typer.Option(help="Time between saved states [s].")] = None,
+    save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
-    error: Annotated[str | None, typer.Option(help="Error of places to keep, as in 1mm; chosen for you if not given.")] = None,
+    error: Annotated[float | None, typer.Option(help="Error of places to keep, as in 1mm; chosen if not given.", **LENGTH)] = None,
     tension_error: Annotated[float | None, typer.Option(help="Error of the largest tension to keep, over it; 0.02 is 2 %.")] = None,
     audit: Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")] = False,
     out: Out = None,
@@ -98,16 +117,18 @@ def simulate(
         run = simulate(
             _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start=start or "equilibrium",
             save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
-            error=None if error is None else _metres(error),
+            error=error,
         )  # fmt: skip
     except RunInterrupt as stopped:
         run = stopped.run
-    _give(run_summary(run), as_json, out, "run")
-    if out:
+
+    def save():
         from studies.shown.run_figure import plot
 
         run.save(out / "run.nc")
         plot(run).savefig(out / "run.png", dpi=110)
+
+    _give(run_summary(run), as_json, out, "run", save)
     if not run.ok:
         raise typer.Exit(1)
 
@@ -115,9 +136,9 @@ def simulate(
 @app.command(epilog="Example: anet-lumped recommend net_carried --error 1mm --at p0 --realtime 5")
 def recommend(
     scene: Scene,
-    error: Annotated[str, typer.Option(help="Largest error of a position, as in 1mm, 0.05 cm or 0.001 (m).")],
+    error: Annotated[float, typer.Option(help="Largest error of a position, as in 1mm, 0.05cm or 0.001 (m).", **LENGTH)],
     at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
-    t_end: Annotated[float | None, typer.Option(help="Motion to look at [s]; two swings if not given.")] = None,
+    t_end: Annotated[float | None, typer.Option(help="Motion to look at; two swings if not given.", **TIME)] = None,
     start: Start = None,
     realtime: Annotated[float | None, typer.Option(help="How many times faster than real time it must run.")] = None,
     as_json: Json = False,
@@ -126,13 +147,13 @@ def recommend(
     from anet_lumped.advice.recommend import recommend
     from studies.shown.summary import recommendation_summary
 
-    found = recommend(
-        _load(scene, "recommend"), _metres(error), at=at, t_end=t_end, start=start or "equilibrium", realtime=realtime
-    )
+    found = recommend(_load(scene, "recommend"), error, at=at, t_end=t_end, start=start or "equilibrium", realtime=realtime)
     _give(recommendation_summary(found, scene), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
-        _tell(f"within {error} it runs {pace:.3g} times faster than real time, and not {realtime:g} times; allow a larger error.")
+        _tell(
+            f"within {error:g} m it runs {pace:.3g} times faster than real time, and not {realtime:g} times; allow a larger error."
+        )
         raise typer.Exit(1)
 
 
@@ -142,9 +163,9 @@ def effects(
     error: Annotated[str, typer.Option(help="Change that matters: of a position, as in 1mm; of a tension, as in 0.1N.")] = "1mm",
     at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
     tension: Annotated[str | None, typer.Option(metavar="CABLE", help="The cable whose tension counts instead.")] = None,
-    t_end: Annotated[float | None, typer.Option(help="Motion to look at [s]; two swings if not given.")] = None,
+    t_end: Annotated[float | None, typer.Option(help="Motion to look at; two swings if not given.", **TIME)] = None,
     start: Start = None,
-    water_level: Annotated[float | None, typer.Option(help="Height of still water [m], if there is any.")] = None,
+    water_level: Annotated[float | None, typer.Option(help="Height of still water, if there is any.", **LENGTH)] = None,
     change: Changes = (),
     out: Out = None,
     as_json: Json = False,
@@ -156,19 +177,17 @@ def effects(
     from anet_lumped.advice.effect_audit import audit_effects
     from studies.shown.summary import effects_summary, write_effects
 
-    limit = _newtons(error) if tension else _metres(error)
+    limit = newtons(error) if tension else metres(error)
     start = start or "equilibrium"
     loaded = _changed(_load(scene, "effects"), change)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
-    _give(effects_summary(found), as_json, out, "effects")
-    if out:
-        write_effects(found, out / "effects.csv")
+    _give(effects_summary(found), as_json, out, "effects", lambda: write_effects(found, out / "effects.csv"))
 
 
-@app.command(epilog="Example: anet-lumped check net_held --dt 0.001   (a step of 1 ms)")
+@app.command(epilog="Example: anet-lumped check net_held --dt 1ms")
 def check(
     scene: Scene,
-    dt: Annotated[float | None, typer.Option(help="A step to judge [s].")] = None,
+    dt: Annotated[float | None, typer.Option(help="A step to judge, as in 1ms.", **TIME)] = None,
     as_json: Json = False,
 ):
     """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
@@ -189,11 +208,11 @@ def sweep(
         ),
     ],
     measure: Annotated[list[str], typer.Option(metavar="NAME", help="What is measured; `anet-lumped measures` lists all.")] = [],  # noqa: B006 (typer's way to say "any number")
-    t_end: Annotated[float | None, typer.Option(help="How long each variant runs [s]; without, it only rests.")] = None,
+    t_end: Annotated[float | None, typer.Option(help="How long each variant runs; without, it only rests.", **TIME)] = None,
     method: Method = None,
     dt: Step = None,
     start: Start = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=_folder)] = None,
     workers: Annotated[int | None, typer.Option(help="Processes; one a core by default.", min=1)] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
     as_json: Json = False,
@@ -243,7 +262,9 @@ def measures():
 def study(
     name: Annotated[str | None, typer.Argument(help="Name of the study; lists them if not given.")] = None,
     quick: Quick = False,
-    out: Annotated[Path | None, typer.Option(help="Folder for its rows and figures; results/NAME by default.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for its rows and figures; results/NAME by default.", callback=_folder)
+    ] = None,
 ):
     """Run one study. Writes its rows and figures, prints its answer."""
     from studies.study import NAMES, run_study
@@ -276,7 +297,7 @@ def mismatch(
 @app.command(epilog="Example: anet-lumped report --out results/report")
 def report(
     full: Full = False,
-    out: Annotated[Path, typer.Option(help="Folder for the page and its data.")] = REPORT,
+    out: Annotated[Path, typer.Option(help="Folder for the page and its data.", callback=_folder)] = REPORT,
 ):
     """Run the studies and write one page. What the thesis found, why, and what cures it.
 
@@ -298,9 +319,9 @@ def report(
         raise typer.Exit(1)
 
 
-@app.command(epilog="Example: anet-lumped ropes --diameter 0.024   (24 mm, nominal)")
+@app.command(epilog="Example: anet-lumped ropes --diameter 24mm   (nominal)")
 def ropes(
-    diameter: Annotated[float, typer.Option(help="Nominal diameter [m].", min=1e-6)] = 0.012,
+    diameter: Annotated[float, typer.Option(help="Nominal diameter, as in 24mm or 0.024 (m).", **LENGTH)] = "12mm",
     as_json: Json = False,
 ):
     """List the ropes that a cable may be made of. Mass, stiffness, strength at one diameter, and where the numbers are from."""
@@ -325,18 +346,18 @@ def convert(
 
 
 def _load(text, compiles):
-    """Scene of a file or, by its bare name, one that comes with the program; `compiles` is one of FIRST_COMPILING."""
+    """Scene of a file, or by its name one that comes with the package; `compiles` is one of FIRST_COMPILING."""
     _announce_compiling(compiles)
-    from anet_lumped.checks import SceneError, nearest
+    from anet_lumped.checks import SceneError
     from anet_lumped.files.scene_file import load_scene
+    from anet_lumped.model.build import build
 
-    bundled = {file.stem: file for file in SCENES.glob("*.toml")}
-    if text.endswith(".toml") or Path(text).is_file():
-        return load_scene(text)
-    if text not in bundled:
-        hint = nearest(text, bundled) or f"; the scenes that come with this are {', '.join(sorted(bundled))}."
-        raise SceneError(f'There is no scene and no file "{text}"{hint}')
-    return load_scene(bundled[text])
+    scene = load_scene(text)
+    try:
+        build(scene)  # here the effects find what they lack in a scene
+    except SceneError as error:
+        raise SceneError(f"{text}: {error}") from None
+    return scene
 
 
 def _changed(scene, texts):
@@ -350,32 +371,9 @@ def _changed(scene, texts):
     return apply(scene, {name: given[0] for name, given in values.items()})[0]
 
 
-def _metres(text):
-    """Metres in a text such as 1mm, 0.05 cm, 20um or 0.001."""
-    units = {"mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6, "m": 1.0}
-    return _amount(text, units, "a length such as 1mm, 0.05cm or 0.001")
-
-
-def _newtons(text):
-    """Newtons in a text such as 0.1N, 2 kN or 0.1."""
-    return _amount(text, {"kN": 1e3, "mN": 1e-3, "N": 1.0}, "a force such as 0.1N, 2kN or 0.1")
-
-
-def _amount(text, units, like):
-    """The number in a text, times the size of the first of the units that it ends with."""
-    number = text.strip()
-    unit = next((unit for unit in units if number.endswith(unit)), "")
-    try:
-        return float(number.removesuffix(unit)) * units.get(unit, 1.0)
-    except ValueError:
-        from anet_lumped.checks import InputError
-
-        raise InputError(f'Option `--error` must be {like}, but it is "{text}".') from None
-
-
 def _announce_compiling(what):
     """Have one line say so, once, if Numba has to compile, here or in a worker."""
-    from studies.compiling import NOTICE
+    from integrators.compiling import NOTICE
 
     line = f"Compiling what this machine has not compiled yet takes up to about {FIRST_COMPILING[what]} s; later runs do without."
     NOTICE.watch(line, _tell)
@@ -390,19 +388,22 @@ def _tell_what_takes_long():
             if time.monotonic() - began > QUIET:
                 _tell(f"... {record.getMessage()}")
 
-    for package in ("anet_lumped", "studies"):
-        log = logging.getLogger(package)
+    for log in map(logging.getLogger, ("anet_lumped", "integrators", "studies")):
         log.handlers = [Late()]
         log.setLevel(logging.INFO)
 
 
-def _give(result, as_json=False, out=None, stem=""):
+def _give(result, as_json=False, out=None, stem="", save=lambda: None):
+    """Save a result in the folder `out` if there is one, with what `save` writes there besides; then print it.
+
+    In this order nothing is lost where stdout is closed or full.
+    """
     from studies.shown.show import as_json as to_json
     from studies.shown.show import show
 
     if out:
-        out.mkdir(parents=True, exist_ok=True)
         (out / f"{stem}.json").write_text(to_json(result), encoding="utf-8")
+        save()
     if as_json:
         print(to_json(result))
     else:

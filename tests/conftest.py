@@ -3,6 +3,7 @@
 import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads of two workers on two cores wait for each other
+os.environ["ANET_LUMPED_QUIET"] = "1"  # tests compare what is told on stderr
 os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")  # what JAX compiles here runs for milliseconds
 
 import signal

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, shown
 from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Cable, Free
 from anet_lumped.statics.catenary_net import Turned, catenaries_between_ends, catenary_net
@@ -193,6 +193,8 @@ def compare(state: State, *, reference: str = "net", elastic: bool = True) -> Co
     InputError
         An unknown reference, or a scene without gravity.
     """
+    if not isinstance(state, State):
+        raise InputError(f"A state to compare must be a State, as equilibrium(scene) returns one, but it is {shown(state)}.")
     scene = state.scene
     places = {point.name: np.asarray(state.position(point.name)) for point in scene.points}
     if reference == "net":

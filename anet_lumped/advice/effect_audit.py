@@ -7,15 +7,16 @@ cable where they are largest, speeds and tensions are those of the run.
 
 import math
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, shown
 from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.results.run import Run, State
-from anet_lumped.scene.scene import Free, Scene, SceneError
+from anet_lumped.scene.scene import Free, Scene, SceneError, check_scene
 from anet_lumped.statics.equilibrium import EquilibriumError
 
 from .audited_effects import Audited, Scales, audited_in, scales
@@ -120,9 +121,10 @@ def audit_effects(
     InputError : an argument out of its range
     RunError : the scene as it is does not run
     """
+    check_scene(scene)
     for name, value in (("error", error), ("t_end", t_end)):
-        if value is not None and not (math.isfinite(value) and value > 0):
-            raise InputError(f"Argument `{name}` must be positive and finite, but it is {value!r}.")
+        if value is not None and not (isinstance(value, Real) and math.isfinite(value) and value > 0):
+            raise InputError(f"Argument `{name}` must be positive and finite, but it is {shown(value)}.")
     if at is not None and tension is not None:
         raise InputError(f'Only one of `at` and `tension` may be given, but they are "{at}" and "{tension}".')
     if at is not None and not isinstance(scene.point(at), Free):

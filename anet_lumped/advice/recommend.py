@@ -8,18 +8,19 @@ import logging
 import math
 import time
 from dataclasses import dataclass, replace
+from numbers import Real
 from typing import Any, cast
 
 import numpy as np
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, shown
 from anet_lumped.model.build import build
 from anet_lumped.motion.choice import EXPLICIT_COST, SHARE_OF_LIMIT, SHARE_OF_TIME_SCALE, time_scale
 from anet_lumped.motion.simulate import RunError, simulate
 from anet_lumped.motion.stability import predict
 from anet_lumped.motion.times import stops
 from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Free, Scene, SceneError
+from anet_lumped.scene.scene import Free, Scene, SceneError, check_scene
 from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
 from integrators import schemes
 
@@ -125,9 +126,10 @@ def recommend(
     SceneError : no free point of that name
     InputError : an argument out of its range
     """
+    check_scene(scene)
     for name, value in (("error", error), ("t_end", t_end), ("realtime", realtime)):
-        if value is not None and not (math.isfinite(value) and value > 0):
-            raise InputError(f"Argument `{name}` must be positive and finite, but it is {value!r}.")
+        if value is not None and not (isinstance(value, Real) and math.isfinite(value) and value > 0):
+            raise InputError(f"Argument `{name}` must be positive and finite, but it is {shown(value)}.")
     free = [point.name for point in scene.points if isinstance(point, Free)]
     if at is not None and not isinstance(scene.point(at), Free):
         raise SceneError(f'The error can be asked of a free point, but "{at}" is held; free are {", ".join(free) or "none"}.')

@@ -27,7 +27,7 @@ def check_kernels(effect: Any) -> None:
         raise SceneError(f"`kernels` of an effect must return a dict of compiled functions, but that of {called} is {kernels!r}.")
     for slot in kernels:
         if slot not in SLOTS:
-            hint = nearest(str(slot), SLOTS, quote="`") or "."
+            hint = nearest(slot, SLOTS, quote="`") or "."
             raise SceneError(f"Compiled functions of an effect must be among {_listed(SLOTS)}, but {called} has `{slot}`{hint}")
     required = DEAD_LOAD_SLOTS if effect.dead_load else LIVE_FORCE_SLOTS
     kind = "A dead load" if effect.dead_load else "An effect that exerts forces"

@@ -10,10 +10,11 @@ import math
 import pathlib
 import warnings
 from collections.abc import Mapping
+from os import PathLike
 from typing import Any
 
 from anet_lumped.checks import SceneError
-from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene
+from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene, check_scene
 
 from .moordyn_rows import named
 
@@ -21,7 +22,7 @@ NO_DIAMETER = 1e-3  # [m], of a cable without one: MoorDyn divides by the sectio
 NO_BOTTOM = 1e4  # [m], depth of water without a bottom
 
 
-def save_moordyn(scene: Scene, path: str | pathlib.Path, options: Mapping[str, Any] | None = None) -> None:
+def save_moordyn(scene: Scene, path: str | PathLike[str], options: Mapping[str, Any] | None = None) -> None:
     """Write a scene as a MoorDyn v2 input file.
 
     Parameters
@@ -35,6 +36,7 @@ def save_moordyn(scene: Scene, path: str | pathlib.Path, options: Mapping[str, A
     ------
     SceneError : a scene with something that MoorDyn does not have; names it
     """
+    check_scene(scene)
     for cable in scene.cables:
         if cable.compression == "none" and cable.axial_viscosity:
             warnings.warn(

@@ -52,22 +52,32 @@ A cable, or cable_defaults, may have `rope = "nylon"` and the nominal `diameter`
 import pathlib
 import re
 import tomllib
+from os import PathLike
 
-from anet_lumped.checks import SceneError
+from anet_lumped.checks import SceneError, nearest, shown
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 from anet_lumped.scene.scene import Scene
 
 MOORDYN = (".txt", ".dat", ".moordyn")
+SCENES = pathlib.Path(__file__).parents[1] / "scenes"  # that come with this package
 
 
-def load_scene(path: str | pathlib.Path) -> Scene:
-    """Read a scene from a TOML file, or from a MoorDyn input file by its ending.
+def load_scene(path: str | PathLike[str]) -> Scene:
+    """Read a scene from a TOML file, from a MoorDyn input file by its ending, or by its name one that comes with this package.
 
     Raises
     ------
     SceneError : no such file, no valid TOML, or a scene that `scene_from_dict` refuses; names the file and the place
     """
+    if not isinstance(path, str | PathLike):
+        raise SceneError(f"A scene file must be given by its path, but it is {shown(path)}.")
     path = pathlib.Path(path)
+    if path.suffix.lower() != ".toml" and not path.is_file():
+        bundled = {file.stem: file for file in SCENES.glob("*.toml")}
+        if path.suffix.lower() not in MOORDYN and str(path) not in bundled:
+            hint = nearest(str(path), bundled) or f"; the scenes that come with this are {', '.join(sorted(bundled))}."
+            raise SceneError(f'There is no scene and no file "{path}"{hint}')
+        path = bundled.get(str(path), path)
     if path.suffix.lower() in MOORDYN:
         from .moordyn_file import read_moordyn
 
@@ -85,7 +95,7 @@ def load_scene(path: str | pathlib.Path) -> Scene:
     return scene_from_dict(entries, source=path.name)
 
 
-def save_scene(scene: Scene, path: str | pathlib.Path) -> None:
+def save_scene(scene: Scene, path: str | PathLike[str]) -> None:
     """Write a scene as a TOML file that `load_scene` reads back as an equal scene, or as a MoorDyn input file by its ending."""
     if pathlib.Path(path).suffix.lower() in MOORDYN:
         from .moordyn_writer import save_moordyn

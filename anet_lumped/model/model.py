@@ -60,6 +60,9 @@ class Model:
     effects: Effects
     lengths: Lengths
 
+    def __repr__(self):
+        return f"<Model of {self.n} nodes and {self.n_segments} segments>"
+
     @property
     def forces(self):
         """Effects that exert forces, in the order of ``effects``."""

@@ -1,7 +1,11 @@
 """Messages of runs with the schemes of this package: one sentence with when, where, why and what to try."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
+
+from anet_lumped.mechanics.finite_laws import name_law_that_is_not_finite
 from integrators.system import DIVERGED, DONE, INTERRUPTED, OUT_OF_STEPS, REJECTED, STEPS
 
 STIFF_SHARE = 0.1  # of the steps: where stability holds more of them, a motion is called stiff for an explicit method
@@ -62,6 +66,15 @@ def _of_embedded_pair(model, choice, status, t, node, tolerances, steps, rejecte
         f"{head} found no step at t={t:.4g} s whose error it allows ({rejected} of {steps + rejected} were rejected); try a larger "
         'tolerance or method="edmc".'
     )
+
+
+def with_cause(run):
+    """The run, with the effect that is not finite named first in its message, if there is one."""
+    every = run.t[-1] - run.t[-2] if len(run.t) > 1 else run.dt
+    rows = [*np.flatnonzero(~np.isfinite(run.energy).all(axis=1))[:1], *range(max(len(run.t) - 3, 0), len(run.t))]
+    ahead = [(run.t[k] + h, run.q[k] + h * run.v[k], run.v[k]) for k in rows[-2:] for h in (0.5 * run.dt, run.dt, every)]
+    law = name_law_that_is_not_finite(run.model, [(run.t[k], run.q[k], run.v[k]) for k in rows] + ahead)
+    return replace(run, message=law + run.message) if law else run
 
 
 def stiff_for(choice, tolerances, counts, held, held_for):

@@ -9,25 +9,29 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import InputError, nearest
+from anet_lumped.checks import InputError, nearest, shown
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
-from anet_lumped.results.run import Run, RunInterrupt
-from anet_lumped.scene.scene import Scene
+from anet_lumped.results.run import STATUS, Run, RunInterrupt, State
+from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.equilibrium import equilibrium
 from anet_lumped.statics.starts import Start, start_state, straight
 from integrators import schemes
 from integrators.schemes.record import Origin, Scheme
+from integrators.states import LARGEST_SIZE
+from integrators.system import DIVERGED, UNCONVERGED
 
 from .accuracy import TENSION_ERROR, Wanted, keep_error
 from .choice import Choice, choose
-from .energy_gain import flag_energy_gain
+from .energy_gain import GAINED, flag_energy_gain
 from .extrapolation import extrapolated, method_to_extrapolate
+from .failure_messages import with_cause
 from .legs import Settings, march_legs
 from .run_warnings import warnings_of
 
+MEANT_STRAIN = 0.2  # of a straight start: cords break before
 DEFAULT_RTOL, DEFAULT_ATOL = 1e-6, 1e-9  # [m]; of the largest coordinate where no tolerance is given
 __all__ = ["RunError", "RunInterrupt", "StabilityWarning", "simulate", "straight"]
 
@@ -96,10 +100,16 @@ def simulate(
     RunError : with ``check=True``
     RunInterrupt : Ctrl-C; with what was done as its ``run``
     """
+    check_scene(scene)
     _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit, error, tension_error)
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
     begin = equilibrium(scene) if isinstance(start, str) and start == "equilibrium" else start_state(build(scene), start)
+    if np.abs(begin.q).max() > LARGEST_SIZE:
+        raise InputError(
+            f"A run must stay within {LARGEST_SIZE:g} m of the origin, beyond which a motion counts as diverged, but it starts "
+            f"with a place {np.abs(begin.q).max():.3g} m away."
+        )
     scheme = None if method is None else schemes.scheme(method)
     adaptive = rtol is not None or atol is not None or (scheme is not None and scheme.chooses_steps(dt))
     if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
@@ -114,6 +124,10 @@ def simulate(
         choice = replace(choice, dt=span / math.ceil(span / choice.dt))  # steps that end on what is saved
     for text in choice.warnings:
         warnings.warn(text, StabilityWarning, stacklevel=2)
+    if isinstance(start, str) and start == "straight":
+        for text in overstretched(begin):
+            warnings.warn(text, stacklevel=2)
+            choice = replace(choice, warnings=(*choice.warnings, text))
     settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
     whole = partial(march_legs, _march_of(scheme), scene, start=begin, t_end=begin.t + t_end, settings=settings)
     asked = error is not None or tension_error is not None
@@ -148,6 +162,8 @@ def simulate(
         run = flag_energy_gain(run, choice.limit, adaptive)
     if run.ok:
         run = replace(run, warnings=run.warnings + warnings_of(run, adaptive))
+    if run.status in (STATUS[DIVERGED], STATUS[UNCONVERGED], GAINED):
+        run = with_cause(run)
     if check and not run.ok:
         raise RunError(run)
     return run
@@ -177,6 +193,18 @@ def _march_of(scheme: Scheme) -> Callable[..., Any]:
     return march
 
 
+def overstretched(begin: State) -> list[str]:
+    """Warning in a list if the places of points stretch cables by more than a start that is meant would."""
+    worst = max(begin.scene.cables, key=lambda cable: begin.length(cable.name) / cable.length)
+    strain = begin.length(worst.name) / worst.length - 1.0
+    if strain <= MEANT_STRAIN:
+        return []
+    return [
+        f'start="straight" stretches cable "{worst.name}" of {worst.length:g} m by {strain:.0%}: its ends are '
+        f"{begin.length(worst.name):.4g} m apart, and the run begins with the energy of that."
+    ]
+
+
 def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:
     """Cables that may break need a march that looks for it, and one motion."""
     brittle = next((cable.name for cable in scene.cables if cable.breaking_tension is not None), None)
@@ -204,15 +232,19 @@ def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: A
     sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=None if isinstance(audit, bool) else audit)
     sizes |= dict(zip(("error", "tension_error"), errors, strict=True))
     for name, value in sizes.items():
-        if value is not None and not (isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0):
+        if (value is not None or name == "t_end") and not (
+            isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0
+        ):
             unit = "" if name in ("rtol", "tension_error") else " [m]" if name in ("atol", "audit", "error") else " [s]"
-            raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {value!r}.")
-    if method is not None and method not in tuple(schemes.MODULES):
-        known, near = ", ".join(schemes.MODULES), nearest(str(method), schemes.MODULES)
-        raise InputError(f"Argument `method` must be one of {known}, but it is {method!r}" + (near or "."))
+            raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {shown(value)}.")
+    if dt is not None and dt > t_end * (1 + 1e-9):
+        raise InputError(f"Argument `dt` must not exceed t_end={t_end:g} s, but it is {dt:g} s.")
+    if method is not None and not (isinstance(method, str) and method in schemes.MODULES):
+        known, near = ", ".join(schemes.MODULES), nearest(method, schemes.MODULES)
+        raise InputError(f"Argument `method` must be one of {known}, but it is {shown(method)}" + (near or "."))
     if rho_inf is not None:
         if method is not None and "rho_inf" not in schemes.scheme(method).options:
             able = " and ".join(name for name in schemes.MODULES if "rho_inf" in schemes.scheme(name).options)
             raise InputError(f"Argument `rho_inf` belongs to {able}, but the method is {method}.")
-        if not 0 <= rho_inf <= 1:
-            raise InputError(f"Argument `rho_inf` must lie between 0 and 1, but it is {rho_inf!r}.")
+        if not (isinstance(rho_inf, int | float | np.number) and 0 <= rho_inf <= 1):
+            raise InputError(f"Argument `rho_inf` must lie between 0 and 1, but it is {shown(rho_inf)}.")

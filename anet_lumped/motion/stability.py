@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from anet_lumped.checks import InputError, nearest
-from anet_lumped.scene.scene import Cable, Scene
+from anet_lumped.scene.scene import Cable, Scene, check_scene
 from integrators.schemes import MODULES, names
 from integrators.schemes import scheme as record_of
 
@@ -200,6 +200,7 @@ def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None =
 
     `strain` is the largest stretch expected in the motion: swings stay below omega sqrt(strain/(1 + strain)).
     """
+    check_scene(scene)
     wanted = names(explicit=True) + names(explicit=False) if schemes is None else schemes
     rate = float(sum(effect.mass_damping_rate for effect in scene.effects))
     modes, limits = top_modes(scene), {}
@@ -224,7 +225,7 @@ def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None =
 def _checked(scheme: str, **values: float | np.ndarray) -> list:
     """The limit of a scheme, and values as float arrays of one shape; InputError for an unknown scheme or a negative value."""
     if scheme not in MODULES:
-        hint = nearest(str(scheme), MODULES) or ", known are " + ", ".join(MODULES) + "."
+        hint = nearest(scheme, MODULES) or ", known are " + ", ".join(MODULES) + "."
         raise InputError(f'Argument `scheme` must name a scheme, but is "{scheme}"{hint}')
     for name, value in values.items():
         if not np.all(np.asarray(value) >= 0.0):

@@ -27,7 +27,7 @@ class EnergyBalance:
     by_dampers : float or None
         Taken by the dampers of cables. None in runs saved by version 0.1, which does not tell the three apart.
     by_effects : float or None
-        Taken by drag, friction and other effects, by pick-ups and by breaks.
+        Taken by drag, friction and other effects, by pick-ups and by breaks; negative where they give energy, as a wind does.
     by_method : float or None
         Taken by the method, or given by it if negative; no part of the physics. Of `edmc` it is what its numerical damping took,
         of the other methods of this package all that no force accounts for, see `book_remainder`. Of other packages' methods 0.

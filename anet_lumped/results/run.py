@@ -86,6 +86,9 @@ class State:
     events: tuple[Event, ...] = ()
     stable: bool | None = None
 
+    def __repr__(self) -> str:
+        return f"<State at t={self.t:g} s of {len(self.q)} nodes>"
+
     @property
     def scene(self) -> Scene:
         """The scene it is a state of."""
@@ -184,6 +187,10 @@ class Run:
     events: tuple[Event, ...] = ()
     extrapolated: bool = False
     kept: bool | None = None
+
+    def __repr__(self) -> str:
+        states = f"{len(self.t)} states of {self.q.shape[1]} nodes from t={self.t[0]:g} s to {self.t[-1]:g} s"
+        return f"<Run {self.status!r}: {self.method} with dt={self.dt:.3g} s, {states}>"
 
     @property
     def scene(self) -> Scene:

@@ -19,7 +19,7 @@ from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
 from anet_lumped.scene.payload_change import KINDS as EVENTS
 from anet_lumped.scene.payload_change import PayloadChange
-from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, Scene
+from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, Scene, check_scene
 
 POINTS = {"fixed": Fixed, "driven": Driven, "free": Free}
 
@@ -30,6 +30,7 @@ PARTS: dict[Any, tuple[str, Mapping[str, Callable]]] = {
 }  # fmt: skip
 
 
+OWN = " An effect of your own is known in Python, once the module that defines it is imported, and not on the command line."
 SECTIONS = ("points", "cables", "cable_defaults", "effects", "events")
 
 
@@ -37,6 +38,7 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
     """Return the scene as plain dicts, lists, strings and numbers, laid out as a scene file."""
     from anet_lumped.effects import REGISTRY
 
+    check_scene(scene)
     kinds, kind_of = ({kind: name for name, kind in known.items()} for known in (POINTS, EVENTS))
     cables = [_plain(cable) for cable in scene.cables]
     for cable in cables:
@@ -76,7 +78,7 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
     effects = []
     for name, entry in _table(entries.get("effects", {}), f"{source}, effects").items():
         place = f"{source}, effects.{name}"
-        effects.append(_make(_choose(name, REGISTRY, "effect", place), _table(entry, place), place))
+        effects.append(_make(_choose(name, REGISTRY, "effect", place, OWN), _table(entry, place), place))
     events = [_event(entry, place) for entry, place in _tables(entries, "events", source)] if "events" in entries else ()
     try:
         return Scene(points, cables, effects, events)
@@ -180,14 +182,14 @@ def _type(argument: inspect.Parameter) -> Any:
 def _take_kind(entry: dict[str, Any], kinds: Mapping[str, Callable], what: str, place: str) -> tuple[Callable, dict]:
     if "kind" not in entry:
         raise SceneError(f"{place}: key `kind` is missing; a {what} is one of {_list(kinds)}.")
-    kind = _choose(entry["kind"], kinds, what, place)
+    kind = _choose(entry["kind"], kinds, f"kind of {what}", place)
     return kind, {key: value for key, value in entry.items() if key != "kind"}
 
 
-def _choose(name: Any, known: Mapping[str, Callable], what: str, place: str) -> Callable:
+def _choose(name: Any, known: Mapping[str, Callable], what: str, place: str, hint: str = "") -> Callable:
     if not isinstance(name, str) or name not in known:
-        hint = nearest(str(name), known) or f"; known: {_list(known)}."
-        raise SceneError(f"{place}: unknown {what} {name!r}{hint}")
+        near = nearest(name, known) or f"; known: {_list(known)}.{hint}"
+        raise SceneError(f"{place}: unknown {what} {name!r}{near}")
     return known[name]
 
 

@@ -135,7 +135,7 @@ def rope(name: str, diameter: float, *, tension: float | None = None) -> dict[st
     """
     if not isinstance(name, str) or name not in ROPES:
         alike = [key for key, kind in ROPES.items() if str(name).lower() in kind.about.lower()]  # "Dyneema", "IWRC"
-        hint = nearest(str(name), ROPES) or nearest(alike[0] if alike else "", ROPES) or f"; known: {', '.join(ROPES)}."
+        hint = nearest(name, ROPES) or nearest(alike[0] if alike else "", ROPES) or f"; known: {', '.join(ROPES)}."
         raise SceneError(f"Unknown rope {name!r}{hint}")
     kind, owner = ROPES[name], f'rope "{name}"'
     diameter = check_number("diameter", diameter, "m", owner, sign="positive")

@@ -5,9 +5,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from os import PathLike
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
 
-from anet_lumped.checks import SceneError, Vector, check_count, check_name, check_number, check_vector, nearest
+from anet_lumped.checks import SceneError, Vector, check_count, check_name, check_number, check_vector, look_up, nearest, shown
 from anet_lumped.effects.effect import Effect
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.scene.payload_change import PayloadChange
@@ -179,7 +180,7 @@ class Cable:
         if self.compression not in COMPRESSION:
             raise SceneError(
                 'Argument `compression` must be "none", "damped" or "linear", but '
-                f"{owner} has compression={self.compression!r}" + (nearest(str(self.compression), COMPRESSION) or ".")
+                f"{owner} has compression={self.compression!r}" + (nearest(self.compression, COMPRESSION) or ".")
             )
 
         if self.EA_compression and (self.compression != "damped" or self.EA_compression > self.EA_first or self.inextensible):
@@ -299,6 +300,11 @@ class Scene:
         self._check_effects()
         self._check_events()
 
+    def __repr__(self) -> str:
+        segments = sum(cable.segments for cable in self.cables)
+        effects = ", ".join(type(effect).__name__ for effect in self.effects) or "no effects"
+        return f"<Scene of {len(self.points)} points, {len(self.cables)} cables of {segments} segments, {effects}>"
+
     def _check_names(self) -> None:
         names = set()
         for point in self.points:
@@ -362,11 +368,11 @@ class Scene:
 
     def point(self, name: str) -> Point:
         """Return the point called `name`."""
-        return _look_up("point", name, self._points)
+        return look_up("point", name, self._points)
 
     def cable(self, name: str) -> Cable:
         """Return the cable called `name`."""
-        return _look_up("cable", name, self._cables)
+        return look_up("cable", name, self._cables)
 
     @property
     def free_points(self) -> tuple[Free, ...]:
@@ -427,7 +433,8 @@ def _as_tuple(argument: str, value: Any) -> tuple:
     return tuple(value)
 
 
-def _look_up(what: str, name: str, known: dict) -> Any:
-    if name not in known:
-        raise SceneError(f'The scene has no {what} "{name}"' + (nearest(str(name), known) or "."))
-    return known[name]
+def check_scene(value: Any) -> None:
+    """Refuse what is no Scene."""
+    if not isinstance(value, Scene):
+        hint = "; load_scene(...) reads one from a file." if isinstance(value, str | PathLike) else "."
+        raise SceneError(f"A scene must be a Scene, but it is {shown(value)}{hint}")

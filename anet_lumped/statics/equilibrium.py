@@ -4,13 +4,14 @@ from typing import Any
 
 import numpy as np
 
+from anet_lumped.mechanics.finite_laws import name_law_that_is_not_finite
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
 from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_PUSH_SHARE, AXIAL_STIFFNESS, CABLE_END, CABLE_SEGMENTS
 from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Fixed, Free, Scene
+from anet_lumped.scene.scene import Fixed, Free, Scene, check_scene
 
 from .equilibrium_error import EquilibriumError
 from .hanging_chains import solve, unroll
@@ -48,6 +49,7 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
     InputError
         A start that is none.
     """
+    check_scene(scene)
     model = build(scene)
     _check_supports(scene)
     given = None if start is None or (isinstance(start, str) and start == "equilibrium") else start_state(model, start)
@@ -97,24 +99,29 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
         guess = (
             None if given is None else Shape(np.concatenate([given.q[: model.n_free], q[model.n_free :]]), given.segment_tension)
         )
-        found = stable_rest(model, net, Shape(q, tension), guess, scale)
+        try:
+            found = stable_rest(model, net, Shape(q.copy(), tension), guess, scale)
+        except RuntimeError as error:  # a tangent that is not finite cannot be judged
+            law = name_law_that_is_not_finite(model, [(0.0, q, v)])
+            raise EquilibriumError(f"{law}No equilibrium was found: {error}") from None if law else error
         if not (found.stable or found.asked_for):
-            _refuse(model, found)
+            _refuse(model, found, q)
         (q, tension), balance, stable = found.shape, found.residual, found.stable
     else:
         _check_slack(model, np.where(settled, np.inf, tension), total, scale)
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance, stable=stable)
 
 
-def _refuse(model: Model, found: Any) -> None:
+def _refuse(model: Model, found: Any, hanging: np.ndarray) -> None:
     """Say why what was found is no rest to return."""
     from .failure_reasons import reason
 
     q, tension = found.shape
     effects, why = ", ".join(type(effect).__name__ for effect in model.scene.effects), reason(model, q)
     if not found.balanced:
+        law = name_law_that_is_not_finite(model, [(0.0, shape, np.zeros_like(q)) for shape in (hanging, q)])
         raise EquilibriumError(
-            f"No equilibrium was found with {effects}: forces balance to {found.residual:.1e} of the load, "
+            f"{law}No equilibrium was found with {effects}: forces balance to {found.residual:.1e} of the load, "
             f"which should be 1e-9; {why}."
         )
     down = found.down.directions_down
@@ -176,7 +183,8 @@ def _check_supports(scene: Scene) -> None:
         if not members & held:
             raise EquilibriumError(
                 f'Every part of a net must hang on a fixed or driven point, but nothing holds free point "{name}"'
-                + (f" and the {len(members) - 1} others it is tied to." if len(members) > 1 else ".")
+                + (f" and the {len(members) - 1} others it is tied to" if len(members) > 1 else "")
+                + '; `simulate` moves it from start="straight" or a State.'
             )
 
 

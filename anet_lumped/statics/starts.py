@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from anet_lumped.checks import InputError, nearest
+from anet_lumped.checks import InputError, nearest, shown
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
-from anet_lumped.results.run import State
+from anet_lumped.results.run import Run, State
 from anet_lumped.scene.scene import Driven, Fixed, Free, SceneError
 
 Start = str | State | Mapping[str, ArrayLike]
@@ -49,10 +49,9 @@ def _at_rest(model, start):
     elif isinstance(start, str) and start == "straight":
         q = straight(model)
     else:
-        raise InputError(
-            f'Argument `start` must be "equilibrium", "straight" or a State, but it is {start!r}; '
-            "the shape of each cable by its name will do, too."
-        )
+        a_run = isinstance(start, Run)
+        other = "a Run has States, run.final and run.state(k)" if a_run else "the shape of each cable by its name will do, too"
+        raise InputError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {shown(start)}; {other}.')
     still = np.zeros_like(q)
     return State(model, 0.0, q, still, np.zeros(model.n_segments))
 

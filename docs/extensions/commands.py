@@ -1,63 +1,46 @@
-"""The page of the command line: each command's own help, and an example with what it printed (`docs/recorded`)."""
+"""The commands of the program for the page of the command line: what each is for, and a table of its arguments and options."""
 
-from pathlib import Path
+import inspect
+import typing
 
-import typer.main
-from docutils import nodes
-from sphinx.util import logging
-from sphinx.util.docutils import SphinxDirective
+from keys import escaped
 
-from studies.command_line import app as program
-
-RECORDED = Path(__file__).parents[1] / "recorded"
-WIDTH = 100  # characters of a line of help
-logger = logging.getLogger(__name__)
+from studies.command_line import app
 
 
-def commands():
-    """Return the commands of the program by name, in its own order."""
-    return typer.main.get_command(program).commands
+def sections():
+    """Return a section for each command, in the program's own order."""
+    return "\n\n".join(section(command.callback) for command in app.registered_commands)
 
 
-def help_of(name, command):
-    """Return the help of a command as `anet-lumped NAME --help` prints it."""
-    settings = {"terminal_width": WIDTH, "max_content_width": WIDTH}
-    return command.get_help(
-        command.context_class(command, info_name=f"anet-lumped {name}", **settings)
+def section(callback):
+    """Return what a command is for, its arguments and options, and a link to an example with what it prints."""
+    name = callback.__name__.strip("_")
+    said = [f"## {name}", escaped(inspect.getdoc(callback))]
+    rows = [row(argument) for argument in inspect.signature(callback).parameters.values()]
+    if rows:
+        said.append("\n".join(["| argument | default | meaning |", "|---|---|---|", *rows]))
+    return "\n\n".join([*said, f"[An example, and what it prints](recorded/{name}.txt)"])
+
+
+def row(argument):
+    """Return a line of the table: how an argument or option is written, its default and what it is."""
+    kind, about = typing.get_args(argument.annotation)[:2]
+    if type(about).__name__ == "ArgumentInfo":
+        written = about.metavar or argument.name.upper()
+    else:
+        named = (
+            about.default if isinstance(about.default, str) else None
+        )  # where typer keeps the name of an annotated option
+        option = named or f"--{argument.name.replace('_', '-')}"
+        value = "" if kind is bool else f" {about.metavar or argument.name.upper()}"
+        written = option + value
+    default = argument.default
+    shown = (
+        "required"
+        if default is argument.empty
+        else ""
+        if default in (None, False, (), [])
+        else f"`{default}`"
     )
-
-
-class Commands(SphinxDirective):
-    """Write a section for each command of the program."""
-
-    def run(self):
-        """Return the sections."""
-        return [self._section(name, command) for name, command in commands().items()]
-
-    def _section(self, name, command):
-        section = nodes.section(ids=[f"command-{name}"], names=[f"command-{name}"])
-        section += nodes.title(text=name)
-        section += _block(help_of(name, command), "text")
-        recorded = RECORDED / f"{name}.txt"
-        self.env.note_dependency(str(recorded))
-        if recorded.is_file():
-            section += _block(recorded.read_text(encoding="utf-8").rstrip(), "console")
-        else:
-            logger.warning(
-                "There is no recorded example of `anet-lumped %s`; run docs/record.py.",
-                name,
-                location=self.get_location(),
-            )
-        return section
-
-
-def _block(text, language):
-    block = nodes.literal_block(text, text)
-    block["language"] = language
-    return block
-
-
-def setup(app):
-    """Offer the directive `commands`."""
-    app.add_directive("commands", Commands)
-    return {"parallel_read_safe": True, "parallel_write_safe": True}
+    return f"| `{written}` | {shown} | {escaped(about.help)} |"

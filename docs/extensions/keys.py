@@ -6,7 +6,6 @@ import operator
 import re
 
 from docstrings import NAMED
-from sphinx.util.docutils import SphinxDirective
 
 
 def parameters(thing):
@@ -75,44 +74,20 @@ def as_toml(value):
     )
 
 
-class Keys(SphinxDirective):
-    """Write the table of keys of a class or function, given as `module:name` or `module:room.name`."""
-
-    required_arguments = 1
-
-    def run(self):
-        """Return the table."""
-        module, name = self.arguments[0].split(":")
-        thing = operator.attrgetter(name)(importlib.import_module(module))
-        self.env.note_dependency(inspect.getsourcefile(thing))
-        lines = [
-            "```{list-table}",
-            ":header-rows: 1",
-            ":widths: 20 16 64",
-            "",
-            "* - key",
-            "  - default",
-            "  - meaning",
-        ]
-        for key, default, meaning in rows(thing):
-            lines += [
-                f"* - `{key}`",
-                f"  - {f'`{default}`' if default not in ('', 'required') else default}",
-                f"  - {escaped(meaning)}",
-            ]
-        return self.parse_text_to_nodes("\n".join([*lines, "```"]))
+def table(thing):
+    """Return the table of keys of a class or function, given as `module:name` or `module:room.name`."""
+    module, name = thing.split(":")
+    lines = ["| key | default | meaning |", "|---|---|---|"]
+    for key, default, meaning in rows(operator.attrgetter(name)(importlib.import_module(module))):
+        default = f"`{default}`" if default not in ("", "required") else default
+        lines.append(f"| `{key}` | {default} | {escaped(meaning)} |")
+    return "\n".join(lines)
 
 
 def escaped(text):
-    """Return a sentence of a docstring as MyST takes it for text; what it quotes stays code."""
+    """Return a sentence of a docstring as Markdown takes it for text; what it quotes stays code."""
     parts = text.replace("``", "`").split("`")
     for k in range(0, len(parts), 2):
         for mark in "\\*_$[]<>{}|":
             parts[k] = parts[k].replace(mark, f"\\{mark}")
     return "`".join(parts)
-
-
-def setup(app):
-    """Offer the directive `keys`."""
-    app.add_directive("keys", Keys)
-    return {"parallel_read_safe": True, "parallel_write_safe": True}

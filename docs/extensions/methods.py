@@ -1,7 +1,5 @@
 """The table of methods, from the records of the schemes (`integrators.schemes`)."""
 
-from sphinx.util.docutils import SphinxDirective
-
 from integrators import schemes
 
 HEADS = (
@@ -28,18 +26,9 @@ def rows():
         )
 
 
-class Methods(SphinxDirective):
-    """Write the table."""
-
-    def run(self):
-        """Return the table."""
-        lines = ["```{list-table}", ":header-rows: 1", ":widths: 18 12 8 10 22 30", ""]
-        for row in (HEADS, *rows()):
-            lines += [f"{'* -' if k == 0 else '  -'} {cell}" for k, cell in enumerate(row)]
-        return self.parse_text_to_nodes("\n".join([*lines, "```"]))
-
-
-def setup(app):
-    """Offer the directive `methods`."""
-    app.add_directive("methods", Methods)
-    return {"parallel_read_safe": True, "parallel_write_safe": True}
+def table():
+    """Return the table."""
+    lines = [HEADS, ["---"] * len(HEADS), *rows()]
+    return "\n".join(
+        f"| {' | '.join(cell.replace('|', '&#124;') for cell in line)} |" for line in lines
+    )

@@ -5,12 +5,20 @@ import threading
 
 import numpy as np
 
+TOLD_EVERY = 5.0  # [s]
 
-def interruptible(march, *arguments):
+
+def interruptible(march, *arguments, tell=lambda: None):
     """Call ``march(*arguments, stop)``, which releases the interpreter's lock and ends soon after ``stop[0]`` is set.
 
     Python raises KeyboardInterrupt in its main thread, between two lines of Python; a compiled march is one line. Therefore the
     march runs in another thread. Called from any other thread than the main one, it runs in that thread.
+
+    Parameters
+    ----------
+    march : compiled function
+    arguments : of it
+    tell : called every `TOLD_EVERY` while it marches
 
     Returns
     -------
@@ -33,7 +41,8 @@ def interruptible(march, *arguments):
     _thread.start_new_thread(run, ())  # what `threading` adds to it costs as much as a hundred steps
     while True:
         try:
-            ended.acquire()
+            while not ended.acquire(timeout=TOLD_EVERY):
+                tell()
             return outcome[0], bool(stop[0])
         except KeyboardInterrupt:
             stop[0] = 1

@@ -1,5 +1,7 @@
 """A march with a scheme of this package: its arrays, its compiled loop and its outcome."""
 
+import logging
+import math
 import time
 from dataclasses import dataclass
 
@@ -12,6 +14,7 @@ from integrators.system import (
     COUNTS,
     ENERGIES,
     STEP,
+    STEPS,
     StepState,
     System,
     compiled,
@@ -27,6 +30,8 @@ from .error_growth import Growth, StepError
 from .fixed_steps import FixedSteps, compiled_fixed_steps
 from .interruptible import interruptible
 from .stepper import Stepper
+
+LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +110,14 @@ def march(
     room = () if adaptive else (Growth(np.empty((n, 3)), np.zeros((n, 3))),)
     started = time.perf_counter()
     given = stepper, times, loop_argument, state, scratch, *room, saved
-    (status, rows, t, node, *more), interrupted = interruptible(entry_point(loop), *given)
+
+    def tell():
+        if not adaptive and counts[STEPS]:
+            total, seconds = math.ceil((times.t_end - times.t0) / times.dt), time.perf_counter() - started
+            left = (total / counts[STEPS] - 1.0) * seconds
+            LOG.info("step %d of %d, %.0f s left if the others take as long", counts[STEPS], total, left)
+
+    (status, rows, t, node, *more), interrupted = interruptible(entry_point(loop), *given, tell=tell)
     wall_time = time.perf_counter() - started
     if scheme.error_shift and not adaptive:
         saved.error[:rows] += scheme.error_shift * times.dt * np.maximum.accumulate(np.abs(saved.v[:rows]).max(axis=(1, 2)))

@@ -1,7 +1,6 @@
 """Motions that methods are timed on: a scene, where it starts, for how long, and the point whose position is judged."""
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -9,7 +8,6 @@ from anet_lumped import Scene, State, equilibrium, load_scene, simulate
 from anet_lumped.checks import InputError
 from anet_lumped.scene.scene import Driven, Fixed, Free
 
-SCENES = Path(__file__).parents[1] / "scenes"
 LOOSE_END, NET_END, SHOCK_END = 1.0, 4.0, 2.0  # [s]; the loose cable is chaotic from 1.2 s on
 LOOSE_SAVE, NET_SAVE = 0.02, 0.04  # [s] between the positions that are compared
 LOOSE_STEPS = (10e-3, 5e-3, 2.5e-3, 1.25e-3, 0.625e-3, 0.3125e-3, 0.15625e-3, 0.078125e-3)  # [s] of implicit schemes
@@ -118,5 +116,5 @@ def dropped(EA, segments=20):
 
 def net(name, **changes):
     """A bundled scene with all its cables changed."""
-    scene = load_scene(SCENES / f"{name}.toml")
+    scene = load_scene(name)
     return replace(scene, cables=tuple(replace(cable, **changes) for cable in scene.cables))

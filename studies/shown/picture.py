@@ -19,7 +19,7 @@ HERE = Path(__file__).parents[1]
 
 def draw():
     """The figure."""
-    scene = load_scene(HERE / "scenes" / "net_carried.toml")
+    scene = load_scene("net_carried")
     figure = Figure(figsize=(10, 3.6), layout="constrained")
     side, sway = figure.subplots(1, 2, width_ratios=(1.5, 1))
     runs = []

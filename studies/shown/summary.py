@@ -166,10 +166,16 @@ def prediction_summary(scene, dt: float | None = None) -> dict:
             if strains and schemes.scheme(name).explicit:
                 floors = [float(prediction.stretch_floor(name, dt, cable, strain)) for cable, strain in strains.items()]
                 row["stretch_floor"] = max(floors)
-            if dt > limit.step:
-                warnings.append(prediction.warning(name, dt))
         methods.append(row | {"note": limit.note})
-    return {"cables": cables, "methods": methods, "warning": warnings}
+    unstable = [row["method"] for row in methods if row.get("stable") == "no"]
+    if unstable:
+        warnings.append(
+            f"A step of {dt:g} s is beyond the largest stable step of {', '.join(unstable)}; "
+            'take a smaller step or an implicit method such as "edmc".'
+        )
+    floor = "smallest stretch at rest, of a cable with another EA, at which the step is stable"
+    explained = {"stretch_floor_is": floor} if dt is not None and strains else {}
+    return {"cables": cables, "methods": methods} | explained | {"warning": warnings}
 
 
 def catenary_comparison(scene) -> dict:
@@ -202,11 +208,15 @@ def marker_comparison(scene, file) -> dict:
 
 def ropes_summary(diameter: float) -> dict:
     """The ropes of the catalogue at a nominal diameter [m]."""
+    from anet_lumped.checks import check_number
     from anet_lumped.scene.ropes import ROPES
 
-    rows = []
+    check_number("diameter", diameter, "m", "the command", sign="positive")
+    rows, outside = [], []
     for name, rope in ROPES.items():
         low, high = rope.diameters or (np.nan, np.nan)
+        if diameter < low or diameter > high:
+            outside.append(f"{name} ({1e3 * low:.3g} to {1e3 * high:.3g} mm)")
         rows.append({
             "rope": name,
             "what": rope.about,
@@ -218,7 +228,8 @@ def ropes_summary(diameter: float) -> dict:
             "to_mm": 1e3 * high,
             "source": rope.source,
         })  # fmt: skip
-    return {"nominal_diameter_mm": 1e3 * diameter, "ropes": rows}
+    warning = f"A diameter of {1e3 * diameter:.4g} mm is out of the range of {', '.join(outside)}: prefer the maker's data."
+    return {"nominal_diameter_mm": 1e3 * diameter, "ropes": rows} | ({"warning": [warning]} if outside else {})
 
 
 def write_effects(found, file) -> None:

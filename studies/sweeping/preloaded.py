@@ -1,6 +1,9 @@
 """What rows need, imported once in the process that workers are forked from."""
 
+import os
 from importlib import import_module
+
+os.environ["ANET_LUMPED_QUIET"] = "1"  # the process that began this one tells that it compiles
 
 for _name in ("anet_lumped.statics.equilibrium", "anet_lumped.motion.simulate", "studies.sweeping.sweep"):
     import_module(_name)

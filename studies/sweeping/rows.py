@@ -113,7 +113,10 @@ def _open_log(out, names, asked, resume, identity):
         before = json.loads(meta.read_text())["identity"]
         changed = [name for name in before | identity if before.get(name) != identity.get(name)]
         if changed:
-            raise RowsError(f"Rows of one table must agree, but {log} was made with another {' and '.join(changed)}.")
+            first = [next(_differences(before.get(name), identity.get(name), name)) for name in changed]
+            raise RowsError(
+                f"Rows of one table must agree, but {log} was made with another {' and '.join(changed)}: {'; '.join(first)}."
+            )
         strange = [line for key, line in lines.items() if key not in asked]
         if strange:
             inputs = {name: strange[0].get(name) for name in names}
@@ -167,6 +170,21 @@ def _table(lines, names):
         if len({isinstance(value, str) for value in table[name].dropna()}) > 1:
             table[name] = table[name].map(str, na_action="ignore")
     return table
+
+
+def _differences(before, now, where):
+    """Yield "vary.EA was [1, 2] and is [1, 3]" for each part of two JSON values that differs."""
+    if isinstance(before, dict) and isinstance(now, dict):
+        parts = [(f"{where}.{key}", before.get(key), now.get(key)) for key in before | now]
+    elif isinstance(before, list) and isinstance(now, list) and len(before) == len(now) and dict in map(type, now):
+        parts = [(f"{where}[{i}]", *pair) for i, pair in enumerate(zip(before, now, strict=True))]
+    elif before != now:
+        yield f"{where} was {before} and is {now}"
+        return
+    else:
+        return
+    for name, one, other in parts:
+        yield from _differences(one, other, name)
 
 
 def _with_progress(results, total, label):

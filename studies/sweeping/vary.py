@@ -1,6 +1,7 @@
 """What a sweep varies: names of a scene's fields and of a run's settings, the values each takes, and their product."""
 
 import itertools
+import re
 from collections.abc import Iterable
 
 from anet_lumped.checks import nearest
@@ -71,7 +72,7 @@ def read_values(scene: Scene, vary: dict[str, str | Iterable]) -> dict[str, list
     values = {}
     for name, spec in vary.items():
         if name not in fields and name not in SETTINGS:
-            raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, fields)}")
+            raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, fields, scene)}")
         whole = name in fields and all(type(container[key]) is int for container, key in fields[name])
         values[name] = parse_values(spec, whole) if isinstance(spec, str) else list(spec)
     return values
@@ -98,7 +99,7 @@ def apply(scene: Scene, inputs: dict) -> tuple[Scene, dict]:
         if name in settings:
             continue
         if name not in fields:
-            raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, fields)}")
+            raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, fields, scene)}")
         for container, key in fields[name]:
             container[key] = inputs[name]
             touched.add((id(container), key))
@@ -140,11 +141,12 @@ def _values_below(part, above=""):
             yield from ((f"{above}{key}.{axis}", value, i) for i, axis in enumerate("xyz"))
 
 
-def _hint(name, fields):
+def _hint(name, fields, scene):
+    label, _, key = re.sub(r"\.[xyz]$", "", name).rpartition(".")
+    for part in (*scene.points, *scene.cables):
+        if label in ("", part.name) and getattr(part, key, "") is None:
+            return f": `{part.name}` has no `{key}` in this scene, and must be given one first."
     known = [*SETTINGS, *fields]
-    same = [other for other in known if other.lower() == name.lower()]  # `ea` is nearer to `EA` than to `at`
-    if same:
-        return f", did you mean `{same[0]}`?"
     parts = [other for other in fields if "." not in other]
     return nearest(name, known, quote="`") or (
         f"; known are {', '.join([*SETTINGS, *parts])}, and each field by its part's name, as in `{list(fields)[1]}`."

@@ -3,16 +3,21 @@
 import math
 import multiprocessing
 import os
+import pickle
 import signal
+import sys
 import threading
 import time
+import types
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, wait
+from importlib.util import find_spec
+from pathlib import Path
 from typing import NamedTuple
 
-from studies.compiling import NOTICE, NOTICED_AFTER, call_when_compiling, kernels_are_on_disk
+from integrators.compiling import NOTICE, NOTICED_AFTER, call_when_compiling
 
 CRASHED = {
     "status": "crashed",
@@ -83,6 +88,14 @@ def start_early() -> None:
 
         _context()
         ensure_running()
+
+
+def kernels_are_on_disk() -> bool:
+    """Whether Numba has kept anything of `anet_lumped` on the disk, as far as a look at its folders tells."""
+    folders = [Path(folder) for folder in find_spec("anet_lumped").submodule_search_locations]
+    if os.environ.get("NUMBA_CACHE_DIR"):
+        folders = [Path(os.environ["NUMBA_CACHE_DIR"])]
+    return any(next(folder.rglob("*.nbi"), None) for folder in folders)
 
 
 def available_cores() -> int:
@@ -183,27 +196,51 @@ def _start_method():
     return "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
 
 
-def _context():
-    context = multiprocessing.get_context(_start_method())
+_Process = multiprocessing.get_context(_start_method()).Process
+
+
+class _ProcessWithoutScript(_Process):
+    """A worker that does not import the script which the program began with, so that the script needs no guard."""
+
+    @staticmethod
+    def _Popen(process):
+        script, sys.modules["__main__"] = sys.modules["__main__"], types.ModuleType("__main__")
+        try:
+            return _Process._Popen(process)
+        finally:
+            sys.modules["__main__"] = script
+
+
+class _ContextWithoutScript(type(multiprocessing.get_context(_start_method()))):
+    Process = _ProcessWithoutScript
+
+
+def _context(needs_script=False):
+    context = multiprocessing.get_context(_start_method()) if needs_script else _ContextWithoutScript()
     if _start_method() == "forkserver":
         context.set_forkserver_preload([PRELOADED])
     return context
 
 
 def _start_pool(workers, function):
-    """Pool of processes that can load `function`."""
-    context = _context()
+    """Pool of processes that can load `function`; they import the script of the program only if part of the function is of it."""
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        sys.exit(1)  # a worker that imports a script without a guard: the process that began it says so
+    try:
+        needs_script = b"__main__" in pickle.dumps(function)
+    except Exception as error:  # pickle raises PicklingError, AttributeError or TypeError
+        raise TypeError(f"A row's function must be picklable to reach worker processes, but {error}.") from None
+    context = _context(needs_script)
     compiles = context.RawValue("b", 0)  # without a lock, which a worker that is killed could hold
     executor = ProcessPoolExecutor(workers, mp_context=context, initializer=_prepare_worker, initargs=(compiles,))
     try:
         executor.submit(callable, function).result()
-    except BrokenExecutor:
+    except (BrokenExecutor, AttributeError, ImportError):
         raise RuntimeError(
-            f"Worker processes must be able to import {function!r}, but they died doing so: define it in a module, and "
-            'call run_rows and sweep below `if __name__ == "__main__":` in a script.'
+            "A script whose own functions or effects worker processes need must call sweep and run_rows below "
+            '`if __name__ == "__main__":`, or define them in a module that it imports; the workers could not load '
+            f"{getattr(function, '__qualname__', type(function).__name__)}."
         ) from None
-    except Exception as error:  # pickle raises PicklingError, AttributeError or TypeError
-        raise TypeError(f"A row's function must be picklable to reach worker processes, but {error}.") from None
     return Pool(executor, workers, compiles)
 
 

@@ -13,7 +13,7 @@ from anet_lumped import Cable, Fixed, Free, Scene, SceneError, load_scene, simul
 from anet_lumped.advice.effect_audit import NEEDED, NEGLIGIBLE, STIFF, UNDECIDED, UNKNOWN, audit_effects
 from anet_lumped.effects import REGISTRY, Air, Bending, Effect, Gravity, Ground, ViscousDamping, node_force
 from anet_lumped.effects.flow.wind import Uniform
-from studies.command_line import SCENES, main
+from studies.command_line import main
 
 
 def hung(EA=1e3, mass=0.2, **changes):
@@ -24,7 +24,7 @@ def hung(EA=1e3, mass=0.2, **changes):
 
 @pytest.fixture(scope="module")
 def flown():
-    return audit_effects(load_scene(SCENES / "net_flown.toml"), 1e-3, at="p0")
+    return audit_effects(load_scene("net_flown"), 1e-3, at="p0")
 
 
 def test_the_flown_net(flown):
@@ -44,7 +44,7 @@ def test_the_flown_net(flown):
 
 def test_changes_are_those_of_another_method(flown):
     """Generalised-alpha at 1 ms: of air, and of elasticity by cords a thousand times as stiff."""
-    scene = load_scene(SCENES / "net_flown.toml")
+    scene = load_scene("net_flown")
     stiff = replace(scene, cables=tuple(replace(cable, EA=1e7) for cable in scene.cables))
     blown = replace(scene, effects=(*scene.effects, Air()))
     save = flown.t_end / 40

@@ -8,6 +8,7 @@ from pathlib import Path
 import gallery
 import pytest
 import typer.main
+from generated import filled
 
 import anet_lumped
 from anet_lumped import Scene
@@ -70,6 +71,16 @@ def test_command_prints_what_its_record_says(name, tmp_path):
     assert alike(run(example, {}, tmp_path), said)
 
 
+@pytest.mark.parametrize("page", [page for page in PAGES if "<!-- end -->" in text_of(page)], ids=name_of)
+def test_parts_made_of_the_source_are_those_of_now(page):
+    assert filled(text_of(page)) == text_of(page), f"run python docs/record.py {page.stem}"
+
+
+def test_pages_that_are_linked_as_they_lie_here_have_no_directive_for_the_site_alone():
+    for page in ("scene-file.md", "command-line.md", "choosing.md"):
+        assert "```{" not in text_of(DOCS / page)
+
+
 def tables(page):
     """Blocks of TOML of a page."""
     return re.findall(r"^```toml\n(.*?)^```$", text_of(page), re.MULTILINE | re.DOTALL)
@@ -77,7 +88,7 @@ def tables(page):
 
 def test_every_scene_file_in_the_pages_is_read():
     """Those that show an effect or an event alone, as a part of the net that is held."""
-    whole = tomllib.loads(text_of(ROOT / "studies" / "scenes" / "net_held.toml"))
+    whole = tomllib.loads(text_of(ROOT / "anet_lumped" / "scenes" / "net_held.toml"))
     whole["cable_defaults"] |= {"diameter": 0.003, "EI": 1e-4}
     found = 0
     for page in PAGES:

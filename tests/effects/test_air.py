@@ -335,7 +335,7 @@ def test_scene_file(tmp_path):
         "kind": "power_law", "speed": 8.0, "height": 10.0, "exponent": 0.2, "direction": [1.0, 0.0, 0.0], "ground": 0.0
     }  # fmt: skip
     for wind, message in (
-        ({"kind": "powerlaw"}, r'scene, effects.air.wind: unknown wind .powerlaw., did you mean "power_law"\?'),
+        ({"kind": "powerlaw"}, r'scene, effects.air.wind: unknown kind of wind .powerlaw., did you mean "power_law"\?'),
         ([{"velocity": [1, 2, 3]}], r"scene, effects.air.wind\[0\]: key `kind` is missing; a wind is one of"),
         ({"kind": "uniform", "speed": 1.0}, "scene, effects.air.wind: unknown key `speed`; known: `velocity`"),
         ({"kind": "uniform", "velocity": [1.0, 2.0]}, "effects.air.wind: key `velocity"),

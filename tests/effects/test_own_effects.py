@@ -2,9 +2,11 @@
 
 import math
 import pickle
+import re
 import runpy
 import types
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +14,19 @@ import pytest
 from numba import njit
 from systems import four_cables, loose_cable, nets, scatter
 
-from anet_lumped import Cable, Driven, Fixed, Free, Scene, SceneError, equilibrium, load_scene, save_scene, simulate
+from anet_lumped import (
+    Cable,
+    Driven,
+    EquilibriumError,
+    Fixed,
+    Free,
+    Scene,
+    SceneError,
+    equilibrium,
+    load_scene,
+    save_scene,
+    simulate,
+)
 from anet_lumped.effects import REGISTRY, Air, Gravity, ViscousDamping, node_energy, node_force, segment_energy, segment_force
 from anet_lumped.effects.laws.drag import segment_coefficients, segment_drag, tangent_of
 from anet_lumped.model.build import build
@@ -320,7 +334,18 @@ def no_law(t, q):
         (lambda: node_force(lambda q, v: (0, 0, 0)), r"must have the arguments \(t, q, v, ...\).*`<lambda>` has \(q, v\)"),
         (lambda: node_energy(lambda t, q, *p: 0.0), r"each by a name of its own, but `<lambda>` has \(t, q, \*p\)"),
         (lambda: segment_energy(lambda t, q: 0.0), r"must have the arguments \(t, q0, q1, ...\)"),
-        (lambda: node_force(lambda t, q, v, points: q), "`points` says what an effect acts on and may be no argument of its law"),
+        *(
+            (partial(node_force, law), f"argument of a law must not be called `{name}`, as every effect has that, but `<lambda>`")
+            for name, law in {
+                "points": lambda t, q, v, points: q,
+                "table": lambda t, q, v, table: q,
+                "law": lambda t, q, v, k, law: q,
+                "self": lambda t, q, v, self: q,
+                "where": lambda t, q, v, where: q,
+                "kernels": lambda t, q, v, kernels: q,
+            }.items()
+        ),
+        (lambda: segment_energy(lambda t, q0, q1, cables: 0.0), "must not be called `cables`"),
         (lambda: node_energy(no_law)(), r"must compile with Numba, but `no_law` does not: .*undefined_name"),
         (lambda: node_energy(lambda t, q: not_compiled(q[0]))(), "`<lambda>` does not: .*not_compiled.*, in line \\d+"),
         (lambda: node_energy(lambda t, q: q)(), r"must return one number, the energy \[J\], but `<lambda>` returns UniTuple"),
@@ -351,6 +376,52 @@ def no_law(t, q):
 def test_messages(make, message):
     with pytest.raises((SceneError, TypeError), match=message):
         make()
+
+
+def test_a_default_may_be_a_list():
+    made = node_energy(lambda t, q, at=[0.0, 1.0, 2.0]: at[0] * q[0])
+    assert made().at == (0.0, 1.0, 2.0)
+
+
+@node_force
+def root_of_height(t, q, v, z0):
+    return 0.0, 0.0, 0.01 * math.sqrt(q[2] - z0)
+
+
+@node_energy
+def logarithm(t, q, depth):
+    return depth * math.log(q[2] + depth)
+
+
+@node_force
+def until(t, q, v, t0):
+    return 0.0, 0.0, 0.01 * math.sqrt(t0 - t)
+
+
+def loose(*effects):
+    cable = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e4, zeta=0.05, segments=20)
+    return Scene([Fixed("a", (0, 0, 0)), Free("b", at=(1, 0, 0))], [cable], [Gravity(9.81), *effects])
+
+
+def test_a_law_that_is_not_finite_is_named_by_statics():
+    with pytest.raises(EquilibriumError, match=r"^The force of effect root_of_height is \(0, 0, nan\) N at t=0 s at .* No equil"):
+        equilibrium(loose(root_of_height(-0.5)))
+
+
+@pytest.mark.parametrize(
+    ("effect", "settings", "message"),
+    [
+        (logarithm(0.3), {}, r"The energy of effect logarithm is nan J at t=0.0\d+ s\. edmc with .* did not converge"),
+        (logarithm(0.3), {"method": "dop853"}, r"The energy of effect logarithm is nan J .* dop853 with rtol"),
+        (logarithm(0.3), {"method": "verlet", "dt": 2e-5}, "The (energy|force) of effect logarithm is .* verlet with"),
+        (until(0.1), {"dt": 0.001}, r"The force of effect until is \(0, 0, nan\) N at t=0.1"),
+        (until(0.1), {"method": "verlet", "dt": 2e-5}, r"The force of effect until is \(0, 0, nan\) N at t=0.1.* diverged at"),
+        (until(0.1), {"method": "backward_euler", "dt": 0.01}, "The force of effect until is"),
+    ],
+)
+def test_a_law_that_is_not_finite_is_named_by_a_run(effect, settings, message):
+    run = simulate(loose(effect), t_end=0.3, start="straight", **settings)
+    assert not run.ok and re.match(message, run.message), run.message
 
 
 def with_effect(*effects):

@@ -456,7 +456,7 @@ def test_scene_file(tmp_path):
     entries = scene_to_dict(scene)
     assert entries["effects"]["water"]["wave"]["kind"] == "airy"
     for wave, message in (
-        ({"kind": "stokes"}, r'effects.water.wave: unknown wave .stokes.; known: "airy"'),
+        ({"kind": "stokes"}, r'effects.water.wave: unknown kind of wave .stokes.; known: "airy"'),
         ({"kind": "airy", "height": 1.0}, "effects.water.wave: key `period` is missing"),
         ({"height": 1.0}, "effects.water.wave: key `kind` is missing; a wave is one of"),
     ):

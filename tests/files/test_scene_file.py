@@ -1,21 +1,20 @@
 """Scene files: what is written comes back equal, and what is wrong is named with its place."""
 
 import json
-import pathlib
 from dataclasses import replace
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-import studies
 from anet_lumped.effects import Bending, Gravity, ViscousDamping
+from anet_lumped.files import scene_file
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.prescribed.paths import harmonic, line, samples
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 from anet_lumped.scene.scene import COMPRESSION, Cable, Driven, Fixed, Free, Scene, SceneError
 
-SCENES = sorted((pathlib.Path(studies.__file__).parent / "scenes").glob("*.toml"))
+SCENES = sorted(scene_file.SCENES.glob("*.toml"))
 
 number = st.floats(-1e12, 1e12)
 positive = st.floats(1e-12, 1e12)
@@ -85,6 +84,15 @@ def test_six_scenes_are_bundled():
     assert [file.stem for file in SCENES] == names
 
 
+def test_a_bundled_scene_is_read_by_its_name_and_a_file_of_that_name_goes_first(tmp_path, monkeypatch):
+    assert load_scene("net_held") == load_scene(scene_file.SCENES / "net_held.toml")
+    with pytest.raises(SceneError, match='There is no scene and no file "net_hel", did you mean "net_held"'):
+        load_scene("net_hel")
+    (tmp_path / "net_held").write_text((scene_file.SCENES / "loose_cable.toml").read_text())
+    monkeypatch.chdir(tmp_path)
+    assert load_scene("net_held") == load_scene("loose_cable")
+
+
 def test_carried_net_is_the_held_one_set_in_motion():
     held, carried = (load_scene(SCENES[0].with_stem(stem)) for stem in ("net_held", "net_carried"))
     assert held.cables == carried.cables and held.effects == carried.effects
@@ -143,8 +151,8 @@ def test_defaults_are_expanded_and_overruled(tmp_path):
         ("points = 3", r"net.toml: `points` must be an array of at least one table, \[\[points\]\], but is 3"),
         ("points = [3]", r"net.toml, points\[0\]: must be a table of keys and values, but is 3"),
         ('points = [{name = "a"}]', r'points\[0\]: key `kind` is missing; a point is one of "fixed", "driven", "free"'),
-        ('points = [{kind = "fixd"}]', r"points\[0\]: unknown point 'fixd', did you mean \"fixed\"\?"),
-        ('points = [{kind = "bolted"}]', r"points\[0\]: unknown point 'bolted'; known: \"fixed\", \"driven\""),
+        ('points = [{kind = "fixd"}]', r"points\[0\]: unknown kind of point 'fixd', did you mean \"fixed\"\?"),
+        ('points = [{kind = "bolted"}]', r"points\[0\]: unknown kind of point 'bolted'; known: \"fixed\", \"driven\""),
         ('points = [{kind = "fixed", name = "a", at = [0, 0]}]', r"points\[0\]: Argument `at` must be three .* has at=\(0, 0\)"),
         (
             'points = [{kind = "fixed", name = "a", at = [0, 0, "1"]}]',
@@ -159,7 +167,7 @@ def test_defaults_are_expanded_and_overruled(tmp_path):
         ('points = [{kind = "driven", path = 3}]', r"points\[0\].path: must be a table of keys and values, but is 3"),
         (
             'points = [{kind = "driven", path = {kind = "lin"}}]',
-            r"\[0\].path: unknown path 'lin', did you mean \"line\"",
+            r"\[0\].path: unknown kind of path 'lin', did you mean \"line\"",
         ),
         ('points = [{kind = "driven", path = {kind = "line", sart = 1}}]', r"path: unknown key `sart`, did .*`start`"),
         (
@@ -167,7 +175,9 @@ def test_defaults_are_expanded_and_overruled(tmp_path):
             r"net.toml, points\[0\].path: Argument `ramp` must be non-negative",
         ),
         (HEAD + CABLE + "[effects.gravty]", r"effects.gravty: unknown effect 'gravty', did you mean \"gravity\"\?"),
-        (HEAD + CABLE + "[effects.gravity]\nG = 9", r"net.toml, effects.gravity: unknown key `G`"),
+        (HEAD + CABLE + "[effects.gravity]\nG = 9", r"net.toml, effects.gravity: unknown key `G`, did you mean `g`\?"),
+        (HEAD + CABLE + "[effects.magnet]", r"unknown effect 'magnet'; known: .* An effect of your own is known in Python, once"),
+        (HEAD.replace("EA", "Ea") + CABLE, r"cable_defaults: unknown key `Ea`, did you mean `EA`\?"),
         (HEAD + CABLE + "[effects.gravity]\ng = -9", r"net.toml, effects.gravity: Argument `g` must be"),
         (HEAD + CABLE + "[effects.viscous_damping]", r"net.toml, effects.viscous_damping: key `rate` is missing"),
         ("points = ", r"scene file must be valid TOML, but .*net.toml: Invalid value"),

@@ -8,6 +8,7 @@ import signal
 import threading
 import time
 import warnings
+from dataclasses import replace
 
 import naive
 import numpy as np
@@ -20,6 +21,7 @@ from anet_lumped import (
     Driven,
     Fixed,
     Free,
+    InputError,
     RunError,
     RunInterrupt,
     Scene,
@@ -34,6 +36,7 @@ from anet_lumped.model.build import build
 from anet_lumped.motion.simulate import StabilityWarning
 from anet_lumped.prescribed import paths
 from integrators import schemes
+from integrators.marching import interruptible
 from integrators.schemes import record
 from integrators.schemes.record import Origin
 
@@ -471,6 +474,7 @@ LOOSE = loose_cable()
         (dict(t_end="1"), "`t_end` must be positive and finite .* but it is '1'"),
         (dict(dt=-1e-3), r"`dt` must be positive and finite \[s\], but it is -0.001"),
         (dict(dt=math.nan), "`dt` must be positive"),
+        (dict(dt=0.2), r"Argument `dt` must not exceed t_end=0.1 s, but it is 0.2 s\."),
         (dict(save_every=0.0), r"`save_every` must be positive and finite \[s\]"),
         (dict(rtol=-1.0), "`rtol` must be positive and finite, but it is -1.0"),
         (dict(atol=0.0), r"`atol` must be positive and finite \[m\], but it is 0.0"),
@@ -492,6 +496,40 @@ LOOSE = loose_cable()
 def test_bad_arguments(arguments, message):
     with pytest.raises(ValueError, match=message):
         simulate(LOOSE, **({"t_end": 0.1} | arguments))
+
+
+def test_a_straight_start_that_stretches_its_cable_says_so():
+    """Its ends are 1.5 m apart, and then as far as it is long."""
+    far = replace(LOOSE, points=[replace(point, at=(1.5 * point.at[0], 0, 0)) for point in LOOSE.points])
+    said = r'start="straight" stretches cable "a-b" of 1 m by 50%: its ends are 1.5 m apart, and the run begins with the energy'
+    with pytest.warns(UserWarning, match=said):
+        run = simulate(far, 0.01, start="straight")
+    assert "stretches cable" in run.warnings[0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert simulate(LOOSE, 0.01, start="straight").warnings == ()
+        simulate(far, 0.01, start=run.state(0))  # a state is meant as it is
+
+
+def test_a_long_march_tells_where_it_is(monkeypatch, caplog):
+    """Every hundredth of a second here, of some 3e5 steps that take more than that."""
+    monkeypatch.setattr(interruptible, "TOLD_EVERY", 0.01)
+    caplog.set_level("INFO", logger="integrators")
+    run = simulate(LOOSE, 3.0, method="verlet", dt=1e-5, start="straight")
+    told = [
+        re.fullmatch(r"step (\d+) of 300000, \d+ s left if the others take as long", record.message) for record in caplog.records
+    ]
+    assert run.ok and told and all(told)
+    steps = [int(found[1]) for found in told]
+    assert steps == sorted(steps)
+
+
+def test_a_scene_beyond_what_counts_as_diverged_is_refused():
+    """Its rest sags by 1.3e7 m, because its weight stretches it to 25 times its length."""
+    points = [Fixed("a", (0, 0, 0)), Fixed("b", (8e5, 0, 0))]
+    long = Scene(points, [Cable("a", "b", length=1e6, mass_per_length=0.1, EA=1e4, segments=20)], [Gravity(9.81)])
+    with pytest.raises(InputError, match=r"within 1e\+06 m of the origin, .* but it starts with a place \d.\d*e\+07 m away"):
+        simulate(long, 1.0)
 
 
 def test_straight_needs_places():

@@ -249,7 +249,7 @@ def test_scene_file(tmp_path):
     }  # fmt: skip
     assert "events" not in scene_to_dict(hanging())
     entries["events"][0]["kind"] = "payload_chang"
-    with pytest.raises(SceneError, match=r'events\[0\]: unknown event .*did you mean "payload_change"'):
+    with pytest.raises(SceneError, match=r'events\[0\]: unknown kind of event .*did you mean "payload_change"'):
         scene_from_dict(entries)
 
 

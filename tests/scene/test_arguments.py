@@ -7,8 +7,32 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, SceneError, paths, rope, signals, waves, wind
+from anet_lumped import (
+    Cable,
+    Driven,
+    Fixed,
+    Free,
+    InputError,
+    PayloadChange,
+    Scene,
+    SceneError,
+    equilibrium,
+    load_scene,
+    paths,
+    rope,
+    save_moordyn,
+    save_scene,
+    signals,
+    simulate,
+    waves,
+    wind,
+)  # fmt: skip
+from anet_lumped.advice.compare import compare
+from anet_lumped.advice.effect_audit import audit_effects
+from anet_lumped.advice.markers import fit_markers
+from anet_lumped.advice.recommend import recommend
 from anet_lumped.effects import REGISTRY
+from anet_lumped.motion.stability import predict
 
 POINTS = [Fixed("a", (0, 0, 0)), Free("b")]
 MAKERS = {
@@ -110,3 +134,58 @@ def test_what_is_right_is_made(owner):
     assert again == made
     if not isinstance(made, dict | paths.Path | signals.Signal):
         assert all(type(getattr(again, key)) is float for key in numbers)
+
+
+TAKE_A_SCENE = {
+    "simulate": lambda scene: simulate(scene, 1.0),
+    "equilibrium": equilibrium,
+    "predict": predict,
+    "recommend": lambda scene: recommend(scene, 1e-3),
+    "audit_effects": lambda scene: audit_effects(scene, 1e-3),
+    "fit_markers": lambda scene: fit_markers(np.zeros((3, 3)), scene),
+    "save_scene": lambda scene: save_scene(scene, "net.toml"),
+    "save_moordyn": lambda scene: save_moordyn(scene, "net.txt"),
+}
+
+
+@pytest.mark.parametrize("function", TAKE_A_SCENE)
+@pytest.mark.parametrize("value", [[1], {}, None, np.zeros(3)], ids=str)
+def test_what_takes_a_scene_refuses_what_is_none(function, value):
+    with pytest.raises(SceneError, match=r"A scene must be a Scene, but it is .*\."):
+        TAKE_A_SCENE[function](value)
+
+
+def test_what_else_may_be_taken_for_a_scene_or_a_state():
+    with pytest.raises(SceneError, match=r"but it is 'net_held'; load_scene\(...\) reads one from a file\."):
+        equilibrium("net_held")
+    with pytest.raises(SceneError, match=r"A scene file must be given by its path, but it is \[1\]\."):
+        load_scene([1])
+    with pytest.raises(InputError, match=r"must be a State, as equilibrium\(scene\) returns one, but it is <Scene of 2 points"):
+        compare(Scene(POINTS, [CABLE]))
+
+
+@pytest.mark.parametrize("value", [np.zeros((21, 3)), [1], None, 3, "straigt"], ids=str)
+def test_a_start_that_is_none_is_named_in_short(value):
+    with pytest.raises(InputError, match=r'`start` must be "equilibrium", "straight" or a State, but it is .*') as refused:
+        simulate(Scene(POINTS, [CABLE], [REGISTRY["gravity"]()]), 0.1, start=value)
+    assert len(str(refused.value)) < 300
+
+
+def test_a_run_is_no_start_and_its_states_are():
+    scene = Scene([POINTS[0], Free("b", at=(1, 0, 0))], [CABLE], [REGISTRY["gravity"]()])
+    run = simulate(scene, 0.1, start="straight")
+    with pytest.raises(InputError, match=r"but it is <Run 'done'.*>; a Run has States, run.final and run.state\(k\)\."):
+        simulate(scene, 0.1, start=run)
+    assert [repr(scene), repr(run.model)] == [
+        "<Scene of 2 points, 1 cables of 2 segments, Gravity>",
+        "<Model of 3 nodes and 2 segments>",
+    ]
+    assert repr(run.final) == "<State at t=0.1 s of 3 nodes>"
+    assert repr(run).startswith("<Run 'done': edmc with dt=") and repr(run).endswith(" states of 3 nodes from t=0 s to 0.1 s>")
+
+
+@pytest.mark.parametrize("name", ["t_end", "dt", "rho_inf", "method", "rtol"])
+@pytest.mark.parametrize("value", ["0.1", [1], np.array([1.0, 2.0])], ids=str)
+def test_arguments_of_a_run_refuse_what_they_cannot_be(name, value):
+    with pytest.raises(InputError, match=f"Argument `{name}` must "):
+        simulate(Scene(POINTS, [CABLE]), **{"t_end": 1.0} | {name: value})

@@ -107,7 +107,9 @@ def test_gravity_vector():
         (lambda: scene(effects=[Gravity(1.0), Gravity(2.0)]), r"one effect of a type, but Gravity is given twice"),
         (lambda: scene(effects=Gravity()), r"`effects` of a scene must be a sequence"),
         (lambda: scene().point("p1"), r'The scene has no point "p1", did you mean "p0"\?'),
-        (lambda: scene().cable("rope"), r'The scene has no cable "rope"\.'),
+        (lambda: scene().cable("rope"), r'The scene has no cable "rope"; known: "s0-p0"\.'),
+        (lambda: scene().point("P0"), r'The scene has no point "P0", did you mean "p0"\?'),
+        (lambda: scene().point(["p0"]), r"The scene has no point \['p0'\]; known: \"s0\", \"p0\"\."),
     ],
 )
 def test_messages(make, message):

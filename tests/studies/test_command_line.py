@@ -1,20 +1,25 @@
 """The program as its user meets it: what it prints where, its exit status, and how a sweep is stopped and resumed."""
 
 import csv
+import inspect
 import json
 import os
 import signal
 import subprocess
 import sys
+import typing
 from pathlib import Path
 
 import pandas
 import pytest
+import typer
 from test_report import fake_study
 from test_rows import start_and_wait_for_rows, wait_for_end_of
 
+from anet_lumped.files.scene_file import SCENES
 from studies import command_line
 from studies.command_line import main
+from studies.quantities import metres, newtons, seconds
 
 COMMANDS = ["equilibrium", "simulate", "check", "sweep", "measures", "study", "mismatch", "report", "convert", "ropes", "effects"]
 PROGRAM = ["-c", "from studies.command_line import main; main()"]
@@ -130,6 +135,82 @@ def test_energy_out_of_nothing_exits_with_1(capsys):
     assert "status: energy gained" in said and 'try method="edmc"' in said
 
 
+SAVING = {
+    ("equilibrium", "net_held"): ["equilibrium.json", "nodes.csv"],
+    ("simulate", "net_carried", "--t-end", "20ms"): ["run.json", "run.nc", "run.png"],
+    ("mismatch", "net_held"): ["mismatch.json"],
+    ("sweep", "net_held", "--vary", "segments=5"): ["meta.json", "rows.csv", "rows.jsonl", "rows.parquet"],
+}
+
+
+@pytest.mark.parametrize("command", SAVING, ids=lambda command: command[0])
+@pytest.mark.parametrize("how", ["closed", "full"])
+def test_what_is_not_printed_is_saved_all_the_same(command, how, tmp_path):
+    """On a pipe that nobody reads, and on a device that is full. Python is told to write at once, as to a screen."""
+    if how == "full":
+        stdout = open("/dev/full", "w") if Path("/dev/full").exists() else pytest.skip("no device that is full")
+    else:
+        reading, writing = os.pipe()
+        os.close(reading)
+        stdout = open(writing, "w")
+    with stdout:
+        call = [sys.executable, "-u", *PROGRAM, *command, "--out", str(tmp_path)]
+        ended = subprocess.run(call, stdout=stdout, stderr=subprocess.PIPE, text=True, cwd=Path(__file__).parents[2])
+    assert ended.returncode == 1 and "Traceback" not in ended.stderr
+    assert sorted(file.name for file in tmp_path.iterdir()) == SAVING[command]
+    if how == "full":
+        assert "What is printed could not be written: No space left on device." in ended.stderr
+
+
+@pytest.mark.parametrize("command", ["equilibrium", "simulate", "effects", "sweep", "mismatch", "study", "report"])
+def test_a_folder_that_cannot_be_written_is_refused_before_anything_is_computed(command, tmp_path, capsys):
+    (tmp_path / "taken").write_text("a file")
+    needed = {"simulate": ["--t-end", "1"], "sweep": ["--vary", "EA=1"], "study": ["order"], "report": []}
+    what = [] if command in ("study", "report") else ["net_held"]
+    assert call(command, *what, *needed.get(command, []), "--out", tmp_path / "taken") == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "Invalid value for '--out': must be a folder that can be written, but" in said and "File exists" in said
+
+
+@pytest.mark.parametrize(
+    ("texts", "quantity", "value"),
+    [
+        (["10ms", "0.01", " 10 ms ", "1e-2s"], seconds, 0.01),
+        (["2min", "120"], seconds, 120.0),
+        (["24mm", "0.024", "2.4 cm", "24000um"], metres, 0.024),
+        (["2kN", "2000", "2000 N"], newtons, 2000.0),
+    ],
+)
+def test_quantities_take_units(texts, quantity, value):
+    assert [quantity(text) for text in texts] == pytest.approx([value] * len(texts), rel=1e-15)
+
+
+@pytest.mark.parametrize(("text", "quantity"), [("10mm", seconds), ("10s", metres), ("1m", newtons), ("ms", seconds), ("", metres)])
+def test_a_quantity_of_another_kind_is_refused(text, quantity):
+    with pytest.raises(typer.BadParameter, match=f'must be a (time|length|force) such as .*, but it is "{text}"'):
+        quantity(text)
+
+
+def test_every_option_that_is_a_quantity_takes_a_unit():
+    """A float without a parser is a pure number."""
+    options = {
+        option.name: option.annotation
+        for command in command_line.app.registered_commands
+        for option in inspect.signature(command.callback).parameters.values()
+    }
+    floats = {name: kind for name, kind in options.items() if typing.get_args(kind)[0] in (float, float | None)}
+    assert {name for name, kind in floats.items() if kind.__metadata__[0].parser is None} == {"rtol", "realtime"}
+    assert {"t_end", "dt", "save_every", "diameter", "water_level"} < set(floats)
+
+
+def test_ropes_out_of_their_range_are_named(capsys):
+    assert call("ropes", "--diameter", "24") == 0  # meant as mm
+    assert "warning: A diameter of 2.4e+04 mm is out of the range of nylon (4.76 to 92.1 mm), " in capsys.readouterr().out
+    assert call("ropes", "--diameter", "24mm") == 0
+    assert "warning" not in capsys.readouterr().out
+    assert call("ropes", "--diameter", "-1") == 2
+
+
 def test_ropes_lists_the_catalogue(capsys):
     assert call("ropes", "--diameter", 0.02, "--json") == 0
     rows = {row["rope"]: row for row in json.loads(capsys.readouterr().out)["ropes"]}
@@ -173,7 +254,10 @@ def test_check_compares_before_any_run(capsys):
     assert methods["edmc"]["stable"] == "yes" and methods["edmc"]["largest_step"] is None
     assert methods["rk4"]["stable"] == "no" and 1e-4 < methods["rk4"]["largest_step"] < 1e-3
     assert methods["rk4"]["stretch_floor"] > 0.01
-    assert any('dt=0.01 s is beyond the largest stable step of "rk4"' in line for line in found["warning"])
+    unstable = [name for name, row in methods.items() if row["stable"] == "no"]
+    (line,) = found["warning"]
+    assert line.startswith(f"A step of 0.01 s is beyond the largest stable step of {', '.join(unstable)}; ") and "rk4" in unstable
+    assert found["stretch_floor_is"].startswith("smallest stretch at rest")
     assert {row["cable"] for row in found["cables"]} == {f"s{i}-p0" for i in range(4)}
     assert call("check", "net_held") == 0
     assert "stretch floor" not in capsys.readouterr().out
@@ -183,7 +267,7 @@ def test_check_warns_of_soft_cables_and_of_scenes_without_rest(tmp_path, capsys)
     from anet_lumped.files.scene_file import load_scene, save_scene
     from studies.sweeping.vary import apply
 
-    net = load_scene(command_line.SCENES / "net_held.toml")
+    net = load_scene("net_held")
     save_scene(apply(net, {"EA": 5.0})[0], tmp_path / "soft.toml")
     save_scene(apply(net, {"g": 0.0})[0], tmp_path / "weightless.toml")
     assert call("check", tmp_path / "soft.toml") == 0
@@ -218,6 +302,8 @@ def test_mismatch_with_markers_fits_them(tmp_path, capsys):
         (["simulate", "net_held", "--t-end", "-1"], "t_end"),
         (["simulate", "net_held", "--t-end", "1", "--method", "edcm"], "edmc"),
         (["simulate", "net_held"], "Missing option '--t-end'"),
+        (["simulate", "net_held", "--t-end", "4m"], 'must be a time such as 10ms, 0.01s or 0.01, but it is "4m"'),
+        (["convert", "net_held", "nowhere/net.toml"], "nowhere/net.toml: No such file or directory."),
         (["study", "ordr"], 'There is no study "ordr", did you mean "order"?'),
         (["mismatch", "net_held", "--markers", "nowhere.csv"], "nowhere.csv"),
         (["fly"], "No such command 'fly'"),
@@ -229,11 +315,19 @@ def test_bad_input_is_one_sentence_and_exit_2(arguments, sentence, capsys):
     assert sentence in said.err and said.out == ""
 
 
+def test_what_an_effect_lacks_is_told_with_the_file(tmp_path, capsys):
+    scene = tmp_path / "windy.toml"
+    scene.write_text((SCENES / "net_held.toml").read_text() + "\n[effects.air]\n")
+    assert call("equilibrium", scene) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"anet-lumped: {scene}: ") and "`diameter`" in said
+
+
 def test_no_rest_is_one_sentence_and_exit_1(tmp_path, capsys):
     from anet_lumped.files.scene_file import load_scene, save_scene
     from studies.sweeping.vary import apply
 
-    net = load_scene(command_line.SCENES / "net_held.toml")
+    net = load_scene("net_held")
     save_scene(apply(net, {"g": 0.0})[0], tmp_path / "weightless.toml")
     assert call("equilibrium", tmp_path / "weightless.toml") == 1
     assert len(capsys.readouterr().err.splitlines()) == 1
@@ -317,14 +411,14 @@ def test_a_stopped_report_keeps_its_page_and_exits_with_130(monkeypatch, tmp_pat
 
 def test_compiling_is_told_in_one_line_and_not_where_nothing_compiles(monkeypatch, capsys):
     """Made up: whatever the command does, Numba says that it compiles."""
-    from studies import compiling
+    from integrators import compiling
 
-    monkeypatch.setattr(compiling, "call_when_compiling", lambda call: (call(), call()))
+    monkeypatch.setattr(compiling, "call_when_compiling", lambda call, only_cached: (call(), call()))
     assert call("equilibrium", "net_held") == 0
     said = "anet-lumped: Compiling what this machine has not compiled yet takes up to about 7 s; later runs do without.\n"
     assert capsys.readouterr().err == said
     assert call("equilibrium", "--help") == 0
     assert capsys.readouterr().err == ""
-    monkeypatch.setattr(compiling, "call_when_compiling", lambda call: None)
+    monkeypatch.setattr(compiling, "call_when_compiling", lambda call, only_cached: None)
     assert call("equilibrium", "net_held") == 0
     assert capsys.readouterr().err == ""

@@ -1,5 +1,9 @@
 """Sweeps: what varies, what is measured, and that every variant becomes a row."""
 
+import os
+import re
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -14,12 +18,12 @@ from studies.sweeping.rows import RowsError
 from studies.sweeping.sweep import sweep
 from studies.sweeping.vary import VaryError, apply, grid, parse_values, parse_vary, read_values
 
-SCENES = Path(__file__).parents[2] / "studies" / "scenes"
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
 def net():
-    return load_scene(SCENES / "net_carried.toml")
+    return load_scene("net_carried")
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +98,9 @@ def test_an_unknown_name_names_the_nearest(net):
         read_values(net, {"s0-p0.Ea": "1,2"})
     with pytest.raises(VaryError, match=r"Nothing called `qqqq` .* known are t_end, method, .* as in `s0-p0.length`\."):
         read_values(net, {"qqqq": "1"})
+    for name in ("p0.at.z", "p0.at", "at.z"):
+        with pytest.raises(VaryError, match=f"Nothing called `{name}` can be varied here: `p0` has no `at` in this scene"):
+            read_values(net, {name: "1"})
     with pytest.raises(VaryError, match="Nothing called `qqqq`"):
         apply(net, {"qqqq": 1})
 
@@ -185,5 +192,54 @@ def test_another_sweep_is_not_mixed_in(net, hanging, tmp_path, changed):
         "settings": {"t_end": 0.1},
     }  # fmt: skip
     asked[changed] = other[changed]
-    with pytest.raises(RowsError, match=f"was made with another {changed}"):
+    differs = {
+        "scene": "scene.points[1].mass was 0.5 and is 0.6",
+        "vary": "vary.EA was [1000.0, 10000.0] and is [1000.0, 10000.0, 100000.0]",
+        "measures": "measures was ['height:end'] and is ['sag']",
+        "settings": "settings.t_end was None and is 0.1",
+    }[changed]
+    with pytest.raises(RowsError, match=re.escape(f"was made with another {changed}: {differs}.")):
         sweep(asked["scene"], asked["vary"], asked["measures"], **asked["settings"], out=tmp_path, resume=True)
+
+
+SCRIPT = """
+from anet_lumped import Cable, Fixed, Free, Scene
+from anet_lumped.effects import Gravity, node_energy
+from studies.sweeping.sweep import sweep
+
+print("begins", flush=True)
+
+@node_energy
+def magnet(t, q, strength):
+    return -strength * q[0]
+
+def hung():
+    cable = Cable("top", "end", length=2.0, mass_per_length=0.1, EA=1e3, segments=10)
+    return Scene([Fixed("top", (0.0, 0.0, 0.0)), Free("end")], [cable], [Gravity(9.81), *EFFECTS])
+
+GUARD
+    print(sweep(hung(), {"EA": [1e3, 1e4]}, ["height:end"], workers=2)["status"].tolist())
+"""
+
+
+def run_script(folder, effects="", guard="if True:"):
+    script = folder / "script.py"
+    script.write_text(SCRIPT.replace("*EFFECTS", effects).replace("GUARD", guard))
+    here = os.environ | {"PYTHONPATH": str(ROOT)}
+    return subprocess.run([sys.executable, str(script)], capture_output=True, text=True, cwd=folder, env=here, timeout=300)
+
+
+def test_a_plain_script_needs_no_guard_and_runs_once(tmp_path):
+    done = run_script(tmp_path)
+    assert (done.returncode, done.stdout) == (0, "begins\n['done', 'done']\n"), done.stderr
+
+
+def test_a_script_with_an_effect_of_its_own_needs_a_guard_and_one_sentence_says_so(tmp_path):
+    done = run_script(tmp_path, "magnet(0.1)")
+    last = done.stderr.splitlines()[-1]
+    assert done.returncode == 1 and last.startswith(
+        "RuntimeError: A script whose own functions or effects worker processes need must"
+    )
+    assert len(last) < 400 and done.stderr.count("Traceback") == 1, done.stderr
+    done = run_script(tmp_path, "magnet(0.1)", 'if __name__ == "__main__":')
+    assert done.returncode == 0 and done.stdout.endswith("['done', 'done']\n"), done.stderr

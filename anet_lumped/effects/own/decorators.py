@@ -201,7 +201,7 @@ def segment_energy(law: Callable[..., Any]) -> type[Any]:
 
 def _effect(function: Callable[..., Any], kind: Kind, base: type[Any], dead: bool = False) -> type[Any]:
     """The class of an effect, under the name of its law."""
-    law, arguments = read_law(function, kind, base.where)
+    law, arguments = read_law(function, kind, base)
     function, name = law.function, law.function.__name__
     known = REGISTRY.classes.get(name)
     if not (known is None or (isinstance(known, type) and issubclass(known, _Own))):
@@ -209,6 +209,7 @@ def _effect(function: Callable[..., Any], kind: Kind, base: type[Any], dead: boo
     described = []
     for key in law.parameters:
         given, annotation = arguments[key].default, arguments[key].annotation
+        given = tuple(given) if isinstance(given, list | np.ndarray) else given  # a dataclass takes no default that may change
         plain = float | tuple[float, ...] if annotation is inspect.Parameter.empty else annotation
         described.append((key, plain) if given is inspect.Parameter.empty else (key, plain, field(default=given)))
     described.append((base.where, tuple[str, ...] | None, field(default=None, kw_only=True)))

@@ -57,14 +57,15 @@ def is_pair(kind):
     return isinstance(kind, types.BaseTuple) and len(kind) == 2 and all(map(is_vector, kind))
 
 
-def read_law(function, kind, taken):
+def read_law(function, kind, base):
     """Return a Law and the arguments of its function.
 
     Parameters
     ----------
     function : in plain Python or compiled by Numba
     kind : Kind
-    taken : str, a name that none of its arguments may have
+    base : type
+        Of the effect; no argument may have the name of one of its members.
 
     Raises
     ------
@@ -81,8 +82,9 @@ def read_law(function, kind, taken):
             f"`{name}` has ({', '.join(map(str, arguments.values()))})."
         )
     law = Law(function, kind, tuple(arguments)[len(kind.first) :])
-    if taken in law.further:
-        raise SceneError(f"`{taken}` says what an effect acts on and may be no argument of its law, but `{name}` has it.")
+    taken = next((key for key in law.further if key in ("self", "law", base.where) or hasattr(base, key)), None)
+    if taken is not None:
+        raise SceneError(f"An argument of a law must not be called `{taken}`, as every effect has that, but `{name}` has it.")
     return law, arguments
 
 

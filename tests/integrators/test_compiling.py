@@ -1,5 +1,6 @@
 """The line that says that Numba compiles: once, only when something is compiled, from here or from a worker."""
 
+import os
 import subprocess
 import sys
 import textwrap
@@ -7,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from studies import compiling
-from studies.compiling import Notice
+from integrators import compiling
+from integrators.compiling import Notice
 from studies.sweeping import workers
 
 ROOT = Path(__file__).parents[2]
 COMPILES = """
     import time
-    from studies.compiling import call_when_compiling
+    from integrators.compiling import call_when_compiling
     told = []
     call_when_compiling(lambda: told.append(1))
     import numba
@@ -47,14 +48,14 @@ def test_it_is_told_once_of_what_takes_long():
 
 
 def test_nothing_is_told_of_what_takes_no_time():
-    quick = "from studies import compiling; compiling.NOTICED_AFTER = 1e3"
+    quick = "from integrators import compiling; compiling.NOTICED_AFTER = 1e3"
     assert told(before=quick) == 0
 
 
 def test_a_line_is_given_once_and_only_when_watched(monkeypatch):
     lines, notice = [], Notice()
     notice.give()
-    monkeypatch.setattr(compiling, "call_when_compiling", lambda call: None)
+    monkeypatch.setattr(compiling, "call_when_compiling", lambda call, only_cached: None)
     notice.watch("compiling", lines.append)
     assert lines == []
     notice.give()
@@ -77,7 +78,7 @@ def slow_to_compile(row):
 def test_while_a_worker_compiles_the_others_wait_and_one_line_is_told(monkeypatch):
     lines = []
     notice = Notice()
-    monkeypatch.setattr(compiling, "call_when_compiling", lambda call: None)
+    monkeypatch.setattr(compiling, "call_when_compiling", lambda call, only_cached: None)
     notice.watch("compiling", lines.append)
     monkeypatch.setattr(workers, "NOTICE", notice)
     rows = [{"x": x} for x in range(4)]
@@ -98,7 +99,36 @@ def test_workers_start_early_only_where_nothing_is_to_be_compiled(monkeypatch, c
 
 def test_a_look_at_the_disk(monkeypatch, tmp_path):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    assert not compiling.kernels_are_on_disk()
+    assert not workers.kernels_are_on_disk()
     (tmp_path / "deep").mkdir()
     (tmp_path / "deep" / "force.nbi").write_bytes(b"")
-    assert compiling.kernels_are_on_disk()
+    assert workers.kernels_are_on_disk()
+
+
+FIRST_RUN = """
+import time
+import numba.core.event as event
+import anet_lumped
+from integrators import compiling
+compiling.NOTICED_AFTER = 0.1
+class Dispatcher:
+    _cache = {cache}
+for _ in range(2):
+    with event.trigger_event("numba:compile", data=dict(dispatcher=Dispatcher())):
+        time.sleep(0.2)
+"""
+
+
+@pytest.mark.parametrize(
+    ("cache", "quiet", "lines"), [("None", None, 1), ("None", "1", 0), ("__import__('numba').core.caching.NullCache()", None, 0)]
+)
+def test_a_program_is_told_once_of_what_is_kept_on_the_disk(cache, quiet, lines):
+    """Made up: Numba says twice that it compiles something that it keeps, or does not keep."""
+    environment = {name: value for name, value in os.environ.items() if name != "ANET_LUMPED_QUIET"}
+    environment |= {"ANET_LUMPED_QUIET": quiet} if quiet else {}
+    code = [sys.executable, "-c", FIRST_RUN.replace("{cache}", cache)]
+    subprocess.run(code, cwd=ROOT, env=environment, check=True, capture_output=True)  # compiles what the import needs
+    done = subprocess.run(code, cwd=ROOT, env=environment, check=True, capture_output=True, text=True)
+    assert done.stderr.splitlines() == lines * [
+        "anet_lumped compiles what this machine has not compiled yet, for up to about 40 s; later runs do without."
+    ]

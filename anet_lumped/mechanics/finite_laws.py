@@ -1,0 +1,37 @@
+"""Which effect of a scene has no finite force or energy: asked once a computation has failed, so that its loops need not look."""
+
+import numpy as np
+
+FAR, FAST = 100.0, 1e6  # times the size of a scene; [m/s]: beyond, what diverges makes every law overflow
+
+
+def name_law_that_is_not_finite(model, states):
+    """Sentence that names the first effect whose force or energy is not finite in one of several states, and where.
+
+    Parameters
+    ----------
+    model : Model
+    states : iterable of (t [s], q (n, 3) [m], v (n, 3) [m/s])
+        Those that are not finite themselves, or beyond any sense, are left out.
+
+    Returns
+    -------
+    str
+        With a blank behind it; empty if there is none.
+    """
+    size = None
+    for t, q, v in states:
+        size = size or np.abs(q).max() + sum(cable.length for cable in model.scene.cables)
+        if not (np.abs(q).max() <= FAR * size and np.abs(v).max() <= FAST):
+            continue
+        for e, effect in enumerate(model.forces):
+            kernels, numbers, f = effect.kernels(), model.effects.numbers(e), np.zeros_like(q)
+            kernels["force"](t, q, v, *numbers, f)
+            wrong = np.flatnonzero(~np.isfinite(f[: model.n_free]).all(axis=1))
+            if len(wrong):
+                row = ", ".join(f"{x:.3g}" for x in f[wrong[0]])
+                return f"The force of effect {type(effect).__name__} is ({row}) N at t={t:.4g} s at {model.where(wrong[0])}. "
+            energy = kernels["energy"](t, q, *numbers)
+            if not np.isfinite(energy):
+                return f"The energy of effect {type(effect).__name__} is {energy:.3g} J at t={t:.4g} s. "
+    return ""

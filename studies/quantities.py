@@ -1,0 +1,32 @@
+"""Quantities of the command line: a number with or without a unit, in SI units: "10ms" is 0.01 [s]."""
+
+import typer
+
+TIMES = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0, "s": 1.0}
+LENGTHS = {"mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6, "km": 1e3, "m": 1.0}
+FORCES = {"kN": 1e3, "mN": 1e-3, "N": 1.0}
+
+
+def seconds(text: str) -> float:
+    """Seconds in a text such as 10ms, 0.01 s or 0.01."""
+    return _amount(text, TIMES, "a time such as 10ms, 0.01s or 0.01")
+
+
+def metres(text: str) -> float:
+    """Metres in a text such as 1mm, 0.05 cm, 20um or 0.001."""
+    return _amount(text, LENGTHS, "a length such as 1mm, 0.05cm or 0.001")
+
+
+def newtons(text: str) -> float:
+    """Newtons in a text such as 0.1N, 2 kN or 0.1."""
+    return _amount(text, FORCES, "a force such as 0.1N, 2kN or 0.1")
+
+
+def _amount(text, units, like):
+    """The number in a text, times the size of the first of the units that it ends with."""
+    number = text.strip()
+    unit = next((unit for unit in units if number.endswith(unit)), "")
+    try:
+        return float(number.removesuffix(unit)) * units.get(unit, 1.0)
+    except ValueError:
+        raise typer.BadParameter(f'must be {like}, but it is "{text}".') from None
