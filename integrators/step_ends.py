@@ -28,6 +28,14 @@ def evaluate_start(system_address, data_address, t, state, counts):
 
 
 @internal
+def add_work(balance, time, power):
+    """Add the work of powers (3,) [W] over a time [s] to the account of energy."""
+    balance[TAKEN_INSIDE] += time * power[POWER_INSIDE]
+    balance[TAKEN_OUTSIDE] += time * power[POWER_OUTSIDE]
+    balance[PUT_IN] += time * power[POWER_PUT_IN]
+
+
+@internal
 def evaluate_end(system_address, data_address, t, h, state, counts, end_share=0.5):
     """Write the prescribed rows at t + h and the force there, in ``state.memory[0]``; add the work of the step from t.
 

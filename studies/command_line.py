@@ -388,7 +388,7 @@ def _tell_what_takes_long():
             if time.monotonic() - began > QUIET:
                 _tell(f"... {record.getMessage()}")
 
-    for log in map(logging.getLogger, ("anet_lumped", "integrators")):
+    for log in map(logging.getLogger, ("anet_lumped", "integrators", "studies")):
         log.handlers = [Late()]
         log.setLevel(logging.INFO)
 

@@ -122,19 +122,19 @@ def wider(t, q, v, index, params, c_q, c_v, D, near, far):
 
 
 @njit(WHOLE_STEP_SIGNATURE)
-def step(t, h, base, q, index, params, f, D, near, far):
-    return 0.0
+def step(t, h, damper, base, q, index, params, f, D, near, far):
+    return 0.0, 0.0
 
 
 @njit(WHOLE_STEP_SIGNATURE)
-def wide_step(t, h, base, q, index, params, f, D, near, far):
+def wide_step(t, h, damper, base, q, index, params, f, D, near, far):
     near[0, 0, 0, 0] -= 1.0
-    return 0.0
+    return 0.0, 0.0
 
 
 @njit(WHOLE_STEP_SIGNATURE)
-def giving_step(t, h, base, q, index, params, f, D, near, far):
-    return -1.0
+def giving_step(t, h, damper, base, q, index, params, f, D, near, far):
+    return -1.0, 0.0
 
 
 @njit(INERTIA_SIGNATURE)

@@ -86,6 +86,15 @@ class Effect:
         return self.dead_load
 
     @property
+    def keeps_energy(self) -> bool:
+        """Whether no step of a method that never raises the energy raises it by this effect.
+
+        So it is where the force does over a whole step the work that its energy says, and where there is a force against velocities
+        alone. A force that has no energy may put in some.
+        """
+        return not self.kernels() or self.dead_load or self.no_force_at_rest or "whole_step" in self.kernels()
+
+    @property
     def time_scales(self) -> tuple[float, ...]:
         """Times in which what it does changes [s], which steps have to resolve."""
         return ()

@@ -8,8 +8,9 @@ with r = min(s/depth, 1). The damper acts in full from a depth of `DEPTH` diamet
 down (as Hunt & Crossley argue). The ground never pulls. Friction is -mu N v_t/sqrt(v_t^2 + u^2), with the velocity v_t along the
 plane. A node that sticks creeps: slower than the `slip_speed` u while the force along the plane is below 0.7 mu N.
 
-Over a whole step from a to b, N is the secant of the spring energy k s^2/2 plus c/h (R_b - R_a), R the integral of r, and friction
-takes the mean velocity (q_b - q_a)/h along the plane. Then no step can raise the energy.
+Over a whole step from a to b, N is the secant of the spring energy k s^2/2 plus c/h (R_b - R_a), R the integral of r, plus the
+numerical damper alpha k (s_b - s_a) of `laws.unresolved_contact` where s_a > 0, and friction takes the mean velocity (q_b - q_a)/h
+along the plane. Then no step can raise the energy.
 Source: Hall & Goupee, Ocean Eng. 104 (2015) 590, eq. 16, for the contact area; Hunt & Crossley, J. Appl. Mech. 42 (1975) 440, for
 a damper that grows with the depth; Armero & Petocz, Comput. Methods Appl. Mech. Engrg. 158 (1998) 269, for the step.
 """
@@ -24,12 +25,13 @@ from numba import njit
 
 from anet_lumped.checks import SceneError, Vector, check_direction, check_number
 from anet_lumped.effects.laws.axial import secant_tension, spring_energy
+from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
 from .effect import Effect, height_under
-from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, SETTLE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
 DEPTH = 1e-2  # depth over the cable's diameter, at which the damper acts in full
-HEADER = 6  # numbers in ``params`` before those of the nodes
+HEADER, EACH = 6, 4  # numbers in ``params`` before those of the nodes, and of each node
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ class Ground(Effect):
         -------
         index : empty
         params : float64
-            Unit normal, height [m], mu, slip speed [m/s]; k [N/m], c [N s/m] and depth [m] of each moving node.
+            Unit normal, height [m], mu, slip speed [m/s]; k [N/m], c [N s/m], depth [m] and mass [kg] of each moving node.
 
         Raises
         ------
@@ -101,10 +103,11 @@ class Ground(Effect):
         nodes = nodes[: model.n_free]
         nodes[:, 2] *= self.stiffness / nodes[:, 0]  # the mean over the area
         normal = np.array(self.normal) / np.linalg.norm(self.normal)
-        return np.empty(0, np.int64), np.array([*normal, self.height, self.friction, self.slip_speed, *nodes.ravel()])
+        numbers = np.column_stack([nodes, model.mass[: model.n_free]]).ravel()
+        return np.empty(0, np.int64), np.array([*normal, self.height, self.friction, self.slip_speed, *numbers])
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
-        return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step}
+        return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "settle": settle}
 
     def force_on(self, state: Any) -> np.ndarray:
         """Force that each node exerts on the ground in a State, (n, 3) [N]."""
@@ -117,6 +120,13 @@ class Ground(Effect):
 def _depth_below(q, i, params):
     """Depth of a node below the plane [m]."""
     return params[3] - (params[0] * q[i, 0] + params[1] * q[i, 1] + params[2] * q[i, 2])
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _of_node(params, i):
+    """k, c, depth and mass of a node."""
+    first = HEADER + EACH * i
+    return params[first], params[first + 1], params[first + 2], params[first + 3]
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -142,15 +152,21 @@ def _damper_depth(s, depth):
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _normal_force_between(s_a, s_b, h, k, c, depth):
-    """N over a whole step [N], its slope in s_b [N/m], and the secant of the spring energy [N]."""
+def _normal_force_between(s_a, s_b, h, k, c, depth, numerical):
+    """N over a whole step [N], its slope in s_b [N/m], and what damper and numerical damper [N/m] take [J]."""
     secant, slope = secant_tension(s_a, s_b, k, 0.0)
     before, _ = _damper_depth(s_a, depth)
     after, r = _damper_depth(s_b, depth)
-    N = secant + c / h * (after - before)
+    viscous, numerical = c / h * (after - before), numerical if s_a > 0.0 else 0.0
+    damped = numerical * (max(s_b, 0.0) - s_a)  # of the sign of `viscous`
+    N = secant + viscous + damped
+    share = viscous / (viscous + damped) if damped != 0.0 else 1.0
     if N <= 0.0:
-        return 0.0, 0.0, secant
-    return N, slope + c / h * r, secant
+        N, slope = 0.0, 0.0
+    else:
+        slope += c / h * r + (numerical if s_b > 0.0 else 0.0)
+    taken = (N - secant) * (s_b - s_a)
+    return N, slope, share * taken, (1.0 - share) * taken
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -182,8 +198,8 @@ def _add_tangent(D, i, slope, viscous, slide, params):
 def force(t, q, v, index, params, f):
     """f_i += N n - mu N v_t/sqrt(v_t^2 + u^2); see the module. Returns the power that damper and friction take [W]."""
     power = 0.0
-    for i in range((params.shape[0] - HEADER) // 3):
-        k, c, depth = params[HEADER + 3 * i], params[HEADER + 3 * i + 1], params[HEADER + 3 * i + 2]
+    for i in range((params.shape[0] - HEADER) // EACH):
+        k, c, depth, _ = _of_node(params, i)
         s = _depth_below(q, i, params)
         if s > 0.0:
             slide, root, rate = _sliding(v[i, 0], v[i, 1], v[i, 2], params)
@@ -197,10 +213,10 @@ def force(t, q, v, index, params, f):
 @njit(TANGENT_SIGNATURE, cache=True, error_model="numpy")
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     """Exact derivatives of `force`."""
-    for i in range((params.shape[0] - HEADER) // 3):
+    for i in range((params.shape[0] - HEADER) // EACH):
         s = _depth_below(q, i, params)
         if s > 0.0:
-            k, c, depth = params[HEADER + 3 * i], params[HEADER + 3 * i + 1], params[HEADER + 3 * i + 2]
+            k, c, depth, _ = _of_node(params, i)
             slide, root, rate = _sliding(v[i, 0], v[i, 1], v[i, 2], params)
             N, of_depth, of_rate = _normal_force(s, rate, k, c, depth)
             _add_tangent(D, i, c_q * of_depth + c_v * of_rate, c_v * params[4] * N / root, slide, params)
@@ -210,24 +226,42 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
 def energy(t, q, index, params):
     """Sum of k s^2/2 of the nodes below the plane [J]."""
     total = 0.0
-    for i in range((params.shape[0] - HEADER) // 3):
-        total += spring_energy(_depth_below(q, i, params), params[HEADER + 3 * i], 0.0)
+    for i in range((params.shape[0] - HEADER) // EACH):
+        total += spring_energy(_depth_below(q, i, params), params[HEADER + EACH * i], 0.0)
     return total
 
 
 @njit(WHOLE_STEP_SIGNATURE, cache=True, error_model="numpy")
-def whole_step(t, h, base, q, index, params, f, D, near, far):
+def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     """Force over a whole step, and its exact derivative; see the module."""
-    dissipated, per_h = 0.0, 1.0 / h
-    for i in range((params.shape[0] - HEADER) // 3):
+    dissipated, by_method, per_h = 0.0, 0.0, 1.0 / h
+    for i in range((params.shape[0] - HEADER) // EACH):
         s_a, s_b = _depth_below(base, i, params), _depth_below(q, i, params)
         if s_a > 0.0 or s_b > 0.0:
-            k, c, depth = params[HEADER + 3 * i], params[HEADER + 3 * i + 1], params[HEADER + 3 * i + 2]
-            N, slope, secant = _normal_force_between(s_a, s_b, h, k, c, depth)
+            k, c, depth, mass = _of_node(params, i)
+            numerical = k * numerical_share(damper, 0.25 * h * h * k / mass)
+            N, slope, viscous, unresolved = _normal_force_between(s_a, s_b, h, k, c, depth, numerical)
             vx, vy, vz = per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
             slide, root, _ = _sliding(vx, vy, vz, params)
             _add_force(f, i, N, slide, params)
             _add_tangent(D, i, slope, per_h * params[4] * N / root, slide, params)
-            dissipated += (N - secant) * (s_b - s_a)
+            dissipated, by_method = dissipated + viscous, by_method + unresolved
             dissipated += h * params[4] * N * root * (slide[0] * slide[0] + slide[1] * slide[1] + slide[2] * slide[2])
-    return dissipated
+    return dissipated, by_method
+
+
+@njit(SETTLE_SIGNATURE, cache=True, error_model="numpy")
+def settle(t, h, damper, base, q, v, index, params):
+    """Speed of sinking in of the nodes that stay below the plane, without what rings, see `laws.unresolved_contact`."""
+    taken = 0.0
+    for i in range((params.shape[0] - HEADER) // EACH):
+        s_a, s_b = _depth_below(base, i, params), _depth_below(q, i, params)
+        if s_a > 0.0 and s_b > 0.0:
+            k, c, _, mass = _of_node(params, i)
+            viscous = 0.5 * h * c / mass
+            rate = -(params[0] * v[i, 0] + params[1] * v[i, 1] + params[2] * v[i, 2])
+            after = settled_rate(damper, 0.25 * h * h * k / mass + viscous * viscous, rate, (s_b - s_a) / h)
+            for x in range(3):
+                v[i, x] += (rate - after) * params[x]
+            taken += 0.5 * mass * (rate * rate - after * after)
+    return taken

@@ -19,10 +19,15 @@ tangent(t, q, v, index, params, c_q, c_v, D, near, far)
 
 It may have besides
 
-whole_step(t, h, base, q, index, params, f, D, near, far) -> dissipated
+whole_step(t, h, damper, base, q, index, params, f, D, near, far) -> dissipated, by_method
     Add the force that acts over a whole step of h [s] from positions ``base`` to ``q``, t being the middle of the step, and
     subtract its derivative in q from the blocks. ``dissipated`` [J] is what the step takes; where it is never negative, no step can
-    raise the energy. The force of an effect without this function is taken at the middle of the step.
+    raise the energy. ``by_method`` [J] is what a numerical damper takes besides, which damps what the step does not resolve; it may
+    be as large as ``damper``, 0 to 1/2, times a stiffness. The force of an effect without this function is taken at the middle of
+    the step.
+settle(t, h, damper, base, q, v, index, params) -> by_method
+    After a step of h [s] from ``base`` to ``q``, which ends at t: take out of the velocities v at its end what rings and the step
+    cannot resolve, for ``damper`` as in `whole_step`. ``by_method`` [J], never negative, is the kinetic energy that it takes.
 inertia(t, q, index, params, A)
     Add to the added masses A (n_free, 3, 3) [kg] of the moving nodes.
 
@@ -42,8 +47,9 @@ _i1, _f8 = types.Array(types.int64, 1, "C"), types.float64
 FORCE_SIGNATURE = _f8(_f8, _f2, _f2, _i1, _f1, _f2)
 TANGENT_SIGNATURE = types.void(_f8, _f2, _f2, _i1, _f1, _f8, _f8, _f3, _f4, _f4)
 ENERGY_SIGNATURE = _f8(_f8, _f2, _i1, _f1)
-WHOLE_STEP_SIGNATURE = _f8(_f8, _f8, _f2, _f2, _i1, _f1, _f2, _f3, _f4, _f4)
+WHOLE_STEP_SIGNATURE = types.UniTuple(_f8, 2)(_f8, _f8, _f8, _f2, _f2, _i1, _f1, _f2, _f3, _f4, _f4)
 INERTIA_SIGNATURE = types.void(_f8, _f2, _i1, _f1, _f3)
+SETTLE_SIGNATURE = _f8(_f8, _f8, _f8, _f2, _f2, _f2, _i1, _f1)
 
 SIGNATURES = {
     "force": FORCE_SIGNATURE,
@@ -51,6 +57,7 @@ SIGNATURES = {
     "energy": ENERGY_SIGNATURE,
     "whole_step": WHOLE_STEP_SIGNATURE,
     "inertia": INERTIA_SIGNATURE,
+    "settle": SETTLE_SIGNATURE,
 }
 SLOTS = tuple(SIGNATURES)  # in the order of the SLOT_ columns in `model.tables`
 
@@ -62,4 +69,6 @@ def addresses(effect: Any) -> list[int]:
 
 
 as_force, as_tangent, as_energy = callable_at(FORCE_SIGNATURE), callable_at(TANGENT_SIGNATURE), callable_at(ENERGY_SIGNATURE)
-as_whole_step, as_inertia = callable_at(WHOLE_STEP_SIGNATURE), callable_at(INERTIA_SIGNATURE)
+as_whole_step, as_inertia, as_settle = (
+    callable_at(signature) for signature in (WHOLE_STEP_SIGNATURE, INERTIA_SIGNATURE, SETTLE_SIGNATURE)
+)

@@ -328,7 +328,7 @@ def _mean_velocity(base, q, i, per_h):
 
 
 @njit(WHOLE_STEP_SIGNATURE, cache=True, error_model="numpy")
-def whole_step(t, h, base, q, index, params, f, D, near, far):
+def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     """Force over a whole step, and its exact derivative.
 
     It is `force` at the middle of the step, apart from the buoyancy of still water: that takes the weights of `wetted_between`, so
@@ -384,7 +384,7 @@ def whole_step(t, h, base, q, index, params, f, D, near, far):
         F = point_force(_difference(flow[2], V), flow[4], numbers[1], numbers[3], numbers[4])
         _add(f, node, wet[0], F, wet[0] * lift)
         dissipated -= h * wet[0] * (F[0] * V[0] + F[1] * V[1] + (F[2] + lift) * V[2])
-    return dissipated
+    return dissipated, 0.0
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

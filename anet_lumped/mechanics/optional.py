@@ -16,6 +16,7 @@ SIGNATURES = {
     "residual": types.UniTuple(float64, 6)(STAGE, int64, _f2, _f2, float64, float64),
     "finish": float64(STAGE, int64),
     "settle": types.UniTuple(float64, 5)(STAGE, int64, _f2, _f2, _f2),
+    "settle_effects": float64(STAGE, int64, _f2, _f2, _f2),
     "eliminate": types.void(int64),
     "substitute": float64(int64),
     "drive": types.void(float64, int64, _f2, _f2),
@@ -24,8 +25,8 @@ SIGNATURES = {
     "work_of_lengths": float64(STAGE, int64, _f2, _f2, _f2),
     "energy_of_paid_out": float64(STAGE, int64, _f2, _f2),
 }
-as_cable_force, as_cable_residual, as_finish, as_cable_settle = (
-    callable_at(SIGNATURES[name]) for name in ("force", "residual", "finish", "settle")
+as_cable_force, as_cable_residual, as_finish, as_cable_settle, as_settle_effects = (
+    callable_at(SIGNATURES[name]) for name in ("force", "residual", "finish", "settle", "settle_effects")
 )
 as_eliminate, as_substitute, as_drive = (callable_at(SIGNATURES[name]) for name in ("eliminate", "substitute", "drive"))
 as_set_lengths, as_power_of_lengths, as_work_of_lengths, as_energy_of_paid_out = (

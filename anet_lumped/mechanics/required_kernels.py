@@ -35,6 +35,8 @@ def require(net, model, force=False, newton=False):
         for name, module in (("residual", residual), ("finish", newton_step), ("settle", settle)):
             one, four = (getattr(module, f"{name}_of_{kind}") for kind in ("singles", "groups"))
             _write_both(net, name, one if singles else None, four if groups else None)
+        if (net.effects.address[:, tables.SLOT_SETTLE] != 0).any():
+            _write(net, "SETTLE_EFFECTS", "settle_effects", settle.settle_effects)
         require_elimination(net, model.coupled_neighbours)
 
 

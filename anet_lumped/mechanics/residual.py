@@ -238,7 +238,7 @@ def residual(stage, base, target, q, net_address):
         (index, params), addresses = numbers_of(effects, e), effects.address[e]
         if addresses[SLOT_WHOLE_STEP] != 0 and stage.law == LAW_BETWEEN:
             as_whole_step(addresses[SLOT_WHOLE_STEP])(
-                stage.t, stage.tau, base, q, index, params, right_side, diagonal, net.near_blocks, net.far_blocks
+                stage.t, stage.tau, stage.dissipation, base, q, index, params, right_side, diagonal, net.near_blocks, net.far_blocks
             )
             continue
         as_force(addresses[SLOT_FORCE])(stage.t, middle_q, middle_v, index, params, right_side)

@@ -7,10 +7,10 @@ from numba import float64, int64, types
 from anet_lumped.compiled.jit import inlined, kernel, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, is_below, load, select, shifted, store
 from anet_lumped.effects.laws.axial import damped_changes
-from anet_lumped.effects.signatures import as_force, as_whole_step
+from anet_lumped.effects.signatures import as_force, as_settle, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
 from anet_lumped.mechanics.effect_forces import any_live, numbers_of, take_middle
-from anet_lumped.mechanics.optional import as_cable_settle, as_energy_of_paid_out, as_work_of_lengths
+from anet_lumped.mechanics.optional import as_cable_settle, as_energy_of_paid_out, as_settle_effects, as_work_of_lengths
 from anet_lumped.mechanics.segment_law import BEGINS, group_constant, numerical_damper, spring_of, tension_law
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
@@ -18,6 +18,7 @@ from anet_lumped.model.tables import (
     AXIAL_INEXTENSIBLE,
     AXIAL_L0,
     AXIAL_L0_BEFORE,
+    AXIAL_L0_RATE,
     AXIAL_OMEGA_SQUARED,
     AXIAL_STIFFNESS,
     AXIAL_TWO_WAY_DAMPER,
@@ -26,6 +27,7 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_SEGMENT,
     CABLE_START,
     KERNEL_ENERGY_OF_PAID_OUT,
+    KERNEL_SETTLE_EFFECTS,
     KERNEL_SETTLE_GROUPS,
     KERNEL_SETTLE_SINGLES,
     KERNEL_WORK_OF_LENGTHS,
@@ -37,6 +39,7 @@ from anet_lumped.model.tables import (
     SEGMENT_STRETCH_BEFORE,
     SEGMENT_TENSION,
     SLOT_FORCE,
+    SLOT_SETTLE,
     SLOT_WHOLE_STEP,
 )
 from integrators.flat_view import flat
@@ -80,7 +83,7 @@ def _cable_settle(stage, net, c, members, base, q, v):
     by_dampers, by_method : float64 [J]
         Dissipated by the dampers and by the numerical damper.
     put_in, by_impulses : float64 [J]
-        Work of driven ends against the tensions, and of prescribed ends against the impulses.
+        Work of driven ends against the tensions, and of prescribed ends and of changes of rest length against the impulses.
     by_full_damper : float64 [J]
         What the numerical damper would dissipate if no share of it were left out.
     """
@@ -90,6 +93,7 @@ def _cable_settle(stage, net, c, members, base, q, v):
     L0, k, damper = column(net.axial, c, AXIAL_L0), column(net.axial, c, AXIAL_STIFFNESS), column(net.axial, c, AXIAL_DAMPER)
     spring, two_damper = spring_of(net, c), group_constant(net, c, AXIAL_TWO_WAY_DAMPER)
     omega_squared, L_a = column(net.axial, c, AXIAL_OMEGA_SQUARED), column(net.axial, c, AXIAL_L0_BEFORE)
+    L0_rate = column(net.axial, c, AXIAL_L0_RATE)
     if group_constant(net, c, AXIAL_INEXTENSIBLE) > 0.0:
         taut_share = slack_share = 2.0 * stage.dissipation + 0.0 * L0
     else:
@@ -120,8 +124,8 @@ def _cable_settle(stage, net, c, members, base, q, v):
         dissipated, damper_share = (T - secant) * lengthening, damper_force / max(damper_force + method_force, 1e-300)
         by_dampers, by_method = by_dampers + damper_share * dissipated, by_method + (1.0 - damper_share) * dissipated
         total_square = total_square + lengthening * lengthening
-        rate = n[0] * (v2[0] - v1[0]) + n[1] * (v2[1] - v1[1]) + n[2] * (v2[2] - v1[2])
-        change_wanted = select(stretch > 0.0, taut_share, slack_share) * (rate - (lengthening + L0 - L_a) * per_h)
+        rate = n[0] * (v2[0] - v1[0]) + n[1] * (v2[1] - v1[1]) + n[2] * (v2[2] - v1[2]) - L0_rate
+        change_wanted = select(stretch > 0.0, taut_share, slack_share) * (rate - lengthening * per_h)
         impulse_acts = ((T > 0.0) | (two_damper > 0.0)) & (change_wanted * rate > 0.0) & (m1 + m2 > 0.0)
         impulse = select(
             impulse_acts,
@@ -129,6 +133,7 @@ def _cable_settle(stage, net, c, members, base, q, v):
             0.0,
         )
         store(net.tension, s, T + impulse * per_h)
+        by_impulses = by_impulses - impulse * L0_rate
         speed_1, speed_2 = impulse * m1, impulse * m2
         node_change = change_behind[0] + speed_1 * n[0], change_behind[1] + speed_1 * n[1], change_behind[2] + speed_1 * n[2]
         if j == 0:
@@ -180,6 +185,19 @@ def settle_of_groups(stage, net_address, base, q, v):
     return sums
 
 
+@on_demand
+def settle_effects(stage, net_address, base, q, v):
+    """Take what rings in contacts out of the velocities at the end of a step; returns its energy [J]."""
+    net, taken = view_net(net_address), 0.0
+    for e in range(net.effects.address.shape[0]):
+        if net.effects.address[e, SLOT_SETTLE] != 0:
+            index, params = numbers_of(net.effects, e)
+            taken += as_settle(net.effects.address[e, SLOT_SETTLE])(
+                stage.t + 0.5 * stage.tau, stage.tau, stage.dissipation, base, q, v, index, params
+            )
+    return taken
+
+
 @kernel(types.void(STAGE, _f2, _f2, _f2, int64, _f1))
 def settle(stage, base, q, v, net_address, energy):
     """Account for the energy of a step of law ``LAW_BETWEEN`` from base to q, and damp axial ringing that it cannot resolve.
@@ -188,12 +206,13 @@ def settle(stage, base, q, v, net_address, energy):
     -T (L_b - L_a); therefore dampers dissipate by the change of l - L0.
 
     **Ringing.** Where stretching has died out within a step, v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for
-    ever, while the positions are at rest. Let the rate of a segment's length differ by r from (l_b - l_a)/h. Each segment removes
-    the share 2 ``dissipation`` s'/(1 + s') of r, s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2, by opposite impulses along itself. In
-    s' only the spring and the damper count that act on the segment, so that a slack segment of a cable that cannot push removes
-    nothing. All impulses act at once, and each node's mass counts as if it were divided among its segments: so momenta are kept,
-    and the kinetic energy falls, apart from the work of prescribed nodes. Where the step resolves stretching, the change is of
-    fifth order in the step. The impulses, divided by the step, are added to the tensions that acted.
+    ever, while the positions are at rest. Let the rate of l - L0 of a segment differ by r from its change over the step by h.
+    Each segment removes the share 2 ``dissipation`` s'/(1 + s') of r, s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2, by opposite
+    impulses along itself. In s' only the spring and the damper count that act on the segment, so that a slack segment of a cable
+    that cannot push removes nothing. All impulses act at once, and each node's mass counts as if it were divided among its
+    segments: so momenta are kept, and the kinetic energy falls, apart from the work of prescribed nodes and of changing rest
+    lengths. Where the step resolves stretching, the change is of fifth order in the step. The impulses, divided by the step, are
+    added to the tensions that acted.
 
     **Numerical damper.** Sets the least share of the numerical damper in the next step: all of it, unless that would take more
     than `MOST_SPENT` of the kinetic energy. Where stretching is no part of the motion, the full damper removes the error that is
@@ -209,7 +228,7 @@ def settle(stage, base, q, v, net_address, energy):
     """
     net, h, per_h = view_net(net_address), stage.tau, 1.0 / stage.tau
     change, right_side = net.middle_v, net.right_side
-    put_in, by_effects, kinetic = 0.0, 0.0, 0.0
+    put_in, by_effects, by_steps_of_effects, kinetic = 0.0, 0.0, 0.0, 0.0
     lengths_change = net.lengths.cable.shape[0] > 0
     if lengths_change:
         put_in = as_work_of_lengths(net.kernels[KERNEL_WORK_OF_LENGTHS])(stage, net_address, base, q, v)
@@ -222,9 +241,10 @@ def settle(stage, base, q, v, net_address, energy):
         for e in range(effects.address.shape[0]):
             index, params = numbers_of(effects, e)
             if effects.address[e, SLOT_WHOLE_STEP] != 0:
-                by_effects += as_whole_step(effects.address[e, SLOT_WHOLE_STEP])(
-                    stage.t, h, base, q, index, params, right_side, net.diagonal, net.near_blocks, net.far_blocks
+                taken, numerical = as_whole_step(effects.address[e, SLOT_WHOLE_STEP])(
+                    stage.t, h, stage.dissipation, base, q, index, params, right_side, net.diagonal, net.near_blocks, net.far_blocks
                 )
+                by_effects, by_steps_of_effects = by_effects + taken, by_steps_of_effects + numerical
             else:
                 by_effects += h * as_force(effects.address[e, SLOT_FORCE])(
                     stage.t, net.middle_q, net.middle_v, index, params, right_side
@@ -247,12 +267,14 @@ def settle(stage, base, q, v, net_address, energy):
         sums = _added(sums, as_cable_settle(net.kernels[KERNEL_SETTLE_SINGLES])(stage, net_address, base, q, v))
     by_dampers, by_method, by_tensions, by_impulses, by_full_damper = sums
     put_in += by_tensions + by_impulses
-    by_method += by_impulses
+    by_method += by_impulses + by_steps_of_effects
     for i in range(net.n_free):
         x, y, z, cx, cy, cz = v[i, 0], v[i, 1], v[i, 2], change[i, 0], change[i, 1], change[i, 2]
         by_method -= net.mass[i] * (cx * (x + 0.5 * cx) + cy * (y + 0.5 * cy) + cz * (z + 0.5 * cz))
         kinetic += 0.5 * net.mass[i] * (x * x + y * y + z * z)
         v[i, 0], v[i, 1], v[i, 2] = x + cx, y + cy, z + cz
+    if net.kernels[KERNEL_SETTLE_EFFECTS] != 0:
+        by_method += as_settle_effects(net.kernels[KERNEL_SETTLE_EFFECTS])(stage, net_address, base, q, v)
     net.linearised[LINEARISED_LEAST_DAMPER] = min(1.0, MOST_SPENT * kinetic / max(by_full_damper, 1e-300))
     net.linearised[LINEARISED_BEGINNING] = BEGINS
     if lengths_change:

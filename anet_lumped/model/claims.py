@@ -73,9 +73,10 @@ class _States:
         return blocks
 
     def whole_step(self):
-        """Force (n, 3) [N], dissipated energy [J] and blocks of a step from one state to the other."""
+        """Force (n, 3) [N], dissipated energy [J] and blocks of a step from one state to the other, without numerical damper."""
         f, blocks = np.zeros((self.model.n, 3)), self.blocks()
-        return f, self.kernels["whole_step"](self.t[0], STEP, *self.q, *self.numbers, f, *blocks), blocks
+        taken, _ = self.kernels["whole_step"](self.t[0], STEP, 0.0, *self.q, *self.numbers, f, *blocks)
+        return f, taken, blocks
 
     def blocks(self):
         """Room for all blocks there may be, whatever the effect says that it writes."""

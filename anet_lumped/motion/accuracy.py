@@ -107,7 +107,11 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
         LOG.info("with dt=%.3g s places are known to %.2g m, the largest tension to %.2g", run.dt, known.error, known.tension_error)
         LOG.info("again with dt=%.3g s, which takes about %.2g s", choice.dt, took)
         run = march(choice, duration)
-        known = _compared(run, coarser, wanted) if run.ok else known
+        if not run.ok:
+            return run
+        if (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0) and run.tension_error > before.tension_error:
+            return _told(coarser, before, wanted)  # such short steps show rounding and Newton's tolerance
+        known = _compared(run, coarser, wanted)
         in_vain = known.error > NEARER * before.error, known.tension_error > NEARER * before.tension_error
     return _told(run, known, wanted) if run.ok else run
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from anet_lumped.model.tables import AXIAL_STIFFNESS
-from anet_lumped.results.energy_balance import BY_DAMPERS, ELASTIC, KINETIC, POTENTIAL, WORK
+from anet_lumped.results.energy_balance import BY_DAMPERS, BY_METHOD, ELASTIC, KINETIC, POTENTIAL, WORK
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 
@@ -22,6 +22,7 @@ ALLOWED_GAIN = 0.1  # of the energy in play
 BLOCKS = 20  # of a run, whose least energies are compared where energy oscillates by itself
 WEIGHT_TOLERANCE = 1e-9  # of the weight's work over the reach: energy that Newton's tolerance leaves
 STIFFNESS_TOLERANCE = 1e-15  # of k reach^2: energy that rounding leaves
+LENGTH_TOLERANCE = 1e-8  # of a length that must not change: a hundred times what Newton's tolerance leaves of it
 
 
 def energy_gain(run, adaptive=False):
@@ -43,7 +44,7 @@ def energy_gain(run, adaptive=False):
     own = rows[:, :WORK].sum(axis=1) - rows[:, WORK]
     if not all(effect.passive for effect in run.scene.effects):
         # add what was taken: a wind gives energy, and a step may pump a stiff effect while dampers take the energy again
-        own = own + rows[:, BY_DAMPERS:].sum(axis=1)
+        own = own + rows[:, BY_DAMPERS:BY_METHOD].sum(axis=1)
     swings = schemes.scheme(run.method).energy is EnergyPromise.SWINGS_ABOUT
     if adaptive:
         own = own[[0, -1]]
@@ -52,6 +53,9 @@ def energy_gain(run, adaptive=False):
     reach = np.abs(run.q).max()
     weight = model.mass[: model.n_free].sum() * np.linalg.norm(run.scene.gravity)
     rounding = WEIGHT_TOLERANCE * weight * reach + STIFFNESS_TOLERANCE * model.axial[:, AXIAL_STIFFNESS].max(initial=0.0) * reach**2
+    for cable in run.scene.cables:
+        if cable.inextensible:
+            rounding += LENGTH_TOLERANCE * cable.length * float(run.tension(cable.name)[0].max())
     in_play = (
         max(rows[:, KINETIC].max(), rows[:, ELASTIC].max(), np.ptp(rows[:, POTENTIAL]), np.abs(rows[:, WORK]).max()) + rounding
     )
@@ -84,8 +88,14 @@ def flag_energy_gain(run, limit, adaptive=False):
             "; such a step adds energy to an undamped cable that goes slack and snaps taut: take at most an eighth of the "
             f'predicted limit, {small:.3g} s, a damping ratio of {CALM_DAMPING_RATIO:g} or more, or method="edmc"'
         )
+    elif run.method == "edmc":
+        why = "; try a smaller step"
+        loose = [type(effect).__name__ for effect in run.scene.effects if not effect.keeps_energy]
+        if loose:
+            why = f"{why}, or an energy in place of the force of {' and '.join(loose)}, of which nothing says that it is kept"
     else:
-        why = '; try method="edmc", which never gains any, or a smaller step'
+        kept = all(effect.keeps_energy for effect in run.scene.effects)
+        why = f'; try method="edmc"{", which never gains any," if kept else ""} or a smaller step'
     message = (
         f"{run.method} with dt={run.dt:.3g} s reached t={run.t[-1]:.4g} s, but its energy rose by {gained:.2g} of the energy in "
         f"play that nothing put in, where {ALLOWED_GAIN:g} is allowed{why}."

@@ -38,7 +38,7 @@ def why_it_stopped(model, choice, status, t, node, tolerances, counts):
         limit = f", whose predicted limit is {choice.limit:.3g} s" if math.isfinite(choice.limit) else ""
         return (
             f"{choice.method} with dt={choice.dt:.3g} s{limit}, diverged at t={t:.4g} s at {model.where(node)}; "
-            'try a smaller step or method="edmc".'
+            f"try a smaller step{_or_edmc(choice.method)}."
         )
     pushes = any(cable.compression != "none" for cable in model.scene.cables)
     other = ["a smaller step", *['method="edmc"'] * (choice.method != "edmc"), *['compression="none"'] * pushes]
@@ -46,6 +46,11 @@ def why_it_stopped(model, choice, status, t, node, tolerances, counts):
         f"{choice.method} with dt={choice.dt:.3g} s did not converge at t={t:.4g} s even with the step cut to "
         f"{choice.dt / 4096:.1e} s; try {' or '.join(other)}."
     )
+
+
+def _or_edmc(method):
+    """The default method as advice, but to itself."""
+    return "" if method == "edmc" else ' or method="edmc"'
 
 
 def _of_embedded_pair(model, choice, status, t, node, tolerances, steps, rejected):

@@ -1,6 +1,7 @@
 """A leg of a run with a scheme of this package: the march, what it says of itself, and the Run that comes back."""
 
 from anet_lumped.mechanics.fresh_net import fresh_net
+from anet_lumped.results.energy_balance import book_remainder
 from anet_lumped.results.run import STATUS, Run, RunInterrupt, Work
 from integrators import schemes
 from integrators.marching.adaptive_steps import AdaptiveSteps
@@ -46,6 +47,8 @@ def march(model, choice, leg, start, settings):
     out = march_system(scheme, bound, net.address, times, start.q, start.v, (saves, model.n_segments), parameters)
     tolerances = settings.tolerances if settings.adaptive and scheme.embedded else None
     stiff = stiff_for(choice, tolerances, out.counts, out.held, out.held_for) if tolerances else ()
+    if not scheme.books_its_losses:
+        book_remainder(out.saved.energy)
     run = Run(
         model, out.saved.t, out.saved.q, out.saved.v, out.saved.energy, choice.method, choice.dt, choice.reason,
         status=STATUS[out.status],

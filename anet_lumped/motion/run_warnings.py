@@ -10,6 +10,7 @@ from enum import Enum
 import numpy as np
 
 from anet_lumped.results.audit import SHARE
+from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.results.error_estimate import lowest_axial_mode
 from anet_lumped.scene.scene import Driven
 from integrators import schemes
@@ -60,23 +61,24 @@ def warnings_of(run, adaptive=False):
 
 def _unaccounted_energy(run, step):
     """Changes of energy beyond work and dissipation, if they are more than `ALLOWED_GAIN` of the energy in play."""
-    balance = run.energy_balance
-    if balance.imbalance <= ALLOWED_GAIN:
+    off, balance = error_of_steps(run), run.energy_balance
+    if off <= ALLOWED_GAIN:
         return ""
-    change = balance.unaccounted
+    lost = (balance.by_method or 0.0) - balance.unaccounted > 0.0
     if any(isinstance(point, Driven) for point in run.scene.points):
         what = "are not accounted for by dampers, drag and the work of driven points"
-    elif change < 0.0:
+    elif lost:
         what = "were lost in its steps, to neither dampers nor drag: the motion is damped too much"
     else:
         what = "were dissipated beyond what was there: its steps put that in, or its dampers took less than their rates say"
-    return f'{run.method}: {balance.imbalance:.2g} of the energy in play {what}; take {step}, or method="edmc".'
+    other = "" if run.method == "edmc" else ', or method="edmc"'
+    return f"{run.method}: {off:.2g} of the energy in play {what}; take {step}{other}."
 
 
 def _taken_by_method(run, step, adaptive):
     """Energy that the steps themselves took, if it is more than `ALLOWED_LOSS` of the energy in play and not said already."""
     balance = run.energy_balance
-    if balance.imbalance > ALLOWED_GAIN or balance.lost_to_method <= ALLOWED_LOSS * balance.in_play:
+    if error_of_steps(run) > ALLOWED_GAIN or balance.lost_to_method <= ALLOWED_LOSS * balance.in_play:
         return ""
     other = "rho_inf=1" if run.method == "edmc" else 'method="edmc"'
     if not adaptive:

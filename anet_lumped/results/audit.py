@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from .energy_balance import error_of_steps
+
 IMBALANCE = 1e-2  # of the energy in play: more than this is not accounted for
 SHARE = 1e-2  # of the longest cable: the largest error that passes where none is named
 TENSION_ALLOWED = 5e-2  # of the largest tension
@@ -33,7 +35,7 @@ class Audit:
         The node and the time of it.
     allowed : float [m]
     imbalance : float
-        Of the energy, relative to what was in play.
+        Energy that is not accounted for by work and forces, relative to what was in play.
     wall_time : float [s]
         That the finer run took.
     reason : str
@@ -88,7 +90,7 @@ def audited(run: Any, finer: Callable[[int], Any], order: float | None, allowed:
         if other.ok and order is not None and disagree and error > 0.1 * allowed:
             nearer = float(apart[row, node]) / max(float(_apart(other, finer(4))[row, node]), 1e-300)
             error = float(apart[row, node]) / (1.0 - 1.0 / nearer) if nearer > SLOWEST else np.inf
-    took, imbalance = time.perf_counter() - began, run.energy_balance.imbalance
+    took, imbalance = time.perf_counter() - began, error_of_steps(run)
     largest = float(other.segment_tension.max(initial=0.0))
     off = abs(float(run.segment_tension.max(initial=0.0)) - largest) / left
     tension_error = off / largest if largest > 0.0 else 0.0

@@ -1,8 +1,11 @@
 """The account of energy of a run: where it went, and what of that a method took that no force took."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+
+from integrators import schemes
 
 KINETIC, ELASTIC, POTENTIAL, WORK, BY_DAMPERS, BY_EFFECTS, BY_METHOD = range(7)  # columns of `Run.energy`
 COLUMNS = ("kinetic", "elastic", "potential", "work", "by dampers", "by effects", "by method")
@@ -26,7 +29,8 @@ class EnergyBalance:
     by_effects : float or None
         Taken by drag, friction and other effects, by pick-ups and by breaks; negative where they give energy, as a wind does.
     by_method : float or None
-        Taken by the method where it books that: by the numerical damping of `edmc`. It is no part of the physics.
+        Taken by the method, or given by it if negative; no part of the physics. Of `edmc` it is what its numerical damping took,
+        of the other methods of this package all that no force accounts for, see `book_remainder`. Of other packages' methods 0.
     in_play : float
         The largest energy that was moved between its forms, put in or dissipated.
     imbalance : float
@@ -76,3 +80,24 @@ class EnergyBalance:
     def lost_to_method(self) -> float:
         """What the method took [J]: what it booked, and what its steps lost that nothing accounts for."""
         return max(self.by_method or 0.0, 0.0) + max(-self.unaccounted, 0.0)
+
+    @property
+    def method_share(self) -> float:
+        """What the steps took or gave, booked or not, over ``in_play``: the error of a method that means to keep the energy."""
+        return abs((self.by_method or 0.0) - self.unaccounted) / self.in_play if self.in_play else 0.0
+
+
+def book_remainder(rows: np.ndarray) -> None:
+    """Book to the method what neither work nor forces account for since the first row; ``rows`` (k, 7) [J] are changed."""
+    rows[:, BY_METHOD] = 0.0
+    gained = rows[:, :WORK].sum(axis=1) - rows[:, WORK] + rows[:, BY_DAMPERS:].sum(axis=1)
+    rows[:, BY_METHOD] = gained[0] - gained
+
+
+def error_of_steps(run: Any) -> float:
+    """Energy of a run that its steps took or gave although its method means to take none, over the energy in play.
+
+    What `edmc` books it means to take.
+    """
+    balance = run.energy_balance
+    return balance.imbalance if schemes.scheme(run.method).books_its_losses else balance.method_share

@@ -11,6 +11,8 @@ from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_TWO_WAY_DAMPER
 from anet_lumped.scene.scene import Scene
+from integrators import schemes
+from integrators.schemes.record import EnergyPromise
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
 from . import error_estimate, run_file
@@ -209,6 +211,12 @@ class Run:
     def energy_balance(self) -> EnergyBalance:
         """Changes of energy over the run and what does not add up, an `EnergyBalance`."""
         return EnergyBalance.of(self.energy)
+
+    @property
+    def energy_promise(self) -> EnergyPromise:
+        """What the method promises of the energy of this scene: nothing where an effect has a force without an energy."""
+        kept = all(effect.keeps_energy for effect in self.scene.effects)
+        return schemes.scheme(self.method).energy if kept else EnergyPromise.NONE
 
     @cached_property
     def error(self) -> np.ndarray | None:

@@ -8,6 +8,7 @@ from .stepper import take_parts
 
 MARGIN_FOUND = 1e-8  # an event is found if the margin is at most this, or its time is known to `SAME_TIME` of a step
 TRIALS = 60  # steps that the search for an event may take
+AT_ONCE = 1e-6  # of a step: an event nearer to its start is one of a margin that jumps when a step is taken, however short
 
 
 @internal
@@ -34,7 +35,9 @@ def locate(stepper, t, h, parts, margin_before, margin_after, start, state):
     """Find the event within a step at whose end the margin is positive, by shorter steps from the same start.
 
     Regula falsi on the length of the step with Illinois' rule. The margin changes its sign between two lengths, and the interval
-    between both shrinks, whatever the margin does. Source: Dowell & Jarratt, BIT 11 (1971) 168.
+    between both shrinks, whatever the margin does. Where every step has a positive margin, however short, as the mean tension of a
+    spring that does not stretch may have, the event is taken where the margin is zero on the straight line between its values at
+    both ends of the step. Source: Dowell & Jarratt, BIT 11 (1971) 168.
 
     Parameters
     ----------
@@ -53,13 +56,15 @@ def locate(stepper, t, h, parts, margin_before, margin_after, start, state):
         The shortest length found with a positive margin; the state is the one at its end.
     """
     low, high, margin_low, margin_high, margin = 0.0, h, min(margin_before, -MARGIN_FOUND), margin_after, margin_after
-    length_taken, side = h, 0
+    length_taken, side, first = h, 0, 0.0
     for _ in range(TRIALS):
         if margin <= MARGIN_FOUND or high - low <= SAME_TIME * h:
             break
         trial = high - margin_high * (high - low) / (margin_high - margin_low)
         least_distance = 1e-3 * (high - low)
         trial = min(max(trial, low + least_distance), high - least_distance)
+        if first == 0.0:
+            first = trial
         _go_back(stepper, start, state)
         if take_parts(stepper, t, trial, parts, state) != DONE:
             length_taken = -1.0
@@ -73,6 +78,8 @@ def locate(stepper, t, h, parts, margin_before, margin_after, start, state):
             low, margin_low = trial, min(margin_there, -MARGIN_FOUND * MARGIN_FOUND)
             margin_high *= 0.5 if side == -1 else 1.0
             side = -1
+    if high <= AT_ONCE * h and margin > MARGIN_FOUND:
+        high = first
     if length_taken != high:
         _go_back(stepper, start, state)
         take_parts(stepper, t, high, parts, state)

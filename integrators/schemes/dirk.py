@@ -19,8 +19,8 @@ from integrators.jit import scheme_step
 from integrators.linear_stability import NoLimit
 from integrators.newton import newton
 from integrators.stage import LAW_AT_END, Stage
-from integrators.step_ends import evaluate_end
-from integrators.system import DONE, FIRST_OWN, UNCONVERGED, system_at
+from integrators.step_ends import add_work
+from integrators.system import DONE, FIRST_OWN, FORCES, POWERS, SCRATCH, UNCONVERGED, system_at
 
 from .record import Family, own_scheme
 
@@ -54,8 +54,12 @@ def dirk_scheme(A, b, order, observes_mean_over_stages=False, **known):
 
 @scheme_step
 def step(system_address, data_address, t, h, state, parameters, counts):
-    """One step; memory[0] is the force at its start, and then at its end."""
-    system, q, v, memory = system_at(system_address), state.q, state.v, state.memory
+    """One step; with an explicit first stage memory[0] is the force at its start, and then at its end.
+
+    Work is that of the stages with the weights b, as the motion is: the force at the end of a step need not be one that acted.
+    """
+    system, q, v, memory, balance = system_at(system_address), state.q, state.v, state.memory, state.balance
+    power = balance[SCRATCH:]
     stages, averages, table = int(parameters[STAGES]), parameters[AVERAGES] != 0.0, parameters[TABLE:]
     b = table[MOST_STAGES * MOST_STAGES :]
     if averages:
@@ -72,6 +76,7 @@ def step(system_address, data_address, t, h, state, parameters, counts):
             for i in range(system.n_free):
                 for x in range(3):
                     V[i, x], A[i, x] = v[i, x], memory[0, i, x] * system.per_mass[i, x]
+            add_work(balance, h * b[s], balance[POWERS:])
             continue
         for i in range(q.shape[0]):
             for x in range(3):
@@ -96,15 +101,22 @@ def step(system_address, data_address, t, h, state, parameters, counts):
             system.average(data_address, b[s], h)
         for i in range(system.n_free):
             for x in range(3):
-                V[i, x] = (q_s[i, x] - base[i, x]) / gamma_h
+                v_s[i, x] = V[i, x] = (q_s[i, x] - base[i, x]) / gamma_h
+        system.force(t + c_s * h, q_s, v_s, data_address, A, power)  # for its powers
+        counts[FORCES] += 1
+        add_work(balance, h * b[s], power)
+        for i in range(system.n_free):
+            for x in range(3):
                 A[i, x] = (V[i, x] - (target[i, x] - base[i, x]) / gamma_h) / gamma_h
     for i in range(system.n_free):
         for x in range(3):
             for s in range(stages):
                 q[i, x] += h * b[s] * memory[5 + s, i, x]
                 v[i, x] += h * b[s] * memory[8 + s, i, x]
-    evaluate_end(system_address, data_address, t, h, state, counts)
+    system.prescribe(t + h, data_address, q, v)
     if table[0] == 0.0:
+        for k in range(3):
+            balance[POWERS + k] = power[k]
         # an explicit first stage goes on with the force that the last one balanced, whose damper saw the taut part of it
         for i in range(system.n_free):
             for x in range(3):

@@ -69,6 +69,7 @@ EDMC = own_scheme(
     keeps_angular_momentum=True,
     extrapolated_order=4,
     options={"rho_inf": 0.0},
+    books_its_losses=True,
     takes_rigid_springs=True,
     evaluates_force=False,
     error_constant=1 / 12,

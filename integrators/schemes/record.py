@@ -92,6 +92,8 @@ class Scheme:
         Order of what two runs, with a step and with its half, extrapolate to; None if they are not to be extrapolated.
     options : mapping of str to float
         Names of the numbers that a user may set, with their defaults.
+    books_its_losses : bool
+        Its steps find out what they take from the motion themselves. Of other schemes that is what no force accounts for.
     takes_rigid_springs : bool, springs that do not stretch, whose forces are unknowns of the step
     takes_changing_rest_lengths : bool, springs whose rest lengths change in time
     stops_at_events : bool, a march that ends within a step where a margin of the system turns positive
@@ -126,6 +128,7 @@ class Scheme:
     observes_mean_over_stages: bool = False
     extrapolated_order: int | None = None
     options: Mapping[str, float] = field(default_factory=dict)
+    books_its_losses: bool = False
     takes_rigid_springs: bool = False
     takes_changing_rest_lengths: bool = False
     stops_at_events: bool = True

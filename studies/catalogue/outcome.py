@@ -43,6 +43,7 @@ STEPS, NODES, WORK, NEVER_STABLE, STEP, RIGID, MISSING, OTHER = (
 CAUSE_OF_STATUS = {ENERGY_GAINED: "energy", STATUS[DIVERGED]: "diverged", STATUS[OUT_OF_STEPS]: STEPS}
 CAUSE_OF_FINDING = {
     Finding.UNACCOUNTED_ENERGY: "lost energy",
+    Finding.TAKEN_BY_METHOD: "lost energy",
     Finding.EXCESS_LENGTH: "length",
     Finding.FAR_FROM_LIMIT: "no limit",
 }

@@ -16,6 +16,7 @@ import numpy as np
 from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, InputError, Scene, SceneError, State, effects
 from anet_lumped.model.build import build
 from anet_lumped.model.tables import AXIAL_STIFFNESS
+from anet_lumped.motion.accuracy import TENSION_ERROR, Wanted
 from anet_lumped.motion.simulate import StabilityWarning, simulate, straight
 from anet_lumped.motion.stability import predict
 from anet_lumped.prescribed import paths
@@ -27,6 +28,8 @@ from studies.catalogue.outcome import DEFAULT, FAILED, GAINED, HELD, REFUSED, bo
 TRIALS = 2000
 IMBALANCE = 1e-4  # of the energy in play, what the exact balance of edmc may miss: Newton's tolerance over some ten steps
 RISE, GAIN = 1e-5, 0.1  # of the energy in play: of methods that never raise it; of the others, counted
+FAR_OFF = 10.0  # times the error that a run says it keeps: from there on it is wrong in silence
+MOST_COMPARED = 20_000  # steps of a run that is compared with a finer one
 EVALUATIONS = 800  # of the force by one of scipy's solvers
 EXPLICIT_STEPS = 400
 ADAPTIVE_TURNS, SCIPY_TURNS = 300.0, 30.0  # of the fastest axial motion, as omega t
@@ -66,7 +69,10 @@ class Random:
 
 @dataclass(frozen=True)
 class Trial:
-    """A run to try: the arguments of `simulate`; start "thrown" is straight with velocities of up to `speed` [m/s]."""
+    """A run to try: the arguments of `simulate`; start "thrown" is straight with velocities of up to `speed` [m/s].
+
+    `error` [m] is to be kept, where it is not None.
+    """
 
     scene: Scene
     t_end: float
@@ -76,6 +82,7 @@ class Trial:
     start: str
     speed: float = 0.0
     seed: int = 0
+    error: float | None = None
 
 
 def draw(pick: Pick, surroundings: bool = True) -> Trial:
@@ -105,7 +112,11 @@ def draw(pick: Pick, surroundings: bool = True) -> Trial:
         if method is None and pick.integer(0, 1):
             dt = None
     speed = 10.0 ** pick.number(-2.0, 1.0)
-    return Trial(scene, t_end, method, dt, None if from_elsewhere else rtol, start, speed, pick.integer(0, 10**6))
+    rtol = None if from_elsewhere else rtol
+    error = 10.0 ** pick.number(-4.0, -1.0) if dt is None and rtol is None and not from_elsewhere and pick.integer(0, 1) else None
+    if error is not None and method is not None and schemes.scheme(method).embedded:
+        error = None
+    return Trial(scene, t_end, method, dt, rtol, start, speed, pick.integer(0, 10**6), error)
 
 
 def _scene(pick, surroundings):
@@ -188,7 +199,7 @@ def attempt(trial: Trial) -> tuple[str, str]:
         with warnings.catch_warnings(record=True) as caught, bounded_work(EVALUATIONS):
             warnings.simplefilter("always")
             run = simulate(
-                trial.scene, trial.t_end, method=trial.method, dt=trial.dt, rtol=trial.rtol, start=_start(trial)
+                trial.scene, trial.t_end, method=trial.method, dt=trial.dt, rtol=trial.rtol, start=_start(trial), error=trial.error
             )  # fmt: skip
     except (InputError, EquilibriumError) as error:
         return (REFUSED if str(error).strip() else FAILED), f"{type(error).__name__}: {error}"
@@ -202,7 +213,23 @@ def attempt(trial: Trial) -> tuple[str, str]:
     if abs(run.t[-1] - run.t[0] - trial.t_end) > 1e-9 * trial.t_end:
         return FAILED, f"done at t={run.t[-1]:g} s instead of {trial.t_end:g} s"
     said = next((str(w.message) for w in caught if issubclass(w.category, StabilityWarning)), "")
-    return (REFUSED, said) if said else _audit(trial, run)
+    outcome = (REFUSED, said) if said else _audit(trial, run)
+    return _kept(trial, run) if outcome[0] == HELD and run.kept and run.work.steps < MOST_COMPARED else outcome
+
+
+def _kept(trial, run):
+    """Whether a run that says it kept its errors did, beside one with a quarter of its step."""
+    every = run.t[1] - run.t[0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        finer = simulate(trial.scene, trial.t_end, method=run.method, dt=run.dt / 4.0, save_every=every, start=_start(trial))
+    if not finer.ok or len(finer.t) != len(run.t):
+        return HELD, ""
+    allowed = Wanted(trial.error, TENSION_ERROR).of_places(run)
+    off = float(np.linalg.norm(run.q - finer.q, axis=2).max())
+    if off > FAR_OFF * allowed:
+        return FAILED, f"{run.method} says that it keeps places to {allowed:.2g} m, but a quarter of its step is {off:.2g} m away"
+    return HELD, ""
 
 
 def _start(trial):

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anet_lumped.checks import nearest
+from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.scene.scene import Scene
 
 
@@ -167,7 +168,7 @@ MEASURES = {
     "end_y": Measure(_y, Source.RUN, Target.POINT, "m", "y of a point at the end"),
     "end_height": Measure(_z, Source.RUN, Target.POINT, "m", "z of a point at the end"),
     "energy_rise": Measure(_energy_rise, Source.RUN, Target.NONE, "J", "largest rise of the energy beyond the work done"),
-    "imbalance": Measure(attrgetter("energy_balance.imbalance"), Source.RUN, Target.NONE, "-", "relative imbalance of the energy"),
+    "imbalance": Measure(error_of_steps, Source.RUN, Target.NONE, "-", "relative imbalance of the energy"),
     "error_estimate": Measure(attrgetter("error_estimate"), Source.RUN, Target.NONE, "m", "error that the scheme estimates"),
     "steps": Measure(attrgetter("work.steps"), Source.RUN, Target.NONE, "-", "steps taken"),
     "rejected": Measure(attrgetter("work.rejected"), Source.RUN, Target.NONE, "-", "steps rejected by the error control"),

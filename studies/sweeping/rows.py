@@ -7,6 +7,7 @@ into a dict of results, which may hold a `status` ("done" where it does not) and
 import contextlib
 import importlib
 import json
+import logging
 import os
 import threading
 import time
@@ -17,6 +18,8 @@ from pathlib import Path
 from studies.sweeping.provenance import provenance
 from studies.sweeping.workers import through_executor, through_own_pool
 
+LOG = logging.getLogger(__name__)
+TOLD_EVERY = 5.0  # [s], between two words on how far the rows are
 FORCED_AFTER = 0.5  # [s]; to force every line to the disk would take longer than a short row
 
 
@@ -186,7 +189,12 @@ def _differences(before, now, where):
 
 def _with_progress(results, total, label):
     if label is None:
-        yield from results
+        told = time.monotonic()
+        for done, line in enumerate(results):
+            if time.monotonic() - told > TOLD_EVERY:
+                told = time.monotonic()
+                LOG.info("%d of %d rows are done", done, total)
+            yield line
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn

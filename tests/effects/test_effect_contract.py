@@ -94,7 +94,7 @@ def unreachable(t, q, v, index, params, f):
         (LIVE, {"dead_load": True}, "A dead load .* alone, but effect Toy, whose `dead_load` is True, has `tangent`"),
         (DEAD | {"inertia": light}, {"dead_load": True}, "alone, but effect Toy, whose `dead_load` is True, has `inertia`"),
         (LIVE | {"whole_step": step}, {"linear_in_node_state": True}, "linear in the state of its node must have no `whole_step`"),
-        (LIVE | {"between": step}, {}, "must be among `force`, .*`inertia`, but effect Toy has `between`"),
+        (LIVE | {"between": step}, {}, "must be among `force`, .*`settle`, but effect Toy has `between`"),
         (LIVE | {"enery": none}, {}, "effect Toy has `enery`, did you mean `energy`"),
         (
             LIVE | {"force": lambda *of: 0.0},

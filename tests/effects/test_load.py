@@ -8,6 +8,7 @@ import pytest
 from anet_lumped import Cable, Fixed, Free, Scene, SceneError, equilibrium, load_scene, save_scene, simulate
 from anet_lumped.effects import Gravity, Load
 from anet_lumped.model.build import build
+from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.statics.catenary import catenary
 
 G, MU = 9.81, 0.2
@@ -71,7 +72,7 @@ def test_account_of_energy(ramp, method, within):
     scene = span(Gravity(G), Load((0.0, 3.0, 1.0), ramp=ramp), segments=5, EA=100.0, zeta=0.1)
     still = equilibrium(span(Gravity(G), segments=5, EA=100.0, zeta=0.1))
     run = simulate(scene, 0.6, method=method, dt=None if method in ("dop853", "Radau") else 1e-3, start=still)
-    assert run.ok and run.energy_balance.imbalance < within
+    assert run.ok and error_of_steps(run) < within
     given = run.energy[-1, 5] if ramp else 0.0
     assert given < 0.0 if ramp else run.energy[-1, 2] < run.energy[0, 2] - 0.1
 

@@ -43,7 +43,8 @@ def test_a_run_that_fails_says_so_everywhere(tmp_path):
     options = dict(method="edmc", dt=0.02, start="straight", audit=1e-3)
     run = simulate(loose_cable(1e4), 0.6, **options)
     assert run.status == "audit failed" and not run.ok and not run.audit.passed
-    assert run.message.startswith("The audit failed: ") and "m are allowed; try a smaller step" in run.message
+    assert run.message.startswith("The audit failed: ") and "where 0.001 m are allowed" in run.message
+    assert "; try a smaller step" in run.message
     assert run.audit.where.startswith(("node ", 'point "b"')) and 0.0 < run.audit.t <= 0.6
     run.save(tmp_path / "run.nc")
     back = load_run(tmp_path / "run.nc")

@@ -7,8 +7,13 @@ import pytest
 from systems import four_cables, loose_cable, spring_mass
 
 from anet_lumped import RunError, Scene, load_run, simulate
+from anet_lumped.effects import node_force
+from anet_lumped.model.build import build
 from anet_lumped.motion.choice import SHARE_OF_LIMIT_SLACK, choose
 from anet_lumped.motion.energy_gain import ALLOWED_GAIN, GAINED, energy_gain
+from anet_lumped.motion.failure_messages import why_it_stopped
+from anet_lumped.motion.run_warnings import warnings_of
+from integrators.system import DIVERGED, UNCONVERGED
 from studies.catalogue.cases import CASES
 
 
@@ -115,3 +120,42 @@ def test_rest_is_no_gain():
     for method in ("edmc", "verlet", "midpoint", "backward_euler"):
         assert simulate(weightless, 0.05, method=method, dt=1e-4, start="straight").ok
         assert simulate(four_cables(1e6), 0.05, method=method, dt=1e-5).ok
+
+
+def advice(effects, method, monkeypatch):
+    """Message of a run of a scene that is taken to have gained energy."""
+    monkeypatch.setattr("anet_lumped.motion.energy_gain.energy_gain", lambda run, adaptive=False: 1.0)
+    net = four_cables()
+    return simulate(replace(net, effects=(*net.effects, *effects)), 0.02, method=method, dt=0.01).message
+
+
+def test_no_message_advises_the_method_that_failed(monkeypatch):
+    """Each sentence that a run of edmc may end with, and those of the others, which advise it only for what it promises."""
+
+    @node_force
+    def gain_push(t, q, v, size):
+        return size, 0.0, 0.0
+
+    plain = advice((), "edmc", monkeypatch)
+    assert "that nothing put in" in plain and plain.endswith("is allowed; try a smaller step.") and "method=" not in plain
+    pushed = advice((gain_push(size=1.0),), "edmc", monkeypatch)
+    assert "method=" not in pushed
+    assert "try a smaller step, or an energy in place of the force of gain_push, of which nothing says that it is kept" in pushed
+    assert 'try method="edmc", which never gains any, or a smaller step' in advice((), "midpoint", monkeypatch)
+    assert 'try method="edmc" or a smaller step' in advice((gain_push(size=1.0),), "midpoint", monkeypatch)
+
+
+@pytest.mark.parametrize("method", ["edmc", "backward_euler"])
+@pytest.mark.parametrize("status", [DIVERGED, UNCONVERGED])
+def test_nor_does_one_that_did_not_end(method, status):
+    model = build(four_cables())
+    text = why_it_stopped(model, choose(four_cables(), method, dt=0.01), status, 0.5, 0, None, np.zeros(6, int))
+    assert "smaller step" in text and ('method="edmc"' in text) == (method != "edmc")
+
+
+def test_nor_does_a_warning():
+    run = simulate(four_cables(), 0.02, method="edmc", dt=0.01)
+    rows = run.energy.copy()
+    rows[-1, 4] += 0.5  # [J] taken of next to nothing
+    (text,) = warnings_of(replace(run, energy=rows))
+    assert text.endswith("take a smaller step than dt=0.01 s.")

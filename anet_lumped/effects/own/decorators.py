@@ -23,8 +23,9 @@ arguments are
 with the time t [s], positions [m] and velocities [m/s] as three numbers each; node 0 of a segment is the one towards its cable's
 start. The arguments in `OF_NODES` and `OF_SEGMENTS` are filled in for each element. All others are the effect's parameters, a
 number or a tuple of numbers each, with the defaults that they have in the law. Prefer an energy to the force that follows from it:
-the energy balance of a run then holds it, and a run that gains energy is noticed. A step of `edmc` takes the law at its middle, so
-that its energy is kept to the second order of the step. Methods of diffrax do not take such effects.
+the energy balance of a run then holds it, a run that gains energy is noticed, and a step of `edmc` does exactly the work that the
+energy says, however stiff the law is (`energy_steps`). A force is taken at the middle of the step; of what it puts in, nothing is
+promised. Methods of diffrax do not take such effects.
 """
 
 import inspect
@@ -94,7 +95,7 @@ class _Own(Effect):
         -------
         index : int64, see `own_kernels`
         params : float64
-            Those of the effect; of each element what is filled in.
+            Those of the effect; of each element what is filled in; masses of the nodes of each [kg], 0 if a node does not move.
 
         Raises
         ------
@@ -102,8 +103,10 @@ class _Own(Effect):
         """
         index, of_elements = self._elements(model)
         own = [np.ravel(getattr(self, name)) for name in self.law.parameters]
+        nodes = np.reshape(index, (-1, 4))[:, :2].ravel() if self.where == "cables" else np.asarray(index)
+        masses = np.where(nodes < model.n_free, model.mass[np.minimum(nodes, model.n_free - 1)], 0.0)
         filled = [np.column_stack([of_elements[name] for name in self.law.fills]).ravel()] if self.law.fills else []
-        return np.asarray(index, np.int64), np.concatenate([*own, *filled, np.empty(0)]).astype(float)
+        return np.asarray(index, np.int64), np.concatenate([*own, *filled, masses]).astype(float)
 
 
 class _OfNodes(_Own):

@@ -13,20 +13,11 @@ segment, and which of the two blocks ``near[segment]`` has the row of the first 
 
 from numba import njit
 
-from anet_lumped.compiled.dual import constant, dual, seeded, slope
+from anet_lumped.compiled.dual import dual, slope
 from anet_lumped.effects.signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
-
-@njit(error_model="numpy")
-def _row(q, i):
-    return q[i, 0], q[i, 1], q[i, 2]
-
-
-@njit(error_model="numpy")
-def _add(f, i, fx, fy, fz):
-    f[i, 0] += fx
-    f[i, 1] += fy
-    f[i, 2] += fz
+from . import energy_steps
+from .seeds import add, constant, position, seeded
 
 
 @njit(error_model="numpy")
@@ -61,20 +52,6 @@ def _add_second_transposed(block, c, E):
             block[y, x] += c * slope(slope(E, x), y)
 
 
-@njit(error_model="numpy")
-def _seeded(q):
-    """A position with slopes in itself."""
-    x, y, z = q
-    return seeded(x, y, z)
-
-
-@njit(error_model="numpy")
-def _constant(q):
-    """A position as numbers with zero slopes, so that a law is compiled for one type of argument only."""
-    x, y, z = q
-    return constant(x, y, z)
-
-
 @njit(ENERGY_SIGNATURE, cache=True)
 def no_energy(t, q, index, params):
     """The energy of a law of forces, 0 [J]."""
@@ -89,8 +66,8 @@ def of_node_force(law, numbers, first, each):
         power = 0.0
         for n in range(index.shape[0]):
             i = index[n]
-            fx, fy, fz = law(t, _row(q, i), _row(v, i), *numbers(params, first + each * n))
-            _add(f, i, fx, fy, fz)
+            fx, fy, fz = law(t, position(q, i), position(v, i), *numbers(params, first + each * n))
+            add(f, i, fx, fy, fz)
             power -= fx * v[i, 0] + fy * v[i, 1] + fz * v[i, 2]
         return power
 
@@ -98,8 +75,8 @@ def of_node_force(law, numbers, first, each):
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0]):
             i, own = index[n], numbers(params, first + each * n)
-            _subtract(D[i], c_q, law(t, _seeded(_row(q, i)), _constant(_row(v, i)), *own))
-            _subtract(D[i], c_v, law(t, _constant(_row(q, i)), _seeded(_row(v, i)), *own))
+            _subtract(D[i], c_q, law(t, seeded(position(q, i)), constant(position(v, i)), *own))
+            _subtract(D[i], c_v, law(t, constant(position(q, i)), seeded(position(v, i)), *own))
 
     return {"force": force, "tangent": tangent, "energy": no_energy}
 
@@ -112,25 +89,26 @@ def of_node_energy(law, numbers, first, each):
         power = 0.0
         for n in range(index.shape[0]):
             i, own = index[n], numbers(params, first + each * n)
-            E = law(t, _seeded(_row(q, i)), *own)
-            _add(f, i, -slope(E, 0), -slope(E, 1), -slope(E, 2))
-            power -= slope(law(dual(t, 1.0, 0.0, 0.0), _row(q, i), *own), 0)
+            E = law(t, seeded(position(q, i)), *own)
+            add(f, i, -slope(E, 0), -slope(E, 1), -slope(E, 2))
+            power -= slope(law(dual(t, 1.0, 0.0, 0.0), position(q, i), *own), 0)
         return power
 
     @njit(TANGENT_SIGNATURE, error_model="numpy")
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0]):
             i = index[n]
-            _add_second(D[i], c_q, law(t, _seeded(_seeded(_row(q, i))), *numbers(params, first + each * n)))
+            _add_second(D[i], c_q, law(t, seeded(seeded(position(q, i))), *numbers(params, first + each * n)))
 
     @njit(ENERGY_SIGNATURE, error_model="numpy")
     def energy(t, q, index, params):
         total = 0.0
         for n in range(index.shape[0]):
-            total += law(t, _row(q, index[n]), *numbers(params, first + each * n))
+            total += law(t, position(q, index[n]), *numbers(params, first + each * n))
         return total
 
-    return {"force": force, "tangent": tangent, "energy": energy}
+    whole_step, settle = energy_steps.of_node_energy(law, numbers, first, each)
+    return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "settle": settle}
 
 
 def of_segment_force(law, numbers, first, each):
@@ -141,12 +119,12 @@ def of_segment_force(law, numbers, first, each):
         power = 0.0
         for n in range(index.shape[0] // 4):
             i, j = index[4 * n], index[4 * n + 1]
-            on_i, on_j = law(t, _row(q, i), _row(q, j), _row(v, i), _row(v, j), *numbers(params, first + each * n))
+            on_i, on_j = law(t, position(q, i), position(q, j), position(v, i), position(v, j), *numbers(params, first + each * n))
             fx, fy, fz = on_i
-            _add(f, i, fx, fy, fz)
+            add(f, i, fx, fy, fz)
             power -= fx * v[i, 0] + fy * v[i, 1] + fz * v[i, 2]
             fx, fy, fz = on_j
-            _add(f, j, fx, fy, fz)
+            add(f, j, fx, fy, fz)
             power -= fx * v[j, 0] + fy * v[j, 1] + fz * v[j, 2]
         return power
 
@@ -154,20 +132,20 @@ def of_segment_force(law, numbers, first, each):
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0] // 4):
             i, j, s, side = index[4 * n], index[4 * n + 1], index[4 * n + 2], index[4 * n + 3]
-            own, qi, qj, vi, vj = numbers(params, first + each * n), _row(q, i), _row(q, j), _row(v, i), _row(v, j)
+            own, qi, qj, vi, vj = numbers(params, first + each * n), position(q, i), position(q, j), position(v, i), position(v, j)
             near_ij, near_ji = near[s, side], near[s, 1 - side]
             if i < D.shape[0]:
-                on_i, on_j = law(t, _seeded(qi), _constant(qj), _constant(vi), _constant(vj), *own)
+                on_i, on_j = law(t, seeded(qi), constant(qj), constant(vi), constant(vj), *own)
                 _subtract(D[i], c_q, on_i)
                 _subtract(near_ji, c_q, on_j)
-                on_i, on_j = law(t, _constant(qi), _constant(qj), _seeded(vi), _constant(vj), *own)
+                on_i, on_j = law(t, constant(qi), constant(qj), seeded(vi), constant(vj), *own)
                 _subtract(D[i], c_v, on_i)
                 _subtract(near_ji, c_v, on_j)
             if j < D.shape[0]:
-                on_i, on_j = law(t, _constant(qi), _seeded(qj), _constant(vi), _constant(vj), *own)
+                on_i, on_j = law(t, constant(qi), seeded(qj), constant(vi), constant(vj), *own)
                 _subtract(D[j], c_q, on_j)
                 _subtract(near_ij, c_q, on_i)
-                on_i, on_j = law(t, _constant(qi), _constant(qj), _constant(vi), _seeded(vj), *own)
+                on_i, on_j = law(t, constant(qi), constant(qj), constant(vi), seeded(vj), *own)
                 _subtract(D[j], c_v, on_j)
                 _subtract(near_ij, c_v, on_i)
 
@@ -182,11 +160,11 @@ def of_segment_energy(law, numbers, first, each):
         power = 0.0
         for n in range(index.shape[0] // 4):
             i, j, own = index[4 * n], index[4 * n + 1], numbers(params, first + each * n)
-            qi, qj = _row(q, i), _row(q, j)
-            E = law(t, _seeded(qi), _constant(qj), *own)
-            _add(f, i, -slope(E, 0), -slope(E, 1), -slope(E, 2))
-            E = law(t, _constant(qi), _seeded(qj), *own)
-            _add(f, j, -slope(E, 0), -slope(E, 1), -slope(E, 2))
+            qi, qj = position(q, i), position(q, j)
+            E = law(t, seeded(qi), constant(qj), *own)
+            add(f, i, -slope(E, 0), -slope(E, 1), -slope(E, 2))
+            E = law(t, constant(qi), seeded(qj), *own)
+            add(f, j, -slope(E, 0), -slope(E, 1), -slope(E, 2))
             power -= slope(law(dual(t, 1.0, 0.0, 0.0), qi, qj, *own), 0)
         return power
 
@@ -194,13 +172,13 @@ def of_segment_energy(law, numbers, first, each):
     def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         for n in range(index.shape[0] // 4):
             i, j, s, side = index[4 * n], index[4 * n + 1], index[4 * n + 2], index[4 * n + 3]
-            own, qi, qj = numbers(params, first + each * n), _row(q, i), _row(q, j)
+            own, qi, qj = numbers(params, first + each * n), position(q, i), position(q, j)
             if i < D.shape[0]:
-                _add_second(D[i], c_q, law(t, _seeded(_seeded(qi)), _constant(_constant(qj)), *own))
+                _add_second(D[i], c_q, law(t, seeded(seeded(qi)), constant(constant(qj)), *own))
             if j < D.shape[0]:
-                _add_second(D[j], c_q, law(t, _constant(_constant(qi)), _seeded(_seeded(qj)), *own))
+                _add_second(D[j], c_q, law(t, constant(constant(qi)), seeded(seeded(qj)), *own))
             if i < D.shape[0] and j < D.shape[0]:
-                E = law(t, _seeded(_constant(qi)), _constant(_seeded(qj)), *own)
+                E = law(t, seeded(constant(qi)), constant(seeded(qj)), *own)
                 _add_second(near[s, side], c_q, E)
                 _add_second_transposed(near[s, 1 - side], c_q, E)
 
@@ -208,7 +186,8 @@ def of_segment_energy(law, numbers, first, each):
     def energy(t, q, index, params):
         total = 0.0
         for n in range(index.shape[0] // 4):
-            total += law(t, _row(q, index[4 * n]), _row(q, index[4 * n + 1]), *numbers(params, first + each * n))
+            total += law(t, position(q, index[4 * n]), position(q, index[4 * n + 1]), *numbers(params, first + each * n))
         return total
 
-    return {"force": force, "tangent": tangent, "energy": energy}
+    whole_step, settle = energy_steps.of_segment_energy(law, numbers, first, each)
+    return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "settle": settle}
