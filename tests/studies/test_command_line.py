@@ -20,6 +20,7 @@ from anet_lumped.files.scene_file import SCENES
 from studies import command_line
 from studies.command_line import main
 from studies.quantities import metres, newtons, seconds
+from studies.study import NAMES
 
 COMMANDS = ["equilibrium", "simulate", "check", "sweep", "measures", "study", "mismatch", "report", "convert", "ropes", "effects"]
 PROGRAM = ["-c", "from studies.command_line import main; main()"]
@@ -170,6 +171,12 @@ def test_a_folder_that_cannot_be_written_is_refused_before_anything_is_computed(
     assert call(command, *what, *needed.get(command, []), "--out", tmp_path / "taken") == 2
     said = " ".join(capsys.readouterr().err.split())
     assert "Invalid value for '--out': must be a folder that can be written, but" in said and "File exists" in said
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="no folder that nobody can write")
+def test_a_folder_that_is_there_and_cannot_be_written_is_refused(capsys):
+    assert call("equilibrium", "net_held", "--out", "/proc/self") == 2
+    assert "must be a folder that can be written" in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.parametrize(
@@ -395,7 +402,7 @@ def test_report_writes_the_page_and_exits_with_1_if_a_study_failed(monkeypatch, 
     assert call("report", "--out", tmp_path) == 1
     said = capsys.readouterr()
     assert said.out == f"{tmp_path / 'report.html'}\n"
-    assert "1 of 10, thesis_tables ..." in said.err and "order: failed, KeyError" in said.err
+    assert f"1 of {len(NAMES)}, thesis_tables ..." in said.err and "order: failed, KeyError" in said.err
     assert "No finding" in (tmp_path / "report.html").read_text()
 
 
@@ -405,7 +412,7 @@ def test_a_stopped_report_keeps_its_page_and_exits_with_130(monkeypatch, tmp_pat
 
     monkeypatch.setattr("studies.report.run_study", stopped)
     assert call("report", "--out", tmp_path) == 130
-    assert "stopped after 0 of 10 studies, while thesis_tables ran; " in capsys.readouterr().err
+    assert f"stopped after 0 of {len(NAMES)} studies, while thesis_tables ran; " in capsys.readouterr().err
     assert "The report was stopped" in (tmp_path / "report.html").read_text()
 
 
