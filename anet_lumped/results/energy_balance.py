@@ -1,5 +1,6 @@
 """The account of energy of a run: where it went, and what of that a method took that no force took."""
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -70,6 +71,12 @@ class EnergyBalance:
             in_play=float(in_play),
             imbalance=float(off / in_play) if in_play else 0.0,
         )
+
+    @property
+    def gravitational(self) -> float:
+        """The name of `potential` in version 0.1."""
+        warnings.warn("EnergyBalance.gravitational is called potential since version 0.2.", DeprecationWarning, stacklevel=2)
+        return self.potential
 
     @property
     def unaccounted(self) -> float:

@@ -1,8 +1,8 @@
 """All cases of the catalogue by name, and what the catalogue must cover."""
 
-from studies.catalogue import falls, flights, supports, surroundings, swings
+from studies.catalogue import falls, flights, silent, supports, surroundings, swings
 
-CASES = swings.CASES | supports.CASES | falls.CASES | flights.CASES | surroundings.CASES
+CASES = swings.CASES | supports.CASES | falls.CASES | flights.CASES | surroundings.CASES | silent.CASES
 """Names of cases -> functions that make them."""
 
 REQUIRED = {
@@ -38,6 +38,9 @@ REQUIRED = {
     "a falling chain on the ground": ("chain onto the ground",),
     "a cable breaking under load": ("a cable of a net breaks",),
     "pay-out to zero tension": ("paid out,",),
+    "a string whose tension sets the pace, a slack damper, a fall with a closed form": (
+        "plucked string", "weight on a slack damper", "climber's fall, massless rope",
+    ),
     "a cable that is joined to nothing": ("cable in free flight", "swing and a cable apart"),
 }  # fmt: skip
 """What the catalogue must cover -> how the names of the cases that cover it begin."""

@@ -197,3 +197,9 @@ def test_a_stiff_cable_that_a_support_jostles_gains_nothing(law, rate):
     stretched = cable.stiffness * (np.linalg.norm(np.diff(run.shape("a-b"), axis=1), axis=2) - cable.L0)
     allowed = 1e-2 * run.tension("a-b").max()  # rings about the rest by far less than this
     assert np.abs(stretched - run.tension("a-b")).max() < allowed
+
+
+def test_the_old_name_of_the_potential_energy_warns():
+    balance = simulate(four_cables(), 0.01, method="edmc", dt=0.01).energy_balance
+    with pytest.warns(DeprecationWarning, match="called potential since version 0.2"):
+        assert balance.gravitational == balance.potential
