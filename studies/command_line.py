@@ -273,6 +273,7 @@ def study(
         print("\n".join(NAMES))
         return
     _announce_compiling("study")
+    logging.getLogger("anet_lumped").setLevel(logging.WARNING)  # of a study its rows are told, not their runs
     out = out or Path("results") / name
     found = run_study(name, out, quick=quick)
     print(found.record.question, *found.answer, sep="\n\n")
@@ -305,6 +306,8 @@ def report(
     studies that are long.
     """
     _announce_compiling("report")
+    for log in map(logging.getLogger, ("anet_lumped", "studies")):  # a report tells its studies
+        log.setLevel(logging.WARNING)
     from studies.report import PAGE, ReportInterrupt, write_report
     from studies.shown.progress import report_progress
 

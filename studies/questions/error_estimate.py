@@ -16,13 +16,13 @@ from studies.shown.sentences import counted, percent
 from studies.study import Drawing, Part, Record
 from studies.sweeping.rows import run_rows
 
-STUDY = Record(question=__doc__, part=Part.COST, first_look="24 random motions in place of 200.")
+STUDY = Record(question=__doc__, part=Part.COST, first_look="8 random motions in place of 200.")
 TABLES = {
     "runs": "A line for each run: what it tells of its largest error of a place and of its largest tension, and the truth.",
     "defaults": "A line for each motion with neither method nor step given: what was kept, what the run says, and the truth.",
 }
 
-MOTIONS, QUICK_MOTIONS = 200, 24
+MOTIONS, QUICK_MOTIONS = 200, 8
 STEPS = (4.0, 2.0, 1.0, 0.5)  # of a 32nd of the motion's time scale
 MOST_STEPS = 3000  # of the first of these
 FINER = (16, 32)  # times as short as the shortest are the steps of the two references, extrapolated

@@ -8,7 +8,7 @@ import pytest
 from systems import four_cables, loose_cable
 
 from anet_lumped import Scene, SceneError, simulate
-from anet_lumped.advice.recommend import RecommendError, _Search, recommend
+from anet_lumped.advice.recommend import RecommendError, _Search, recommend, scale_of_motion
 from studies.command_line import main
 
 
@@ -43,7 +43,8 @@ def test_smaller_errors_cost_more(found):
 
 def test_soft_cables_may_be_marched_explicitly():
     """Where the stable step is as long as the motion asks for, verlet is among what is compared."""
-    search = _Search(loose_cable(5.0, 0.0, compression="linear"), ("b",), 0.3, "straight")
+    scene = loose_cable(5.0, 0.0, compression="linear")
+    search = _Search(scene, ("b",), 0.3, "straight", scale_of_motion(scene, "straight"))
     found = search.candidates(10, 1e-3)
     assert {"edmc", "verlet"} == {one.method for one in found}
     assert all(one.error <= 1e-3 for one in found) and found == sorted(found, key=lambda one: -one.times_real_time)
