@@ -92,5 +92,5 @@ def test_the_study_of_costs_takes_it_up(Tether, monkeypatch):
     table = {row["effect"]: row for row in effects_cost.marginal(1, REGISTRY)[0]}
     assert set(table) == {"none", "gravity", effects_cost.OWN, "tether", "all together"}
     row = table["tether"]
-    assert row["entries"] == 3 * 77 and row["more_bytes"] == 8 * (77 + 4 + 2 + 5)  # nodes, numbers, where they are, functions
+    assert row["entries"] == 3 * 77 and row["more_bytes"] == 8 * (77 + 4 + 2 + 6)  # nodes, numbers, where they are, functions
     assert row["verlet_ns"] > 0 and row["newton_ns"] > 0

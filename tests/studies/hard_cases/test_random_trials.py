@@ -119,7 +119,7 @@ def test_an_error_is_a_refusal_if_it_is_the_librarys_own_and_has_words(monkeypat
 
 
 @pytest.mark.parametrize(("changes", "words"), [
-    ({"method": "verlet", "dt": 1.0}, "its step is beyond the largest stable one"),
+    ({"method": "verlet", "dt": 0.1}, "its step is beyond the largest stable one"),
     ({"start": "nowhere"}, "must be"),
     ({"method": "Radau", "dt": None, "t_end": 100.0}, "force evaluations were not enough"),
 ])  # fmt: skip
