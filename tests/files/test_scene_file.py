@@ -177,8 +177,8 @@ def test_defaults_are_expanded_and_overruled(tmp_path):
         (HEAD + CABLE + "[effects.gravty]", r"effects.gravty: unknown effect 'gravty', did you mean \"gravity\"\?"),
         (HEAD + CABLE + "[effects.gravity]\nG = 9", r"net.toml, effects.gravity: unknown key `G`, did you mean `g`\?"),
         (
-            HEAD + CABLE + "[effects.lorentz_force]",
-            r"unknown effect 'lorentz_force'; known: .* An effect of your own is known in Python, once",
+            HEAD + CABLE + "[effects.xyz]",
+            r"unknown effect 'xyz'; known: .* An effect of your own is known in Python, once",
         ),
         (HEAD.replace("EA", "Ea") + CABLE, r"cable_defaults: unknown key `Ea`, did you mean `EA`\?"),
         (HEAD + CABLE + "[effects.gravity]\ng = -9", r"net.toml, effects.gravity: Argument `g` must be"),

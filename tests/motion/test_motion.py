@@ -37,7 +37,7 @@ from anet_lumped.motion.simulate import StabilityWarning
 from anet_lumped.prescribed import paths
 from integrators import schemes
 from integrators.marching import interruptible
-from integrators.schemes import dirk, record
+from integrators.schemes import dirk, edmc, record
 from integrators.schemes.record import Origin
 
 
@@ -354,9 +354,10 @@ def test_work_counts():
     for method in schemes.names(own=True, explicit=False):
         work = simulate(net, n * 1e-3, method=method, dt=1e-3, start="straight").work
         stages = 2 if method in ("sdirk2", "tr_bdf2") else 1
-        forces = 1 + n * stages + (0 if method == "edmc" else n)  # one for the first residual of each, and for the balance
-        if schemes.scheme(method).step is dirk.step:
-            forces += n * stages  # for the powers of each stage
+        account = {dirk.step: n * stages, edmc.step: 0}.get(
+            schemes.scheme(method).step, n
+        )  # of powers: at each stage, or at the end
+        forces = 1 + n * stages + account  # one for the first residual of each
         again = work.force_evaluations - forces  # one after each iteration that is not known to leave nothing
         assert work.steps == n and work.halvings == 0 and 0 <= again <= work.newton_iterations
         if method not in ("edmc", "backward_euler"):
