@@ -218,3 +218,14 @@ def out_of_balance(model, net):
         r[i] += T * e
         r[j] -= T * e
     return r[: model.n_free]
+
+
+def matrix_of_blocks(model, D, near):
+    """(n_free, 3, n_free, 3) from the blocks that an effect writes: D (n_free, 3, 3), near (n_segments, 2, 3, 3)."""
+    K = np.zeros((model.n, 3, model.n, 3))
+    for i in range(model.n_free):
+        K[i, :, i] -= D[i]
+    for s, (i, j) in enumerate(model.ends):
+        K[i, :, j] -= near[s, 0]
+        K[j, :, i] -= near[s, 1]
+    return K[: model.n_free, :, : model.n_free]

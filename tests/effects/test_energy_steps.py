@@ -2,6 +2,7 @@
 
 import math
 
+import naive
 import numpy as np
 import pytest
 from systems import nets, scatter
@@ -65,13 +66,7 @@ def acting(effect, model, t, h, base, damper):
     def act(q):
         f, D, near = np.zeros((model.n, 3)), np.zeros((model.n_free, 3, 3)), np.zeros((model.n_segments, 2, 3, 3))
         taken, by_method = effect.kernels()["whole_step"](t, h, damper, base, q, index, params, f, D, near, np.zeros_like(near))
-        K = np.zeros((model.n, 3, model.n, 3))
-        for i in range(model.n_free):
-            K[i, :, i] -= D[i]
-        for s, (i, j) in enumerate(model.ends):
-            K[i, :, j] -= near[s, 0]
-            K[j, :, i] -= near[s, 1]
-        return f, K[: model.n_free, :, : model.n_free], taken, by_method
+        return f, naive.matrix_of_blocks(model, D, near), taken, by_method
 
     return act, lambda time, q: effect.kernels()["energy"](time, q, index, params)
 

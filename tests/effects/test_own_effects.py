@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import naive
 import numpy as np
 import pytest
 from numba import njit
@@ -97,14 +98,8 @@ def tangent_of_effect(effect, model, t, q, v, c_q, c_v):
     index, params = effect.table(model)
     D, near, far = np.zeros((model.n_free, 3, 3)), np.zeros((model.n_segments, 2, 3, 3)), np.zeros((model.n_segments, 2, 3, 3))
     effect.kernels()["tangent"](t, q, v, index, params, c_q, c_v, D, near, far)
-    K = np.zeros((model.n, 3, model.n, 3))
-    for i in range(model.n_free):
-        K[i, :, i] -= D[i]
-    for s, (i, j) in enumerate(model.ends):
-        K[i, :, j] -= near[s, 0]
-        K[j, :, i] -= near[s, 1]
     assert not far.any()
-    return K[: model.n_free, :, : model.n_free]
+    return naive.matrix_of_blocks(model, D, near)
 
 
 def with_diameter(scene):
