@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, shown
+from anet_lumped.regular_files import read_text
 from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Scene
 from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
@@ -154,14 +155,16 @@ def read_markers(path: str | Path, scene: Scene, unit: str | None = None) -> Mar
         No header with x, y and z, a cell that is not a number, no markers, or a cloud of neither size.
     """
     if unit not in (None, "m", "mm"):
-        raise MarkerError(f'The unit of markers must be "m" or "mm", but unit={unit!r} was given.')
-    with Path(path).open(newline="", encoding="utf-8-sig") as file:
-        rows = csv.reader(file)
+        raise MarkerError(f'The unit of markers must be "m" or "mm", but unit={shown(unit)} was given.')
+    rows = csv.reader(read_text(path, "A marker file", MarkerError).splitlines(keepends=True))
+    try:
         header = [name.strip().lower() for name in next(rows, [])]
         if any(header.count(name) != 1 for name in "xyz"):
-            raise MarkerError(f"A marker file must have a header with one x, one y and one z, but {path} has {header}.")
+            raise MarkerError(f"A marker file must have a header with one x, one y and one z, but {path} has {shown(header)}.")
         columns = [header.index(name) for name in "xyz"]
         cells = [_row(row, columns, f"{path}, line {rows.line_num}") for row in rows if any(cell.strip() for cell in row)]
+    except csv.Error as error:
+        raise MarkerError(f"A marker file must be a table of comma-separated values, but {path}: {error}.") from None
     xyz = np.array(cells, dtype=float).reshape(-1, 3)
     seen = np.isfinite(xyz).all(axis=1)
     if not seen.any():

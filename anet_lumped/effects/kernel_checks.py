@@ -6,7 +6,7 @@ from typing import Any
 
 from numba.core.dispatcher import Dispatcher
 
-from anet_lumped.checks import SceneError, nearest
+from anet_lumped.checks import SceneError, nearest, shown
 from anet_lumped.compiled.exceptions import may_raise
 
 from .signatures import SIGNATURES, SLOTS
@@ -24,7 +24,9 @@ def check_kernels(effect: Any) -> None:
     """
     kernels, called = effect.kernels(), f"effect {type(effect).__name__}"
     if not isinstance(kernels, Mapping):
-        raise SceneError(f"`kernels` of an effect must return a dict of compiled functions, but that of {called} is {kernels!r}.")
+        raise SceneError(
+            f"`kernels` of an effect must return a dict of compiled functions, but that of {called} is {shown(kernels)}."
+        )
     for slot in kernels:
         if slot not in SLOTS:
             hint = nearest(slot, SLOTS, quote="`") or "."

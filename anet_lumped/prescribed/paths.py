@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number, check_vector
+from anet_lumped.checks import LARGEST, SceneError, Vector, check_number, check_vector
 
 from .smoothstep import ramped
 
@@ -133,17 +133,18 @@ def samples(t: Sequence[float], xyz: Sequence[Vector]) -> Path:
     """
     try:
         times, places = np.asarray(t, dtype=float), np.asarray(xyz, dtype=float)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise SceneError(f"Arguments `t` and `xyz` of samples must be arrays of numbers, but {error}.") from None
     if times.ndim != 1 or len(times) < 2 or places.shape != (len(times), 3):
         raise SceneError(
             "Arguments `t` [s] and `xyz` [m] of samples must have shapes (k,) and (k, 3) with k at least 2, "
             f"but have {times.shape} and {places.shape}."
         )
-    if not (np.isfinite(times).all() and np.isfinite(places).all()):
-        row = int(np.argmin(np.isfinite(times) & np.isfinite(places).all(axis=1)))
+    usable = (np.abs(times) <= LARGEST) & (np.abs(places) <= LARGEST).all(axis=1)
+    if not usable.all():
+        row = int(np.argmin(usable))
         raise SceneError(
-            "Arguments `t` [s] and `xyz` [m] of samples must be finite, "
+            f"Arguments `t` [s] and `xyz` [m] of samples must be finite, of a size up to {LARGEST:g}, "
             f"but sample {row} has t={times[row]}, xyz={tuple(places[row].tolist())}."
         )
     if not (np.diff(times) > 0.0).all():

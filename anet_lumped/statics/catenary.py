@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, as_entries, number, shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,10 +306,10 @@ def _direction(vector: np.ndarray, horizontal_length: float) -> np.ndarray:
 
 
 def _vectors(**named: ArrayLike) -> list[np.ndarray]:
-    vectors = [np.array(value, dtype=float) for value in named.values()]
+    vectors = [np.array([number(x) for x in as_entries(value) or ()]) for value in named.values()]
     for name, vector in zip(named, vectors, strict=True):
         if vector.shape not in {(2,), (3,)} or not np.isfinite(vector).all():
-            raise InputError(f"{name} must hold two or three finite numbers, got {named[name]!r}.")
+            raise InputError(f"{name} must hold two or three finite numbers, got {shown(named[name])}.")
     if len({len(vector) for vector in vectors}) > 1:
         given = " and ".join(f"{len(vector)} for {name}" for name, vector in zip(named, vectors, strict=True))
         raise InputError(f"{' and '.join(named)} must have the same number of coordinates, got {given}.")
@@ -319,8 +319,8 @@ def _vectors(**named: ArrayLike) -> list[np.ndarray]:
 def _material(length: float, EA: float | None, mass_per_length: float, gravity: float) -> tuple[float, float]:
     """EA [N], inf for None, and mu g [N/m]."""
     for name, value in (("length", length), ("EA", 1.0 if EA is None else EA), ("mass_per_length", mass_per_length)):
-        if not 0 < value < math.inf:
-            raise InputError(f"{name} must be positive and finite, got {value!r}.")
-    if not 0 <= gravity < math.inf:
-        raise InputError(f"gravity must be finite and not negative, got {gravity!r}.")
+        if not 0 < number(value) < math.inf:
+            raise InputError(f"{name} must be positive and finite, got {shown(value)}.")
+    if not 0 <= number(gravity) < math.inf:
+        raise InputError(f"gravity must be finite and not negative, got {shown(gravity)}.")
     return (math.inf if EA is None else float(EA)), float(mass_per_length) * float(gravity)

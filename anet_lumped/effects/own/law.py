@@ -8,7 +8,7 @@ from typing import NamedTuple
 from numba import float64, njit, types
 from numba.core.errors import NumbaError
 
-from anet_lumped.checks import SceneError
+from anet_lumped.checks import SceneError, shown
 from anet_lumped.compiled.dual import NAMES
 
 _vector = types.UniTuple(float64, 3)
@@ -73,7 +73,7 @@ def read_law(function, kind, base):
     """
     function = getattr(function, "py_func", function)
     if not inspect.isfunction(function):
-        raise SceneError(f"The law of an effect must be a function, but it is {function!r}.")
+        raise SceneError(f"The law of an effect must be a function, but it is {shown(function)}.")
     name, arguments = function.__name__, inspect.signature(function, eval_str=True).parameters
     plain = all(argument.kind == argument.POSITIONAL_OR_KEYWORD for argument in arguments.values())
     if tuple(arguments)[: len(kind.first)] != kind.first or not plain:
