@@ -64,10 +64,11 @@ def number(value: Any) -> float:
 
 def check_count(argument: str, value: Any, owner: str) -> int:
     """Return `value` as an integer of at least 1, of 64 bits."""
-    if not isinstance(value, Integral) or isinstance(value, bool) or not 1 <= value < 2**63:
-        demand = "an integer of at least 1" + (" and below 2^63" if isinstance(value, Integral) and value > 1 else "")
+    count = int(value) if isinstance(value, Integral) and not isinstance(value, bool) else 0
+    if not 1 <= count < 2**63:
+        demand = "an integer of at least 1" + (" and below 2^63" if count > 1 else "")
         raise SceneError(_sentence(argument, demand, "", owner, value))
-    return int(value)
+    return count
 
 
 def check_vector(argument: str, value: Any, unit: str, owner: str) -> Vector:
@@ -200,7 +201,7 @@ def printable(text: str) -> str:
 def one_line(text: str, most: int = LONGEST) -> str:
     """Return a text on one line of at most so many characters: its start, which says what is wrong, and its end, the advice."""
     text = printable(text if len(text) <= 4 * most else f"{text[: 2 * most]}{text[-2 * most :]}")
-    end = most // 3
+    end = 2 * most // 5
     return text if len(text) <= most else f"{text[: most - end - 5]} ... {text[-end:]}"
 
 

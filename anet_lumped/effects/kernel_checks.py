@@ -1,5 +1,6 @@
 """The compiled functions of an effect must fit their slots: checked when it is made, before an address of theirs is taken."""
 
+import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any
@@ -52,7 +53,7 @@ def check_kernels(effect: Any) -> None:
         if found != [SIGNATURES[slot]]:
             raise SceneError(
                 f"The function `{slot}` of an effect must be compiled by Numba for signatures.{slot.upper()}_SIGNATURE alone, but "
-                f"that of {called} is {_listed(found, '') or 'compiled for none'}."
+                f"that of {called} is {_short(found) or 'compiled for none'}."
             )
         raises = _raises(kernel)
         if raises:
@@ -70,6 +71,13 @@ def _signatures(kernel: Any) -> list[Any]:
 @cache
 def _raises(kernel: Any) -> tuple[str, ...]:
     return may_raise(kernel)
+
+
+def _short(signatures: Iterable[Any]) -> str:
+    """Signatures with float64[:,:] for an array of two dimensions."""
+    return re.sub(
+        r"Array\((\w+), (\d)[^()]*\)", lambda found: f"{found[1]}[{','.join(int(found[2]) * ':')}]", _listed(signatures, "")
+    )
 
 
 def _listed(words: Iterable[Any], quote: str = "`") -> str:

@@ -102,10 +102,10 @@ def simulate(
     """
     check_scene(scene)
     _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit, error, tension_error)
-    t_end, dt, save_every, rtol, atol, rho_inf, error, tension_error = (
-        None if value is None else number(value) for value in (t_end, dt, save_every, rtol, atol, rho_inf, error, tension_error)
+    t_end, audit = number(t_end), audit if isinstance(audit, bool) else number(audit)
+    dt, save_every, rtol, atol, rho_inf, error, tension_error = (
+        None if value is None else number(value) for value in (dt, save_every, rtol, atol, rho_inf, error, tension_error)
     )
-    audit = audit if isinstance(audit, bool) else number(audit)
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
     begin = equilibrium(scene) if isinstance(start, str) and start == "equilibrium" else start_state(build(scene), start)

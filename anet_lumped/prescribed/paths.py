@@ -143,8 +143,9 @@ def samples(t: Sequence[float], xyz: Sequence[Vector]) -> Path:
     usable = (np.abs(times) <= LARGEST) & (np.abs(places) <= LARGEST).all(axis=1)
     if not usable.all():
         row = int(np.argmin(usable))
+        what = f"of a size up to {LARGEST:g}" if np.isfinite(times[row]) and np.isfinite(places[row]).all() else "finite"
         raise SceneError(
-            f"Arguments `t` [s] and `xyz` [m] of samples must be finite, of a size up to {LARGEST:g}, "
+            f"Arguments `t` [s] and `xyz` [m] of samples must be {what}, "
             f"but sample {row} has t={times[row]}, xyz={tuple(places[row].tolist())}."
         )
     if not (np.diff(times) > 0.0).all():

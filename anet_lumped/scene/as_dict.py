@@ -68,7 +68,7 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
     """
     from anet_lumped.effects import REGISTRY
 
-    _check_depth(entries, source)
+    _check_depth(_table(entries, source), source)
     _check_keys(entries, SECTIONS, source)
     shared = _table(entries.get("cable_defaults", {}), f"{source}, cable_defaults")
     _check_keys(
