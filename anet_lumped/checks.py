@@ -2,9 +2,10 @@
 
 import difflib
 import math
+import operator
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from numbers import Integral, Real
+from numbers import Real
 from typing import Any
 
 Vector = Sequence[float]  # three numbers; a tuple once it is checked
@@ -58,13 +59,16 @@ def number(value: Any) -> float:
         return math.nan
     try:
         return float(value)
-    except OverflowError:
+    except (OverflowError, TypeError):  # also of a time of NumPy, which claims to be an integer
         return math.nan
 
 
 def check_count(argument: str, value: Any, owner: str) -> int:
     """Return `value` as an integer of at least 1, of 64 bits."""
-    count = int(value) if isinstance(value, Integral) and not isinstance(value, bool) else 0
+    try:
+        count = 0 if isinstance(value, bool) else operator.index(value)
+    except TypeError:
+        count = 0
     if not 1 <= count < 2**63:
         demand = "an integer of at least 1" + (" and below 2^63" if count > 1 else "")
         raise SceneError(_sentence(argument, demand, "", owner, value))

@@ -49,6 +49,7 @@ A cable, or cable_defaults, may have `rope = "nylon"` and the nominal `diameter`
 (`moordyn_file`).
 """
 
+import os
 import pathlib
 import re
 import tomllib
@@ -77,7 +78,7 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     if not isinstance(path, str | PathLike):
         raise SceneError(f"A scene file must be given by its path, but it is {shown(path)}.")
     path = pathlib.Path(path)
-    if path.suffix.lower() != ".toml" and not path.is_file():
+    if path.suffix.lower() != ".toml" and not os.path.isfile(path):
         bundled = {file.stem: file for file in SCENES.glob("*.toml")}
         if path.suffix.lower() not in MOORDYN and str(path) not in bundled:
             hint = nearest(str(path), bundled) or f"; the scenes that come with this are {', '.join(sorted(bundled))}."

@@ -17,6 +17,7 @@ from .smoothstep import ramped
 
 DEGREE = 6  # the integral of the quintic smoothstep; a spline needs 3
 SHORTEST_RAMP = 1e-6  # [s]; far below, the coefficients velocity/ramp⁵ overflow
+LONGEST_RAMP = 1e12  # [s]; far above, ramp⁵ overflows
 
 
 class Harmonic(NamedTuple):
@@ -227,6 +228,8 @@ def pack(paths: Sequence[Path]) -> PathTable:
 
 def _check_ramp(ramp: Any, owner: str) -> float:
     ramp = check_number("ramp", ramp, "s", owner, sign="non-negative")
-    if 0.0 < ramp < SHORTEST_RAMP:
-        raise SceneError(f"Argument `ramp` must be zero or at least {SHORTEST_RAMP} s, but {owner} has ramp={ramp}.")
+    if ramp and not SHORTEST_RAMP <= ramp <= LONGEST_RAMP:
+        raise SceneError(
+            f"Argument `ramp` must be zero or at least {SHORTEST_RAMP} s and up to {LONGEST_RAMP:g}, but {owner} has ramp={ramp}."
+        )
     return ramp

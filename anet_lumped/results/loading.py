@@ -68,7 +68,7 @@ def _run(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Run:
     try:
         model = build(scene)
     except InputError as error:
-        raise DamagedError(f"its scene is none: {error}") from None
+        raise DamagedError(f"its scene has no model: {error}".rstrip(".")) from None
     return Run(
         model, arrays["t"], arrays["q"], arrays["v"], arrays["energy"], **texts,
         dt=float(account["dt"]), wall_time=float(account["wall_time"]), segment_tension=arrays["tension"],
@@ -84,7 +84,7 @@ def _scene(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Scen
     try:
         scene = scene_from_dict(json.loads(_typed(str, "scene", account)), source="scene")
     except (ValueError, RecursionError) as error:
-        raise DamagedError(f"its scene is none: {error}".rstrip(".")) from None
+        raise DamagedError(f"its scene cannot be read: {error}".rstrip(".")) from None
     segments = sum(cable.segments for cable in scene.cables)
     nodes = segments - len(scene.cables) + len(scene.points)
     found = arrays["q"].shape[1], arrays["v"].shape[1], arrays["tension"].shape[1]
@@ -153,7 +153,7 @@ def _read(kind: Any, name: str, text: str) -> Any:
     try:
         return _adapter(kind).validate_json(text, strict=True)
     except ValidationError as error:
-        raise DamagedError(f"its `{name}` is none: {error.errors()[0]['msg']}") from None
+        raise DamagedError(f"its `{name}` cannot be read: {error.errors()[0]['msg']}") from None
 
 
 @cache

@@ -134,7 +134,8 @@ def rope(name: str, diameter: float, *, tension: float | None = None) -> dict[st
     RopeWarning : a diameter with which the formulas were not compared
     """
     if not isinstance(name, str) or name not in ROPES:
-        alike = [key for key, kind in ROPES.items() if str(name).lower() in kind.about.lower()]  # "Dyneema", "IWRC"
+        words = {key: kind.about.lower() for key, kind in ROPES.items()} if isinstance(name, str) else {}
+        alike = [key for key, about in words.items() if name.lower() in about]  # "Dyneema", "IWRC"
         hint = nearest(name, ROPES) or nearest(alike[0] if alike else "", ROPES) or f"; known: {', '.join(ROPES)}."
         raise SceneError(f"Unknown rope {shown(name)}{hint}")
     kind, owner = ROPES[name], f"rope {quoted(name)}"
