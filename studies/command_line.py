@@ -414,4 +414,6 @@ def _give(result, as_json=False, out=None, stem="", save=lambda: None):
 
 
 def _tell(line):
-    print(f"anet-lumped: {line}", file=sys.stderr)
+    from anet_lumped.checks import one_line
+
+    print(f"anet-lumped: {one_line(str(line))}", file=sys.stderr)

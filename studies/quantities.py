@@ -29,4 +29,6 @@ def _amount(text, units, like):
     try:
         return float(number.removesuffix(unit)) * units.get(unit, 1.0)
     except ValueError:
-        raise typer.BadParameter(f'must be {like}, but it is "{text}".') from None
+        from anet_lumped.checks import quoted
+
+        raise typer.BadParameter(f"must be {like}, but it is {quoted(text)}.") from None

@@ -239,8 +239,8 @@ def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: A
         if (value is not None or name == "t_end") and not (0 < number(value) < math.inf):
             unit = "" if name in ("rtol", "tension_error") else " [m]" if name in ("atol", "audit", "error") else " [s]"
             raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {shown(value)}.")
-    if dt is not None and dt > t_end * (1 + 1e-9):
-        raise InputError(f"Argument `dt` must not exceed t_end={t_end:g} s, but it is {dt:g} s.")
+    if dt is not None and number(dt) > number(t_end) * (1 + 1e-9):
+        raise InputError(f"Argument `dt` must not exceed t_end={number(t_end):g} s, but it is {number(dt):g} s.")
     if method is not None and not (isinstance(method, str) and method in schemes.MODULES):
         known, near = ", ".join(schemes.MODULES), nearest(method, schemes.MODULES)
         raise InputError(f"Argument `method` must be one of {known}, but it is {shown(method)}" + (near or "."))

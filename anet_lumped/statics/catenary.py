@@ -259,7 +259,7 @@ def catenary(
             u = _half_angle(d / length, h / length, chord / length, excess, e)
         except (ArithmeticError, ValueError):
             raise InputError(
-                f"A catenary must be of numbers that can be computed with, but "
+                "A catenary must be of numbers that can be computed with, but "
                 f"its chord is {chord / length:.3g} times its length, and its weight {e:.3g} times EA."
             ) from None
         H, V_m = weight * (d / length) / (2 * u + e), weight * (h / length) / (2 * math.tanh(u) + e)

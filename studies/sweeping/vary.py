@@ -4,7 +4,7 @@ import itertools
 import re
 from collections.abc import Iterable
 
-from anet_lumped.checks import nearest
+from anet_lumped.checks import InputError, nearest
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 from anet_lumped.scene.scene import Scene
 
@@ -12,7 +12,7 @@ SETTINGS = ("t_end", "method", "dt", "start", "rtol", "atol", "rho_inf")
 NOT_VARIED = ("name", "kind", "start", "end")
 
 
-class VaryError(ValueError):
+class VaryError(InputError):
     """A name that nothing in the scene has, or values that cannot be read."""
 
 
