@@ -41,6 +41,7 @@ class AxialDamping(Effect):
 
     coupled_neighbours: ClassVar[int] = 1
     no_force_at_rest: ClassVar[bool] = True
+    same_everywhere: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
         self._set(rate=check_number_by_name("rate", self.rate, "1/s", self._called, sign="non-negative"))

@@ -54,6 +54,7 @@ class Bending(Effect):
     clamped: Mapping[str, Vector] | tuple[tuple[str, Vector], ...] = ()
 
     coupled_neighbours: ClassVar[int] = 2
+    same_everywhere: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
         pairs = check_pairs("clamped", self.clamped, "a point's name and a direction", self._called, may_be_empty=True)

@@ -14,13 +14,14 @@ from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
+from anet_lumped.results.near_origin import computed_near_origin
 from anet_lumped.results.run import STATUS, Run, RunInterrupt, State
+from anet_lumped.scene.origin import largest_distance
 from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.equilibrium import equilibrium
 from anet_lumped.statics.starts import Start, start_state, straight
 from integrators import schemes
 from integrators.schemes.record import Origin, Scheme
-from integrators.states import LARGEST_SIZE
 from integrators.system import DIVERGED, UNCONVERGED
 
 from .accuracy import TENSION_ERROR, Wanted, keep_error
@@ -48,6 +49,7 @@ class RunError(RuntimeError):
         self.run = run
 
 
+@computed_near_origin
 def simulate(
     scene: Scene, t_end: float, *, method: str | None = None, dt: float | None = None, start: Start = "equilibrium",
     save_every: float | None = None, rtol: float | None = None, atol: float | None = None, rho_inf: float | None = None,
@@ -105,10 +107,11 @@ def simulate(
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
     begin = equilibrium(scene) if isinstance(start, str) and start == "equilibrium" else start_state(build(scene), start)
-    if np.abs(begin.q).max() > LARGEST_SIZE:
+    apart, most = float(np.ptp(begin.q, axis=0).max()), largest_distance(scene)
+    if not apart < most:
         raise InputError(
-            f"A run must stay within {LARGEST_SIZE:g} m of the origin, beyond which a motion counts as diverged, but it starts "
-            f"with a place {np.abs(begin.q).max():.3g} m away."
+            f"Nodes must start within {most:.3g} m of each other, beyond which a motion counts as diverged, but they are "
+            f"{apart:.3g} m apart."
         )
     scheme = None if method is None else schemes.scheme(method)
     adaptive = rtol is not None or atol is not None or (scheme is not None and scheme.chooses_steps(dt))
@@ -123,10 +126,10 @@ def simulate(
         span = save_every or t_end
         choice = replace(choice, dt=span / math.ceil(span / choice.dt))  # steps that end on what is saved
     for text in choice.warnings:
-        warnings.warn(text, StabilityWarning, stacklevel=2)
+        warnings.warn(text, StabilityWarning, stacklevel=3)  # of the caller, beyond the decorator
     if isinstance(start, str) and start == "straight":
         for text in overstretched(begin):
-            warnings.warn(text, stacklevel=2)
+            warnings.warn(text, stacklevel=3)
             choice = replace(choice, warnings=(*choice.warnings, text))
     settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
     whole = partial(march_legs, _march_of(scheme), scene, start=begin, t_end=begin.t + t_end, settings=settings)

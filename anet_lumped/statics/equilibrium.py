@@ -10,6 +10,7 @@ from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
 from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_PUSH_SHARE, AXIAL_STIFFNESS, CABLE_END, CABLE_SEGMENTS
+from anet_lumped.results.near_origin import computed_near_origin
 from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Fixed, Free, Scene, check_scene
 
@@ -22,6 +23,7 @@ UNSTRETCHED = 1e13  # stiffness over load of a cable that does not stretch, for 
 __all__ = ["EquilibriumError", "equilibrium"]
 
 
+@computed_near_origin
 def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = None) -> State:
     """Static shape of a scene, with driven points where they are at t = 0.
 
