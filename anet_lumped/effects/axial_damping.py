@@ -68,7 +68,7 @@ class AxialDamping(Effect):
             rates[:] = self.rate
         else:
             for name, rate in dict(self.rate).items():
-                rates[cables.index(model.scene.cable(name))] = rate
+                rates[model.scene.cable_numbers[model.scene.cable(name).name]] = rate
         damped_segments = np.flatnonzero(rates[model.cable_of])
         cable_of = model.cable_of[damped_segments]
         L0 = np.array([cable.L0 for cable in cables])[cable_of]

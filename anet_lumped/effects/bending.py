@@ -93,7 +93,7 @@ class Bending(Effect):
                 pairs += 1
         for name, direction in dict(self.clamped).items():
             cable, node = self._clamped_cable(model, name), model.node(name)
-            first, count = model.segment_run(scene.cables.index(cable))
+            first, count = model.segment_run(scene.cable_numbers[cable.name])
             s = first if model.ends[first, 0] == node else first + count - 1
             towards = int(model.ends[s, 1] == node)
             index += [node, model.ends[s, 1 - towards], s, towards]

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from anet_lumped.limits import STEPS, most_of
 from anet_lumped.results.run import Run
 from integrators import schemes
 
@@ -100,6 +101,7 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
     known = Known(run.error_estimate or 0.0, run.tension_error)
     while run.ok:
         parts = _parts(run, wanted, 1.0, known.of_told, choice.dt / first, in_vain)
+        parts = min(parts, int(most_of(STEPS) * choice.dt / duration))
         if parts < 2:
             break
         coarser, before, choice = run, known, _finer(choice, parts, span)

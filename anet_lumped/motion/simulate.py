@@ -25,12 +25,13 @@ from integrators.schemes.record import Origin, Scheme
 from integrators.system import DIVERGED, UNCONVERGED
 
 from .accuracy import TENSION_ERROR, Wanted, keep_error
-from .choice import Choice, choose
+from .choice import LONGEST_CHOSEN, Choice, choose
 from .energy_gain import GAINED, flag_energy_gain
 from .extrapolation import extrapolated, method_to_extrapolate
 from .failure_messages import with_cause
 from .legs import Settings, march_legs
 from .run_warnings import warnings_of
+from .times import check_counts
 
 MEANT_STRAIN = 0.2  # of a straight start: cords break before
 DEFAULT_RTOL, DEFAULT_ATOL = 1e-6, 1e-9  # [m]; of the largest coordinate where no tolerance is given
@@ -118,10 +119,19 @@ def simulate(
     if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
         able = ", ".join(schemes.names(takes_changing_rest_lengths=True))
         raise InputError(f"Lengths that change in time need a method of this package, {able}, but the method is {method}.")
+    if scheme is not None and not scheme.own and begin.model.n_free == 0:
+        raise InputError(
+            f"Solvers of other packages need a node that moves freely, but the scene has none and the method is {method}."
+        )
     lightest_scene = lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end))
     choice = choose(lightest_scene, method, dt, adaptive, begin.least_tension)
     scheme = schemes.scheme(choice.method)
     _check_breaks(scene, scheme, extrapolate)
+    if adaptive:
+        longest = LONGEST_CHOSEN * choice.dt if dt is None else None
+    else:
+        longest = choice.dt if dt is not None or save_every is None else min(choice.dt, save_every)
+    check_counts(scene, begin.t, begin.t + t_end, longest, save_every, adaptive)
     if dt is None and not adaptive:
         span = save_every or t_end
         choice = replace(choice, dt=span / math.ceil(span / choice.dt))  # steps that end on what is saved

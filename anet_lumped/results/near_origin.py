@@ -59,9 +59,11 @@ def _seen_by_user(result: Any, scene: Scene, near: Near) -> Any:
 
 def _start_about(start: Any, origin: Any) -> Any:
     """A State, or shapes of cables by their names, about another origin; what is neither is refused later."""
-    if isinstance(start, State):
-        kept = start.q_near
-        return replace(start, q=start.q - origin if kept is None or (kept + origin != start.q).any() else kept, q_near=None)
+    if isinstance(start, State) and _is_shape(start.q):
+        q, kept = np.asarray(start.q, float), start.q_near
+        if kept is None or kept.shape != q.shape or (kept + origin != q).any():
+            kept = q - origin
+        return replace(start, q=kept, q_near=None)
     if isinstance(start, Mapping):
         return {cable: shape - np.array(origin) if _is_shape(shape) else shape for cable, shape in start.items()}
     return start
@@ -69,8 +71,8 @@ def _start_about(start: Any, origin: Any) -> Any:
 
 def _is_shape(value: Any) -> bool:
     try:
-        return np.ndim(np.asarray(value, float)) == 2 and np.shape(value)[1] == 3
-    except (TypeError, ValueError):
+        return np.asarray(value).dtype.kind != "c" and np.shape(np.asarray(value, float))[1:] == (3,)
+    except (TypeError, ValueError, OverflowError):
         return False
 
 

@@ -154,7 +154,8 @@ def adaptive_steps(stepper, times, order, state, scratch, saved, stop):
         if has_events:
             remember(stepper)
         error, size = double_step(stepper, t, h, order, start, state, whole)
-        error = error / (atol + rtol * size)
+        allowed = atol + rtol * size
+        error = error / allowed if allowed > 0.0 or error == np.inf else (0.0 if error == 0.0 else np.inf)  # nothing moves
         if not error <= 1.0:
             counts[REJECTED] += 1
             rejections += 1
