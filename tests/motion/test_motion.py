@@ -21,7 +21,6 @@ from anet_lumped import (
     Driven,
     Fixed,
     Free,
-    InputError,
     RunError,
     RunInterrupt,
     Scene,
