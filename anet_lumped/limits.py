@@ -17,25 +17,6 @@ class Limit(NamedTuple):
     most: float
     variable: str
 
-    @property
-    def allowed(self) -> float:
-        """The most, or what the environment sets in its place.
-
-        Raises
-        ------
-        InputError : the environment sets what is no positive number
-        """
-        given = os.environ.get(self.variable)
-        if not given:
-            return self.most
-        try:
-            most = float(given)
-        except ValueError:
-            most = math.nan
-        if not most > 0:
-            raise InputError(f"The environment variable {self.variable} must be a positive number, but is {shown(given)}.")
-        return most
-
 
 STEPS = Limit("steps", 1e8, "ANET_LUMPED_MOST_STEPS")
 BYTES = Limit("bytes of memory", 1e9, "ANET_LUMPED_MOST_BYTES")
@@ -58,9 +39,28 @@ def check_most(limit: Limit, number: float, of: str) -> None:
     ------
     InputError : it is more than the limit, or the environment sets the limit to what is no positive number
     """
-    most = limit.allowed
+    most = most_of(limit)
     if not number <= most:
         raise InputError(
             f"{of} would take {number:.3g} {limit.what}, but must not take more than {most:.3g}; "
             f"the environment variable {limit.variable} sets another limit."
         )
+
+
+def most_of(limit: Limit) -> float:
+    """The number that a limit is set to.
+
+    Raises
+    ------
+    InputError : the environment sets it to what is no positive number
+    """
+    given = os.environ.get(limit.variable)
+    if not given:
+        return limit.most
+    try:
+        most = float(given)
+    except ValueError:
+        most = math.nan
+    if not most > 0:
+        raise InputError(f"The environment variable {limit.variable} must be a positive number, but is {shown(given)}.")
+    return most

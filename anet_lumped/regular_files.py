@@ -7,7 +7,7 @@ from os import PathLike
 from typing import Any, Literal
 
 from anet_lumped.checks import NAMED, InputError, one_line, shown
-from anet_lumped.limits import TEXT, Limit, check_most
+from anet_lumped.limits import TEXT, Limit, check_most, most_of
 
 
 def read_bytes(path: str | PathLike[str], what: str, limit: Limit, refusal: type[InputError] = InputError) -> bytes:
@@ -35,7 +35,7 @@ def read_bytes(path: str | PathLike[str], what: str, limit: Limit, refusal: type
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 raise refusal(f"{what} must be a regular file, but {named} is a pipe or a device.")
             check_most(limit, os.fstat(file.fileno()).st_size, f"{what}, {named},")
-            content = file.read(int(min(limit.allowed, 2.0**62)) + 1)  # a file without a size, as in /proc, might not end
+            content = file.read(int(min(most_of(limit), 2.0**62)) + 1)  # a file without a size, as in /proc, might not end
     except OSError as error:
         raise refusal(f"{what} must be readable, but {named}: {error.strerror}.") from None
     except InputError:

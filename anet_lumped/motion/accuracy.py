@@ -15,6 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from anet_lumped.limits import STEPS, most_of
+from anet_lumped.results.audit import distances
 from anet_lumped.results.run import Run
 from integrators import schemes
 
@@ -100,6 +102,7 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
     known = Known(run.error_estimate or 0.0, run.tension_error)
     while run.ok:
         parts = _parts(run, wanted, 1.0, known.of_told, choice.dt / first, in_vain)
+        parts = min(parts, int(most_of(STEPS) * choice.dt / duration))
         if parts < 2:
             break
         coarser, before, choice = run, known, _finer(choice, parts, span)
@@ -146,7 +149,7 @@ def _parts(
 def _compared(run: Run, coarser: Run, wanted: Wanted) -> Known:
     """Errors of a run, as it tells them and as a coarser one before it shows them."""
     own, theirs = _same_times(run, coarser)
-    apart = np.maximum.accumulate(np.linalg.norm(run.q[own] - coarser.q[theirs], axis=2).max(axis=1))
+    apart = np.maximum.accumulate(distances(run.q[own], coarser.q[theirs]).max(axis=1))
     told = np.maximum(coarser.error[theirs], 1e-300)
     of_told = max(float(apart[-1] / told[-1]), LEAST_OF_TOLD)
     beyond = apart > np.maximum(AMPLIFIED * told, wanted.of_places(run))
@@ -190,5 +193,5 @@ def _told(run: Run, known: Known, wanted: Wanted) -> Run:
             f"the largest tension is known to {known.tension_error:.1%} where {wanted.tension_error:.1%} are wanted: "
             "it jumps faster than the steps resolve"
         )
-    text = f"{run.method}: {'; '.join(found)}; dt={run.dt:.3g} s was the last step tried."
+    text = f"{run.method} with dt={run.dt:.3g} s: {'; '.join(found)}."
     return replace(run, reason=f"{run.reason}; {'; '.join(found)}", warnings=(*run.warnings, text), kept=False)

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.results.energy_balance import BY_DAMPERS, BY_METHOD, ELASTIC, KINETIC, POTENTIAL, WORK
+from anet_lumped.results.energy_balance import BY_DAMPERS, BY_METHOD, POTENTIAL, WORK, energy_in_play
 from anet_lumped.scene.scene import Cable, Driven, Free, Scene
 
 MISSED = 0.25  # of the second difference of a tension: twice what a parabola hides between its samples
@@ -56,10 +56,7 @@ def _lost(energy: np.ndarray) -> np.ndarray:
     taken = change[:, BY_DAMPERS:].sum(axis=1)
     unaccounted = change[:, : POTENTIAL + 1].sum(axis=1) - change[:, WORK] + taken
     lost = np.maximum(change[:, BY_METHOD], 0.0) + np.maximum(-unaccounted, 0.0)
-    potential = np.maximum.accumulate(energy[:, POTENTIAL]) - np.minimum.accumulate(energy[:, POTENTIAL])
-    forms = energy[:, KINETIC], energy[:, ELASTIC], potential, np.abs(change[:, WORK]), np.abs(taken)
-    in_play = np.maximum.accumulate(np.max(forms, axis=0))
-    return np.where(lost > 0.0, np.minimum(lost / np.maximum(in_play, 1e-300), 1.0), 0.0)
+    return np.where(lost > 0.0, np.minimum(lost / np.maximum(energy_in_play(energy), 1e-300), 1.0), 0.0)
 
 
 def tension_error(run: Any) -> float:

@@ -76,6 +76,8 @@ class State:
     events : tuple of Event, what has happened up to then
     stable : bool or None
         Of an equilibrium, whether no direction leads down from it; None where it was not judged, as in a run.
+    q_near : (n, 3) float64 [m] or None
+        Of a scene far from its origin the places about an origin near it, which are not rounded to the digits of ``q``.
     """
 
     model: Model
@@ -86,6 +88,7 @@ class State:
     residual: float | None = None
     events: tuple[Event, ...] = ()
     stable: bool | None = None
+    q_near: np.ndarray | None = None
 
     def __repr__(self) -> str:
         return f"<State at t={self.t:g} s of {len(self.q)} nodes>"
@@ -167,6 +170,7 @@ class Run:
     kept : bool or None
         Whether the errors that were to be kept are, as far as its own estimates tell (see `motion.accuracy`); None if the step was
         given.
+    q_near : (k, n, 3) float64 [m] or None, as of a `State`
     """
 
     model: Model
@@ -188,6 +192,7 @@ class Run:
     events: tuple[Event, ...] = ()
     extrapolated: bool = False
     kept: bool | None = None
+    q_near: np.ndarray | None = None
 
     def __repr__(self) -> str:
         states = f"{len(self.t)} states of {self.q.shape[1]} nodes from t={self.t[0]:g} s to {self.t[-1]:g} s"
@@ -248,7 +253,8 @@ class Run:
         """State at the k-th saved time."""
         t = float(self.t[k])
         events = tuple(event for event in self.events if event.t < t or (event.t == t and event.kind == BREAK))
-        return State(self.model, t, self.q[k], self.v[k], self.segment_tension[k], events=events)
+        near = None if self.q_near is None else self.q_near[k]
+        return State(self.model, t, self.q[k], self.v[k], self.segment_tension[k], events=events, q_near=near)
 
     def position(self, point: str) -> np.ndarray:
         """(k, 3) places of a point [m]."""
