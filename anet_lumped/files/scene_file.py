@@ -94,8 +94,10 @@ def load_scene(path: str | PathLike[str]) -> Scene:
         raise SceneError(f"A scene file must not nest deeper than {DEEPEST} tables, but {named} has a key of more parts.")
     try:
         entries = tomllib.loads(text)
-    except ValueError as error:  # also of an integer of thousands of digits
+    except tomllib.TOMLDecodeError as error:
         raise SceneError(f"A scene file must be valid TOML, but {named}: {error}.") from None
+    except ValueError:
+        raise SceneError(f"A scene file must hold numbers, but {named} has an integer of thousands of digits.") from None
     except RecursionError:
         raise SceneError(f"A scene file must not nest deeper than {DEEPEST} tables and arrays, but {named} does.") from None
     return scene_from_dict(entries, source=one_line(path.name, NAMED))

@@ -109,6 +109,7 @@ def simulate(
     dt, save_every, rtol, atol, rho_inf, error, tension_error = (
         None if value is None else number(value) for value in (dt, save_every, rtol, atol, rho_inf, error, tension_error)
     )
+    save_every = None if save_every is None else min(save_every, t_end)
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
     begin = equilibrium(scene) if isinstance(start, str) and start == "equilibrium" else start_state(build(scene), start)

@@ -2,13 +2,12 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from anet_lumped.checks import InputError, nearest, quoted, shown
+from anet_lumped.checks import InputError, nearest, number, quoted, shown
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
 from anet_lumped.results.run import Run, State
@@ -142,7 +141,7 @@ def _checked_arrays(state):
 def _adopt(model, state):
     """A State of the same or of a like scene as one of this model, matched by names."""
     q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
-    if not (isinstance(state.t, Real) and np.isfinite(state.t)):
+    if not np.isfinite(number(state.t)):
         raise InputError(f"A State to start from must have a finite time [s], but it has t={shown(state.t)}.")
     own_q, own_v, own_tension = _checked_arrays(state)
     segments = {cable.name: cable.segments for cable in state.scene.cables}
