@@ -43,7 +43,7 @@ def table(path):
 READERS = {
     "scene": (load_scene, ".toml", "A scene file"),
     "deck": (read_moordyn, ".txt", "A MoorDyn file"),
-    "table": (table, ".tab", "It"),
+    "table": (table, ".tab", "It|it.tab"),
     "wind": (lambda path: Recorded(str(path)), ".csv", "A recorded wind"),
     "markers": (lambda path: read_markers(path, SCENE), ".csv", "A marker file"),
     "run": (load_run, ".nc", "A saved run"),
@@ -71,11 +71,11 @@ def make(kind, path):
     ("kind", "message"),
     [
         ("pipe", "must be a regular file, but .* is a pipe or a device"),
-        ("endless", "must be a regular file, but .* is a pipe or a device|a table must be in the folder of its deck"),
+        ("endless", "must be a regular file, but .* is a pipe or a device|leads out of it"),
         ("folder", "must be readable, but .*: Is a directory"),
         ("loop", "must be readable, but .*: Too many levels of symbolic links"),
         ("none", "must be readable, but .*: No such file or directory"),
-        ("large", r"would take 1e\+12 bytes of .*, but must not take more than .* another limit"),
+        ("large", "must not take more than .* another limit"),
     ],
 )
 @pytest.mark.parametrize("reader", READERS)
@@ -83,7 +83,7 @@ def test_what_is_no_file_of_bounded_size_is_refused_at_once(tmp_path, reader, ki
     read, ending, what = READERS[reader]
     path = tmp_path / f"it{ending}"
     make(kind, path)
-    with pytest.raises(InputError, match=f"{what}.*(?:{message})"):
+    with pytest.raises(InputError, match=f"(?:{what}).*(?:{message})"):
         read(path)
 
 
@@ -118,7 +118,7 @@ def test_text_is_utf_8(tmp_path, reader, content, message):
     read, ending, what = READERS[reader]
     path = tmp_path / f"it{ending}"
     path.write_bytes(content)
-    with pytest.raises(InputError, match=f"{what}.* {message}"):
+    with pytest.raises(InputError, match=f"(?:{what}).* {message}"):
         read(path)
 
 

@@ -28,7 +28,7 @@ from anet_lumped.prescribed.paths import Path
 from anet_lumped.regular_files import read_text
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, Scene
 
-from .moordyn_rows import DIGITS, Row, rows_by_section
+from .moordyn_rows import DIGITS, WORD, Row, rows_by_section
 
 POINTS = {
     "fixed": ("fixed", "fix", "anchor"),
@@ -172,7 +172,7 @@ def _options(rows: list[Row]) -> dict[str, tuple[Row, float | str]]:
         word, key = row.words[:2]
         name = OPTIONS.get(key.lower())
         if name is None:
-            raise row.error(f"unknown option {one_line(key, NAMED)}" + (nearest(key.lower(), OPTIONS) or "."))
+            raise row.error(f"unknown option {one_line(key, WORD)}" + (nearest(key.lower(), OPTIONS) or "."))
         if name in found:
             raise row.error(f"an option must be given once, but {name} is given before.")
         value = row.number(0, name) if name in ENVIRONMENT else _value(word)
@@ -195,7 +195,7 @@ def _curve(row: Row, path: pathlib.Path) -> tuple[tuple[float, float], ...]:
     try:
         text = read_text(path, "It", errors="replace")
     except InputError as error:
-        raise row.error(f"EA must be a number or the name of a readable file, but {one_line(path.name, NAMED)}: {error}") from None
+        raise row.error(f"EA must be a number or the name of a readable file, but {one_line(path.name, WORD)}: {error}") from None
     lines = [line.split() for line in text.splitlines() if line.strip()]
     first = next((i for i, words in enumerate(lines) if _is_number(words[0])), len(lines))
     for words in lines[first:]:
@@ -215,10 +215,10 @@ def _type(row: Row, tables: Tables) -> dict[str, Any]:
     for column, what in ((3, "EA"), (4, "BA/-zeta")) if first else ((3, "EA"), (4, "BA/-zeta"), (5, "EI")):
         if "|" in row.words[column]:
             raise row.error(
-                f"{what} must be one number; {one_line(row.words[column], NAMED)}, a viscoelastic line, is not supported."
+                f"{what} must be one number; {one_line(row.words[column], WORD)}, a viscoelastic line, is not supported."
             )
         if what != "EA" and not _is_number(row.words[column]):
-            raise row.error(f"{what} must be a number; {one_line(row.words[column], NAMED)}, a table in a file, is not supported.")
+            raise row.error(f"{what} must be a number; {one_line(row.words[column], WORD)}, a table in a file, is not supported.")
     if len(row.words) > 10 and row.number(10, "Cl") != 0.0:
         raise row.error("vortex-induced vibration is not supported; Cl must be 0.")
     damping = row.number(4, "BA/-zeta")
@@ -267,7 +267,7 @@ def _kind(row: Row) -> str:
         raise row.error("a steady force on a point (FX, FY, FZ) is not supported; it must be 0.")
     word = row.words[1].lower()
     if word.startswith(("body", "turbine")):
-        raise row.error(f"points on a body are not supported; point {row.words[0]} is on {one_line(row.words[1], NAMED)}.")
+        raise row.error(f"points on a body are not supported; point {row.words[0]} is on {one_line(row.words[1], WORD)}.")
     for kind, words in POINTS.items():
         if word in words:
             return kind
@@ -303,10 +303,10 @@ def _end(row: Row, column: int, places: dict) -> int:
         if len(number) <= DIGITS and int(number) in places:
             return int(number)
         known = ", ".join(map(str, places))
-        raise row.error(f"a line must end at a point in POINTS, but point {one_line(word, NAMED)} is not there; known: {known}.")
+        raise row.error(f"a line must end at a point in POINTS, but point {one_line(word, WORD)} is not there; known: {known}.")
     if word.lower().startswith("r"):
-        raise row.error(f"lines that end at a rod are not supported, but {one_line(word, NAMED)} is one.")
-    raise row.error(f"a line must end at the number of a point, but {one_line(word, NAMED)} is none.")
+        raise row.error(f"lines that end at a rod are not supported, but {one_line(word, WORD)} is one.")
+    raise row.error(f"a line must end at the number of a point, but {one_line(word, WORD)} is none.")
 
 
 def _effects(options: dict, types: dict, lines: list[Row], places: dict, source: str) -> list[Any]:
@@ -355,7 +355,7 @@ def _check_unique(rows: list[tuple[Row, Any]], what: str) -> None:
     seen = set()
     for row, name in rows:
         if name in seen:
-            raise row.error(f"a {what} must come once, but {one_line(str(name), NAMED)} comes again.")
+            raise row.error(f"a {what} must come once, but {one_line(str(name), WORD)} comes again.")
         seen.add(name)
 
 

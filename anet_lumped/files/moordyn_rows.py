@@ -13,7 +13,7 @@ import math
 import re
 from typing import NamedTuple
 
-from anet_lumped.checks import NAMED, SceneError, one_line, quoted, shown
+from anet_lumped.checks import SceneError, one_line, quoted, shown
 
 HEADINGS = {  # section -> what its heading holds, by MoorDyn versions; the first section that fits counts
     "rod types": ("ROD DICTIONARY", "ROD TYPES"),
@@ -29,7 +29,7 @@ HEADINGS = {  # section -> what its heading holds, by MoorDyn versions; the firs
     "outputs": ("OUTPUT",),
 }
 WITHOUT_COLUMN_NAMES = ("options", "outputs")
-ROW = 80  # characters of a row in a message
+ROW, WORD = 80, 40  # characters of a row, and of a word in it, in a message
 DIGITS = 18  # of an integer of 64 bits
 NAME = re.compile(r'!\s*name:\s*("(?:[^"\\]|\\.)*")\s*$')
 
@@ -64,14 +64,14 @@ class Row(NamedTuple):
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise self.error(f"{what} must be a finite number, but is {one_line(word, NAMED)}.")
+            raise self.error(f"{what} must be a finite number, but is {one_line(word, WORD)}.")
         return value
 
     def count(self, column: int, what: str) -> int:  # type: ignore[override]  # no use is made of that of a tuple
         """Integer of at least 1 in a column."""
         word = self.words[column]
         if not word.isdecimal() or len(word) > DIGITS or int(word) < 1:
-            raise self.error(f"{what} must be an integer of at least 1, but is {one_line(word, NAMED)}.")
+            raise self.error(f"{what} must be an integer of at least 1, but is {one_line(word, WORD)}.")
         return int(word)
 
 
