@@ -138,7 +138,7 @@ def kernels(law, shapes):
         return law.kind.make(function, numbers, in_parameters, in_elements)
     except NumbaError as error:
         raise SceneError(
-            f"The law of an effect must be made of arithmetic and of {', '.join(NAMES)}, whose derivatives are known, but "
+            f"The law of an effect must be made of arithmetic and of {', '.join(NAMES)}, but "
             f"`{law.function.__name__}` is not: {_why(error, law)}"
         ) from error
 
