@@ -1,8 +1,9 @@
 """What a run knows of its own errors: of places, as far as its steps, its method and its lost energy tell, and of peak tensions.
 
-Places. What the steps leave out adds up in the march (`integrators.marching.error_growth`). Besides, energy that the method took
-is missing in the motion: of an amplitude A, which goes with the square root of the energy, a share E_lost/2E. Both together are not
-more than the longest way that a node goes.
+Places. What the steps leave out adds up in the march (`integrators.marching.error_growth`). It fades as the motion does: dampers
+and drag that take the power D of a motion of the energy E let its amplitude, and the errors in it, fade at the rate D/2E. Besides,
+energy that the method took is missing in the motion: of an amplitude A, which goes with the square root of the energy, a share
+E_lost/2E. A swing that starts at rest goes 2A. Both together are not more than the longest way that a node goes.
 
 Tensions. What a run shows of a tension is a number at every saved time. Between two of them a peak of a smooth tension is missed
 by at most an eighth of its second difference; twice that is taken. Where the step does not resolve the lowest axial vibration of a
@@ -19,12 +20,13 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.results.energy_balance import BY_DAMPERS, BY_METHOD, POTENTIAL, WORK, energy_in_play
+from anet_lumped.results.energy_balance import BY_DAMPERS, BY_EFFECTS, BY_METHOD, KINETIC, POTENTIAL, WORK, energy_in_play
 from anet_lumped.scene.scene import Cable, Driven, Free, Scene
 
 MISSED = 0.25  # of the second difference of a tension: twice what a parabola hides between its samples
 RINGS = 0.5  # of a jump of the tension, which an axial vibration that the steps do not resolve would add to it
 LOST = 0.25  # of the share of the energy that the method took: what a peak tension lacks
+SWINGS = 16  # parts of a run, in one of which a swing is taken to come to its largest kinetic energy at least once
 FORGOTTEN = 300.0  # exponent of decay over a run beyond which nothing of a jump is left
 
 
@@ -45,9 +47,26 @@ def place_errors(run: Any) -> np.ndarray:
     moved = run.q - run.q[0]
     if any(isinstance(point, Driven) for point in run.scene.points):
         moved = moved - moved[:, run.model.n_free :].mean(axis=1, keepdims=True)
-    amplitude = np.maximum.accumulate(np.abs(moved).max(axis=(1, 2)))
-    told = run.error_growth + 0.5 * _lost(run.energy) * amplitude
+    amplitude = 0.5 * np.maximum.accumulate(np.abs(moved).max(axis=(1, 2)))
+    told = run.error_factor * (_faded(run.error_growth, run.energy) + 0.5 * _lost(run.energy) * amplitude)
     return np.minimum(told, max(float(np.abs(run.q - run.q[0]).max()), float(run.error_growth[0])))
+
+
+def _faded(growth: np.ndarray, energy: np.ndarray) -> np.ndarray:
+    """Largest of what is left of errors up to each saved time, (k,) [m], of what steps have left out in all and the energies."""
+    from scipy.ndimage import maximum_filter1d  # a third of a second to import
+
+    rows = len(growth)
+    width = max(1, rows // SWINGS)
+    motion = maximum_filter1d(energy[:, KINETIC], 2 * width + 1, mode="nearest")  # of a swing the kinetic energy comes and goes
+    taken = np.maximum(np.diff(energy[:, BY_DAMPERS] + energy[:, BY_EFFECTS]), 0.0)
+    decay = np.minimum(taken / np.maximum(motion[1:] + motion[:-1], 1e-300), FORGOTTEN)
+    keeps = np.exp(-decay)
+    adds = np.diff(growth) * np.where(decay > 1e-9, (1.0 - keeps) / np.maximum(decay, 1e-300), 1.0)
+    left = [float(growth[0])]
+    for keep, add in zip(keeps.tolist(), adds.tolist(), strict=True):
+        left.append(keep * left[-1] + add)
+    return np.maximum.accumulate(left)
 
 
 def _lost(energy: np.ndarray) -> np.ndarray:
