@@ -159,6 +159,8 @@ class Run:
     work : Work
     error_growth : (k,) float64 [m] or None
         Sum of what the steps leave out of places, up to each saved time; None of a solver of another package. See `error`.
+    error_factor : float
+        Times that errors of places are what the run tells by itself, as far as a run with longer steps has shown.
     wall_time : float [s], of the march alone
     warnings : tuple of str, from before the run (see `motion.choice`) and of the completed run (see `motion.run_warnings`)
     segment_tension : (k, n_segments) float64 [N]; None takes the law at every saved time
@@ -185,6 +187,7 @@ class Run:
     message: str = ""
     work: Work = field(default_factory=Work)
     error_growth: np.ndarray | None = None
+    error_factor: float = 1.0
     wall_time: float = 0.0
     warnings: tuple[str, ...] = ()
     segment_tension: np.ndarray = None  # type: ignore[assignment]  # the law gives it
