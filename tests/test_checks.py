@@ -19,9 +19,7 @@ from anet_lumped.checks import (
     check_direction,
     check_name,
     check_number,
-    check_pairs,
     check_vector,
-    nearest,
     number,
     one_line,
     printable,
@@ -144,10 +142,3 @@ def test_names_are_text_that_a_file_can_hold():
     assert check_name("a\n\0", "point") == "a\n\0"
     with pytest.raises(SceneError, match=r'The name of a point must be text that UTF-8 can hold, but is "a\\ud800"\.'):
         check_name("a\ud800", "point")
-
-
-def test_pairs_and_near_names_of_many_and_long_names_take_no_long():
-    """Both took the square of what is given."""
-    many = {f"{i}": i for i in range(20_000)}
-    assert len(check_pairs("rate", many, "a name and a number", "it")) == len(many)
-    assert nearest("z" * 10**6, ["point"]) == ""
