@@ -10,7 +10,7 @@ import sys
 
 from integrators.compiling import NOTICE
 
-if NOTICE.tell is None and multiprocessing.parent_process() is None and "ANET_LUMPED_QUIET" not in os.environ:
+if not NOTICE.watched and multiprocessing.parent_process() is None and "ANET_LUMPED_QUIET" not in os.environ:
     NOTICE.watch(
         "anet_lumped compiles what this machine has not compiled yet, for up to about 40 s; later runs do without.",
         lambda line: print(line, file=sys.stderr, flush=True),

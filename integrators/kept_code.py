@@ -84,6 +84,8 @@ class KeptCode(FunctionCache):
         """The compiled function of a signature, or None; arguments as Numba names them."""
         try:
             return super().load_overload(sig, target_context)
+        except OSError:  # a folder or a file that may not be read: whether it can be written, `save_overload` tells
+            return None
         except Exception as error:  # a file that holds anything raises anything
             _tell_once("Compiled code in {} cannot be read ({}) and is compiled anew.", self.cache_path, error)
         with suppress(OSError):  # nor can it be written, then

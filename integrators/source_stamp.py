@@ -9,7 +9,7 @@ import re
 import sys
 from functools import cache
 
-PACKAGES: set[str] = set()
+PACKAGES = {__name__.partition(".")[0]}
 """Names of the packages whose files are read."""
 
 _IMPORT = re.compile(r"^(?:from[ \t]+(\S+)[ \t]+import[ \t]+(\([^)]*\)|.*)|import[ \t]+(.*))", re.MULTILINE)
