@@ -56,8 +56,6 @@ def test_all_that_is_compiled_goes_through_one_decorator(package):
     for path in modules(package):
         if path.relative_to(ROOT).as_posix() != "integrators/jit.py":
             assert not {"numba.njit", "numba.jit", "numba.cfunc", "numba.vectorize"} & {*imported(path)}, path
-            calls = (node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Attribute))
-            assert path.stem == "compile_once" or "disable_compile" not in [call.attr for call in calls], path
 
 
 def test_refused_inputs_are_told_by_their_class():
