@@ -9,6 +9,10 @@ import os
 import sys
 
 from integrators.compiling import NOTICE
+from integrators.ctrl_c import ctrl_c_later
+
+with ctrl_c_later():  # once their import is interrupted, a process cannot import NumPy or Numba again
+    import numba  # noqa: F401
 
 if not NOTICE.watched and multiprocessing.parent_process() is None and "ANET_LUMPED_QUIET" not in os.environ:
     NOTICE.watch(
