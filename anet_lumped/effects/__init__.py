@@ -15,8 +15,8 @@ from .effect import Effect, check_effect_class
 class Registry(MutableMapping):
     """Classes of effects by the name of the effect, or the class's own name where the file of that name holds it.
 
-    Such a file is imported when its effect is looked up. While one thread looks at the classes another may make an effect of its own;
-    therefore a loop goes over a list of them.
+    Such a file is imported when its effect is looked up. While one thread looks at the classes another may make an effect of its
+    own; therefore a loop goes over a list of them.
     """
 
     def __init__(self, classes: dict[str, str | type]) -> None:
