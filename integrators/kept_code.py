@@ -46,7 +46,7 @@ class _Unwritable(_CacheLocator):
 
 
 class _Location(CompileResultCacheImpl):
-    """Where a function is kept, and how it becomes bytes."""
+    """Where a function is kept: in the first folder that can be written, if there is one."""
 
     _locator_classes = (*CompileResultCacheImpl._locator_classes, _Unwritable)
 
