@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from functools import cache
 from typing import Any
 
 from numba.core.dispatcher import Dispatcher
@@ -55,7 +54,7 @@ def check_kernels(effect: Any) -> None:
                 f"The function `{slot}` of an effect must be compiled by Numba for signatures.{slot.upper()}_SIGNATURE alone, but "
                 f"that of {called} is {_short(found) or 'compiled for none'}."
             )
-        raises = _raises(kernel)
+        raises = may_raise(kernel)
         if raises:
             by_zero = any(words.startswith("ZeroDivisionError") for words in raises)
             raise SceneError(
@@ -66,11 +65,6 @@ def check_kernels(effect: Any) -> None:
 
 def _signatures(kernel: Any) -> list[Any]:
     return [overload.signature for overload in kernel.overloads.values()]
-
-
-@cache
-def _raises(kernel: Any) -> tuple[str, ...]:
-    return may_raise(kernel)
 
 
 def _short(signatures: Iterable[Any]) -> str:
