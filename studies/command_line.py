@@ -1,7 +1,7 @@
 """The program `anet-lumped`: results on stdout or in a folder, progress and warnings on stderr.
 
-Exit status 0: done; 1: a run failed; 2: bad input; 130: stopped by Ctrl-C. What a command needs it imports itself, so
-that `--help` answers at once.
+Exit status 0: done; 1: a run failed; 2: bad input; 128 and the signal's number: stopped by a signal, so 130 by Ctrl-C, 143 by
+SIGTERM. What a command needs it imports itself, so that `--help` answers at once.
 """
 
 import logging
@@ -15,11 +15,14 @@ from typing import Annotated
 import typer
 
 from studies.quantities import metres, newtons, seconds
+from studies.stop_signals import stop_signals
+from studies.streams import PrintError, one_line, standard_streams
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
+UsageError = typer.BadParameter.__base__  # which Typer does not export
 QUIET = 3.0  # seconds, after which a command says what it is doing
 FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "recommend": 30, "effects": 40, "study": 60, "report": 70}
 """Seconds of compiling on one core of 3 GHz where nothing is compiled yet, by what is asked for."""
@@ -35,9 +38,13 @@ def _folder(out):
             out.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=out):
                 pass
-        except OSError as error:
-            raise typer.BadParameter(f"must be a folder that can be written, but {out}: {error.strerror}.") from None
+        except (OSError, ValueError) as error:  # a path may hold no NUL
+            raise typer.BadParameter(f"must be a folder that can be written, but {out}: {_reason(error)}.") from None
     return out
+
+
+def _reason(error):
+    return getattr(error, "strerror", None) or str(error)
 
 
 Out = Annotated[Path | None, typer.Option(help="Folder for the results.", callback=_folder)]
@@ -58,19 +65,48 @@ Full = Annotated[
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the program; whatever the user can put right is one sentence on stderr."""
-    warnings.showwarning = lambda message, *where: _tell(f"warning: {message}")
-    _tell_what_takes_long()
     try:
-        app(arguments, prog_name="anet-lumped")
-    except (ValueError, RuntimeError, OSError) as error:
-        ours = type(error).__module__.partition(".")[0] in ("anet_lumped", "studies")
-        if not ours and not isinstance(error, OSError):
+        with stop_signals() as came, standard_streams():
+            warnings.showwarning = lambda message, *where: _tell(f"warning: {message}")
+            _tell_what_takes_long()
+            status = _status(arguments)
+    except PrintError as error:
+        status = 1
+        if str(error):
+            _tell(f"What is printed could not be written: {error}.")
+    sys.exit(128 + came[0] if came else status)
+
+
+def _status(arguments):
+    """Exit status of a command, with one sentence on what went wrong.
+
+    2 is for all that the user can put right: what is written on the command line, in a scene, in any file, a scene that cannot
+    hang in rest, a file or folder that cannot be read or written. 1 is for what was asked for rightly and not reached: a run that
+    diverges, a rest or a recommendation that the search did not find, rows that failed, memory or worker processes that the
+    machine does not give.
+    """
+    try:
+        return app((sys.argv[1:] if arguments is None else arguments) or ["--help"], prog_name="anet-lumped", standalone_mode=False) or 0
+    except typer.Abort:  # Ctrl-C
+        return 130
+    except UsageError as error:
+        told = error.format_message()
+        if not told or error.ctx is None:
+            _tell(told)
+        else:
+            _tell(f"{told.rstrip('.?')}; {error.ctx.command_path} --help tells more.")
+        return 2
+    except MemoryError as error:
+        _tell(f"The memory of this machine does not hold what this takes. {error}".rstrip())
+        return 1
+    except OSError as error:
+        _tell(f"{error.filename or 'A file'}: {error.strerror or error}.")
+        return 2
+    except (ValueError, RuntimeError, ModuleNotFoundError) as error:
+        if type(error).__module__.partition(".")[0] not in ("anet_lumped", "studies"):
             raise
-        unprinted = isinstance(error, OSError) and not error.filename
-        if isinstance(error, OSError) and error.strerror:
-            error = f"{error.filename or 'What is printed could not be written'}: {error.strerror}."
         _tell(str(error))
-        sys.exit(1 if unprinted or isinstance(error, RuntimeError) else 2)
+        return 2 if isinstance(error, ValueError) else 1
 
 
 @app.callback(epilog="Example: anet-lumped simulate net_carried --t-end 4 --out results/carried   (4 s of motion)")
@@ -238,7 +274,7 @@ def sweep(
             label="sweep",
         )
     except KeyboardInterrupt as stopped:
-        _tell(f"{stopped} The same command with --resume does the rest.")
+        _tell(f"{stopped} The same command with --resume does the rest.".strip())
         raise typer.Exit(130) from None
     _give({"rows": (table if as_json else table.head(SHOWN)).to_dict("records")}, as_json)
     bad = int((table["status"] != "done").sum())
@@ -414,4 +450,4 @@ def _give(result, as_json=False, out=None, stem="", save=lambda: None):
 
 
 def _tell(line):
-    print(f"anet-lumped: {line}", file=sys.stderr)
+    print(one_line(f"anet-lumped: {line}"), file=sys.stderr)

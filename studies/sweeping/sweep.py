@@ -50,6 +50,8 @@ def sweep(
     ------
     VaryError, MeasureError : an unknown name, or a measure or setting of a run without `t_end`
     RowsError : `out` holds rows already, or rows of another sweep
+    FolderInUseError : another run writes to `out`
+    InputError : more variants than `limits.ROWS`, or workers that cannot be
     """
     values = read_values(scene, vary)
     settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
@@ -69,6 +71,7 @@ def sweep(
         out=out,
         resume=resume,
         identity={"scene": scene_to_dict(scene), "vary": values, "measures": texts, "settings": settings},
+        columns=texts,
         label=label,
     )
 

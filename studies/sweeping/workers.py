@@ -14,9 +14,11 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, wait
 from importlib.util import find_spec
+from numbers import Integral
 from pathlib import Path
 from typing import NamedTuple
 
+from anet_lumped.checks import InputError, shown
 from integrators.compiling import NOTICE, NOTICED_AFTER, call_when_compiling
 
 CRASHED = {
@@ -24,8 +26,13 @@ CRASHED = {
     "reason": "the worker process died: killed by the system, out of memory, or a fault in compiled code",
 }
 BROKEN = {"status": "crashed", "reason": "the executor broke before this row came back"}
+MOST_WORKERS = 32  # on any machine; on one of many cores, four for each
 PRELOADED = "studies.sweeping.preloaded"  # imported once, by the process that workers are forked from
 BATCH_SECONDS, LARGEST_BATCH = 0.1, 64  # of work that a worker is given at a time, so that short rows need not travel one by one
+
+
+class WorkerError(RuntimeError):
+    """Worker processes that do not come up."""
 
 
 class Pool(NamedTuple):
@@ -96,6 +103,19 @@ def kernels_are_on_disk() -> bool:
     if os.environ.get("NUMBA_CACHE_DIR"):
         folders = [Path(os.environ["NUMBA_CACHE_DIR"])]
     return any(next(folder.rglob("*.nbi"), None) for folder in folders)
+
+
+def check_workers(workers: int | None) -> None:
+    """Refuse a number of workers that is none, or more than this machine could ever keep busy.
+
+    Raises
+    ------
+    InputError
+    """
+    most = max(MOST_WORKERS, 4 * available_cores())
+    whole = isinstance(workers, Integral) and not isinstance(workers, bool)
+    if workers is not None and not (whole and 1 <= workers <= most):
+        raise InputError(f"Argument `workers` must be an integer from 1 to {most}, but it is {shown(workers)}.")
 
 
 def available_cores() -> int:
@@ -236,7 +256,7 @@ def _start_pool(workers, function):
     try:
         executor.submit(callable, function).result()
     except (BrokenExecutor, AttributeError, ImportError):
-        raise RuntimeError(
+        raise WorkerError(
             "A script whose own functions or effects worker processes need must call sweep and run_rows below "
             '`if __name__ == "__main__":`, or define them in a module that it imports; the workers could not load '
             f"{getattr(function, '__qualname__', type(function).__name__)}."
