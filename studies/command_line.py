@@ -151,7 +151,7 @@ def simulate(
 
     try:
         run = simulate(
-            _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start=start or "equilibrium",
+            _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start="equilibrium" if start is None else start,
             save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
             error=error,
         )  # fmt: skip
@@ -183,7 +183,7 @@ def recommend(
     from anet_lumped.advice.recommend import recommend
     from studies.shown.summary import recommendation_summary
 
-    found = recommend(_load(scene, "recommend"), error, at=at, t_end=t_end, start=start or "equilibrium", realtime=realtime)
+    found = recommend(_load(scene, "recommend"), error, at=at, t_end=t_end, start="equilibrium" if start is None else start, realtime=realtime)
     _give(recommendation_summary(found, scene), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
@@ -214,7 +214,7 @@ def effects(
     from studies.shown.summary import effects_summary, write_effects
 
     limit = newtons(error) if tension else metres(error)
-    start = start or "equilibrium"
+    start = "equilibrium" if start is None else start
     loaded = _changed(_load(scene, "effects"), change)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
     _give(effects_summary(found), as_json, out, "effects", lambda: write_effects(found, out / "effects.csv"))

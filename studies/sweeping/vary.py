@@ -179,9 +179,12 @@ def _number(word):
     for kind in (int, float):
         try:
             value = kind(word)
+            beyond = math.isnan(value) or (math.isinf(value) and "inf" not in word.lower())
         except ValueError:
             continue
-        if math.isfinite(value) or "inf" in word.lower():
-            return value
-        raise VaryError(f"A number must be one that a float can hold, but {word} is given.")
+        except OverflowError:
+            beyond = True
+        if beyond:
+            raise VaryError(f"A number must be one that a float can hold, but it is {word}.")
+        return value
     return word

@@ -14,6 +14,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, wait
 from importlib.util import find_spec
+from multiprocessing import resource_tracker
 from numbers import Integral
 from pathlib import Path
 from typing import NamedTuple
@@ -237,9 +238,20 @@ class _ContextWithoutScript(type(multiprocessing.get_context(_start_method()))):
 
 def _context(needs_script=False):
     context = multiprocessing.get_context(_start_method()) if needs_script else _ContextWithoutScript()
+    _start_resource_tracker()
     if _start_method() == "forkserver":
         context.set_forkserver_preload([PRELOADED])
     return context
+
+
+def _start_resource_tracker():
+    """Start what clears up after a process, out of reach of a SIGHUP to all processes of a terminal; it ignores others itself."""
+    if hasattr(signal, "SIGHUP"):
+        blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})
+        try:
+            resource_tracker.ensure_running()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
 
 
 def _start_pool(workers, function):
