@@ -53,7 +53,7 @@ TIME = {"parser": seconds, "metavar": "TIME"}
 LENGTH = {"parser": metres, "metavar": "LENGTH"}
 Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for you if not given.")]
 Step = Annotated[float | None, typer.Option(help="Step, as in 10ms or 0.01 (s); chosen for you if not given.", **TIME)]
-Start = Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")]
+Start = Annotated[str, typer.Option(help="equilibrium or straight.")]
 Changes = Annotated[
     list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
 ]
@@ -85,8 +85,9 @@ def _status(arguments):
     diverges, a rest or a recommendation that the search did not find, rows that failed, memory or worker processes that the
     machine does not give.
     """
+    arguments = sys.argv[1:] if arguments is None else arguments
     try:
-        return app((sys.argv[1:] if arguments is None else arguments) or ["--help"], prog_name="anet-lumped", standalone_mode=False) or 0
+        return app(arguments or ["--help"], prog_name="anet-lumped", standalone_mode=False) or 0
     except typer.Abort:  # Ctrl-C
         return 130
     except UsageError as error:
@@ -132,7 +133,7 @@ def simulate(
     dt: Step = None,
     rtol: Annotated[float | None, typer.Option(help="Adaptive steps: error of a step over the largest coordinate.")] = None,
     extrapolate: Annotated[bool, typer.Option(help="Half the step too, and their limit: order 4 of edmc.")] = False,
-    start: Start = None,
+    start: Start = "equilibrium",
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
     error: Annotated[float | None, typer.Option(help="Error of places to keep, as in 1mm; chosen if not given.", **LENGTH)] = None,
@@ -151,7 +152,7 @@ def simulate(
 
     try:
         run = simulate(
-            _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start="equilibrium" if start is None else start,
+            _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start=start,
             save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
             error=error,
         )  # fmt: skip
@@ -175,7 +176,7 @@ def recommend(
     error: Annotated[float, typer.Option(help="Largest error of a position, as in 1mm, 0.05cm or 0.001 (m).", **LENGTH)],
     at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
     t_end: Annotated[float | None, typer.Option(help="Motion to look at; two swings if not given.", **TIME)] = None,
-    start: Start = None,
+    start: Start = "equilibrium",
     realtime: Annotated[float | None, typer.Option(help="How many times faster than real time it must run.")] = None,
     as_json: Json = False,
 ):
@@ -183,7 +184,7 @@ def recommend(
     from anet_lumped.advice.recommend import recommend
     from studies.shown.summary import recommendation_summary
 
-    found = recommend(_load(scene, "recommend"), error, at=at, t_end=t_end, start="equilibrium" if start is None else start, realtime=realtime)
+    found = recommend(_load(scene, "recommend"), error, at=at, t_end=t_end, start=start, realtime=realtime)
     _give(recommendation_summary(found, scene), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
@@ -200,7 +201,7 @@ def effects(
     at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
     tension: Annotated[str | None, typer.Option(metavar="CABLE", help="The cable whose tension counts instead.")] = None,
     t_end: Annotated[float | None, typer.Option(help="Motion to look at; two swings if not given.", **TIME)] = None,
-    start: Start = None,
+    start: Start = "equilibrium",
     water_level: Annotated[float | None, typer.Option(help="Height of still water, if there is any.", **LENGTH)] = None,
     change: Changes = (),
     out: Out = None,
@@ -214,7 +215,6 @@ def effects(
     from studies.shown.summary import effects_summary, write_effects
 
     limit = newtons(error) if tension else metres(error)
-    start = "equilibrium" if start is None else start
     loaded = _changed(_load(scene, "effects"), change)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
     _give(effects_summary(found), as_json, out, "effects", lambda: write_effects(found, out / "effects.csv"))
@@ -247,7 +247,7 @@ def sweep(
     t_end: Annotated[float | None, typer.Option(help="How long each variant runs; without, it only rests.", **TIME)] = None,
     method: Method = None,
     dt: Step = None,
-    start: Start = None,
+    start: Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=_folder)] = None,
     workers: Annotated[int | None, typer.Option(help="Processes; one a core by default.", min=1)] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
@@ -274,7 +274,7 @@ def sweep(
             label="sweep",
         )
     except KeyboardInterrupt as stopped:
-        _tell(f"{stopped} The same command with --resume does the rest.".strip())
+        _tell(f"{str(stopped) or 'Stopped.'} The same command with --resume does the rest.")
         raise typer.Exit(130) from None
     _give({"rows": (table if as_json else table.head(SHOWN)).to_dict("records")}, as_json)
     bad = int((table["status"] != "done").sum())

@@ -26,8 +26,8 @@ from typing import Any
 
 from anet_lumped.checks import InputError, nearest
 from studies.shown.figure_file import save_figure
-from studies.sweeping.provenance import provenance
 from studies.sweeping.folder_lock import locked
+from studies.sweeping.provenance import provenance
 from studies.sweeping.rows import save_table
 
 NAMES = [

@@ -19,6 +19,6 @@ class NoRestError(EquilibriumError, SceneError):
     """A scene that cannot have a static shape, for a reason that is known.
 
     Nothing holds a part of it, nothing loads a cable that is slack, a cable would have to push, one that does not stretch does not
-    reach, a support is under the ground, or a law is not finite. Such a scene is a wrong input, and can be put right. Where a search
-    finds no rest, the scene may have one: an EquilibriumError that is no SceneError.
+    reach, a support is under the ground, or a law is not finite. Such a scene is a wrong input, and can be put right. Where a
+    search finds no rest, the scene may have one: an EquilibriumError that is no SceneError.
     """

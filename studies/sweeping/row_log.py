@@ -9,6 +9,7 @@ import os
 import time
 import warnings
 from collections.abc import Iterable, Iterator
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from anet_lumped.checks import InputError, shown
 from anet_lumped.limits import BYTES, check_most
 from studies.sweeping.provenance import provenance
 
+LARGE = "large"
 FORCED_AFTER = 0.5  # [s]; to force every line to the disk would take longer than a short row
 
 
@@ -84,6 +86,7 @@ def open_log(
     if data:
         _check_identity(log, meta, identity)
     else:
+        _check_regular(meta)
         meta.write_text(json.dumps({"identity": identity, **provenance()}, indent=1))
     lines, whole = {}, 0
     for number, text in enumerate(data.splitlines(keepends=True), 1):
@@ -92,13 +95,14 @@ def open_log(
         except ValueError as error:
             if text.endswith((b"\n", b"\r")):
                 raise RowsError(
-                    f"Rows that are resumed must be whole, but {log}, line {number}, {error}; without that line its row is done again."
+                    f"Rows must be whole to be resumed, but {log}, line {number}, {error}; without the line its row is done again."
                 ) from None
             warnings.warn(f"{log}, line {number}, was torn: its row is done again.", stacklevel=2)
             break
         if line is not None:
             lines[key(line, names)] = number, line
         whole += len(text)
+    _check_kinds(log, lines.values(), columns)
     strange = [(number, line) for one, (number, line) in lines.items() if one not in asked]
     if strange:
         number, line = strange[0]
@@ -116,20 +120,25 @@ def key(row: dict, names: list[str]) -> str:
 
 
 def plain(value: Any) -> Any:
-    """The same value in JSON's own types: NumPy's scalars and arrays, tuples and paths are not; nor are characters without UTF-8."""
+    """The same value in JSON's own types, which NumPy's, tuples and paths are not; characters that UTF-8 lacks are "?"."""
     text = json.dumps(value, ensure_ascii=False, default=lambda x: x.tolist() if hasattr(x, "tolist") else str(x))
     return json.loads(text.encode("utf-8", "replace"))
 
 
 def _content(path):
     """The bytes of a file of a sweep."""
+    _check_regular(path)
     try:
-        if not path.is_file():
-            raise RowsError(f"Rows must be in a file, but {path} is none.")
         check_most(BYTES, path.stat().st_size, f"To read {path}")
         return path.read_bytes()
     except OSError as error:
         raise RowsError(f"A folder of rows must be readable, but {path}: {error.strerror}.") from None
+
+
+def _check_regular(path):
+    """What is there must be a file, and no folder, pipe or device."""
+    if path.exists() and not path.is_file():
+        raise RowsError(f"A folder of rows must hold files, but {path} is none.")
 
 
 def _parsed(text):
@@ -142,6 +151,8 @@ def _parsed(text):
         raise ValueError(f"is nested too deep: {shown(text)}") from None
     except UnicodeDecodeError:
         raise ValueError(f"is no UTF-8: {shown(text)}") from None
+    except ValueError as error:  # more digits than Python reads
+        raise ValueError(f"cannot be read: {error}") from None
 
 
 def _line(text, names, columns):
@@ -163,6 +174,27 @@ def _line(text, names, columns):
     return plain(line)
 
 
+def kind(value: Any) -> Any:
+    """The type that values of one column share, `Real` for all numbers; of a whole number beyond 64 bits, LARGE."""
+    if isinstance(value, Real) and not isinstance(value, bool):
+        return LARGE if isinstance(value, int) and abs(value) >= 2**63 else Real
+    return type(value)
+
+
+def _check_kinds(log, lines, columns):
+    """A result must be of the same kind in all lines that have it."""
+    first = {}
+    for number, line in lines:
+        for name in columns:
+            if line.get(name) is not None:
+                where, value = first.setdefault(name, (number, line[name]))
+                if kind(value) is not kind(line[name]):
+                    raise RowsError(
+                        f"A result must be of one type in all rows, but {log} has {name}={shown(value)} in line {where} and "
+                        f"{shown(line[name])} in line {number}; without the wrong line its row is done again."
+                    )
+
+
 def _check_identity(log, meta, identity):
     """Lines must have been made with what is asked for now."""
     try:
@@ -173,7 +205,7 @@ def _check_identity(log, meta, identity):
         raise RowsError(f"What rows were made with must be known to resume them, but {meta} {error}.") from None
     before = kept.get("identity") if isinstance(kept, dict) else None
     if not isinstance(before, dict):
-        raise RowsError(f"What rows were made with must be known to resume {log}, but {meta} does not say it; choose another folder.")
+        raise RowsError(f"What rows were made with must be known to resume {log}, but {meta} does not say it: take another folder.")
     changed = [name for name in before | identity if before.get(name) != identity.get(name)]
     if changed:
         first = [next(_differences(before.get(name), identity.get(name), name), f"{name} differs") for name in changed]

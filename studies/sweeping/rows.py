@@ -11,16 +11,14 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
-from numbers import Real
 from pathlib import Path
 
 from anet_lumped.limits import ROWS, check_most
 from studies.sweeping.folder_lock import locked
-from studies.sweeping.row_log import RowsError, key, open_log, plain
+from studies.sweeping.row_log import LARGE, RowsError, key, kind, open_log, plain
 from studies.sweeping.workers import check_workers, through_executor, through_own_pool
 
 LOG = logging.getLogger(__name__)
-LARGE = "large"
 TOLD_EVERY = 5.0  # [s], between two words on how far the rows are
 __all__ = ["RowsError", "run_rows", "save_table"]
 
@@ -109,17 +107,10 @@ def _table(lines, names):
     results = dict.fromkeys(name for line in lines for name in line if name not in (*names, "status", "reason"))
     table = pandas.DataFrame(lines, columns=[*names, *results, "status", "reason"])
     for name in table:  # a column of numbers and words, such as 0.1 and "auto", has no type in a parquet file
-        kinds = {_kind(value) for value in table[name].dropna()}
+        kinds = {kind(value) for value in table[name].dropna()}
         if len(kinds) > 1 or LARGE in kinds:
             table[name] = table[name].map(str, na_action="ignore")
     return table
-
-
-def _kind(value):
-    """The types that a value of a table may have beside others of its column; of a whole number beyond 64 bits, LARGE."""
-    if isinstance(value, Real) and not isinstance(value, bool):
-        return LARGE if isinstance(value, int) and abs(value) >= 2**63 else Real
-    return type(value)
 
 
 def _counted(rows):

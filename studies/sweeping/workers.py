@@ -1,5 +1,6 @@
 """Where rows run: in an executor that is given, or in a pool of processes that survives the death of its workers."""
 
+import contextlib
 import math
 import multiprocessing
 import os
@@ -14,7 +15,6 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, wait
 from importlib.util import find_spec
-from multiprocessing import resource_tracker
 from numbers import Integral
 from pathlib import Path
 from typing import NamedTuple
@@ -92,10 +92,7 @@ def start_early() -> None:
     Not before the kernels are compiled and on the disk: both would compile them.
     """
     if _start_method() == "forkserver" and kernels_are_on_disk():
-        from multiprocessing.forkserver import ensure_running
-
         _context()
-        ensure_running()
 
 
 def kernels_are_on_disk() -> bool:
@@ -238,20 +235,26 @@ class _ContextWithoutScript(type(multiprocessing.get_context(_start_method()))):
 
 def _context(needs_script=False):
     context = multiprocessing.get_context(_start_method()) if needs_script else _ContextWithoutScript()
-    _start_resource_tracker()
     if _start_method() == "forkserver":
+        from multiprocessing import forkserver  # which Windows does not import
+
         context.set_forkserver_preload([PRELOADED])
+        with _held_back("SIGINT", "SIGHUP"):  # which a terminal sends to all; this process ends the others in order
+            forkserver.ensure_running()
     return context
 
 
-def _start_resource_tracker():
-    """Start what clears up after a process, out of reach of a SIGHUP to all processes of a terminal; it ignores others itself."""
-    if hasattr(signal, "SIGHUP"):
-        blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})
-        try:
-            resource_tracker.ensure_running()
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+@contextlib.contextmanager
+def _held_back(*names):
+    """Hold signals back from this thread; processes that start within never get them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {getattr(signal, name) for name in names})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _start_pool(workers, function):
@@ -266,7 +269,9 @@ def _start_pool(workers, function):
     compiles = context.RawValue("b", 0)  # without a lock, which a worker that is killed could hold
     executor = ProcessPoolExecutor(workers, mp_context=context, initializer=_prepare_worker, initargs=(compiles,))
     try:
-        executor.submit(callable, function).result()
+        with _held_back("SIGINT", "SIGTERM", "SIGHUP"):  # a process that is lost as it starts would not be ended
+            started = executor.submit(callable, function)
+        started.result()
     except (BrokenExecutor, AttributeError, ImportError):
         raise WorkerError(
             "A script whose own functions or effects worker processes need must call sweep and run_rows below "
