@@ -38,13 +38,9 @@ def _folder(out):
             out.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=out):
                 pass
-        except (OSError, ValueError) as error:  # a path may hold no NUL
-            raise typer.BadParameter(f"must be a folder that can be written, but {out}: {_reason(error)}.") from None
+        except OSError as error:
+            raise typer.BadParameter(f"must be a folder that can be written, but {out}: {error.strerror}.") from None
     return out
-
-
-def _reason(error):
-    return getattr(error, "strerror", None) or str(error)
 
 
 Out = Annotated[Path | None, typer.Option(help="Folder for the results.", callback=_folder)]
@@ -65,11 +61,14 @@ Full = Annotated[
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the program; whatever the user can put right is one sentence on stderr."""
+    came = []
     try:
         with stop_signals() as came, standard_streams():
             warnings.showwarning = lambda message, *where: _tell(f"warning: {message}")
             _tell_what_takes_long()
             status = _status(arguments)
+    except KeyboardInterrupt:
+        status = 130
     except PrintError as error:
         status = 1
         if str(error):

@@ -49,7 +49,7 @@ def parse_values(spec: str, whole: bool = False) -> list:
             "A range must be a:b:n or a:b:nlog, with n at least 1, finite ends and, for log, positive ones, as in 1e2:1e6:9log, "
             f'but "{spec}" was given.'
         ) from None
-    check_most(ROWS, n, f"The range {spec}")
+    check_most(ROWS, n, f"The range {spec:.40}")
     share = [i / max(n - 1, 1) for i in range(n)]
     values = [a * (b / a) ** s if log else a + (b - a) * s for s in share]
     # 12 digits: 100.0 rather than 100.00000000000001, so that a row is found again by its inputs

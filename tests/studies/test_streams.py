@@ -1,0 +1,77 @@
+"""Standard streams that are closed, full, or cannot write a character: what is printed never ends in a traceback."""
+
+import io
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from studies.streams import LONGEST, PrintError, one_line, standard_streams
+
+ROOT = Path(__file__).parents[2]
+PRINTS = """
+import sys
+from studies.streams import standard_streams
+with standard_streams():
+    print("m² to stdout")
+    print("m² to stderr", file=sys.stderr)
+"""
+needs_shell = pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is full")
+
+
+class Full(io.StringIO):
+    def write(self, text):
+        raise OSError(28, "No space left on device")
+
+
+@pytest.mark.parametrize("name", ["stdout", "stderr"])
+def test_a_full_stream_is_an_error_where_results_go_and_none_where_words_go(name, monkeypatch):
+    monkeypatch.setattr(sys, name, Full())
+    if name == "stderr":
+        with standard_streams():
+            print("anything", file=sys.stderr)
+        return
+    with pytest.raises(PrintError, match="No space left on device"), standard_streams():
+        print("anything")
+
+
+def test_a_pipe_whose_reader_has_gone_is_an_error_without_words(monkeypatch):
+    class Gone(io.StringIO):
+        def flush(self):
+            raise BrokenPipeError(32, "Broken pipe")
+
+    monkeypatch.setattr(sys, "stdout", Gone())
+    with pytest.raises(PrintError, match=r"^$"), standard_streams():
+        print("anything")
+
+
+def test_what_a_stream_has_not_is_written_by_its_number(monkeypatch):
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(io.BytesIO(), encoding="ascii"))
+    stream = sys.stdout
+    with standard_streams():
+        print("m²")
+    assert stream.buffer.getvalue() == b"m\\xb2\n"
+
+
+@needs_shell
+@pytest.mark.parametrize(
+    ("redirected", "stdout", "stderr"),
+    [
+        (">&-", "", "m² to stderr\n"),
+        ("2>&-", "m² to stdout\n", ""),
+        ("2>/dev/full", "m² to stdout\n", ""),
+        ("<&- >&- 2>&-", "", ""),
+    ],
+)
+def test_closed_streams_take_what_is_printed(redirected, stdout, stderr):
+    call = ["sh", "-c", f'"$0" -c "$1" {redirected}', sys.executable, PRINTS]
+    done = subprocess.run(call, capture_output=True, text=True, encoding="utf-8", cwd=ROOT)
+    assert (done.returncode, done.stdout, done.stderr) == (0, stdout, stderr)
+
+
+def test_a_message_is_one_line_that_keeps_its_start_and_its_end():
+    assert one_line("a\nb\x1b[31m\tc\udcff é") == "a\\nb\\x1b[31m\\tc\\udcff é"
+    text = one_line("must be, " + "x" * 10**7 + ", and is not")
+    assert len(text) == LONGEST and text.startswith("must be, xx") and text.endswith("xx, and is not")
+    assert " ... " in text
