@@ -2,6 +2,7 @@
 
 import difflib
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral, Real
 from typing import Any
@@ -102,8 +103,7 @@ def check_pairs(argument: str, value: Any, what: str, owner: str, *, may_be_empt
         raise SceneError(_sentence(argument, f"a dict or pairs of {what}", "", owner, value))
     if not entries and not may_be_empty:
         raise SceneError(f"Argument `{argument}` must hold at least one pair of {what}, but {owner} has none.")
-    names = [name for name, _ in entries]
-    twice = next((name for name in names if names.count(name) > 1), None)
+    twice = next((name for name, count in Counter(name for name, _ in entries).items() if count > 1), None)
     if twice is not None:
         raise SceneError(f'Argument `{argument}` must give each name once, but {owner} has "{twice}" twice.')
     return tuple((name, entry) for name, entry in entries)

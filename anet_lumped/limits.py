@@ -38,7 +38,7 @@ def check_most(limit: Limit, number: float, of: str) -> None:
     ------
     InputError : it is more than the limit, or the environment sets the limit to what is no positive number
     """
-    most = _most(limit)
+    most = most_of(limit)
     if not number <= most:
         raise InputError(
             f"{of} would take {min(number, 1e308):.3g} {limit.what}, but must not take more than {most:.3g}; "
@@ -46,7 +46,13 @@ def check_most(limit: Limit, number: float, of: str) -> None:
         )
 
 
-def _most(limit: Limit) -> float:
+def most_of(limit: Limit) -> float:
+    """The number that a limit is set to.
+
+    Raises
+    ------
+    InputError : the environment sets it to what is no positive number
+    """
     given = os.environ.get(limit.variable)
     if not given:
         return limit.most

@@ -19,12 +19,14 @@ def words_of(value):
     """The words by which Numba lays a value out in memory, as a list.
 
     Of an array: no owner, no parent, number of items, bytes of an item, address of the first, shape, strides. Of a first-class
-    function: its address, and two zeros in place of Python's. Of a tuple: those of its fields, one after the other.
+    function: its address, and two zeros in place of Python's. Of a float: its bits. Of a tuple: the words of its fields, in turn.
     """
     if isinstance(value, np.ndarray):
         return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
     if isinstance(value, types.WrapperAddressProtocol):
         return [value.__wrapper_address__(), 0, 0]
+    if isinstance(value, float):
+        return [int(np.float64(value).view(np.int64))]
     if isinstance(value, tuple):
         return [word for part in value for word in words_of(part)]
     return [value]

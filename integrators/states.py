@@ -13,7 +13,6 @@ _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
 
 # Integers as arguments of compiled functions: for a literal 0, 1 or 2 Numba would compile a function once more.
 NONE, ONE, TWO = np.int64(0), np.int64(1), np.int64(2)
-LARGEST_SIZE = 1e6  # [m] plus [m/s] of a node, beyond which a motion has diverged
 
 
 class Saved(NamedTuple):
@@ -95,12 +94,13 @@ def save(system_address, data_address, k, t, error, state, saved):
 
 
 @internal
-def worst_node(q, v):
-    """The first node whose position or velocity is not finite or beyond `LARGEST_SIZE`; -1 if there is none."""
+def worst_node(q, v, largest):
+    """The first node that is not finite, or farther than ``largest`` from the last node, see `System`; -1 if there is none."""
+    last = q.shape[0] - 1
     for i in range(q.shape[0]):
         size = 0.0
         for x in range(3):
-            size += abs(q[i, x]) + abs(v[i, x])
-        if not size < LARGEST_SIZE:
+            size += abs(q[i, x] - q[last, x]) + abs(v[i, x] - v[last, x])
+        if not size < largest:
             return i
     return -1

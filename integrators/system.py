@@ -38,7 +38,10 @@ TOLERANCE, ITERATIONS, FIRST_OWN = 0, 1, 2
 
 
 class System(NamedTuple):
-    """Compiled functions of a system, the inverse of its masses (n, 3) [1/kg], a column an axis, and the number of moving nodes.
+    """Compiled functions of a system, and three things more.
+
+    The inverse of its masses ``per_mass`` (n, 3) [1/kg], a column an axis; the number ``n_free`` of moving nodes; and the
+    ``largest`` distance [m] plus relative velocity [m/s] of a node and the last one, beyond which a motion has diverged.
 
     Attributes
     ----------
@@ -90,6 +93,7 @@ class System(NamedTuple):
     margin: object
     per_mass: np.ndarray
     n_free: int
+    largest: float
 
 
 class StepState(NamedTuple):
@@ -153,7 +157,7 @@ _FUNCTIONS = (
     types.void(_f8, _f2, _f2, _i8, _f1),
     _f8(_f2, _f2, _i8),
 )
-SYSTEM = types.NamedTuple((*map(types.FunctionType, _FUNCTIONS), _f2, _i8), System)
+SYSTEM = types.NamedTuple((*map(types.FunctionType, _FUNCTIONS), _f2, _i8, _f8), System)
 system_at = view_at(SYSTEM)
 STEP_STATE = types.NamedTuple((_f2, _f2, _f3, _f1), StepState)
 # step(system_address, data_address, t, h, state, parameters, counts) -> status, of every scheme

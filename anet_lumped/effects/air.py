@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import SceneError, check_number
+from anet_lumped.checks import SceneError, Vector, check_number
 from anet_lumped.effects.flow.wind import Wind
-from anet_lumped.effects.flow.wind.base import check_winds
+from anet_lumped.effects.flow.wind.base import check_winds, same_at_each_height
 from anet_lumped.effects.flow.wind.kernel import pack, wind_at
 from anet_lumped.effects.laws.drag import (
     point_coefficient,
@@ -60,6 +60,9 @@ class Air(Effect):
     def no_force_at_rest(self) -> bool:
         """Without wind."""
         return self.wind is None
+
+    def seen_from(self, origin: Vector, scene: Any) -> Effect | None:
+        return self if origin[2] == 0.0 and same_at_each_height(self.wind) else None
 
     def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
         """Index and parameters for the compiled functions below.

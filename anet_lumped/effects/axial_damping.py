@@ -41,6 +41,7 @@ class AxialDamping(Effect):
 
     coupled_neighbours: ClassVar[int] = 1
     no_force_at_rest: ClassVar[bool] = True
+    same_everywhere: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
         self._set(rate=check_number_by_name("rate", self.rate, "1/s", self._called, sign="non-negative"))
@@ -67,7 +68,7 @@ class AxialDamping(Effect):
             rates[:] = self.rate
         else:
             for name, rate in dict(self.rate).items():
-                rates[cables.index(model.scene.cable(name))] = rate
+                rates[model.scene.cable_numbers[model.scene.cable(name).name]] = rate
         damped_segments = np.flatnonzero(rates[model.cable_of])
         cable_of = model.cable_of[damped_segments]
         L0 = np.array([cable.L0 for cable in cables])[cable_of]

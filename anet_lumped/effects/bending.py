@@ -54,6 +54,7 @@ class Bending(Effect):
     clamped: Mapping[str, Vector] | tuple[tuple[str, Vector], ...] = ()
 
     coupled_neighbours: ClassVar[int] = 2
+    same_everywhere: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
         pairs = check_pairs("clamped", self.clamped, "a point's name and a direction", self._called, may_be_empty=True)
@@ -92,7 +93,7 @@ class Bending(Effect):
                 pairs += 1
         for name, direction in dict(self.clamped).items():
             cable, node = self._clamped_cable(model, name), model.node(name)
-            first, count = model.segment_run(scene.cables.index(cable))
+            first, count = model.segment_run(scene.cable_numbers[cable.name])
             s = first if model.ends[first, 0] == node else first + count - 1
             towards = int(model.ends[s, 1] == node)
             index += [node, model.ends[s, 1 - towards], s, towards]

@@ -41,7 +41,8 @@ class Effect:
     4. It says of itself what is true, by the members below. The defaults claim nothing, so that no result depends on them; a claim
        saves work. Claims are compared with the compiled functions at random states whenever a model is built.
     5. If its parameters name cables or points, `after_break` returns the same effect on what is left of broken cables.
-    6. `example` returns an instance that acts on a given scene, for studies and documentation.
+    6. `seen_from` returns the same effect in coordinates with another origin, if it can.
+    7. `example` returns an instance that acts on a given scene, for studies and documentation.
 
     It knows neither the scene's other effects nor the integrator, and an effect that a scene lacks costs that scene nothing.
     """
@@ -93,6 +94,11 @@ class Effect:
         alone. A force that has no energy may put in some.
         """
         return not self.kernels() or self.dead_load or self.no_force_at_rest or "whole_step" in self.kernels()
+
+    @property
+    def same_everywhere(self) -> bool:
+        """Whether its forces stay the same when the whole scene is moved, with whatever its parameters say of places."""
+        return self.dead_load or not self.kernels()
 
     @property
     def time_scales(self) -> tuple[float, ...]:
@@ -147,6 +153,13 @@ class Effect:
         cables : all cables that there are now
         """
         return self
+
+    def seen_from(self, origin: Vector, scene: Any) -> "Effect | None":
+        """The effect of a scene, in coordinates whose origin lies at ``origin`` (3,) [m] of today's; None if it cannot say.
+
+        A scene far from its origin is computed near it, where places have more digits, unless one of its effects returns None.
+        """
+        return self if self.same_everywhere else None
 
     @classmethod
     def example(cls, scene: Any) -> Self:

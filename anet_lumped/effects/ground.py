@@ -17,7 +17,7 @@ a damper that grows with the depth; Armero & Petocz, Comput. Methods Appl. Mech.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
@@ -71,6 +71,10 @@ class Ground(Effect):
     def highest_frequency(self, scene: Any) -> float:
         """Of the mass of a segment on the springs under it, sqrt(k d/mu)."""
         return max(math.sqrt(self.stiffness * (cable.diameter or 0.0) / cable.mass_per_length) for cable in scene.cables)
+
+    def seen_from(self, origin: Vector, scene: Any) -> Effect:
+        normal = np.array(self.normal) / np.linalg.norm(self.normal)
+        return replace(self, height=self.height - float(normal @ origin))
 
     @classmethod
     def example(cls, scene: Any) -> Self:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numba import njit
@@ -34,6 +34,8 @@ class Load(Effect):
     per_length: Vector
     cables: Sequence[str] | None = None
     ramp: float = 0.0
+
+    same_everywhere: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
         self._set(

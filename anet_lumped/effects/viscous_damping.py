@@ -26,6 +26,7 @@ class ViscousDamping(Effect):
     rate: float
 
     no_force_at_rest: ClassVar[bool] = True
+    same_everywhere: ClassVar[bool] = True
     linear_in_node_state: ClassVar[bool] = True
     passive: ClassVar[bool] = True
     jax_traceable: ClassVar[bool] = True

@@ -24,17 +24,17 @@ ch. 8 (effective tension).
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
 from numba import njit
 
-from anet_lumped.checks import SceneError, check_number
+from anet_lumped.checks import SceneError, Vector, check_number
 from anet_lumped.effects.flow.wave_kernel import AT_REST, wave_at
 from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.wind import Wind
-from anet_lumped.effects.flow.wind.base import check_winds
+from anet_lumped.effects.flow.wind.base import check_winds, same_at_each_height
 from anet_lumped.effects.flow.wind.kernel import pack, wind_at
 from anet_lumped.effects.laws.drag import (
     point_coefficient,
@@ -92,6 +92,11 @@ class Water(Effect):
     def time_scales(self) -> tuple[float, ...]:
         """2/omega of the wave, as for a point that is shaken."""
         return () if self.wave is None else (2.0 / self.wave.frequency,)
+
+    def seen_from(self, origin: Vector, scene: Any) -> Effect | None:
+        if origin[2] != 0.0 or not same_at_each_height(self.current):
+            return None
+        return self if self.wave is None else replace(self, wave=self.wave.seen_from(origin, self.gravity(scene)))
 
     def gravity(self, scene: Any) -> float:
         """Acceleration of gravity of buoyancy and wave [m/s2]."""

@@ -4,6 +4,7 @@ import numpy as np
 from numba import types
 
 from anet_lumped.mechanics import observe, prescribe
+from anet_lumped.scene.origin import largest_distance
 from integrators.system import System, first_class
 
 NEWTON = ("residual", "direction", "correct", "settle", "adopt", "forget")
@@ -53,6 +54,7 @@ def system(model, force=True, newton=True, mean=True):
         margin=_margin() if events else first_class(observe.no_margin),
         per_mass=np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(-1, 3),  # a support may hold nothing
         n_free=model.n_free,
+        largest=largest_distance(model.scene),
     )
 
 

@@ -10,6 +10,7 @@ from anet_lumped.compiled.lanes import WIDTH
 from anet_lumped.effects.kernel_checks import check_kernels
 from anet_lumped.effects.laws.axial import SWITCHES
 from anet_lumped.effects.signatures import SLOTS, addresses
+from anet_lumped.limits import BYTES, check_most
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.claims import check_claims
 from anet_lumped.model.elimination_order import minimum_degree, symbolic_elimination
@@ -34,6 +35,8 @@ from anet_lumped.model.tables import (
 )
 from anet_lumped.scene.scene import Driven, Fixed, Free
 
+BYTES_OF_NODE = 1e3  # of a model and of what a computation needs, about
+
 
 @lru_cache(maxsize=8)
 def build(scene):
@@ -44,6 +47,7 @@ def build(scene):
     Model
     """
     n_interior = sum(cable.segments - 1 for cable in scene.cables)
+    check_most(BYTES, BYTES_OF_NODE * n_interior, f"A scene of {n_interior + len(scene.cables)} segments")
     free = [point.name for point in scene.points if isinstance(point, Free)]
     links = [(cable.start, cable.end) for cable in scene.cables]
     order, later = minimum_degree(free, links)

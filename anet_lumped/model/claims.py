@@ -38,6 +38,8 @@ def check_claims(effect, model, index, params):
             _check_rest(states)
         if effect.passive and not effect.dead_load:
             _check_passive(states)
+        if effect.same_everywhere and not effect.dead_load:
+            _check_same_everywhere(states)
 
 
 class _States:
@@ -153,6 +155,15 @@ def _check_rest(states):
     for t, q in zip(states.t, states.q, strict=True):
         if states.force(t, q, np.zeros_like(q))[0].any():
             states.refuse("no_force_at_rest", "The force on nodes at rest must be zero", "exerts one")
+
+
+def _check_same_everywhere(states):
+    t, q, v = states.t[0], states.q[0] - states.centre, states.v[0]
+    here, there = states.force(t, q, v)[0], states.force(t, q + states.reach, v)[0]
+    if not _same(there, here, here):
+        states.refuse(
+            "same_everywhere", "Forces that are the same everywhere must not change when all nodes are moved", "has others"
+        )
 
 
 def _check_passive(states):

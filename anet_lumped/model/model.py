@@ -79,7 +79,8 @@ class Model:
         return int(self.cable[:, CABLE_SEGMENTS].sum())
 
     def _number(self, cable):
-        return self.scene.cables.index(self.scene.cable(cable))
+        self.scene.cable(cable)
+        return self.scene.cable_numbers[cable]
 
     @cached_property
     def cable_of(self):

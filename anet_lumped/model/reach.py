@@ -74,8 +74,10 @@ def shortfall(scene, t, free=None):
     for cable in rigid:
         for here, there in ((cable.start, cable.end), (cable.end, cable.start)):
             ways.setdefault(here, []).append((there, cable.name, lengths.get(cable.name, cable.length), cable.segments))
+    places = np.array(list(at.values()))
     for begin in at:
-        for end, (length, segments, names) in _shortest_ways(ways, begin, at).items():
+        farthest = float(np.abs(places - at[begin]).sum(axis=1).max())
+        for end, (length, segments, names) in _shortest_ways(ways, begin, at, farthest).items():
             distance = float(np.linalg.norm(at[end] - at[begin]))
             least = 1.0 + ROUNDED if segments == 1 or free is not None else 1.0 - 1e-12
             if distance > length * least:
@@ -83,13 +85,18 @@ def shortfall(scene, t, free=None):
     return None
 
 
-def _shortest_ways(ways, begin, held):
-    """Length, segments and cables of the shortest way from a held point to each other one, through free points alone."""
+def _shortest_ways(ways, begin, held, longest):
+    """Length, segments and cables of the shortest way from a held point to each other one, through free points alone.
+
+    Ways above a length do not count.
+    """
     found, queue = {}, [(0.0, begin, 0, ())]
     while queue:
         length, here, segments, names = heapq.heappop(queue)
         if here in found:
             continue
+        if length > longest:
+            break
         found[here] = length, segments, names
         if here == begin or here not in held:
             for there, name, more, count in ways.get(here, ()):

@@ -64,8 +64,9 @@ def remainder(whole, masses, broken):
     Remainder
     """
     scene, stubs, loose, cables, pieces, nodes, segments = whole.scene, [], {}, [], {}, {}, {}
+    all_segments = np.arange(whole.n_segments)
     for cable in scene.cables:
-        own = np.arange(whole.n_segments)[whole.segments(cable.name)]
+        own = all_segments[whole.segments(cable.name)]
         failed = broken.get(cable.name, ())
         if not failed:
             cables.append(cable)
@@ -88,7 +89,10 @@ def remainder(whole, masses, broken):
                 nodes[piece.name], segments[piece.name] = whole.nodes(cable.name)[first : last + 1], own[first:last]
         cables += pieces[cable.name]
     points = [replace(p, mass=masses.get(p.name, p.mass)) if isinstance(p, Free) else p for p in scene.points]
-    points = [_with_stubs(point, stubs) for point in (*points, *map(Free, loose))]
+    stubs_at = {}
+    for name, cable in stubs:
+        stubs_at.setdefault(name, []).append(cable)
+    points = [_with_stubs(point, stubs_at.get(point.name)) for point in (*points, *map(Free, loose))]
     effects = [effect.after_break(pieces, cables) if pieces else effect for effect in scene.effects]
     parts = points, cables, [effect for effect in effects if effect is not None]
     model = build(Pieces(*parts, stubs=tuple(stubs)) if pieces else Scene(*parts))
@@ -101,9 +105,8 @@ def remainder(whole, masses, broken):
     return Remainder(model, node, segment)
 
 
-def _with_stubs(point, stubs):
-    """A free point with the halves of segments that stay with it."""
-    own = [cable for name, cable in stubs if name == point.name]
+def _with_stubs(point, own):
+    """A free point with the halves of segments that stay with it, each given by its cable; any other point as it is."""
     if not own or not isinstance(point, Free):
         return point
     halves = [0.5 * cable.L0 for cable in own]
@@ -124,8 +127,9 @@ def lightest(scene):
     """The scene with the least payload that each point ever carries: no frequency of what is left of it is above its own."""
     if not scene.events:
         return scene
-    points = []
+    least, points = {}, []
+    for event in scene.events:
+        least[event.point] = min(event.mass, least.get(event.point, event.mass))
     for point in scene.points:
-        ever = [event.mass for event in scene.events if event.point == point.name]
-        points.append(replace(point, mass=min(point.mass, *ever)) if ever else point)
+        points.append(replace(point, mass=min(point.mass, least[point.name])) if point.name in least else point)
     return replace(scene, points=points, events=())

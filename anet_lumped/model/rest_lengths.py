@@ -87,7 +87,7 @@ def table(scene, model, cut):
         slopes.append(of_params[places[-1]])
     rows = len(names)
     return Lengths(
-        cable=np.array([[cable.name for cable in scene.cables].index(name) for name in names], np.int64),
+        cable=np.array([scene.cable_numbers[name] for name in names], np.int64),
         material=np.array(material, float).reshape(-1, 4),
         paths=pack([_path(terms) for name in names for terms in found[name]]),
         mass=model.mass if rows else np.zeros(0),

@@ -15,10 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from anet_lumped.limits import STEPS, most_of
+from anet_lumped.results.audit import distances
 from anet_lumped.results.run import Run
 from integrators import schemes
 
 from .choice import Choice
+from .run_warnings import ALLOWED_LOSS
 
 LOG = logging.getLogger(__name__)
 ERROR_OF_LENGTH = 1e-3  # of the longest cable, and
@@ -65,12 +68,14 @@ class Known(NamedTuple):
     tension_error : float, of the largest tension, over it
     of_told : float, the error of places over that which the run tells of itself: more than one where the motion multiplies errors
     since : float [s], from when on they are multiplied; infinite if they are not
+    apart : float [m], what its places and those of a coarser run differ by; infinite without one
     """
 
     error: float
     tension_error: float
     of_told: float = 1.0
     since: float = math.inf
+    apart: float = math.inf
 
 
 def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wanted, duration: float, span: float) -> Run:
@@ -100,6 +105,7 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
     known = Known(run.error_estimate or 0.0, run.tension_error)
     while run.ok:
         parts = _parts(run, wanted, 1.0, known.of_told, choice.dt / first, in_vain)
+        parts = min(parts, int(most_of(STEPS) * choice.dt / duration))
         if parts < 2:
             break
         coarser, before, choice = run, known, _finer(choice, parts, span)
@@ -111,8 +117,10 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
             return run
         if (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0) and run.tension_error > before.tension_error:
             return _told(coarser, before, wanted)  # such short steps show rounding and Newton's tolerance
-        known = _compared(run, coarser, wanted)
-        in_vain = known.error > NEARER * before.error, known.tension_error > NEARER * before.tension_error
+        known = _compared(run, coarser, wanted, before.apart)
+        # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
+        loses = run.energy_balance.lost_to_method > ALLOWED_LOSS * run.energy_balance.in_play
+        in_vain = known.error > NEARER * before.error and not loses, known.tension_error > NEARER * before.tension_error
     return _told(run, known, wanted) if run.ok else run
 
 
@@ -143,15 +151,22 @@ def _parts(
     return min(max(wishes), MOST_AT_ONCE)
 
 
-def _compared(run: Run, coarser: Run, wanted: Wanted) -> Known:
-    """Errors of a run, as it tells them and as a coarser one before it shows them."""
+def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Known:
+    """Errors of a run, as it tells them and as a coarser one before it shows them.
+
+    Where two runs are hardly nearer to each other than the two before them, which were ``apart_before`` [m], nothing says that the
+    next will be: what a run differs by from its predecessor is then its error, else what is left of a geometric series.
+    """
     own, theirs = _same_times(run, coarser)
-    apart = np.maximum.accumulate(np.linalg.norm(run.q[own] - coarser.q[theirs], axis=2).max(axis=1))
-    told = np.maximum(coarser.error[theirs], 1e-300)
-    of_told = max(float(apart[-1] / told[-1]), LEAST_OF_TOLD)
+    apart = np.maximum.accumulate(distances(run.q[own], coarser.q[theirs]).max(axis=1))
+    told, last = np.maximum(coarser.error[theirs], 1e-300), float(apart[-1])
+    ratio = min(last / apart_before, 0.5) if apart_before > 0.0 else 0.0
+    own_told = max(run.error_estimate or 0.0, 1e-300)
+    error = max(own_told * max(last / float(told[-1]), LEAST_OF_TOLD), last * ratio / (1.0 - ratio))
+    of_told = error / own_told
     beyond = apart > np.maximum(AMPLIFIED * told, wanted.of_places(run))
     since = float(run.t[own][np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf
-    return Known(of_told * (run.error_estimate or 0.0), run.tension_error, of_told, since)
+    return Known(error, run.tension_error, of_told, since, last)
 
 
 def _same_times(run: Run, other: Run) -> tuple[np.ndarray, np.ndarray]:
@@ -169,8 +184,7 @@ def _told(run: Run, known: Known, wanted: Wanted) -> Run:
     """The run with what was kept in its reason, and what was not in its warnings."""
     allowed = wanted.of_places(run)
     if run.error is not None:
-        more = (known.of_told - 1.0) * run.error
-        run = replace(run, error_growth=run.error_growth + more)
+        run = replace(run, error_factor=known.of_told)
     reason = (
         f"{run.reason}; dt={run.dt:.3g} s keeps places to {allowed:.2g} m (estimated {known.error:.2g} m) "
         f"and peak tensions to {wanted.tension_error:.2g} (estimated {known.tension_error:.2g})"
@@ -190,5 +204,5 @@ def _told(run: Run, known: Known, wanted: Wanted) -> Run:
             f"the largest tension is known to {known.tension_error:.1%} where {wanted.tension_error:.1%} are wanted: "
             "it jumps faster than the steps resolve"
         )
-    text = f"{run.method}: {'; '.join(found)}; dt={run.dt:.3g} s was the last step tried."
+    text = f"{run.method} with dt={run.dt:.3g} s: {'; '.join(found)}."
     return replace(run, reason=f"{run.reason}; {'; '.join(found)}", warnings=(*run.warnings, text), kept=False)

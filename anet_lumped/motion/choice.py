@@ -24,6 +24,8 @@ SHARE_OF_LIMIT_SLACK = 0.125
 CALM_DAMPING_RATIO = 0.01  # from which on a cable that goes slack and snaps taut gains no energy in explicit steps
 DRAWN = 10.0  # times the weight of all, beyond which the tension of a cable is that of a string
 SHARE_OF_TIME_SCALE = 1.0 / 32.0  # of the motion's time scale for an implicit one: 10 ms for a metre of hanging cable
+FIRST_CHOSEN = 8.0  # the first of chosen steps is that part of a fixed one
+LONGEST_CHOSEN = FIRST_CHOSEN / SHARE_OF_TIME_SCALE  # times the first, the longest that chosen steps become in a motion
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,7 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0):
         dt = min((SHARE_OF_LIMIT_SLACK if pumps else SHARE_OF_LIMIT) * limit, motion) if limit > 0 else motion / 32.0
         why += f"; dt={dt:.3g} s from the predicted limit"
     elif dt is None:
-        dt = motion / 8.0 if adaptive else motion
+        dt = motion / FIRST_CHOSEN if adaptive else motion
         why += f"; dt={dt:.3g} s from the time scale of the motion"
     warning = "" if adaptive else prediction.warning(method, dt)
     return Choice(method, dt, f"{method}: {why}", limit, (warning,) if warning else ())

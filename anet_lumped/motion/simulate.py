@@ -14,22 +14,24 @@ from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
+from anet_lumped.results.near_origin import computed_near_origin
 from anet_lumped.results.run import STATUS, Run, RunInterrupt, State
+from anet_lumped.scene.origin import largest_distance
 from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.equilibrium import equilibrium
 from anet_lumped.statics.starts import Start, start_state, straight
 from integrators import schemes
 from integrators.schemes.record import Origin, Scheme
-from integrators.states import LARGEST_SIZE
 from integrators.system import DIVERGED, UNCONVERGED
 
 from .accuracy import TENSION_ERROR, Wanted, keep_error
-from .choice import Choice, choose
+from .choice import LONGEST_CHOSEN, Choice, choose
 from .energy_gain import GAINED, flag_energy_gain
 from .extrapolation import extrapolated, method_to_extrapolate
 from .failure_messages import with_cause
 from .legs import Settings, march_legs
 from .run_warnings import warnings_of
+from .times import check_counts
 
 MEANT_STRAIN = 0.2  # of a straight start: cords break before
 DEFAULT_RTOL, DEFAULT_ATOL = 1e-6, 1e-9  # [m]; of the largest coordinate where no tolerance is given
@@ -48,6 +50,7 @@ class RunError(RuntimeError):
         self.run = run
 
 
+@computed_near_origin
 def simulate(
     scene: Scene, t_end: float, *, method: str | None = None, dt: float | None = None, start: Start = "equilibrium",
     save_every: float | None = None, rtol: float | None = None, atol: float | None = None, rho_inf: float | None = None,
@@ -105,28 +108,38 @@ def simulate(
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
     begin = equilibrium(scene) if isinstance(start, str) and start == "equilibrium" else start_state(build(scene), start)
-    if np.abs(begin.q).max() > LARGEST_SIZE:
+    apart, most = float(np.ptp(begin.q, axis=0).max()), largest_distance(scene)
+    if not apart < most:
         raise InputError(
-            f"A run must stay within {LARGEST_SIZE:g} m of the origin, beyond which a motion counts as diverged, but it starts "
-            f"with a place {np.abs(begin.q).max():.3g} m away."
+            f"Nodes must start within {most:.3g} m of each other, beyond which a motion counts as diverged, but they are "
+            f"{apart:.3g} m apart."
         )
     scheme = None if method is None else schemes.scheme(method)
     adaptive = rtol is not None or atol is not None or (scheme is not None and scheme.chooses_steps(dt))
     if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
         able = ", ".join(schemes.names(takes_changing_rest_lengths=True))
         raise InputError(f"Lengths that change in time need a method of this package, {able}, but the method is {method}.")
+    if scheme is not None and not scheme.own and begin.model.n_free == 0:
+        raise InputError(
+            f"Solvers of other packages need a node that moves freely, but the scene has none and the method is {method}."
+        )
     lightest_scene = lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end))
     choice = choose(lightest_scene, method, dt, adaptive, begin.least_tension)
     scheme = schemes.scheme(choice.method)
     _check_breaks(scene, scheme, extrapolate)
+    if adaptive:
+        longest = LONGEST_CHOSEN * choice.dt if dt is None else None
+    else:
+        longest = choice.dt if dt is not None or save_every is None else min(choice.dt, save_every)
+    check_counts(scene, begin.t, begin.t + t_end, longest, save_every, adaptive)
     if dt is None and not adaptive:
         span = save_every or t_end
         choice = replace(choice, dt=span / math.ceil(span / choice.dt))  # steps that end on what is saved
     for text in choice.warnings:
-        warnings.warn(text, StabilityWarning, stacklevel=2)
+        warnings.warn(text, StabilityWarning, stacklevel=3)  # of the caller, beyond the decorator
     if isinstance(start, str) and start == "straight":
         for text in overstretched(begin):
-            warnings.warn(text, stacklevel=2)
+            warnings.warn(text, stacklevel=3)
             choice = replace(choice, warnings=(*choice.warnings, text))
     settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
     whole = partial(march_legs, _march_of(scheme), scene, start=begin, t_end=begin.t + t_end, settings=settings)

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from anet_lumped.checks import InputError
-from integrators.system import SAME_TIME
+from anet_lumped.limits import BYTES, STEPS, check_most
+from integrators.system import ENERGIES, SAME_TIME
 
 SAVES = 400  # states that come back when nothing else is asked for
 RESTING = 1e-6  # of the length of a path: a driven point that moves by less within a piece is at rest there
@@ -60,6 +61,33 @@ class Leg(NamedTuple):
             return bool(np.any(save_times(self.run_begin, self.run_end, self.save_every) == t))
         rows = (t - self.run_begin) / (self.stride(dt)[0] * dt)
         return abs(rows - round(rows)) * self.stride(dt)[0] <= SAME_TIME
+
+
+def check_counts(scene, t0, t_end, dt, save_every, adaptive):
+    """Refuse a run of more steps, or of more memory for the states that it saves, than limits allow.
+
+    Parameters
+    ----------
+    scene : Scene
+    t0, t_end : float [s]
+    dt : float or None [s]
+        Fixed step, or the longest that chosen steps are likely to be; None if nothing is known of them.
+    save_every : float or None [s]
+    adaptive : bool
+
+    Raises
+    ------
+    InputError : see `limits`
+    """
+    duration = t_end - t0
+    if dt is not None:
+        check_most(STEPS, duration / dt, f"A run of {duration:g} s with steps of {dt:.3g} s")
+    if not t0 + (dt or 1e-12 * duration) > t0:
+        raise InputError(f"Steps must change the time, but t={t0:g} s has no digits for one of {dt or duration:g} s.")
+    saves = min(duration / save_every, duration / dt if dt is not None and not adaptive else math.inf) if save_every else SAVES
+    segments = sum(cable.segments for cable in scene.cables)
+    numbers = 6 * (segments + len(scene.points)) + segments + ENERGIES + 2
+    check_most(BYTES, 8.0 * numbers * saves, f"A run of {duration:g} s that saves {saves:.3g} states")
 
 
 def save_times(t0, t_end, save_every):

@@ -81,6 +81,14 @@ class Path:
         return q, v, a
 
 
+def seen_from(path: Path, origin: Vector) -> Path:
+    """Return the same motion in coordinates whose origin lies at ``origin`` (3,) [m] of today's."""
+    parameters: dict[str, Any] = dict(path.parameters)
+    place = {"line": "start", "samples": "xyz", "harmonic": "center"}[path.kind]
+    parameters[place] = (np.array(parameters[place]) - origin).tolist()
+    return KINDS[path.kind](**parameters)
+
+
 def line(start: Vector, velocity: Vector, ramp: float) -> Path:
     """Return a motion along a straight line, from rest at `start` to a constant velocity.
 

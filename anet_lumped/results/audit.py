@@ -81,14 +81,14 @@ def audited(run: Any, finer: Callable[[int], Any], order: float | None, allowed:
     with warnings.catch_warnings():  # the run itself has given them
         warnings.simplefilter("ignore")
         other = finer(2)
-        apart = _apart(run, other)
+        apart = distances(run.q, other.q)
         row, node = np.unravel_index(np.argmax(apart), apart.shape)
         # q_h - q_(h/2) = (1 - 2^-p) of the error of q_h; a tenth of the tolerance leaves next to nothing of it
         left = 1.0 if order is None else 1.0 - 2.0**-order
         error, told = float(apart[row, node]) / left, run.error_estimate
         disagree = bool(told) and not run.extrapolated and not 1.0 / DISAGREE < error / told < DISAGREE
         if other.ok and order is not None and disagree and error > 0.1 * allowed:
-            nearer = float(apart[row, node]) / max(float(_apart(other, finer(4))[row, node]), 1e-300)
+            nearer = float(apart[row, node]) / max(float(distances(other.q, finer(4).q)[row, node]), 1e-300)
             error = float(apart[row, node]) / (1.0 - 1.0 / nearer) if nearer > SLOWEST else np.inf
     took, imbalance = time.perf_counter() - began, error_of_steps(run)
     largest = float(other.segment_tension.max(initial=0.0))
@@ -111,7 +111,7 @@ def audited(run: Any, finer: Callable[[int], Any], order: float | None, allowed:
     return replace(run, audit=found, **({"status": "audit failed", "message": reason} if reasons else {}))
 
 
-def _apart(run: Any, other: Any) -> np.ndarray:
-    """Distance of the places of two runs at every saved time, (k, n) [m]."""
-    k = min(len(run.t), len(other.t))
-    return np.linalg.norm(run.q[:k] - other.q[:k], axis=2)
+def distances(q: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Distances (k, n) [m] of places (k, n, 3) of two runs at the times that both have saved, one after the other."""
+    k = min(len(q), len(other))
+    return np.linalg.norm(q[:k] - other[:k], axis=2)

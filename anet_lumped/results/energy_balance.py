@@ -56,7 +56,7 @@ class EnergyBalance:
         kinetic, elastic, potential, work = change[:BY_DAMPERS]
         divided = rows.shape[1] == len(COLUMNS)
         dissipated = change[BY_DAMPERS:].sum()
-        in_play = max(rows[:, KINETIC].max(), rows[:, ELASTIC].max(), np.ptp(rows[:, POTENTIAL]), abs(work), abs(dissipated))
+        in_play = energy_in_play(rows)[-1]
         off = abs(kinetic + elastic + potential - work + dissipated)
         by_dampers, by_effects, by_method = map(float, change[BY_DAMPERS:]) if divided else (None, None, None)
         return EnergyBalance(
@@ -92,6 +92,17 @@ class EnergyBalance:
     def method_share(self) -> float:
         """What the steps took or gave, booked or not, over ``in_play``: the error of a method that means to keep the energy."""
         return abs((self.by_method or 0.0) - self.unaccounted) / self.in_play if self.in_play else 0.0
+
+
+def energy_in_play(rows: np.ndarray) -> np.ndarray:
+    """The largest energy that was moved between its forms, put in or dissipated up to each saved time, (k,) [J].
+
+    Of rows with the columns `COLUMNS` or `UNDIVIDED`.
+    """
+    change = rows - rows[0]
+    potential = np.maximum.accumulate(rows[:, POTENTIAL]) - np.minimum.accumulate(rows[:, POTENTIAL])
+    forms = rows[:, KINETIC], rows[:, ELASTIC], potential, np.abs(change[:, WORK]), np.abs(change[:, BY_DAMPERS:].sum(axis=1))
+    return np.maximum.accumulate(np.max(forms, axis=0))
 
 
 def book_remainder(rows: np.ndarray) -> None:

@@ -75,6 +75,8 @@ class State:
     events : tuple of Event, what has happened up to then
     stable : bool or None
         Of an equilibrium, whether no direction leads down from it; None where it was not judged, as in a run.
+    q_near : (n, 3) float64 [m] or None
+        Of a scene far from its origin the places about an origin near it, which are not rounded to the digits of ``q``.
     """
 
     model: Model
@@ -85,6 +87,7 @@ class State:
     residual: float | None = None
     events: tuple[Event, ...] = ()
     stable: bool | None = None
+    q_near: np.ndarray | None = None
 
     def __repr__(self) -> str:
         return f"<State at t={self.t:g} s of {len(self.q)} nodes>"
@@ -155,6 +158,8 @@ class Run:
     work : Work
     error_growth : (k,) float64 [m] or None
         Sum of what the steps leave out of places, up to each saved time; None of a solver of another package. See `error`.
+    error_factor : float
+        Times that errors of places are what the run tells by itself, as far as a run with longer steps has shown.
     wall_time : float [s], of the march alone
     warnings : tuple of str, from before the run (see `motion.choice`) and of the completed run (see `motion.run_warnings`)
     segment_tension : (k, n_segments) float64 [N]; None takes the law at every saved time
@@ -166,6 +171,7 @@ class Run:
     kept : bool or None
         Whether the errors that were to be kept are, as far as its own estimates tell (see `motion.accuracy`); None if the step was
         given.
+    q_near : (k, n, 3) float64 [m] or None, as of a `State`
     """
 
     model: Model
@@ -180,6 +186,7 @@ class Run:
     message: str = ""
     work: Work = field(default_factory=Work)
     error_growth: np.ndarray | None = None
+    error_factor: float = 1.0
     wall_time: float = 0.0
     warnings: tuple[str, ...] = ()
     segment_tension: np.ndarray = None  # type: ignore[assignment]  # the law gives it
@@ -187,6 +194,7 @@ class Run:
     events: tuple[Event, ...] = ()
     extrapolated: bool = False
     kept: bool | None = None
+    q_near: np.ndarray | None = None
 
     def __repr__(self) -> str:
         states = f"{len(self.t)} states of {self.q.shape[1]} nodes from t={self.t[0]:g} s to {self.t[-1]:g} s"
@@ -247,7 +255,8 @@ class Run:
         """State at the k-th saved time."""
         t = float(self.t[k])
         events = tuple(event for event in self.events if event.t < t or (event.t == t and event.kind == BREAK))
-        return State(self.model, t, self.q[k], self.v[k], self.segment_tension[k], events=events)
+        near = None if self.q_near is None else self.q_near[k]
+        return State(self.model, t, self.q[k], self.v[k], self.segment_tension[k], events=events, q_near=near)
 
     def position(self, point: str) -> np.ndarray:
         """(k, 3) places of a point [m]."""

@@ -366,6 +366,11 @@ class Scene:
     def _cables(self) -> dict[str, Cable]:
         return {cable.name: cable for cable in self.cables}
 
+    @cached_property
+    def cable_numbers(self) -> dict[str, int]:
+        """Position of each cable in `cables`, by its name."""
+        return {cable.name: c for c, cable in enumerate(self.cables)}
+
     def point(self, name: str) -> Point:
         """Return the point called `name`."""
         return look_up("point", name, self._points)

@@ -1,5 +1,6 @@
 """Static shape of a scene: the exact equilibrium of its hanging chains, and from there what depends on the shape."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
 from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_PUSH_SHARE, AXIAL_STIFFNESS, CABLE_END, CABLE_SEGMENTS
+from anet_lumped.results.near_origin import computed_near_origin
 from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Fixed, Free, Scene, check_scene
 
@@ -22,6 +24,7 @@ UNSTRETCHED = 1e13  # stiffness over load of a cable that does not stretch, for 
 __all__ = ["EquilibriumError", "NoRestError", "equilibrium"]
 
 
+@computed_near_origin
 def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = None) -> State:
     """Static shape of a scene, with driven points where they are at t = 0.
 
@@ -45,7 +48,8 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
     ------
     NoRestError
         Nothing holds a part of the net; a cable is slack and nothing loads it, so that any shape would do; a cable would
-        have to push, or does not stretch and does not reach; a support is under the ground; a law is not finite.
+        have to push, or does not stretch and does not reach; a support is under the ground; a law or
+        what is computed is not finite.
     EquilibriumError
         No convergence; or no rest that is stable. A NoRestError is one, too.
     InputError
@@ -112,6 +116,11 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
         (q, tension), balance, stable = found.shape, found.residual, found.stable
     else:
         _check_slack(model, np.where(settled, np.inf, tension), total, scale)
+    if not (np.isfinite(q).all() and np.isfinite(tension).all() and math.isfinite(balance)):
+        raise NoRestError(
+            "The places and tensions of a rest must be finite, but those found are not: lengths, stiffnesses and loads of this "
+            "scene differ by more than numbers can hold."
+        )
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance, stable=stable)
 
 
@@ -176,19 +185,29 @@ def _settle_bars(model: Model, net: Any, q: np.ndarray, tension: np.ndarray) -> 
 
 def _check_supports(scene: Scene) -> None:
     """Every part of the net must hang on a fixed or driven point."""
-    group = {point.name: {point.name} for point in scene.points}
+    neighbours: dict[str, list[str]] = {point.name: [] for point in scene.points}
     for cable in scene.cables:
-        merged = group[cable.start] | group[cable.end]
-        for name in merged:
-            group[name] = merged
-    held = {point.name for point in scene.points if not isinstance(point, Free)}
-    for name, members in group.items():
-        if not members & held:
+        neighbours[cable.start].append(cable.end)
+        neighbours[cable.end].append(cable.start)
+    reached = _connected(neighbours, [point.name for point in scene.points if not isinstance(point, Free)])
+    for name in neighbours:
+        if name not in reached:
+            others = len(_connected(neighbours, [name])) - 1
             raise NoRestError(
                 f'Every part of a net must hang on a fixed or driven point, but nothing holds free point "{name}"'
-                + (f" and the {len(members) - 1} others it is tied to" if len(members) > 1 else "")
+                + (f" and the {others} others it is tied to" if others else "")
                 + '; `simulate` moves it from start="straight" or a State.'
             )
+
+
+def _connected(neighbours: dict[str, list[str]], names: list[str]) -> set[str]:
+    """All points that cables lead to from some."""
+    found, left = set(names), list(names)
+    while left:
+        more = [name for name in neighbours[left.pop()] if name not in found]
+        found.update(more)
+        left += more
+    return found
 
 
 def _check_slack(model: Model, tension: np.ndarray, total: float, scale: float) -> None:

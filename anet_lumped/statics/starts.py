@@ -1,6 +1,8 @@
 """Shapes to start from: given by a user, straight between the points, or above what stands in the way."""
 
+from collections import Counter
 from collections.abc import Mapping
+from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -86,7 +88,7 @@ def _of_shapes(model, shapes):
     """(n, 3) places from the shapes of the cables; points that are fixed or driven are where the scene has them."""
     names = [cable.name for cable in model.scene.cables]
     for name in shapes:
-        if name not in names:
+        if name not in model.scene.cable_numbers:
             raise InputError(
                 f'A shape to start from must be of a cable of the scene, but "{name}" is none' + (nearest(name, names) or ".")
             )
@@ -94,7 +96,7 @@ def _of_shapes(model, shapes):
     for cable in model.scene.cables:
         if cable.name not in shapes:
             raise InputError(f'Shapes to start from must be given for every cable, but cable "{cable.name}" has none.')
-        shape = np.asarray(shapes[cable.name], float)
+        shape = _numbers(shapes[cable.name], f'The shape of cable "{cable.name}"')
         if shape.shape != (cable.segments + 1, 3):
             raise InputError(
                 f'The shape of cable "{cable.name}" must have the places of its {cable.segments + 1} nodes, '
@@ -108,21 +110,52 @@ def _of_shapes(model, shapes):
     return q
 
 
+def _numbers(value, what):
+    """An array of a user's as float64."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind != "c":
+            return array.astype(float)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise InputError(f"{what} must be an array of numbers, but it is {shown(value)}.")
+
+
+def _checked_arrays(state):
+    """Places, velocities and tensions of a State that a user may have made or changed."""
+    if not isinstance(state.model, Model):
+        raise InputError(f"`model` of a State must be that of a scene, but it is {shown(state.model)}.")
+    n, n_segments, found = state.model.n, state.model.n_segments, []
+    for name, what, expected in (
+        ("q", "nodes", (n, 3)), ("v", "nodes", (n, 3)), ("segment_tension", "segments", (n_segments,))
+    ):  # fmt: skip
+        array = _numbers(getattr(state, name), f"`{name}` of a State")
+        if array.shape != expected:
+            raise InputError(
+                f"`{name}` of a State must have the shape {expected}, because its scene has {expected[0]} {what}, "
+                f"but it has {array.shape}."
+            )
+        found.append(array)
+    return found
+
+
 def _adopt(model, state):
     """A State of the same or of a like scene as one of this model, matched by names."""
     q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
-    if not np.isfinite(state.t):
-        raise InputError(f"A State to start from must have a finite time, but it has t={state.t} s.")
+    if not (isinstance(state.t, Real) and np.isfinite(state.t)):
+        raise InputError(f"A State to start from must have a finite time [s], but it has t={shown(state.t)}.")
+    own_q, own_v, own_tension = _checked_arrays(state)
+    segments = {cable.name: cable.segments for cable in state.scene.cables}
     for cable in model.scene.cables:
-        other = {c.name: c.segments for c in state.scene.cables}.get(cable.name)
+        other = segments.get(cable.name)
         if other != cable.segments:
             raise InputError(
                 f'A State to start from must have the scene\'s cables, but of cable "{cable.name}" with {cable.segments} '
                 f"segments it has {'none' if other is None else other}."
             )
         mine, theirs = model.nodes(cable.name), state.model.nodes(cable.name)
-        q[mine], v[mine] = state.q[theirs], state.v[theirs]
-        tension[model.segments(cable.name)] = state.tension(cable.name)
+        q[mine], v[mine] = own_q[theirs], own_v[theirs]
+        tension[model.segments(cable.name)] = own_tension[state.model.segments(cable.name)]
     for point in model.scene.points:
         if isinstance(point, Fixed):
             q[model.node(point.name)], v[model.node(point.name)] = point.at, 0.0
@@ -205,18 +238,19 @@ def raised(model: Model, hanging: np.ndarray) -> np.ndarray:
     held = [point.name for point in scene.points if not isinstance(point, Free)]
     at = {name: hanging[model.node(name)] for name in held}
     amid = np.mean([at[name] for name in held], axis=0)
-    ends = [end for cable in scene.cables for end in (cable.start, cable.end)]
+    only = Counter(end for cable in scene.cables for end in (cable.start, cable.end))
     loose = []
     for point in scene.points:
         if isinstance(point, Free):
-            if point.at is None and ends.count(point.name) == 1:
+            if point.at is None and only[point.name] == 1:
                 loose.append(point.name)
             at[point.name] = amid if point.at is None else np.asarray(point.at, float)
     g = np.asarray(scene.gravity, float)
     down = g / np.linalg.norm(g) if g.any() else np.array([0.0, 0.0, -1.0])
     along = np.linalg.svd(down[None])[2][1:]  # two directions across gravity
+    cable_at = {end: cable for cable in scene.cables for end in (cable.start, cable.end)}
     for i, name in enumerate(loose):
-        cable = next(cable for cable in scene.cables if name in (cable.start, cable.end))
+        cable = cable_at[name]
         other = cable.end if name == cable.start else cable.start
         turn = GOLDEN_ANGLE * i
         at[name] = at[other] + cable.length * (np.cos(turn) * along[0] + np.sin(turn) * along[1])

@@ -106,12 +106,12 @@ def double_step(stepper, t, h, order, start, state, whole):
     copy_state(start, state)
     if take_step(stepper, t, 0.5 * h, state) != DONE or take_step(stepper, t + 0.5 * h, 0.5 * h, state) != DONE:
         return np.inf, 0.0
-    error, size = 0.0, 0.0
-    for i in range(system_at(stepper.system_address).n_free):
+    system, error, size = system_at(stepper.system_address), 0.0, 0.0
+    for i in range(system.n_free):
         for x in range(3):
             error = max(error, abs(state.q[i, x] - whole[i, x]))
             size = max(size, abs(state.q[i, x]))
-    return error / (2.0**order - 1.0) if worst_node(state.q, state.v) < 0 else np.inf, size
+    return error / (2.0**order - 1.0) if worst_node(state.q, state.v, system.largest) < 0 else np.inf, size
 
 
 @march_loop
@@ -154,7 +154,8 @@ def adaptive_steps(stepper, times, order, state, scratch, saved, stop):
         if has_events:
             remember(stepper)
         error, size = double_step(stepper, t, h, order, start, state, whole)
-        error = error / (atol + rtol * size)
+        allowed = atol + rtol * size
+        error = error / allowed if allowed > 0.0 or error == np.inf else (0.0 if error == 0.0 else np.inf)  # nothing moves
         if not error <= 1.0:
             counts[REJECTED] += 1
             rejections += 1

@@ -154,13 +154,13 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
         if has_events:
             remember(stepper)
         take_step(stepper, t, h, state)
-        error, of_places, size, h_lambda = judge_step(system.n_free, h, state, stepper.parameters)
+        error, of_places, size, h_lambda = judge_step(system.n_free, system.largest, h, state, stepper.parameters)
         error_allowed = times.atol + times.rtol * size
         error = error / error_allowed if error_allowed > 0.0 or error == np.inf else (0.0 if error == 0.0 else np.inf)
         if not error <= 1.0:
             counts[REJECTED] += 1
             rejections += 1
-            node = worst_node(state.q, state.v)
+            node = worst_node(state.q, state.v, system.largest)
             copy_state(start, state)
             h *= shrinkage(error, 1.0 * pair.order)
             if rejections > MOST_REJECTIONS or t + 0.1 * h <= t:

@@ -5,7 +5,8 @@ difference of the velocities at p + 1 steps in a row,
 
     h^p d^(p+1) q/dt^(p+1) = sum_j (-1)^(p-j) (p over j) v_j ,
 
-so that it costs one addition a step. What is left out is summed up by its size, since the error of a swing is one of its phase,
+so that it costs one addition a step. The prescribed nodes are where they should be, and what moves along with them is, too: of the
+derivative their mean is subtracted. What is left out is summed up by its size, since the error of a swing is one of its phase,
 which grows as long as it swings: x = A cos(omega t) is off by A C (omega h)^p omega t, and the sum is 2/pi of that. A damped motion
 forgets some of its errors, and a whip multiplies some, which this sum does not see.
 
@@ -64,7 +65,7 @@ def begin(growth, v, n_free):
     error = flat(growth.error)
     for i in range(error.shape[0]):
         error[i] = 0.0
-    copy(flat(v)[: 3 * n_free], flat(growth.difference))
+    copy(flat(v), flat(growth.difference))
     return np.int64(0)
 
 
@@ -88,22 +89,27 @@ def follow(growth, step_error, steps, weight, h, v, n_free):
     -------
     steps, weight
     """
-    p, V, difference, error, size = step_error.order, flat(v), flat(growth.difference), flat(growth.error), 3 * n_free
+    p, V, difference, error = step_error.order, flat(v), flat(growth.difference), growth.error
     steps += 1
     if steps < 0:
         return steps, 1.0
     if steps == 0:
-        copy(V[:size], difference)
+        copy(V, difference)
         return steps, 1.0
     weight *= -float(p - steps + 1) / float(steps)
-    for i in range(size):
+    for i in range(V.shape[0]):
         difference[i] += weight * V[i]
     if steps < p:
         return steps, weight
     unseen = UNSEEN_EXPLICIT if step_error.explicit else UNSEEN_IMPLICIT
     left_out = SWING * step_error.constant * h * (p + unseen + 1)
-    for i in range(size):
-        error[i] += left_out * abs(difference[i])
+    n, per_node = v.shape[0], 1.0 / max(v.shape[0] - n_free, 1)
+    for x in range(3):
+        shared = 0.0
+        for i in range(n_free, n):
+            shared += per_node * growth.difference[i, x]
+        for i in range(n_free):
+            error[i, x] += left_out * abs(growth.difference[i, x] - shared)
     return -(unseen + 1), 1.0
 
 

@@ -76,7 +76,8 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
         How it ended, rows written, time reached, and the node where it went wrong (or -1).
     """
     system_address, data_address, counts, t = stepper.system_address, stepper.data_address, stepper.counts, times.t0
-    n_free, explicit = system_at(system_address).n_free, step_error.explicit
+    system, explicit = system_at(system_address), step_error.explicit
+    n_free, largest = system.n_free, system.largest
     evaluate_start(system_address, data_address, t, state, counts)
     rows = save(system_address, data_address, NONE, t, 0.0, state, saved)
     steps, weight = begin(growth, state.v, n_free), 1.0
@@ -102,7 +103,7 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
             counts[STEPS] += 1
             if has_events:
                 margin_before, margin = margin, margin_of(stepper, state)
-                if margin > 0.0 and worst_node(state.q, state.v) < 0:
+                if margin > 0.0 and worst_node(state.q, state.v, largest) < 0:
                     t_part += locate(stepper, t_part, h, ONE, margin_before, margin, start, state)
                     rows = save(system_address, data_address, rows, t_part, largest_error(growth, n_free), state, saved)
                     return EVENT, rows, t_part, -1
@@ -114,7 +115,7 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
         is_last = s == last or stop[0] != 0
         is_saved = (s + 1) % times.stride == 0 or is_last
         if is_saved or s % CHECK_EVERY == 0:
-            node = worst_node(state.q, state.v)
+            node = worst_node(state.q, state.v, largest)
             if node >= 0:
                 return DIVERGED, rows, t, node
         if is_saved:

@@ -173,7 +173,7 @@ def step(system_address, data_address, t, h, state, parameters, counts):
 
 
 @internal
-def judge_step(n_free, h, state, parameters):
+def judge_step(n_free, largest, h, state, parameters):
     """Error of the last step, and the product of its length and the fastest rate |lambda| of the motion.
 
     Each estimate e_v = h sum w_j a_j, e_q = h^2 sum (w A)_j a_j is taken at its largest component over the moving nodes. The last
@@ -188,7 +188,7 @@ def judge_step(n_free, h, state, parameters):
     """
     q, v = state.q, state.v
     S, end, n = int(parameters[STAGES]), int(parameters[END]), 3 * n_free
-    if worst_node(q, v) >= 0:
+    if worst_node(q, v, largest) >= 0:
         return np.inf, np.inf, 0.0, 0.0
     weights, numbers, width = TABLEAU + S + 2 * S * S, flat(state.memory), 3 * q.shape[0]
     fine_dv, fine_dq = part(numbers, (2 * S + 4) * width, n), part(numbers, (2 * S + 5) * width, n)

@@ -249,7 +249,7 @@ class Duffing:
         self.address = self.words.ctypes.data
         functions = {name: first_class(compiled(*made)) for name, made in _FUNCTIONS.items()}
         per_mass = np.repeat([*1.0 / MASS, 0.0], 3).reshape(3, 3)
-        self.system = System(**functions, per_mass=per_mass, n_free=2)
+        self.system = System(**functions, per_mass=per_mass, n_free=2, largest=1e6)
 
     def rates(self, t, y):
         """dy/dt in numpy, for y = (q, v, work put in, dissipated) of the moving nodes."""

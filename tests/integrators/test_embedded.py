@@ -114,7 +114,7 @@ def begin(system_address, data_address, t, state, counts):
 
 @njit(error_model="numpy")
 def judge(n_free, h, state, parameters):
-    return pair.judge_step(n_free, h, state, parameters)
+    return pair.judge_step(n_free, 1e6, h, state, parameters)
 
 
 @njit(error_model="numpy")

@@ -21,7 +21,6 @@ from anet_lumped import (
     Driven,
     Fixed,
     Free,
-    InputError,
     RunError,
     RunInterrupt,
     Scene,
@@ -527,12 +526,11 @@ def test_a_long_march_tells_where_it_is(monkeypatch, caplog):
     assert steps == sorted(steps)
 
 
-def test_a_scene_beyond_what_counts_as_diverged_is_refused():
+def test_divergence_is_judged_by_the_size_of_a_scene():
     """Its rest sags by 1.3e7 m, because its weight stretches it to 25 times its length."""
     points = [Fixed("a", (0, 0, 0)), Fixed("b", (8e5, 0, 0))]
     long = Scene(points, [Cable("a", "b", length=1e6, mass_per_length=0.1, EA=1e4, segments=20)], [Gravity(9.81)])
-    with pytest.raises(InputError, match=r"within 1e\+06 m of the origin, .* but it starts with a place \d.\d*e\+07 m away"):
-        simulate(long, 1.0)
+    assert simulate(long, 1.0).status == "done"
 
 
 def test_straight_needs_places():

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from anet_lumped import Cable, Fixed, Free, Scene, equilibrium, simulate
+from anet_lumped import Cable, Fixed, Free, InputError, Scene, equilibrium, simulate
 from anet_lumped.effects import Gravity
 
 
@@ -22,13 +22,17 @@ ASKED = {
 
 def with_nan(**where):
     """The rest of the scene with a number that is none."""
-    rest = equilibrium(scene())
     name, at = next(iter(where.items()))
     if name == "t":
-        return dataclasses.replace(rest, t=at)
-    numbers = getattr(rest, name).copy()
+        return changed(t=at)
+    numbers = getattr(equilibrium(scene()), name).copy()
     numbers[at] = np.inf
-    return dataclasses.replace(rest, **{name: numbers})
+    return changed(**{name: numbers})
+
+
+def changed(**fields):
+    """The rest of the scene with fields of a user's own."""
+    return dataclasses.replace(equilibrium(scene()), **fields)
 
 
 @pytest.mark.parametrize("asked", ASKED)
@@ -39,7 +43,18 @@ def with_nan(**where):
         (lambda: with_nan(v=(2, 0)), r'must be finite, but the velocity of node 3 of 5 of cable "a-b" is \(inf, 0, 0\)'),
         (lambda: with_nan(q=(4, 2)), r'must be finite, but the position of point "b" is \(0, 0, inf\)'),
         (lambda: with_nan(segment_tension=1), 'must have finite tensions, but a segment of cable "a-b" has inf N'),
-        (lambda: with_nan(t=np.nan), "must have a finite time, but it has t=nan s"),
+        (lambda: with_nan(t=np.nan), r"must have a finite time \[s\], but it has t=nan"),
+        (lambda: with_nan(t="now"), r"must have a finite time \[s\], but it has t='now'"),
+        (lambda: changed(q=np.zeros((50, 3))), r"`q` .* must have the shape \(6, 3\), because its scene has 6 nodes, .* \(50, 3\)"),
+        (lambda: changed(v=None), r"`v` of a State must have the shape \(6, 3\)"),
+        (lambda: changed(q="abc"), "`q` of a State must be an array of numbers, but it is 'abc'"),
+        (lambda: changed(q=[[1, 2, 3], [4]]), "`q` of a State must be an array of numbers"),
+        (lambda: changed(q=np.full((6, 3), 1j)), "`q` of a State must be an array of numbers"),
+        (lambda: changed(q=[[10**400] * 3] * 6), "`q` of a State must be an array of numbers"),
+        (lambda: changed(segment_tension=[1.0]), r"`segment_tension` .* \(5,\), because its scene has 5 segments, .* \(1,\)"),
+        (lambda: changed(model=None), "`model` of a State must be that of a scene, but it is None"),
+        (lambda: np.zeros((6, 3)), '`start` must be "equilibrium", "straight" or a State'),
+        (lambda: {"a-b": "abc"}, 'The shape of cable "a-b" must be an array of numbers'),
         (lambda: {"a-c": np.zeros((6, 3))}, 'must be of a cable of the scene, but "a-c" is none.*"a-b"'),
         (lambda: {}, 'must be given for every cable, but cable "a-b" has none'),
         (lambda: {"a-b": np.zeros((5, 3))}, r"must have the places of its 6 nodes, \(6, 3\), but it is \(5, 3\)"),
@@ -49,6 +64,14 @@ def with_nan(**where):
 def test_what_is_no_start_is_refused(asked, start, message):
     with pytest.raises(ValueError, match=message):
         ASKED[asked](start())
+
+
+@pytest.mark.parametrize("at", [(0.0, 0.0, 0.0), (5e5, 5e6, 0.0)])
+def test_a_state_of_other_rows_is_refused_wherever_the_scene_is(at):
+    moved = dataclasses.replace(scene(), points=[Fixed("a", at), Free("b")])
+    for rows in (np.zeros((50, 3)), "abc", [[10**400] * 3] * 6):
+        with pytest.raises(InputError, match="`q` of a State must"):
+            simulate(moved, 0.01, start=dataclasses.replace(equilibrium(moved), q=rows))
 
 
 def test_shapes_are_a_start_of_a_run():

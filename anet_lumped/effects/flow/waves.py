@@ -1,7 +1,7 @@
 """Waves: what a user gives of them. `wave_kernel` evaluates them in compiled code."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -64,6 +64,11 @@ class Airy:
         # k tanh(k depth) = deep lies between deep and the sum of its limits for deep and for shallow water
         high = deep + math.sqrt(deep / self.depth)
         return brentq(lambda k: k * math.tanh(k * self.depth) - deep, deep, high, xtol=1e-15 * high, rtol=1e-14)
+
+    def seen_from(self, origin: Vector, g: float) -> "Airy":
+        """The same wave in coordinates whose origin lies at ``origin`` (3,) [m] of today's, for gravity g [m/s2]."""
+        along = sum(x * d for x, d in zip(origin, self.direction, strict=True))
+        return replace(self, phase=math.remainder(self.wave_number(g) * along + self.phase, 2.0 * math.pi))
 
     def numbers(self, g: float, level: float) -> np.ndarray:
         """What `wave_kernel.wave_at` reads of it, for gravity g [m/s2] and a still surface at z = level [m]: (9,) float64."""

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -14,6 +14,9 @@ class Wind(ABC):
 
     A wind is a frozen dataclass in a file of its own, with the two methods below, and a line in `KINDS` of this package.
     """
+
+    same_at_each_height: ClassVar[bool] = False
+    """Whether it is the same at all places of one height."""
 
     @abstractmethod
     def numbers(self) -> np.ndarray:
@@ -36,6 +39,11 @@ def as_winds(value: Any) -> tuple[Wind, ...]:
     if value is None:
         return ()
     return tuple(value) if isinstance(value, tuple | list) else (value,)
+
+
+def same_at_each_height(value: Any) -> bool:
+    """Whether none, one or several winds are the same at all places of one height."""
+    return all(wind.same_at_each_height for wind in as_winds(value))
 
 
 def check_winds(argument: str, value: Any, owner: str) -> Wind | tuple[Wind, ...] | None:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -35,6 +35,8 @@ class Gust(Wind):
     start: float
     rise: float
     stays: bool = False
+
+    same_at_each_height: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         owner = "wind Gust"

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -26,6 +26,8 @@ class Uniform(Wind):
     """
 
     velocity: Vector
+
+    same_at_each_height: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "velocity", check_vector("velocity", self.velocity, "m/s", "wind Uniform"))
@@ -61,6 +63,8 @@ class PowerLaw(Wind):
     exponent: float
     direction: Vector = (1.0, 0.0, 0.0)
     ground: float = 0.0
+
+    same_at_each_height: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         _check_profile(self, "wind PowerLaw")
@@ -99,6 +103,8 @@ class Logarithmic(Wind):
     direction: Vector = (1.0, 0.0, 0.0)
     ground: float = 0.0
 
+    same_at_each_height: ClassVar[bool] = True
+
     def __post_init__(self) -> None:
         owner = "wind Logarithmic"
         _check_profile(self, owner)
@@ -129,6 +135,8 @@ class Sampled(Wind):
     """
 
     samples: Sequence[Vector]
+
+    same_at_each_height: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         samples = self.samples

@@ -3,7 +3,7 @@
 import pathlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -34,6 +34,8 @@ class Recorded(Wind):
     interpolation: str = "linear"
     t: np.ndarray = field(init=False, repr=False, compare=False)
     velocity: np.ndarray = field(init=False, repr=False, compare=False)
+
+    same_at_each_height: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         if not isinstance(self.file, str):
