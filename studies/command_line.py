@@ -81,8 +81,8 @@ def _status(arguments):
 
     2 is for all that the user can put right: what is written on the command line, in a scene, in any file, a scene that cannot
     hang in rest, a file or folder that cannot be read or written. 1 is for what was asked for rightly and not reached: a run that
-    diverges, a rest or a recommendation that the search did not find, rows that failed, memory or worker processes that the
-    machine does not give.
+    diverges, a rest or a recommendation that the search did not find, rows that failed, memory, processes
+    or other things that the machine does not give.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     try:
@@ -100,8 +100,8 @@ def _status(arguments):
         _tell(f"The memory of this machine does not hold what this takes. {error}".rstrip())
         return 1
     except OSError as error:
-        _tell(f"{error.filename or 'A file'}: {error.strerror or error}.")
-        return 2
+        _tell(f"{error.filename or 'The system refused what this takes'}: {error.strerror or error}.")
+        return 2 if error.filename else 1
     except (ValueError, RuntimeError, ModuleNotFoundError) as error:
         if type(error).__module__.partition(".")[0] not in ("anet_lumped", "studies"):
             raise
@@ -440,8 +440,11 @@ def _give(result, as_json=False, out=None, stem="", save=lambda: None):
     from studies.shown.show import show
 
     if out:
-        (out / f"{stem}.json").write_text(to_json(result), encoding="utf-8")
-        save()
+        try:
+            (out / f"{stem}.json").write_text(to_json(result), encoding="utf-8")
+            save()
+        except OSError as error:  # that of a full disk names no file
+            raise OSError(error.errno, error.strerror or str(error), error.filename or str(out)) from None
     if as_json:
         print(to_json(result))
     else:

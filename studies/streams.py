@@ -72,9 +72,13 @@ def standard_streams() -> Iterator[None]:
         stdout.flush()
 
 
+def printable(text: str) -> str:
+    """The text with line ends and control characters, which a terminal would obey, as in a Python string."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
 def one_line(text: str, most: int = LONGEST) -> str:
-    """The text on one line of at most so many characters: line ends and control characters as \\n, \\x1b; its start and its end."""
+    """The text, `printable`, on one line of at most so many characters: its start and its end."""
     end = most // 3
-    text = text if len(text) <= 4 * most else f"{text[: 2 * most]}{text[-2 * most :]}"
-    text = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+    text = printable(text if len(text) <= 4 * most else f"{text[: 2 * most]}{text[-2 * most :]}")
     return text if len(text) <= most else f"{text[: most - end - 5]} ... {text[-end:]}"

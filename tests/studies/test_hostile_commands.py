@@ -141,6 +141,40 @@ def test_memory_that_is_not_there_is_one_line_and_no_fault_of_the_input(monkeypa
     assert "The memory of this machine does not hold what this takes. Unable to allocate" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("error", "status", "sentence"),
+    [
+        (OSError(12, "Cannot allocate memory"), 1, "The system refused what this takes: Cannot allocate memory."),
+        (PermissionError(13, "Permission denied", "a\nfile"), 2, r"a\nfile: Permission denied."),
+    ],
+)
+def test_what_the_system_refuses(error, status, sentence, monkeypatch, capsys):
+    def refused(*arguments, **settings):
+        raise error
+
+    monkeypatch.setattr("anet_lumped.statics.equilibrium.equilibrium", refused)
+    assert call("equilibrium", "net_held") == status
+    assert capsys.readouterr().err == f"anet-lumped: {sentence}\n"
+
+
+def test_results_that_a_full_disk_refuses_are_named_by_their_folder(monkeypatch, capsys, tmp_path):
+    def full(*arguments, **settings):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("studies.shown.summary.write_nodes", full)
+    assert call("equilibrium", "net_held", "--out", tmp_path) == 2
+    assert f"{tmp_path}: No space left on device." in capsys.readouterr().err
+
+
+def test_names_in_tables_are_on_one_line_and_command_no_terminal(capsys, tmp_path):
+    points = [Fixed("a\x1b[31m", (0, 0, 0)), Free("b\n:smile: [red]")]
+    cable = Cable(points[0].name, points[1].name, length=1.0, mass_per_length=0.1, EA=1e4, segments=4)
+    save_scene(Scene(points, [cable], [Gravity()]), tmp_path / "scene.toml")
+    assert call("equilibrium", tmp_path / "scene.toml") == 0
+    said = capsys.readouterr().out
+    assert r"a\x1b[31m-b\n:smile: [red]" in said and "\x1b" not in said
+
+
 def test_a_fault_of_the_program_is_no_message(monkeypatch):
     def faulty(*arguments, **settings):
         raise ValueError("a mistake in the code")
