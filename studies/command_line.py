@@ -61,18 +61,18 @@ Full = Annotated[
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the program; whatever the user can put right is one sentence on stderr."""
-    came = []
-    try:
-        with stop_signals() as came, standard_streams():
+    with stop_signals() as came, standard_streams():
+        try:
             warnings.showwarning = lambda message, *where: _tell(f"warning: {message}")
             _tell_what_takes_long()
             status = _status(arguments)
-    except KeyboardInterrupt:
-        status = 130
-    except PrintError as error:
-        status = 1
-        if str(error):
-            _tell(f"What is printed could not be written: {error}.")
+            sys.stdout.flush()
+        except KeyboardInterrupt:
+            status = 130
+        except PrintError as error:
+            status = 1
+            if str(error):
+                _tell(f"What is printed could not be written: {error}.")
     sys.exit(128 + came[0] if came else status)
 
 

@@ -56,7 +56,7 @@ def standard_streams() -> Iterator[None]:
 
     Raises
     ------
-    PrintError : stdout cannot be written, by a `print` within or at the end
+    PrintError : by a `print` or `flush` within, if stdout cannot be written
     """
     for number in range(3):
         try:
@@ -69,7 +69,6 @@ def standard_streams() -> Iterator[None]:
     )
     with contextlib.redirect_stdout(stdout), contextlib.redirect_stderr(stderr):
         yield
-        stdout.flush()
 
 
 def printable(text: str) -> str:

@@ -236,9 +236,11 @@ class _ContextWithoutScript(type(multiprocessing.get_context(_start_method()))):
 def _context(needs_script=False):
     context = multiprocessing.get_context(_start_method()) if needs_script else _ContextWithoutScript()
     if _start_method() == "forkserver":
-        from multiprocessing import forkserver  # which Windows does not import
+        from multiprocessing import forkserver, resource_tracker  # which Windows does not import
 
         context.set_forkserver_preload([PRELOADED])
+        with _held_back("SIGHUP"):
+            resource_tracker.ensure_running()  # which takes care of SIGINT itself, and gives it back to this process
         with _held_back("SIGINT", "SIGHUP"):  # which a terminal sends to all; this process ends the others in order
             forkserver.ensure_running()
     return context

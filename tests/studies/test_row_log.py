@@ -144,6 +144,12 @@ def test_what_is_no_file_is_refused_and_not_waited_for(folder, name, kind):
         rows(folder, resume=True)
 
 
+def test_a_pipe_in_place_of_the_meta_file_is_not_written_to(tmp_path):
+    os.mkfifo(tmp_path / "meta.json")
+    with pytest.raises(RowsError, match=r"must hold files, but .*meta\.json is none"):
+        rows(tmp_path)
+
+
 def test_a_log_that_cannot_be_read_or_written_is_named(folder, monkeypatch):
     def refuse(*arguments):
         raise PermissionError(13, "Permission denied")

@@ -13,6 +13,8 @@ from test_rows import start_and_wait_for_rows, wait_for_end_of
 
 from studies import stop_signals as module
 from studies.stop_signals import stop_signals
+from studies.sweeping.rows import run_rows
+from studies.sweeping.workers import _held_back
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 
@@ -27,6 +29,7 @@ def handlers(ctrl_c):
 
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_signal_is_an_interrupt_and_its_burst_is_none(number):
+    in_order = False
     with pytest.raises(KeyboardInterrupt), stop_signals() as came:
         try:
             os.kill(os.getpid(), number)
@@ -34,7 +37,8 @@ def test_a_signal_is_an_interrupt_and_its_burst_is_none(number):
         finally:
             for _ in range(5):
                 os.kill(os.getpid(), number)  # would end what puts things in order
-            assert came == [number]
+            in_order = True
+    assert in_order and came == [number]
     assert signal.getsignal(number) is signal.SIG_IGN  # while Python ends
 
 
@@ -85,6 +89,27 @@ def test_another_thread_leaves_signals_alone():
     thread.start()
     thread.join()
     assert seen == [([], before)]
+
+
+def blocked(row):
+    """Whether a worker gets the signals that a terminal sends to all."""
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, [])
+    return {number.name: number in mask for number in SIGNALS}
+
+
+def test_workers_leave_signals_of_the_terminal_to_who_began_them():
+    table = run_rows(blocked, [{"x": 1}], workers=1)
+    assert table[["SIGINT", "SIGHUP", "SIGTERM"]].values.tolist() == [[True, True, False]]
+
+
+def test_signals_are_held_back_while_workers_start():
+    with stop_signals() as came, pytest.raises(KeyboardInterrupt):
+        with _held_back("SIGTERM"):
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(0.05)
+            assert came == []
+        time.sleep(10)
+    assert came == [signal.SIGTERM]
 
 
 @pytest.mark.parametrize("number", SIGNALS)
