@@ -9,8 +9,12 @@ import os
 import sys
 
 from integrators.compiling import NOTICE
+from integrators.ctrl_c import ctrl_c_later
 
-if NOTICE.tell is None and multiprocessing.parent_process() is None and "ANET_LUMPED_QUIET" not in os.environ:
+with ctrl_c_later():  # once their import is interrupted, a process cannot import NumPy or Numba again
+    import numba  # noqa: F401
+
+if not NOTICE.watched and multiprocessing.parent_process() is None and "ANET_LUMPED_QUIET" not in os.environ:
     NOTICE.watch(
         "anet_lumped compiles what this machine has not compiled yet, for up to about 40 s; later runs do without.",
         lambda line: print(line, file=sys.stderr, flush=True),

@@ -50,11 +50,11 @@ class Notice:
     """A line that is told once, whoever compiles first."""
 
     def __init__(self) -> None:
-        self._lock, self._line, self.tell = threading.Lock(), "", None
+        self._lock, self._line, self.tell, self.watched = threading.Lock(), "", None, False
 
     def watch(self, line: str, tell: Callable[[str], None], only_cached: bool = False) -> None:
         """Have `tell(line)` called once when this process, or a worker of this process, compiles; arguments as above."""
-        self._line, self.tell = line, tell
+        self._line, self.tell, self.watched = line, tell, True
         call_when_compiling(self.give, only_cached)
 
     def give(self) -> None:

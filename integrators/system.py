@@ -5,13 +5,13 @@ systems. A scheme passes on ``data_address``, the address of the data of these f
 an address too, ``system_address``; `system_at` makes it readable.
 """
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numba import types
 
 from .addresses import view_at, words_of
+from .compile_once import compiling, once
 from .stage import STAGE
 
 _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
@@ -109,14 +109,6 @@ class StepState(NamedTuple):
     balance: np.ndarray
 
 
-def compiled(function, signature):
-    """A function of Numba's, compiled for one signature (or loaded from the cache) when it is first asked for."""
-    if not function.signatures:
-        function.compile(signature)
-        function.disable_compile()
-    return function
-
-
 def entry_point(function):
     """The entry that Python may call of a function compiled for one signature, with arguments of exactly these types.
 
@@ -127,11 +119,12 @@ def entry_point(function):
     return compiled.entry_point
 
 
-@cache
+@once
 def first_class(function):
     """A compiled function with one signature as a first-class value, so that its type is its signature's alone."""
     (compiled,) = function.overloads.values()
-    value = types.CompileResultWAP(compiled)
+    with compiling():
+        value = types.CompileResultWAP(compiled)
     address = value.__wrapper_address__()
     value.__wrapper_address__ = lambda: address  # asked for at every call that takes it
     return value

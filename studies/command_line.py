@@ -418,12 +418,14 @@ def _announce_compiling(what):
 
 
 def _tell_what_takes_long():
-    """What the library logs goes to stderr, once a command has taken `QUIET` seconds."""
+    """What the library logs goes to stderr: warnings at once, the rest once a command has taken `QUIET` seconds."""
     began = time.monotonic()
 
     class Late(logging.Handler):
         def emit(self, record):
-            if time.monotonic() - began > QUIET:
+            if record.levelno >= logging.WARNING:
+                _tell(f"warning: {record.getMessage()}")
+            elif time.monotonic() - began > QUIET:
                 _tell(f"... {record.getMessage()}")
 
     for log in map(logging.getLogger, ("anet_lumped", "integrators", "studies")):

@@ -50,6 +50,14 @@ def test_arrows(package):
             assert name.split(".")[0] not in forbidden, f"{path.relative_to(ROOT)} imports {name}"
 
 
+@pytest.mark.parametrize("package", PACKAGES)
+def test_all_that_is_compiled_goes_through_one_decorator(package):
+    """`integrators.jit.njit`, which minds threads, Ctrl-C and what is on the disk."""
+    for path in modules(package):
+        if path.relative_to(ROOT).as_posix() != "integrators/jit.py":
+            assert not {"numba.njit", "numba.jit", "numba.cfunc", "numba.vectorize"} & {*imported(path)}, path
+
+
 def test_refused_inputs_are_told_by_their_class():
     """What raises a bare ValueError could not be told from a mistake in the code."""
     for path in modules("anet_lumped"):

@@ -1,24 +1,23 @@
 """Compiled functions by their address, so that what calls them is compiled once whatever they are."""
 
-from functools import cache
-
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from integrators.system import compiled
+from integrators.compile_once import compile_for, compiling, once
 
 
-@cache
+@once
 def address(kernel):
     """Address of a compiled function with one signature [int]."""
     (compiled,) = kernel.overloads.values()
-    return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
+    with compiling():
+        return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
 
 
 def address_of(function, signature):
     """Address of a function that is compiled for one signature, or loaded from the cache, when it is first asked for."""
-    return address(compiled(function, signature))
+    return address(compile_for(function, signature))
 
 
 def callable_at(signature):

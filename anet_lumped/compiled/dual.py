@@ -10,10 +10,12 @@ import math
 import operator
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.core.typeconv import Conversion
 from numba.extending import intrinsic, lower_cast, make_attribute_wrapper, models, overload, register_model
+
+from anet_lumped.compiled.jit import njit
 
 from .lanes import select
 

@@ -3,7 +3,10 @@
 import pickle
 import re
 
+from integrators.compile_once import compiling, once
 
+
+@once
 def may_raise(kernel):
     """What a compiled function may raise, but for a lack of memory, of which no law can be asked to beware.
 
@@ -19,11 +22,9 @@ def may_raise(kernel):
     tuple of str : such as "ValueError in line 6"
     """
     (compiled,) = kernel.overloads.values()
-    found = [
-        _described(str(constant))
-        for constant in compiled.library._get_module_for_linking().global_variables
-        if constant.name.startswith(".const.pickledata") and not constant.name.endswith(".sha1")
-    ]
+    with compiling():
+        constants = [(one.name, str(one)) for one in compiled.library._get_module_for_linking().global_variables]
+    found = [_described(text) for name, text in constants if name.startswith(".const.pickledata") and not name.endswith(".sha1")]
     return tuple(dict.fromkeys(words for words in found if words))
 
 

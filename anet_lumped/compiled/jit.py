@@ -1,12 +1,12 @@
-"""How functions are compiled: three decorators, one for each way in which a function is called.
+"""How functions are compiled: `njit`, and four decorators, one for each way in which a function is called.
 
-None of them counts references to arrays: what is compiled here allocates nothing, and its callers hold what it looks at. Without
-that and without a wrapper for Python a function compiles in half the time.
+None of the four counts references to arrays: what is compiled here allocates nothing, and its callers hold what it looks at.
+Without that and without a wrapper for Python a function compiles in half the time.
 """
 
-from numba import njit
+from integrators.jit import SHARED, WITHOUT_ADDRESS, WITHOUT_PYTHON, njit
 
-from integrators.jit import SHARED, WITHOUT_ADDRESS, WITHOUT_PYTHON
+__all__ = ["inlined", "internal", "kernel", "njit", "on_demand"]
 
 _SHARED = SHARED | {"fastmath": {"contract"}}
 

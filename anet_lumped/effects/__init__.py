@@ -15,7 +15,8 @@ from .effect import Effect, check_effect_class
 class Registry(MutableMapping):
     """Classes of effects by the name of the effect, or the class's own name where the file of that name holds it.
 
-    Such a file is imported when its effect is looked up.
+    Such a file is imported when its effect is looked up. While one thread looks at the classes another may make an effect of its
+    own; therefore a loop goes over a list of them.
     """
 
     def __init__(self, classes: dict[str, str | type]) -> None:
@@ -34,7 +35,7 @@ class Registry(MutableMapping):
         del self.classes[name]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self.classes)
+        return iter(list(self.classes))
 
     def __len__(self) -> int:
         return len(self.classes)
@@ -42,17 +43,17 @@ class Registry(MutableMapping):
     @property
     def library(self) -> list[str]:
         """Names of the effects that come with the library, which are not those of a user's own."""
-        return [name for name, kind in self.classes.items() if isinstance(kind, str)]
+        return [name for name, kind in list(self.classes.items()) if isinstance(kind, str)]
 
     @property
     def class_names(self) -> list[str]:
         """Names of the classes."""
-        return [kind if isinstance(kind, str) else kind.__name__ for kind in self.classes.values()]
+        return [kind if isinstance(kind, str) else kind.__name__ for kind in list(self.classes.values())]
 
     def name_of(self, effect: Any) -> str | None:
         """Return the name that the class of an effect has here, or None; imports nothing."""
         kind = type(effect)
-        for name, known in self.classes.items():
+        for name, known in list(self.classes.items()):
             if known is kind or (kind.__module__, kind.__name__) == (f"{__name__}.{name}", known):
                 return name
         return None
@@ -80,7 +81,7 @@ __all__ = ["REGISTRY", "Effect", *OWN, *REGISTRY.class_names]
 def __getattr__(attribute: str) -> Any:
     if attribute in OWN:
         return getattr(import_module("anet_lumped.effects.own.decorators"), attribute)
-    for name, kind in REGISTRY.classes.items():
+    for name, kind in list(REGISTRY.classes.items()):
         if kind == attribute:
             return REGISTRY[name]
     raise AttributeError(f"module {__name__!r} has no attribute {attribute!r}")

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numba import njit
 
 from anet_lumped.checks import SceneError, Vector, check_number
+from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.flow.wind import Wind
 from anet_lumped.effects.flow.wind.base import check_winds, same_at_each_height
 from anet_lumped.effects.flow.wind.kernel import pack, wind_at

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numba import njit
 
 from anet_lumped.checks import check_number_by_name
+from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.laws.drag import tangent_of
 
 from .effect import Effect, names_left

@@ -26,9 +26,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numba import njit
 
 from anet_lumped.checks import SceneError, Vector, check_direction, check_pairs
+from anet_lumped.compiled.jit import njit
 
 from .effect import Effect
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE

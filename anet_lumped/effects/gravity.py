@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numba import njit
 
 from anet_lumped.checks import Vector, check_direction, check_number
+from anet_lumped.compiled.jit import njit
 
 from .effect import Effect
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE

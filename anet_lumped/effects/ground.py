@@ -21,9 +21,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-from numba import njit
 
 from anet_lumped.checks import SceneError, Vector, check_direction, check_number
+from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.laws.axial import secant_tension, spring_energy
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 

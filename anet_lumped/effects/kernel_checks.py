@@ -1,7 +1,6 @@
 """The compiled functions of an effect must fit their slots: checked when it is made, before an address of theirs is taken."""
 
 from collections.abc import Iterable, Mapping
-from functools import cache
 from typing import Any
 
 from numba.core.dispatcher import Dispatcher
@@ -52,7 +51,7 @@ def check_kernels(effect: Any) -> None:
                 f"The function `{slot}` of an effect must be compiled by Numba for signatures.{slot.upper()}_SIGNATURE alone, but "
                 f"that of {called} is {_listed(found, '') or 'compiled for none'}."
             )
-        raises = _raises(kernel)
+        raises = may_raise(kernel)
         if raises:
             by_zero = any(words.startswith("ZeroDivisionError") for words in raises)
             raise SceneError(
@@ -63,11 +62,6 @@ def check_kernels(effect: Any) -> None:
 
 def _signatures(kernel: Any) -> list[Any]:
     return [overload.signature for overload in kernel.overloads.values()]
-
-
-@cache
-def _raises(kernel: Any) -> tuple[str, ...]:
-    return may_raise(kernel)
 
 
 def _listed(words: Iterable[Any], quote: str = "`") -> str:

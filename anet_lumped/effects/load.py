@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numba import njit
 
 from anet_lumped.checks import Vector, check_names, check_number, check_vector
+from anet_lumped.compiled.jit import njit
 from anet_lumped.prescribed.smoothstep_kernel import ramped
 
 from .effect import Effect, names_left

@@ -28,9 +28,9 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numba import njit
 
 from anet_lumped.checks import SceneError, Vector, check_number
+from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.flow.wave_kernel import AT_REST, wave_at
 from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.wind import Wind

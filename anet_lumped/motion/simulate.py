@@ -3,6 +3,7 @@
 import math
 import warnings
 from collections.abc import Callable
+from contextvars import ContextVar
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -35,6 +36,7 @@ from .times import check_counts
 
 MEANT_STRAIN = 0.2  # of a straight start: cords break before
 DEFAULT_RTOL, DEFAULT_ATOL = 1e-6, 1e-9  # [m]; of the largest coordinate where no tolerance is given
+_audits = ContextVar("audits", default=False)  # whether this thread makes a run for an audit, which gives no warnings
 __all__ = ["RunError", "RunInterrupt", "StabilityWarning", "simulate", "straight"]
 
 
@@ -136,10 +138,10 @@ def simulate(
         span = save_every or t_end
         choice = replace(choice, dt=span / math.ceil(span / choice.dt))  # steps that end on what is saved
     for text in choice.warnings:
-        warnings.warn(text, StabilityWarning, stacklevel=3)  # of the caller, beyond the decorator
+        _warn(text, StabilityWarning)
     if isinstance(start, str) and start == "straight":
         for text in overstretched(begin):
-            warnings.warn(text, stacklevel=3)
+            _warn(text, UserWarning)
             choice = replace(choice, warnings=(*choice.warnings, text))
     settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
     whole = partial(march_legs, _march_of(scheme), scene, start=begin, t_end=begin.t + t_end, settings=settings)
@@ -165,9 +167,12 @@ def simulate(
             finer: dict[str, Any] = {"dt": run.dt / parts}
             if adaptive:
                 finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), settings.tolerances, strict=True)}
-            return simulate(
-                scene, t_end, method=run.method, start=start, rho_inf=rho_inf, extrapolate=extrapolate, save_every=every, **finer
-            )
+            finer |= {"method": run.method, "rho_inf": rho_inf, "extrapolate": extrapolate, "save_every": every}
+            before = _audits.set(True)
+            try:
+                return simulate(scene, t_end, start=start, **finer)
+            finally:
+                _audits.reset(before)
 
         order = None if adaptive else scheme.extrapolated_order if extrapolate else scheme.order
         run = audited(run, again, order, None if audit is True else audit)
@@ -180,6 +185,12 @@ def simulate(
     if check and not run.ok:
         raise RunError(run)
     return run
+
+
+def _warn(text: str, category: type[Warning]) -> None:
+    """Give a warning to whoever called `simulate`; the filters of `warnings` would silence it in other threads, too."""
+    if not _audits.get():
+        warnings.warn(text, category, stacklevel=4)  # of the caller of `simulate`, beyond its decorator
 
 
 def _tolerances(rtol: float | None, atol: float | None) -> tuple[float, float]:

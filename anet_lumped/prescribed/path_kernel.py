@@ -2,7 +2,9 @@
 
 import math
 
-from numba import float64, int64, njit, types, void
+from numba import float64, int64, types, void
+
+from anet_lumped.compiled.jit import njit
 
 from .paths import DEGREE, PathTable
 from .smoothstep_kernel import ramped

@@ -5,7 +5,6 @@ places come nearer: the error is what is left of a geometric series, whatever th
 """
 
 import time
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -66,7 +65,8 @@ def audited(run: Any, finer: Callable[[int], Any], order: float | None, allowed:
     ----------
     run : Run
     finer : callable(parts) -> Run
-        The same run with each step in so many parts, or with a tenth of the tolerance for two, saved at the same times.
+        The same run with each step in so many parts, or with a tenth of the tolerance for two, saved at the same times. It gives
+        no warnings, as the run itself has given them.
     order : int or None
         Of the run in its step; None where its steps were chosen by a tolerance.
     allowed : float or None [m]
@@ -78,18 +78,16 @@ def audited(run: Any, finer: Callable[[int], Any], order: float | None, allowed:
     """
     allowed = SHARE * max(cable.length for cable in run.scene.cables) if allowed is None else allowed
     began = time.perf_counter()
-    with warnings.catch_warnings():  # the run itself has given them
-        warnings.simplefilter("ignore")
-        other = finer(2)
-        apart = distances(run.q, other.q)
-        row, node = np.unravel_index(np.argmax(apart), apart.shape)
-        # q_h - q_(h/2) = (1 - 2^-p) of the error of q_h; a tenth of the tolerance leaves next to nothing of it
-        left = 1.0 if order is None else 1.0 - 2.0**-order
-        error, told = float(apart[row, node]) / left, run.error_estimate
-        disagree = bool(told) and not run.extrapolated and not 1.0 / DISAGREE < error / told < DISAGREE
-        if other.ok and order is not None and disagree and error > 0.1 * allowed:
-            nearer = float(apart[row, node]) / max(float(distances(other.q, finer(4).q)[row, node]), 1e-300)
-            error = float(apart[row, node]) / (1.0 - 1.0 / nearer) if nearer > SLOWEST else np.inf
+    other = finer(2)
+    apart = distances(run.q, other.q)
+    row, node = np.unravel_index(np.argmax(apart), apart.shape)
+    # q_h - q_(h/2) = (1 - 2^-p) of the error of q_h; a tenth of the tolerance leaves next to nothing of it
+    left = 1.0 if order is None else 1.0 - 2.0**-order
+    error, told = float(apart[row, node]) / left, run.error_estimate
+    disagree = bool(told) and not run.extrapolated and not 1.0 / DISAGREE < error / told < DISAGREE
+    if other.ok and order is not None and disagree and error > 0.1 * allowed:
+        nearer = float(apart[row, node]) / max(float(distances(other.q, finer(4).q)[row, node]), 1e-300)
+        error = float(apart[row, node]) / (1.0 - 1.0 / nearer) if nearer > SLOWEST else np.inf
     took, imbalance = time.perf_counter() - began, error_of_steps(run)
     largest = float(other.segment_tension.max(initial=0.0))
     off = abs(float(run.segment_tension.max(initial=0.0)) - largest) / left

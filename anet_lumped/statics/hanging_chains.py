@@ -15,9 +15,9 @@ slack cable closes as exactly as a taut one (the primal-dual idea of Andersen, C
 """
 
 import numpy as np
-from numba import float64, int64, njit, types
+from numba import float64, int64, types
 
-from anet_lumped.compiled.jit import inlined, internal, kernel
+from anet_lumped.compiled.jit import inlined, internal, kernel, njit
 from anet_lumped.mechanics.linear import junctions
 from anet_lumped.mechanics.linear import node_elimination as elimination
 from anet_lumped.model.net import view_net

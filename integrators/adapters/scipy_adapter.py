@@ -8,6 +8,8 @@ the other tolerances are scaled where a solver's norm is a mean over all compone
 import time
 import warnings
 from collections.abc import Callable
+from contextlib import nullcontext
+from threading import Lock
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +25,7 @@ from .outcome import LARGEST_COORDINATE, Outcome, Task, fastest_node
 MOST_WORK = 50_000_000  # force evaluations of a run; a bound on what is otherwise unbounded
 EPS = np.finfo(float).eps
 UNCONTROLLED = 1e100  # absolute tolerance of what must not decide about a step
+_LSODA = Lock()
 
 
 class Motion(NamedTuple):
@@ -124,8 +127,14 @@ def march(motion: Motion, task: Task) -> Outcome:
     """March with one of scipy's solvers.
 
     Radau and BDF factorise the sparse Jacobian. LSODA takes a dense or a banded one, so y is reordered (reverse
-    Cuthill-McKee) to make its band narrow.
+    Cuthill-McKee) to make its band narrow; one thread at a time marches with LSODA, whose numbers are global before scipy 1.17 and
+    which gives its reasons as warnings, whose filters are global, too.
     """
+    with _LSODA if task.method == "LSODA" else nullcontext():
+        return _march(motion, task)
+
+
+def _march(motion, task):
     started = time.perf_counter()
     equations, counts = _Equations(motion, task.q, task.v), np.zeros(COUNTS, np.int64)
     times = task.saved_times()
@@ -191,13 +200,16 @@ def _steps(equations, task, counts):
 
 def _step(solver):
     """Take a step; returns None or why it failed."""
-    with warnings.catch_warnings(record=True) as warned:  # LSODA gives its reasons as warnings
-        warnings.simplefilter("always")
-        try:
+    try:
+        if not isinstance(solver, scipy.integrate.LSODA):
+            with np.errstate(all="ignore"):
+                return solver.step()
+        with warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always")
             failure = solver.step()
-        except RuntimeError as error:  # a singular matrix
-            return str(error)
-    return str(warned[-1].message) if failure and warned else failure
+        return str(warned[-1].message) if failure and warned else failure
+    except RuntimeError as error:  # a singular matrix
+        return str(error)
 
 
 def _count(method, solver, calls, accepted, counts):

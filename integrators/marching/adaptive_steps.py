@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
+from integrators.compile_once import compile_for
 from integrators.flat_view import flat
 from integrators.jit import internal, march_loop
 from integrators.states import NONE, SAVED, SCRATCH, TWO, copy, copy_state, save, worst_node
@@ -24,7 +25,6 @@ from integrators.system import (
     STEP_STATE,
     STEPS,
     UNCONVERGED,
-    compiled,
     system_at,
 )
 
@@ -197,4 +197,4 @@ def adaptive_steps(stepper, times, order, state, scratch, saved, stop):
 def compiled_adaptive_steps():
     """`adaptive_steps`, compiled (or loaded from the cache) when it is first asked for."""
     stop = types.Array(types.int64, 1, "C")
-    return compiled(adaptive_steps, (STEPPER, ADAPTIVE_STEPS, types.int64, STEP_STATE, SCRATCH, SAVED, stop))
+    return compile_for(adaptive_steps, (STEPPER, ADAPTIVE_STEPS, types.int64, STEP_STATE, SCRATCH, SAVED, stop))

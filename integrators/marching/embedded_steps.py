@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
+from integrators.compile_once import compile_for
 from integrators.jit import internal, march_loop
 from integrators.schemes.embedded_pair import dense_output, judge_step, prepare_dense_output
 from integrators.states import NONE, ONE, SAVED, SCRATCH, copy, copy_state, save, worst_node
@@ -24,7 +25,6 @@ from integrators.system import (
     TAKEN_BY_METHOD,
     UNCONVERGED,
     StepState,
-    compiled,
     system_at,
 )
 
@@ -194,4 +194,4 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
 def compiled_embedded_steps():
     """`embedded_steps`, compiled (or loaded from the cache) when it is first asked for."""
     stop = types.Array(types.int64, 1, "C")
-    return compiled(embedded_steps, (STEPPER, ADAPTIVE_STEPS, PAIR_LIMITS, STEP_STATE, SCRATCH, SAVED, stop))
+    return compile_for(embedded_steps, (STEPPER, ADAPTIVE_STEPS, PAIR_LIMITS, STEP_STATE, SCRATCH, SAVED, stop))

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
+from integrators.compile_once import compile_for
 from integrators.jit import march_loop
 from integrators.states import NONE, ONE, SAVED, SCRATCH, copy_state, save, worst_node
 from integrators.step_ends import evaluate_start
@@ -19,7 +20,6 @@ from integrators.system import (
     STEP_STATE,
     STEPS,
     UNCONVERGED,
-    compiled,
     system_at,
 )
 
@@ -128,4 +128,4 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
 def compiled_fixed_steps():
     """`fixed_steps`, compiled (or loaded from the cache) when it is first asked for."""
     stop = types.Array(types.int64, 1, "C")
-    return compiled(fixed_steps, (STEPPER, FIXED_STEPS, STEP_ERROR, STEP_STATE, SCRATCH, GROWTH, SAVED, stop))
+    return compile_for(fixed_steps, (STEPPER, FIXED_STEPS, STEP_ERROR, STEP_STATE, SCRATCH, GROWTH, SAVED, stop))

@@ -5,14 +5,16 @@ import threading
 
 import numpy as np
 
+from integrators.ctrl_c import ctrl_c_later
+
 TOLD_EVERY = 5.0  # [s]
 
 
 def interruptible(march, *arguments, tell=lambda: None):
     """Call ``march(*arguments, stop)``, which releases the interpreter's lock and ends soon after ``stop[0]`` is set.
 
-    Python raises KeyboardInterrupt in its main thread, between two lines of Python; a compiled march is one line. Therefore the
-    march runs in another thread. Called from any other thread than the main one, it runs in that thread.
+    Python handles Ctrl-C in its main thread, between two lines of Python; a compiled march is one line. Therefore the march runs in
+    another thread. Called from any other thread than the main one, it runs in that thread.
 
     Parameters
     ----------
@@ -37,12 +39,19 @@ def interruptible(march, *arguments, tell=lambda: None):
         finally:
             ended.release()
 
-    ended.acquire()
-    _thread.start_new_thread(run, ())  # what `threading` adds to it costs as much as a hundred steps
-    while True:
-        try:
+    def end():
+        stop[0] = 1
+
+    try:
+        with ctrl_c_later(end):
+            ended.acquire()
+            _thread.start_new_thread(run, ())  # what `threading` adds to it costs as much as a hundred steps
             while not ended.acquire(timeout=TOLD_EVERY):
                 tell()
-            return outcome[0], bool(stop[0])
-        except KeyboardInterrupt:
-            stop[0] = 1
+        return outcome[0], bool(stop[0])
+    except KeyboardInterrupt:
+        if not outcome:  # it came before the march began
+            raise
+        return outcome[0], True
+    finally:
+        end()  # whatever was raised, no march goes on without anyone who waits for it

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from integrators.compile_once import compile_for
 from integrators.schemes.record import Scheme
 from integrators.states import Saved, scratch_for
 from integrators.system import (
@@ -17,7 +18,6 @@ from integrators.system import (
     STEPS,
     StepState,
     System,
-    compiled,
     entry_point,
     first_class,
     words_in_memory,
@@ -82,7 +82,7 @@ def march(
     parameters : (k,) float64 or None
         From `Scheme.parameters`; None takes the defaults.
     """
-    step, words = first_class(compiled(scheme.step, STEP)), words_in_memory(system)
+    step, words = first_class(compile_for(scheme.step, STEP)), words_in_memory(system)
     adaptive, (times_or_rows, observed) = isinstance(times, AdaptiveSteps), saves
     t = np.array(times_or_rows, float) if adaptive else np.empty(times_or_rows)
     rows_saved, n = len(t), len(q)

@@ -3,8 +3,7 @@
 Importing this file compiles Newton's kernels, or reads them from the disk.
 """
 
-from numba import njit
-
+from anet_lumped.compiled.jit import njit
 from anet_lumped.mechanics import newton_step, residual, settle
 
 

@@ -1,6 +1,7 @@
 """Where rows run: in an executor that is given, or in a pool of processes that survives the death of its workers."""
 
 import contextlib
+import logging
 import math
 import multiprocessing
 import os
@@ -15,6 +16,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, wait
 from importlib.util import find_spec
+from multiprocessing.process import BaseProcess
 from numbers import Integral
 from pathlib import Path
 from typing import NamedTuple
@@ -63,10 +65,10 @@ def through_own_pool(function: Callable[[dict], dict], rows: Iterable[dict], wor
     queue = deque(rows)
     workers = min(workers or available_cores(), max(len(queue), 1))
     pool = None
-    others = multiprocessing.active_children()
+    started: list[BaseProcess] = []  # by this sweep, and not by one in another thread
     try:
         while queue:
-            pool, lost = _start_pool(workers, function), deque()
+            pool, lost = _start_pool(workers, function, started), deque()
             for row, result in _results_of_pool(pool, function, queue):
                 if result is None:
                     lost.append(row)
@@ -74,14 +76,15 @@ def through_own_pool(function: Callable[[dict], dict], rows: Iterable[dict], wor
                     yield row, result
             while lost:
                 pool.executor.shutdown()
-                pool = _start_pool(1, function)
+                pool = _start_pool(1, function, started)
                 for row, result in _results(pool.executor, function, lost, window=1):
                     yield row, CRASHED if result is None else result
         if pool:
             pool.executor.shutdown()
     finally:
-        for process in set(multiprocessing.active_children()) - set(others):
-            process.terminate()
+        for process in started:
+            if process.is_alive():
+                process.terminate()
         if pool:  # waits for its thread, which else may find its pipe closed as the interpreter ends
             pool.executor.shutdown(cancel_futures=True)
 
@@ -92,7 +95,7 @@ def start_early() -> None:
     Not before the kernels are compiled and on the disk: both would compile them.
     """
     if _start_method() == "forkserver" and kernels_are_on_disk():
-        _context()
+        _Context([])
 
 
 def kernels_are_on_disk() -> bool:
@@ -215,6 +218,16 @@ def _start_method():
 
 
 _Process = multiprocessing.get_context(_start_method()).Process
+_main_is_swapped = threading.Lock()
+
+
+class _ProcessWithScript(_Process):
+    """A worker that imports the script which the program began with."""
+
+    @staticmethod
+    def _Popen(process):
+        with _main_is_swapped:  # by no other thread
+            return _Process._Popen(process)
 
 
 class _ProcessWithoutScript(_Process):
@@ -222,28 +235,33 @@ class _ProcessWithoutScript(_Process):
 
     @staticmethod
     def _Popen(process):
-        script, sys.modules["__main__"] = sys.modules["__main__"], types.ModuleType("__main__")
-        try:
-            return _Process._Popen(process)
-        finally:
-            sys.modules["__main__"] = script
+        with _main_is_swapped:
+            script, sys.modules["__main__"] = sys.modules["__main__"], types.ModuleType("__main__")
+            try:
+                return _Process._Popen(process)
+            finally:
+                sys.modules["__main__"] = script
 
 
-class _ContextWithoutScript(type(multiprocessing.get_context(_start_method()))):
-    Process = _ProcessWithoutScript
+class _Context(type(multiprocessing.get_context(_start_method()))):
+    """How workers begin; each of them is appended to `started`."""
 
+    def __init__(self, started, needs_script=False):
+        super().__init__()
+        self.started, self.kind = started, _ProcessWithScript if needs_script else _ProcessWithoutScript
+        if _start_method() == "forkserver":
+            from multiprocessing import forkserver, resource_tracker  # which Windows does not import
 
-def _context(needs_script=False):
-    context = multiprocessing.get_context(_start_method()) if needs_script else _ContextWithoutScript()
-    if _start_method() == "forkserver":
-        from multiprocessing import forkserver, resource_tracker  # which Windows does not import
+            self.set_forkserver_preload([PRELOADED])
+            with _held_back("SIGHUP"):
+                resource_tracker.ensure_running()  # which takes care of SIGINT itself, and gives it back to this process
+            with _held_back("SIGINT", "SIGHUP"):  # which a terminal sends to all; this process ends the others in order
+                forkserver.ensure_running()
 
-        context.set_forkserver_preload([PRELOADED])
-        with _held_back("SIGHUP"):
-            resource_tracker.ensure_running()  # which takes care of SIGINT itself, and gives it back to this process
-        with _held_back("SIGINT", "SIGHUP"):  # which a terminal sends to all; this process ends the others in order
-            forkserver.ensure_running()
-    return context
+    def Process(self, *arguments, **options):
+        process = self.kind(*arguments, **options)
+        self.started.append(process)
+        return process
 
 
 @contextlib.contextmanager
@@ -259,7 +277,7 @@ def _held_back(*names):
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _start_pool(workers, function):
+def _start_pool(workers, function, started):
     """Pool of processes that can load `function`; they import the script of the program only if part of the function is of it."""
     if getattr(multiprocessing.current_process(), "_inheriting", False):
         sys.exit(1)  # a worker that imports a script without a guard: the process that began it says so
@@ -267,13 +285,13 @@ def _start_pool(workers, function):
         needs_script = b"__main__" in pickle.dumps(function)
     except Exception as error:  # pickle raises PicklingError, AttributeError or TypeError
         raise TypeError(f"A row's function must be picklable to reach worker processes, but {error}.") from None
-    context = _context(needs_script)
+    context = _Context(started, needs_script)
     compiles = context.RawValue("b", 0)  # without a lock, which a worker that is killed could hold
     executor = ProcessPoolExecutor(workers, mp_context=context, initializer=_prepare_worker, initargs=(compiles,))
     try:
         with _held_back("SIGINT", "SIGTERM", "SIGHUP"):  # a process that is lost as it starts would not be ended
-            started = executor.submit(callable, function)
-        started.result()
+            loaded = executor.submit(callable, function)
+        loaded.result()
     except (BrokenExecutor, AttributeError, ImportError):
         raise WorkerError(
             "A script whose own functions or effects worker processes need must call sweep and run_rows below "
@@ -287,6 +305,7 @@ def _prepare_worker(compiles):
     """Leave Ctrl-C to the parent, die with the parent, keep warnings off the progress bar (rows carry a status)."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     warnings.simplefilter("ignore")
+    logging.getLogger("integrators").setLevel(logging.ERROR)  # that code cannot be kept on the disk, the parent tells
     threading.Thread(target=_die_with_parent, daemon=True).start()
     call_when_compiling(lambda: setattr(compiles, "value", 1))
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numba import njit
 
 from anet_lumped.checks import check_names, check_number, check_vector
+from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.effect import Effect
 from anet_lumped.effects.signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 

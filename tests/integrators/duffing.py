@@ -8,13 +8,15 @@ integrators, and once in numpy, for scipy, from the equations.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from scipy.integrate import solve_ivp
 
 from integrators.addresses import view_at, words_of
+from integrators.compile_once import compile_for
+from integrators.jit import njit
 from integrators.schemes import scheme
 from integrators.stage import LAW_BETWEEN, STAGE
-from integrators.system import NO_EVENTS, System, compiled, first_class
+from integrators.system import NO_EVENTS, System, first_class
 
 MASS = np.array([0.7, 1.3])  # [kg]
 START = (
@@ -247,7 +249,7 @@ class Duffing:
         self.words = np.empty(0)
         self.words = _in_memory(self.data)
         self.address = self.words.ctypes.data
-        functions = {name: first_class(compiled(*made)) for name, made in _FUNCTIONS.items()}
+        functions = {name: first_class(compile_for(*made)) for name, made in _FUNCTIONS.items()}
         per_mass = np.repeat([*1.0 / MASS, 0.0], 3).reshape(3, 3)
         self.system = System(**functions, per_mass=per_mass, n_free=2, largest=1e6)
 

@@ -1,10 +1,13 @@
 """The audit of a run: its estimate against the true error, what makes it fail, and where its word goes."""
 
+import warnings
+
 import numpy as np
 import pytest
 from systems import four_cables, hanging_chain, loose_cable, spring_mass
 
 from anet_lumped import RunError, load_run, simulate
+from anet_lumped.motion.simulate import StabilityWarning
 
 
 @pytest.mark.parametrize(
@@ -59,6 +62,14 @@ def test_energy_that_is_not_accounted_for():
     run = simulate(scene, 3.0, method="symplectic_euler", dt=1.3e-4, start="straight", audit=10.0)
     assert run.status in ("audit failed", "diverged")
     assert "energy in play are not accounted for" in run.message or "diverged" in run.message
+
+
+def test_an_audit_repeats_no_warning_and_leaves_the_filters_to_other_threads(monkeypatch):
+    with pytest.warns(StabilityWarning) as warned:
+        monkeypatch.setattr(warnings, "catch_warnings", None)
+        run = simulate(loose_cable(), 0.01, method="verlet", dt=2e-3, start="straight", audit=10.0)
+        monkeypatch.undo()
+    assert run.audit is not None and len(warned) == 1 and warned[0].filename == __file__
 
 
 def test_no_audit_unless_asked():

@@ -509,7 +509,7 @@ def test_a_straight_start_that_stretches_its_cable_says_so():
     assert "stretches cable" in run.warnings[0]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert simulate(LOOSE, 0.01, start="straight").warnings == ()
+        assert not any("stretches" in text for text in simulate(LOOSE, 0.01, start="straight").warnings)
         simulate(far, 0.01, start=run.state(0))  # a state is meant as it is
 
 

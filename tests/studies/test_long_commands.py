@@ -1,5 +1,7 @@
 """Commands that take long say what they are doing."""
 
+import logging
+
 import pytest
 
 from studies import command_line
@@ -18,3 +20,10 @@ def test_short_ones_do_not(capsys):
         command_line.main(["simulate", "loose_cable", "--t-end", "0.2", "--start", "straight", "--error", "0.1mm", "--json"])
     assert not ended.value.code
     assert "..." not in capsys.readouterr().err
+
+
+def test_warnings_in_the_log_are_told_at_once(capsys):
+    command_line._tell_what_takes_long()
+    logging.getLogger("integrators.kept_code").warning("Compiled code cannot be kept.")
+    logging.getLogger("integrators").info("step 1 of 2")
+    assert capsys.readouterr().err == "anet-lumped: warning: Compiled code cannot be kept.\n"

@@ -48,6 +48,18 @@ def test_rows_come_back_in_order_with_inputs_results_and_status():
     assert set(table["status"]) == {"done"} and set(table["reason"]) == {""}
 
 
+def test_sweeps_in_threads_leave_each_other_alone():
+    """One that ends ends its own workers; the script that workers must not import is swapped by one thread at a time."""
+    script = sys.modules["__main__"]
+    long, short = [{"seconds": 0.4 + 0.01 * x} for x in range(5)], [[{"seconds": 0.01 * x}] for x in range(6)]
+    with ThreadPoolExecutor(3) as threads:
+        other = threads.submit(run_rows, slow, long, workers=1)
+        tables = list(threads.map(lambda rows: run_rows(slow, rows, workers=1), short))
+    assert [table["status"].tolist() for table in tables] == [["done"]] * 6
+    assert other.result()["status"].tolist() == ["done"] * 5 and other.result()["pid"].nunique() == 1
+    assert sys.modules["__main__"] is script
+
+
 def test_a_failure_is_a_row_and_a_dead_worker_loses_no_other_row(tmp_path):
     table = run_rows(odd, rows_of(8), workers=2, out=tmp_path)
     assert table["status"].tolist() == ["done", "failed", "diverged", "crashed", *["done"] * 4]

@@ -12,8 +12,9 @@ Source: DNV-RP-C205 (2010), 3.3.2; Wheeler, J. Petrol. Technol. 22 (1970) 359.
 
 import math
 
-from numba import njit, types
+from numba import types
 
+from anet_lumped.compiled.jit import njit
 from anet_lumped.prescribed.smoothstep_kernel import ramped
 
 _vector, _matrix = types.UniTuple(types.float64, 3), types.UniTuple(types.float64, 9)

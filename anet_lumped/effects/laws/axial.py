@@ -28,9 +28,9 @@ The law at one time is plain arithmetic and `select`: Numba compiles these lines
 from types import FunctionType
 
 import numpy as np
-from numba import njit
 from numba.core.dispatcher import Dispatcher
 
+from anet_lumped.compiled.jit import njit
 from anet_lumped.compiled.lanes import select
 
 SWITCHES = {"none": (0.0, 0.0), "damped": (0.0, 1.0), "linear": (1.0, 1.0)}

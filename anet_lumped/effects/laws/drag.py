@@ -15,7 +15,7 @@ Hoerner, Fluid-Dynamic Drag (1965), ch. 3; DNV-RP-C205 (2010), 6.2 and 6.3 (norm
 
 import math
 
-from numba import njit
+from anet_lumped.compiled.jit import njit
 
 from .axial import select
 

@@ -13,7 +13,7 @@ Source
 Morison et al., Petr. Trans. AIME 189 (1950) 149; DNV-RP-C205 (2010), 6.2; drag: module `drag`.
 """
 
-from numba import njit
+from anet_lumped.compiled.jit import njit
 
 from .drag import point_drag, segment_drag
 

@@ -20,7 +20,7 @@ Source: Archimedes, On Floating Bodies and On the Sphere and Cylinder (volume of
 
 import math
 
-from numba import njit
+from anet_lumped.compiled.jit import njit
 
 from .axial import select
 

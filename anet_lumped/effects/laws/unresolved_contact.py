@@ -16,7 +16,7 @@ over the step; it only takes energy.
 Source: after Armero & Petocz, Comput. Methods Appl. Mech. Engrg. 158 (1998) 269, who damp all of a contact.
 """
 
-from numba import njit
+from anet_lumped.compiled.jit import njit
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

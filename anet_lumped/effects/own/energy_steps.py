@@ -21,9 +21,8 @@ Source: Gonzalez, J. Nonlinear Sci. 6 (1996) 449, for discrete gradients.
 
 import math
 
-from numba import njit
-
 from anet_lumped.compiled.dual import slope, value_of
+from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 from anet_lumped.effects.signatures import SETTLE_SIGNATURE, WHOLE_STEP_SIGNATURE
 

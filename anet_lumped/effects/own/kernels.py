@@ -11,9 +11,8 @@ For a law of nodes ``index`` holds the node of each element. For a law of segmen
 segment, and which of the two blocks ``near[segment]`` has the row of the first node and the column of the second.
 """
 
-from numba import njit
-
 from anet_lumped.compiled.dual import dual, slope
+from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
 from . import energy_steps

@@ -2,14 +2,15 @@
 
 import inspect
 from collections.abc import Callable
-from functools import cache
 from typing import NamedTuple
 
-from numba import float64, njit, types
+from numba import float64, types
 from numba.core.errors import NumbaError
 
 from anet_lumped.checks import SceneError
 from anet_lumped.compiled.dual import NAMES
+from anet_lumped.compiled.jit import njit
+from integrators.compile_once import compiling, once
 
 _vector = types.UniTuple(float64, 3)
 
@@ -88,7 +89,7 @@ def read_law(function, kind, base):
     return law, arguments
 
 
-@cache
+@once
 def compiled(law, shapes):
     """The law, compiled for numbers.
 
@@ -107,7 +108,8 @@ def compiled(law, shapes):
         n = 0 if key in law.kind.filled else next(shapes_left)
         kinds.append(types.UniTuple(float64, n) if n else float64)
     try:
-        function.compile(tuple(kinds))
+        with compiling():
+            function.compile(tuple(kinds))
     except NumbaError as error:
         raise SceneError(f"The law of an effect must compile with Numba, but `{name}` does not: {_why(error, law)}") from error
     found = function.nopython_signatures[0].return_type
@@ -116,7 +118,7 @@ def compiled(law, shapes):
     return function
 
 
-@cache
+@once
 def kernels(law, shapes):
     """The compiled functions of an effect, by their slot in `effects.signatures`; parameters as in `compiled`.
 
@@ -133,7 +135,7 @@ def kernels(law, shapes):
             n = next(shapes_left)
             sources.append(f"({''.join(f'params[{in_parameters + i}], ' for i in range(n))})" if n else f"params[{in_parameters}]")
             in_parameters += n or 1
-    numbers = njit(eval(f"lambda params, begin: ({''.join(f'{text}, ' for text in sources)})"))
+    numbers = njit()(eval(f"lambda params, begin: ({''.join(f'{text}, ' for text in sources)})"))
     try:
         return law.kind.make(function, numbers, in_parameters, in_elements)
     except NumbaError as error:

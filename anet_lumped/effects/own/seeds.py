@@ -1,8 +1,7 @@
 """Positions of nodes for a law: as plain numbers, and as dual numbers with slopes in themselves or without any."""
 
-from numba import njit
-
 from anet_lumped.compiled import dual
+from anet_lumped.compiled.jit import njit
 
 
 @njit(error_model="numpy")

@@ -1,0 +1,56 @@
+"""Compiling in one thread at a time, each function once, and never by halves."""
+
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from threading import RLock
+from typing import Any
+
+from numba.core.compiler_lock import global_compiler_lock
+
+from .ctrl_c import ctrl_c_later
+
+
+@contextmanager
+def compiling() -> Iterator[None]:
+    """Other threads wait, and so does Ctrl-C: what Numba leaves behind when it is interrupted compiles no more in this process.
+
+    The lock is Numba's own, so that no two locks can wait for each other.
+    """
+    with ctrl_c_later(), global_compiler_lock:
+        yield
+
+
+def once(make: Callable[..., Any]) -> Callable[..., Any]:
+    """Have a function that compiles called once for the same arguments: threads that ask at the same time wait for the first.
+
+    `functools.cache` would have each of them compile.
+    """
+    made: dict[tuple[Hashable, ...], Any] = {}
+    lock = RLock()
+
+    @wraps(make)
+    def ask(*given: Hashable) -> Any:
+        if given not in made:
+            with lock:
+                if given not in made:
+                    made[given] = make(*given)
+        return made[given]
+
+    return ask
+
+
+def compile_for(function, signature):
+    """Compile a function of Numba's for one signature alone, or load it from the disk, unless that is done; returns it.
+
+    Parameters
+    ----------
+    function : compiled by Numba
+    signature : of Numba's, or the types of its arguments
+    """
+    if not function.signatures:
+        with compiling():
+            if not function.signatures:
+                function.compile(signature)
+                function.disable_compile()
+    return function
