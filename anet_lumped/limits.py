@@ -20,6 +20,7 @@ class Limit(NamedTuple):
 
 STEPS = Limit("steps", 1e8, "ANET_LUMPED_MOST_STEPS")
 BYTES = Limit("bytes of memory", 1e9, "ANET_LUMPED_MOST_BYTES")
+TEXT = Limit("bytes of text", 4e6, "ANET_LUMPED_MOST_TEXT")
 ROWS = Limit("rows", 1e6, "ANET_LUMPED_MOST_ROWS")
 
 

@@ -16,7 +16,7 @@ import typer
 
 from studies.quantities import metres, newtons, seconds
 from studies.stop_signals import stop_signals
-from studies.streams import PrintError, one_line, standard_streams
+from studies.streams import PrintError, standard_streams
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -454,4 +454,6 @@ def _give(result, as_json=False, out=None, stem="", save=lambda: None):
 
 
 def _tell(line):
-    print(one_line(f"anet-lumped: {line}"), file=sys.stderr)
+    from anet_lumped.checks import one_line
+
+    print(f"anet-lumped: {one_line(str(line))}", file=sys.stderr)

@@ -33,5 +33,7 @@ def _amount(text, units, like):
     except ValueError:
         amount = math.nan
     if not math.isfinite(amount):
-        raise typer.BadParameter(f'must be {like}, but it is "{text}".')
+        from anet_lumped.checks import quoted
+
+        raise typer.BadParameter(f"must be {like}, but it is {quoted(text)}.")
     return amount

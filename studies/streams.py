@@ -6,8 +6,6 @@ import os
 import sys
 from collections.abc import Iterator
 
-LONGEST = 300  # characters of a line on stderr
-
 
 class PrintError(Exception):
     """Stdout cannot be written. The message says why; it is empty where the reader of a pipe has gone, which is no fault."""
@@ -69,15 +67,3 @@ def standard_streams() -> Iterator[None]:
     )
     with contextlib.redirect_stdout(stdout), contextlib.redirect_stderr(stderr):
         yield
-
-
-def printable(text: str) -> str:
-    """The text with line ends and control characters, which a terminal would obey, as in a Python string."""
-    return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
-
-
-def one_line(text: str, most: int = LONGEST) -> str:
-    """The text, `printable`, on one line of at most so many characters: its start and its end."""
-    end = most // 3
-    text = printable(text if len(text) <= 4 * most else f"{text[: 2 * most]}{text[-2 * most :]}")
-    return text if len(text) <= most else f"{text[: most - end - 5]} ... {text[-end:]}"

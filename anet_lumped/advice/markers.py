@@ -10,9 +10,7 @@ symmetric. `MarkerFit.offset` shows a shifted one.
 """
 
 import csv
-import io
 import math
-import stat
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +21,7 @@ from scipy.optimize import least_squares
 
 from anet_lumped.checks import InputError, shown
 from anet_lumped.limits import BYTES, check_most
+from anet_lumped.regular_files import read_text
 from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Scene
 from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
@@ -160,8 +159,8 @@ def read_markers(path: str | Path, scene: Scene, unit: str | None = None) -> Mar
         cloud of neither size.
     """
     if unit not in (None, "m", "mm"):
-        raise MarkerError(f'The unit of markers must be "m" or "mm", but unit={unit!r} was given.')
-    rows = csv.reader(io.StringIO(_text(Path(path)), newline=""))
+        raise MarkerError(f'The unit of markers must be "m" or "mm", but unit={shown(unit)} was given.')
+    rows = csv.reader(read_text(path, "A marker file", MarkerError).splitlines(keepends=True))
     try:
         header = [name.strip().lower() for name in next(rows, [])]
         if any(header.count(name) != 1 for name in "xyz"):
@@ -187,22 +186,6 @@ def _row(row: list[str], columns: list[int], where: str) -> list[float]:
     if any(abs(number) > LARGEST for number in numbers):
         raise MarkerError(f"A marker's x, y and z must not be beyond {LARGEST:g}, but {where} has {shown(cells)}.")
     return numbers
-
-
-def _text(path: Path) -> str:
-    """The text of a file that is a regular one and not too large."""
-    try:
-        found = path.stat()
-        if not stat.S_ISREG(found.st_mode):
-            raise MarkerError(f"A marker file must be a regular file, but {path} is none.")
-        check_most(BYTES, 10.0 * found.st_size, f"To read {path}")  # as cells of rows it takes ten times its size
-        return path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise MarkerError(f"A marker file must be readable, but {path}: {error.strerror}.") from None
-    except UnicodeDecodeError:
-        raise MarkerError(f"A marker file must be in UTF-8, but {path} is not.") from None
-    except ValueError as error:
-        raise error if isinstance(error, InputError) else MarkerError(f"A path must hold no NUL, but it is {path}.") from None
 
 
 def _in_metres(xyz: np.ndarray, scene: Scene, unit: str | None, path: str | Path) -> tuple[np.ndarray, str]:

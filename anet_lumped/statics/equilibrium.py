@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from anet_lumped.checks import quoted
 from anet_lumped.mechanics.finite_laws import name_law_that_is_not_finite
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
@@ -194,7 +195,7 @@ def _check_supports(scene: Scene) -> None:
         if name not in reached:
             others = len(_connected(neighbours, [name])) - 1
             raise NoRestError(
-                f'Every part of a net must hang on a fixed or driven point, but nothing holds free point "{name}"'
+                f"Every part of a net must hang on a fixed or driven point, but nothing holds free point {quoted(name)}"
                 + (f" and the {others} others it is tied to" if others else "")
                 + '; `simulate` moves it from start="straight" or a State.'
             )
@@ -216,12 +217,12 @@ def _check_slack(model: Model, tension: np.ndarray, total: float, scale: float) 
         smallest = tension[model.segments(cable.name)].min()
         if total == 0.0 and smallest < 1e-9 * scale:
             raise NoRestError(
-                f'A cable needs a load or a tension to have a static shape, but cable "{cable.name}" is slack and nothing '
+                f"A cable needs a load or a tension to have a static shape, but cable {quoted(cable.name)} is slack and nothing "
                 "loads it: a mechanism; give `start` a state instead."
             )
         pushes, law = cable.compression == "linear" or cable.EA_compression, cable.compression
         if pushes and smallest < 1e-9 * scale:
             raise NoRestError(
-                f'A cable that hangs in equilibrium must be taut, but cable "{cable.name}" with compression="{law}" has '
+                f'A cable that hangs in equilibrium must be taut, but cable {quoted(cable.name)} with compression="{law}" has '
                 f'a slack segment that would push; use compression="none" or "damped", or an even number of segments.'
             )

@@ -5,7 +5,7 @@ import math
 import sys
 from numbers import Integral, Real
 
-from studies.streams import printable
+from anet_lumped.checks import printable
 
 UNITS = {
     "m": "x y z sag length rmse gap largest covered",

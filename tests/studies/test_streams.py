@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.streams import LONGEST, PrintError, one_line, standard_streams
+from studies.streams import PrintError, standard_streams
 
 ROOT = Path(__file__).parents[2]
 PRINTS = """
@@ -81,10 +81,3 @@ def test_a_full_device_is_told_once_and_not_again_as_python_ends():
         done = subprocess.run([sys.executable, "-c", code], stdout=full, stderr=subprocess.PIPE, text=True, cwd=ROOT, env=buffered)
     assert both.returncode == 1
     assert (done.returncode, done.stderr) == (1, "anet-lumped: What is printed could not be written: No space left on device.\n")
-
-
-def test_a_message_is_one_line_that_keeps_its_start_and_its_end():
-    assert one_line("a\nb\x1b[31m\tc\udcff é") == "a\\nb\\x1b[31m\\tc\\udcff é"
-    text = one_line("must be, " + "x" * 10**7 + ", and is not")
-    assert len(text) == LONGEST and text.startswith("must be, xx") and text.endswith("xx, and is not")
-    assert " ... " in text
