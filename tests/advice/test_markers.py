@@ -212,7 +212,7 @@ def test_a_file_that_is_no_text_is_refused(tmp_path, content, message):
     [
         ("nowhere.csv", "must be readable, but nowhere.csv: No such file"),
         ("/", "must be readable, but /: Is a directory"),
-        ("a\0b", "a path that a file can have"),
+        ("a\0b", "must be given by the path of a file"),
     ],
 )
 def test_a_path_that_is_no_file_is_refused(path, message):
