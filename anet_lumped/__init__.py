@@ -34,7 +34,7 @@ from anet_lumped.scene.payload_change import PayloadChange
 from anet_lumped.scene.ropes import rope
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, Scene, SceneError
 from anet_lumped.statics.catenary import catenary
-from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
+from anet_lumped.statics.equilibrium import EquilibriumError, NoRestError, equilibrium
 
 __all__ = [
     "Cable",
@@ -43,6 +43,7 @@ __all__ = [
     "Fixed",
     "Free",
     "InputError",
+    "NoRestError",
     "PayloadChange",
     "Run",
     "RunError",

@@ -42,7 +42,7 @@ def check_most(limit: Limit, number: float, of: str) -> None:
     most = most_of(limit)
     if not number <= most:
         raise InputError(
-            f"{of} would take {number:.3g} {limit.what}, but must not take more than {most:.3g}; "
+            f"{of} would take {min(number, 1e308):.3g} {limit.what}, but must not take more than {most:.3g}; "
             f"the environment variable {limit.variable} sets another limit."
         )
 

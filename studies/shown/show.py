@@ -32,7 +32,7 @@ def show(result: dict) -> None:
     from rich.console import Console
 
     # A file or pipe has no width of its own; 80 columns would break every table.
-    console = Console(width=None if sys.stdout.isatty() else 160, highlight=False, markup=False)
+    console = Console(width=None if sys.stdout.isatty() else 160, highlight=False, markup=False, emoji=False)
     for title, value in result.items():
         if isinstance(value, list) and value and isinstance(value[0], dict):
             console.print(_table(title, value))
