@@ -7,7 +7,6 @@ SIGTERM. What a command needs it imports itself, so that `--help` answers at onc
 import logging
 import sys
 import tempfile
-import time
 import warnings
 from pathlib import Path
 from typing import Annotated
@@ -17,15 +16,13 @@ import typer
 from studies.quantities import metres, newtons, seconds
 from studies.stop_signals import stop_signals
 from studies.streams import PrintError, standard_streams
+from studies.telling import announce_compiling, tell, tell_what_takes_long
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
 UsageError = typer.BadParameter.__base__  # which Typer does not export
-QUIET = 3.0  # seconds, after which a command says what it is doing
-FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "recommend": 30, "effects": 40, "study": 60, "report": 70}
-"""Seconds of compiling on one core of 3 GHz where nothing is compiled yet, by what is asked for."""
 Scene = Annotated[
     str, typer.Argument(metavar="SCENE", help="A TOML or MoorDyn file (.txt, .dat), or a scene that comes with this by name.")
 ]
@@ -63,8 +60,8 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the program; whatever the user can put right is one sentence on stderr."""
     with stop_signals() as came, standard_streams():
         try:
-            warnings.showwarning = lambda message, *where: _tell(f"warning: {message}")
-            _tell_what_takes_long()
+            warnings.showwarning = lambda message, *where: tell(f"warning: {message}")
+            tell_what_takes_long()
             status = _status(arguments)
             sys.stdout.flush()
         except KeyboardInterrupt:
@@ -72,7 +69,7 @@ def main(arguments: list[str] | None = None) -> None:
         except PrintError as error:
             status = 1
             if str(error):
-                _tell(f"What is printed could not be written: {error}.")
+                tell(f"What is printed could not be written: {error}.")
     sys.exit(128 + came[0] if came else status)
 
 
@@ -92,20 +89,20 @@ def _status(arguments):
     except UsageError as error:
         told = error.format_message()
         if not told or error.ctx is None:
-            _tell(told)
+            tell(told)
         else:
-            _tell(f"{told.rstrip('.?')}; {error.ctx.command_path} --help tells more.")
+            tell(f"{told.rstrip('.?')}; {error.ctx.command_path} --help tells more.")
         return 2
     except MemoryError as error:
-        _tell(f"The memory of this machine does not hold what this takes. {error}".rstrip())
+        tell(f"The memory of this machine does not hold what this takes. {error}".rstrip())
         return 1
     except OSError as error:
-        _tell(f"{error.filename or 'The system refused what this takes'}: {error.strerror or error}.")
+        tell(f"{error.filename or 'The system refused what this takes'}: {error.strerror or error}.")
         return 2 if error.filename else 1
     except (ValueError, RuntimeError, ModuleNotFoundError) as error:
         if type(error).__module__.partition(".")[0] not in ("anet_lumped", "studies"):
             raise
-        _tell(str(error))
+        tell(str(error))
         return 2 if isinstance(error, ValueError) else 1
 
 
@@ -187,7 +184,7 @@ def recommend(
     _give(recommendation_summary(found, scene), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
-        _tell(
+        tell(
             f"within {error:g} m it runs {pace:.3g} times faster than real time, and not {realtime:g} times; allow a larger error."
         )
         raise typer.Exit(1)
@@ -273,11 +270,11 @@ def sweep(
             label="sweep",
         )
     except KeyboardInterrupt as stopped:
-        _tell(f"{str(stopped) or 'Stopped.'} The same command with --resume does the rest.")
+        tell(f"{str(stopped) or 'Stopped.'} The same command with --resume does the rest.")
         raise typer.Exit(130) from None
     _give({"rows": (table if as_json else table.head(SHOWN)).to_dict("records")}, as_json)
     bad = int((table["status"] != "done").sum())
-    _tell(f"{len(table)} rows in {out}/rows.parquet and .csv" + (f", {bad} of them not done." if bad else "."))
+    tell(f"{len(table)} rows in {out}/rows.parquet and .csv" + (f", {bad} of them not done." if bad else "."))
     if bad:
         raise typer.Exit(1)
 
@@ -307,12 +304,12 @@ def study(
     if name is None:
         print("\n".join(NAMES))
         return
-    _announce_compiling("study")
+    announce_compiling("study")
     logging.getLogger("anet_lumped").setLevel(logging.WARNING)  # of a study its rows are told, not their runs
     out = out or Path("results") / name
     found = run_study(name, out, quick=quick)
     print(found.record.question, *found.answer, sep="\n\n")
-    _tell(f"{found.seconds:.1f} s; rows, figures and answer in {out}")
+    tell(f"{found.seconds:.1f} s; rows, figures and answer in {out}")
 
 
 @app.command(epilog="Example: anet-lumped mismatch net_held --markers run1.csv   (columns x, y, z in m or mm)")
@@ -340,17 +337,17 @@ def report(
     The page is there from the start and grows with every study. Without --full it takes some minutes, and a first look of the
     studies that are long.
     """
-    _announce_compiling("report")
+    announce_compiling("report")
     for log in map(logging.getLogger, ("anet_lumped", "studies")):  # a report tells its studies
         log.setLevel(logging.WARNING)
     from studies.report import PAGE, ReportInterrupt, write_report
     from studies.shown.progress import report_progress
 
     try:
-        with report_progress(_tell) as tell:
-            failed = write_report(out, full=full, tell=tell)
+        with report_progress(tell) as tell_study:
+            failed = write_report(out, full=full, tell=tell_study)
     except ReportInterrupt as stopped:
-        _tell(str(stopped))
+        tell(str(stopped))
         raise typer.Exit(130) from None
     print(out / PAGE)
     if failed:
@@ -384,8 +381,8 @@ def convert(
 
 
 def _load(text, compiles):
-    """Scene of a file, or by its name one that comes with the package; `compiles` is one of FIRST_COMPILING."""
-    _announce_compiling(compiles)
+    """Scene of a file, or by its name one that comes with the package; `compiles` is one of `telling.FIRST_COMPILING`."""
+    announce_compiling(compiles)
     from anet_lumped.checks import SceneError
     from anet_lumped.files.scene_file import load_scene
     from anet_lumped.model.build import build
@@ -409,30 +406,6 @@ def _changed(scene, texts):
     return apply(scene, {name: given[0] for name, given in values.items()})[0]
 
 
-def _announce_compiling(what):
-    """Have one line say so, once, if Numba has to compile, here or in a worker."""
-    from integrators.compiling import NOTICE
-
-    line = f"Compiling what this machine has not compiled yet takes up to about {FIRST_COMPILING[what]} s; later runs do without."
-    NOTICE.watch(line, _tell)
-
-
-def _tell_what_takes_long():
-    """What the library logs goes to stderr: warnings at once, the rest once a command has taken `QUIET` seconds."""
-    began = time.monotonic()
-
-    class Late(logging.Handler):
-        def emit(self, record):
-            if record.levelno >= logging.WARNING:
-                _tell(f"warning: {record.getMessage()}")
-            elif time.monotonic() - began > QUIET:
-                _tell(f"... {record.getMessage()}")
-
-    for log in map(logging.getLogger, ("anet_lumped", "integrators", "studies")):
-        log.handlers = [Late()]
-        log.setLevel(logging.INFO)
-
-
 def _give(result, as_json=False, out=None, stem="", save=lambda: None):
     """Save a result in the folder `out` if there is one, with what `save` writes there besides; then print it.
 
@@ -451,9 +424,3 @@ def _give(result, as_json=False, out=None, stem="", save=lambda: None):
         print(to_json(result))
     else:
         show(result)
-
-
-def _tell(line):
-    from anet_lumped.checks import one_line
-
-    print(f"anet-lumped: {one_line(str(line))}", file=sys.stderr)

@@ -12,8 +12,8 @@ from test_command_line import PROGRAM, SLOW, call
 from test_rows import start_and_wait_for_rows, wait_for_end_of
 
 from integrators.marching import interruptible
-from studies import command_line
 from studies import stop_signals as module
+from studies import telling
 from studies.stop_signals import stop_signals
 from studies.sweeping.rows import run_rows
 from studies.sweeping.workers import _held_back
@@ -118,8 +118,8 @@ def test_signals_are_held_back_while_workers_start():
 def test_a_run_that_is_stopped_is_saved(number, monkeypatch, tmp_path):
     """The signal comes as the march first says how far it is."""
     monkeypatch.setattr(interruptible, "TOLD_EVERY", 0.2)
-    monkeypatch.setattr(command_line, "QUIET", 0.0)
-    monkeypatch.setattr(command_line, "_tell", lambda line: os.kill(os.getpid(), number) if " step" in line else None)
+    monkeypatch.setattr(telling, "QUIET", 0.0)
+    monkeypatch.setattr(telling, "tell", lambda line: os.kill(os.getpid(), number) if " step" in line else None)
     long = [
         "simulate",
         "loose_cable",

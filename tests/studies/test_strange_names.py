@@ -8,7 +8,7 @@ import pytest
 from anet_lumped import Cable, Fixed, Free, Scene, save_scene
 from anet_lumped.checks import LONGEST
 from anet_lumped.effects import Gravity
-from studies import command_line
+from studies import telling
 from studies.command_line import main
 
 STRANGE = "b\x1b[31m\n\u202e$\\frac{$[red]"
@@ -56,7 +56,7 @@ def test_a_quantity_that_is_none_is_shown_in_short(text, capsys):
 
 
 def test_what_is_told_is_one_line(scene_file, capsys):
-    command_line._tell("y" * 1000 + "\x1b\n")
+    telling.tell("y" * 1000 + "\x1b\n")
     assert re.fullmatch(r"anet-lumped: y+ \.\.\. y+\\x1b\\n", capsys.readouterr().err.rstrip("\n"))
     scene_file.write_text(scene_file.read_text() + f"\n[{'z' * 10**5}]\n")
     assert call("equilibrium", scene_file) == 2
