@@ -37,6 +37,7 @@ NAMES = [
     "length_error",
     "stability_map",
     "energy_rise",
+    "hostile_input",
     "speed",
     "work_precision",
     "hard_cases",

@@ -116,14 +116,16 @@ def _slopes(scene, model, cable, cut):
     by = cable.length
     (mass, params), (_, twice) = longer(by), longer(2.0 * by)
     base = model.effects.params
-    bent = np.abs(twice - 2.0 * params + base) > 1e-9 * (np.abs(twice) + np.abs(base))
+    with np.errstate(invalid="ignore"):  # an infinite depth stays as it is
+        bent = np.abs(twice - 2.0 * params + base) > 1e-9 * (np.abs(twice) + np.abs(base))
+        slopes = np.where(np.abs(params - base) > 1e-12 * np.abs(base), params - base, 0.0) / by
     if bent.any():
         e = int(np.searchsorted(model.effects.params_at, np.flatnonzero(bent)[0], side="right")) - 1
         raise SceneError(
             f"Effects beside LineChange must depend on lengths linearly, but {type(model.forces[e]).__name__} does not, of cable "
             f"{quoted(cable.name)}."
         )
-    return (mass - model.mass) / by, np.where(np.abs(params - base) > 1e-12 * np.abs(base), params - base, 0.0) / by
+    return (mass - model.mass) / by, slopes
 
 
 def _starts(rows):

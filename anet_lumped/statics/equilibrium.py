@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import quoted
+from anet_lumped.checks import check_number, quoted
 from anet_lumped.mechanics.finite_laws import name_law_that_is_not_finite
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
@@ -57,6 +57,7 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
         A start that is none.
     """
     check_scene(scene)
+    tolerance = check_number("tolerance", tolerance, "", "`equilibrium`", sign="positive")
     model = build(scene)
     _check_supports(scene)
     given = None if start is None or (isinstance(start, str) and start == "equilibrium") else start_state(model, start)

@@ -7,12 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from drawn import Drawn
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from anet_lumped import InputError, load_run
 from anet_lumped.checks import LONGEST
 from anet_lumped.results.run_file import FORMAT, DamagedError, _OnceThrough
+from studies.catalogue.hostile_files import changed_bytes
 
 OLD = Path(__file__).parents[1] / "files" / "run_of_version_0_1.nc"  # without format and checksum
 ACCOUNT = ("method", "dt", "reason", "status", "message", "wall_time", "warnings", "events", "extrapolated", "kept")
@@ -58,38 +60,10 @@ def test_a_file_of_before_there_were_checksums_is_read(tmp_path, saved, run):
     assert said_of(load_run(edited(tmp_path, saved))) == said_of(run)
 
 
-# A change of a file: what, where over its length, a number, and another place that bytes are copied from.
-place = st.floats(0.0, 1.0, exclude_max=True)
-change = st.tuples(st.sampled_from(["bit", "byte", "cut", "take", "put", "copy", "word"]), place, st.integers(0, 255), place)
-WORDS = [b"\x7f\xff\xff\xff", b"\xff\xff\xff\xff", bytes(4), b"\x80\0\0\0", b"\0\x0f\xff\xff"]  # sizes that a header may claim
-
-
-def changed(content, change):
-    kind, where, number, other = change
-    content, at, size = bytearray(content), int(where * len(content)), number % 9 + 1
-    if kind == "bit":
-        content[at] ^= 1 << number % 8
-    elif kind == "byte":
-        content[at] = number
-    elif kind == "cut":
-        del content[at:]
-    elif kind == "take":
-        del content[at : at + size]
-    elif kind == "put":
-        content[at:at] = bytes([number] * size)
-    elif kind == "copy":
-        begin = int(other * len(content))
-        content[at : at + size] = content[begin : begin + size]
-    else:
-        at -= at % 4
-        content[at : at + 4] = WORDS[number % len(WORDS)]
-    return bytes(content)
-
-
 @settings(deadline=None, max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(change=change)
-def test_a_changed_file_is_refused_or_says_the_same(tmp_path, saved, run, change):
-    (tmp_path / "run.nc").write_bytes(changed(saved, change))
+@given(st.data())
+def test_a_changed_file_is_refused_or_says_the_same(tmp_path, saved, run, data):
+    (tmp_path / "run.nc").write_bytes(changed_bytes(Drawn(data), saved))
     try:
         found = load_run(tmp_path / "run.nc")
     except InputError as refused:
@@ -100,9 +74,9 @@ def test_a_changed_file_is_refused_or_says_the_same(tmp_path, saved, run, change
 
 
 @settings(deadline=None, max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(change=change)
-def test_a_changed_file_without_a_checksum_is_refused_or_a_run(tmp_path, change):
-    (tmp_path / "run.nc").write_bytes(changed(OLD.read_bytes(), change))
+@given(st.data())
+def test_a_changed_file_without_a_checksum_is_refused_or_a_run(tmp_path, data):
+    (tmp_path / "run.nc").write_bytes(changed_bytes(Drawn(data), OLD.read_bytes()))
     try:
         found = load_run(tmp_path / "run.nc")
     except InputError as refused:
