@@ -156,7 +156,7 @@ def test_a_refusal_is_of_the_kind_that_is_asked_for(tmp_path):
     with pytest.raises(MarkerError, match="A marker file must be readable"):
         read_markers(tmp_path / "none.csv", SCENE)
     (tmp_path / "it.csv").write_text('x,y,z\n"' + "1" * 200_000)
-    with pytest.raises(MarkerError, match=r"A marker file must be a table of comma-separated values, but .*: field larger than"):
+    with pytest.raises(MarkerError, match=r"A marker file must be a table in CSV, but .*it.csv, line 2, is not: field larger than"):
         read_markers(tmp_path / "it.csv", SCENE)
 
 

@@ -23,7 +23,7 @@ from anet_lumped.checks import InputError, shown
 from anet_lumped.limits import BYTES, check_most
 from anet_lumped.regular_files import read_text
 from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Scene
+from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
 
 from .compare import below_chord, project, r_squared, rmse
@@ -261,6 +261,7 @@ def fit_markers(xyz: ArrayLike, scene: Scene) -> MarkerFit:
     MarkerError
         Fewer than three markers on every cable, or markers that lie far from all cables.
     """
+    check_scene(scene)
     xyz = np.asarray(xyz, dtype=float)
     segments = max(cable.segments for cable in scene.cables)
     check_most(BYTES, float(DISTANCES * len(xyz) * segments), f"A fit of {segments} segments to {len(xyz)} markers")

@@ -18,6 +18,18 @@ from studies.stop_signals import stop_signals
 from studies.sweeping.rows import run_rows
 from studies.sweeping.workers import _held_back
 
+
+@pytest.fixture(autouse=True)
+def heard():
+    """No signal is ignored, as one is in what runs in the background."""
+    ignored = [number for number in SIGNALS if signal.getsignal(number) == signal.SIG_IGN]
+    for number in ignored:
+        signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+    yield
+    for number in ignored:
+        signal.signal(number, signal.SIG_IGN)
+
+
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 
 
