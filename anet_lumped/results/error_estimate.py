@@ -11,8 +11,8 @@ cable, omega h/2 > 1, a jump of its tension would in truth ring by as much as it
 for missing, and a quarter of the share of the energy that the method took. Where it does not resolve the highest one, of a segment,
 half of the jump itself is taken for missing. At both ends of a run, a tension that is the mean over a step lags by half of one.
 
-Of 200 random motions at four steps each the estimate of places is within a factor of four of the truth in nine of ten runs, and below
-a tenth of it in one of a hundred. That of tensions is within it in four of five, and below a tenth in one of sixty (the study
+Of 200 random motions at four steps each the estimate of places is within a factor of four of the truth in nine of ten runs, and
+below a tenth of it in one of a hundred. That of tensions is within it in four of five, and below a tenth in one of sixty (the study
 `error_estimate`).
 """
 

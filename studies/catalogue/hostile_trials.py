@@ -5,6 +5,7 @@ from another source of chance.
 """
 
 import contextlib
+import importlib
 import io
 import math
 import signal
@@ -286,8 +287,7 @@ COMMAND_WORDS = (
 
 
 def _command(pick, folder):
-    from studies.command_line import main
-
+    program = importlib.import_module("studies.command_line")  # by its name: the program runs studies, and this one runs it
     commands = ("equilibrium", "check", "simulate", "mismatch", "ropes", "measures", "convert", "nothing", "")
     words = [pick.one_of(commands), *(pick.one_of(COMMAND_WORDS) for _ in range(pick.integer(0, 5)))]
 
@@ -295,7 +295,7 @@ def _command(pick, folder):
         out, err = io.StringIO(), io.StringIO()
         with contextlib.chdir(folder), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             try:
-                main(words)
+                program.main(words)
             except SystemExit as ended:
                 status = ended.code
         outcome = {0: ACCEPTED, None: ACCEPTED, 1: SAID, 2: REFUSED}.get(status, TRACEBACK)
