@@ -14,7 +14,7 @@ from anet_lumped.effects.laws.axial import elastic_energy, energy_of_length, ten
 from anet_lumped.effects.signatures import as_energy
 from anet_lumped.mechanics.effect_forces import numbers_of
 from anet_lumped.mechanics.optional import SIGNATURES
-from anet_lumped.mechanics.segment_law import spring_of
+from anet_lumped.mechanics.segment_law import SHORTEST, spring_of
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
@@ -154,7 +154,7 @@ def power_of_lengths(net_address, t, q, v, f):
             q0, q1, v0, v1 = q[a], q[b], v[a], v[b]
             dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
             l = math.sqrt(dx * dx + dy * dy + dz * dz)
-            rate = (dx * (v1[0] - v0[0]) + dy * (v1[1] - v0[1]) + dz * (v1[2] - v0[2])) / max(l, 1e-12 * L0) - L0_rate
+            rate = (dx * (v1[0] - v0[0]) + dy * (v1[1] - v0[1]) + dz * (v1[2] - v0[2])) / max(l, SHORTEST * L0) - L0_rate
             T, _ = tension_parts(l - L0, rate, spring, row[AXIAL_DAMPER], row[AXIAL_TWO_WAY_DAMPER])
             power += elastic_energy(l - L0, (stiffness_rate, *spring[1:])) + (energy_of_length(l - L0, spring) - T) * L0_rate
             a = b

@@ -11,7 +11,7 @@ from anet_lumped.effects.signatures import as_force
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
 from anet_lumped.mechanics.effect_forces import numbers_of, share_with_fluid
 from anet_lumped.mechanics.optional import as_cable_force, as_power_of_lengths, as_set_lengths
-from anet_lumped.mechanics.segment_law import group_constant, spring_of
+from anet_lumped.mechanics.segment_law import SHORTEST, group_constant, spring_of
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
@@ -37,7 +37,7 @@ def _cable_force(net, c, members, q, v, f):
     """Force of a cable, or of the cables of a group of which ``members`` count; returns the power that dampers dissipate [W]."""
     node, start, end = column(net.cable, c, CABLE_FIRST_NODE), column(net.cable, c, CABLE_START), column(net.cable, c, CABLE_END)
     L0, spring, damper = column(net.axial, c, AXIAL_L0), spring_of(net, c), column(net.axial, c, AXIAL_DAMPER)
-    two_damper, count = group_constant(net, c, AXIAL_TWO_WAY_DAMPER), segment_count(net, c)
+    two_way_damper, count = group_constant(net, c, AXIAL_TWO_WAY_DAMPER), segment_count(net, c)
     flat_q, flat_v, flat_f, dissipated, L0_rate = flat(q), flat(v), flat(f), 0.0 * L0, column(net.axial, c, AXIAL_L0_RATE)
     i, q0, v0, pull_behind = start, row3(flat_q, start), row3(flat_v, start), (dissipated, dissipated, dissipated)
     for j in range(count):
@@ -45,9 +45,9 @@ def _cable_force(net, c, members, q, v, f):
         q1, v1 = row3(flat_q, next_node), row3(flat_v, next_node)
         dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
         l = math.sqrt(dx * dx + dy * dy + dz * dz)
-        per_l = 1.0 / max(l, 1e-12 * L0)
+        per_l = 1.0 / max(l, SHORTEST * L0)
         rate = (dx * (v1[0] - v0[0]) + dy * (v1[1] - v0[1]) + dz * (v1[2] - v0[2])) * per_l - L0_rate
-        T, elastic = tension_parts(l - L0, rate, spring, damper, two_damper)
+        T, elastic = tension_parts(l - L0, rate, spring, damper, two_way_damper)
         dissipated = dissipated + (T - elastic) * rate
         tension_per_length = T * per_l
         pull = tension_per_length * dx, tension_per_length * dy, tension_per_length * dz

@@ -24,7 +24,7 @@ from anet_lumped.model.tables import (
 )
 
 from .linear import node_elimination as elimination
-from .segment_law import spring_of
+from .segment_law import SHORTEST, spring_of
 
 _f2, _f3 = (types.Array(types.float64, d, "C") for d in (2, 3))
 _i1, _i2 = (types.Array(types.int64, d, "C") for d in (1, 2))
@@ -139,17 +139,17 @@ def blocks(t, q, v, net_address, slot, far_slot, row, df_dq, df_dv):
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
         spring, L0, damper = spring_of(net, c), net.axial[c, AXIAL_L0], net.axial[c, AXIAL_DAMPER]
-        two_damper = net.axial[c, AXIAL_TWO_WAY_DAMPER]
+        two_way_damper = net.axial[c, AXIAL_TWO_WAY_DAMPER]
         a = net.cable[c, CABLE_START]
         for j in range(count):
             b = node + j if j < count - 1 else net.cable[c, CABLE_END]
             dx, dy, dz = q[b, 0] - q[a, 0], q[b, 1] - q[a, 1], q[b, 2] - q[a, 2]
             ux, uy, uz = v[b, 0] - v[a, 0], v[b, 1] - v[a, 1], v[b, 2] - v[a, 2]
             l = (dx * dx + dy * dy + dz * dz) ** 0.5
-            per_l = 1.0 / max(l, 1e-12 * L0)
+            per_l = 1.0 / max(l, SHORTEST * L0)
             n = (dx * per_l, dy * per_l, dz * per_l)
             rate = n[0] * ux + n[1] * uy + n[2] * uz
-            T, length_slope, rate_slope = tension_slopes(l - L0, rate, spring, damper, two_damper)
+            T, length_slope, rate_slope = tension_slopes(l - L0, rate, spring, damper, two_way_damper)
             tension_per_length, rate_slope_per_length = T * per_l, rate_slope * per_l
             along_slope = length_slope - rate_slope_per_length * rate - tension_per_length
             gradient = (

@@ -9,9 +9,7 @@ from anet_lumped.effects.laws.axial import elastic_energy, tension_parts
 from anet_lumped.effects.signatures import as_energy
 from anet_lumped.mechanics.effect_forces import numbers_of
 from anet_lumped.mechanics.optional import as_set_lengths
-from anet_lumped.mechanics.segment_law import (
-    spring_of,
-)
+from anet_lumped.mechanics.segment_law import SHORTEST, spring_of
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
@@ -54,7 +52,7 @@ def observe(q, v, net_address, tension):
     net = view_net(net_address)
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
-        L0, k, damper, two_damper, spring = (
+        L0, k, damper, two_way_damper, spring = (
             net.axial[c, AXIAL_L0],
             net.axial[c, AXIAL_STIFFNESS],
             net.axial[c, AXIAL_DAMPER],
@@ -64,24 +62,24 @@ def observe(q, v, net_address, tension):
         before = net.cable[c, CABLE_START]
         for j in range(count):
             i, s = node + j if j < count - 1 else net.cable[c, CABLE_END], first + j
-            acting = net.tension[s] if two_damper > 0.0 else max(net.tension[s], 0.0)
+            acting = net.tension[s] if two_way_damper > 0.0 else max(net.tension[s], 0.0)
             if net.linearised[LINEARISED_LAW] == LAW_BACKWARD or net.axial[c, AXIAL_INEXTENSIBLE] > 0.0:
                 tension[s] = acting
             else:
                 dx, dy, dz = q[i, 0] - q[before, 0], q[i, 1] - q[before, 1], q[i, 2] - q[before, 2]
                 l = math.sqrt(dx * dx + dy * dy + dz * dz)
                 rate = dx * (v[i, 0] - v[before, 0]) + dy * (v[i, 1] - v[before, 1]) + dz * (v[i, 2] - v[before, 2])
-                rate = rate / max(l, 1e-12 * L0) - net.axial[c, AXIAL_L0_RATE]
-                T, elastic = tension_parts(l - L0, rate, spring, damper, two_damper)
-                if net.linearised[LINEARISED_LAW] == LAW_BETWEEN and (elastic != 0.0 or two_damper > 0.0):
+                rate = rate / max(l, SHORTEST * L0) - net.axial[c, AXIAL_L0_RATE]
+                T, elastic = tension_parts(l - L0, rate, spring, damper, two_way_damper)
+                if net.linearised[LINEARISED_LAW] == LAW_BETWEEN and (elastic != 0.0 or two_way_damper > 0.0):
                     h, row = net.linearised[LINEARISED_TAU], net.segment[s]
                     mean = row[SEGMENT_STRETCH] - row[SEGMENT_STRETCH_BEFORE]
-                    if two_damper == 0.0:
+                    if two_way_damper == 0.0:
                         mean = max(row[SEGMENT_STRETCH], 0.0) - max(row[SEGMENT_STRETCH_BEFORE], 0.0)
                     mean /= h
                     resolved = 1.0 / (1.0 + (0.25 * h + 0.5 * damper / k) * h * net.axial[c, AXIAL_OMEGA_SQUARED])
                     T = acting + (elastic - row[SEGMENT_TENSION] + damper * mean) + damper * resolved * (rate - mean)
-                    T = T if two_damper > 0.0 else max(T, 0.0)
+                    T = T if two_way_damper > 0.0 else max(T, 0.0)
                 elif net.linearised[LINEARISED_LAW] == LAW_AT_END and net.linearised[LINEARISED_MEAN_STEP] > 0.0:
                     h = net.linearised[LINEARISED_MEAN_STEP]
                     stiff = (0.25 * h + 0.5 * damper / k) * h * net.axial[c, AXIAL_OMEGA_SQUARED]
