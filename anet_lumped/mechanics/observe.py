@@ -1,4 +1,4 @@
-"""What is saved of a state: tensions, energies, and how near a cable is to its breaking."""
+"""Tensions and energies of a state, which a run saves."""
 
 import math
 
@@ -41,13 +41,25 @@ _f1, _f2 = float64[::1], float64[:, ::1]
 
 @kernel(void(_f2, _f2, int64, _f1))
 def observe(q, v, net_address, tension):
-    """Tension of every segment in a state (n_segments,) [N], overwritten.
+    """Write the tension of every segment in a state (n_segments,) [N].
 
-    By the law at one time; after a step of law ``LAW_BETWEEN`` by the tension that acted over it and what the law says of the
-    difference between the end and the mean of the step, in which an error of the places is not multiplied by the stiffness.
-    Nor is one of the rates by the damper: where the step does not resolve the stretching, or how it is damped, the rate is
-    that of the step. After the stages of a Runge-Kutta step whose mean was taken, by the law where the step resolves the
-    stretching, and by that mean where it does not.
+    The law at one time would multiply rounding errors of the positions by the stiffness. Therefore the tension depends on the last
+    stage:
+
+    * `LAW_BACKWARD`, and cables that do not stretch: the tension that acted, since it acted at the end of the step.
+    * `LAW_BETWEEN`: the tension T that acted over the step h, plus the difference by the law between the end of the step and the
+      whole step. T_law is the tension over the step by the law, T_spring the tension of the spring at the end, r the rate of the
+      stretch at the end, and r_m its mean over the step:
+
+          T_end = T + (T_spring - T_law + c r_m) + c (r - r_m)/(1 + (h/4 + c/(2 k)) h omega^2) .
+
+      The last term is small where the step does not resolve the stretching: the rate at one time means little there.
+    * Stages of a Runge-Kutta step whose mean tension T_m was taken: with s = (h/4 + c/(2 k)) h omega^2,
+
+          T_end = T_m + (T_law - T_m)/(1 + s^2) ,
+
+      which is the law where the step resolves the stretching, and the mean where it does not.
+    * Otherwise: the law at one time.
     """
     net = view_net(net_address)
     for c in range(net.cable.shape[0]):
@@ -73,12 +85,12 @@ def observe(q, v, net_address, tension):
                 T, elastic = tension_parts(l - L0, rate, spring, damper, two_way_damper)
                 if net.linearised[LINEARISED_LAW] == LAW_BETWEEN and (elastic != 0.0 or two_way_damper > 0.0):
                     h, row = net.linearised[LINEARISED_TAU], net.segment[s]
-                    mean = row[SEGMENT_STRETCH] - row[SEGMENT_STRETCH_BEFORE]
+                    mean_rate = row[SEGMENT_STRETCH] - row[SEGMENT_STRETCH_BEFORE]
                     if two_way_damper == 0.0:
-                        mean = max(row[SEGMENT_STRETCH], 0.0) - max(row[SEGMENT_STRETCH_BEFORE], 0.0)
-                    mean /= h
+                        mean_rate = max(row[SEGMENT_STRETCH], 0.0) - max(row[SEGMENT_STRETCH_BEFORE], 0.0)
+                    mean_rate /= h
                     resolved = 1.0 / (1.0 + (0.25 * h + 0.5 * damper / k) * h * net.axial[c, AXIAL_OMEGA_SQUARED])
-                    T = acting + (elastic - row[SEGMENT_TENSION] + damper * mean) + damper * resolved * (rate - mean)
+                    T = acting + (elastic - row[SEGMENT_TENSION] + damper * mean_rate) + damper * resolved * (rate - mean_rate)
                     T = T if two_way_damper > 0.0 else max(T, 0.0)
                 elif net.linearised[LINEARISED_LAW] == LAW_AT_END and net.linearised[LINEARISED_MEAN_STEP] > 0.0:
                     h = net.linearised[LINEARISED_MEAN_STEP]

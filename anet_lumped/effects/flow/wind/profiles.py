@@ -13,7 +13,7 @@ from anet_lumped.compiled.jit import inlined, on_demand
 
 from .base import UNIFORM_IN_PLACE, Wind, check_unit_direction
 
-LOWEST = 1e-6  # of the height of a power law; below, its slope, which has no bound at the ground, is that at it
+LOWEST = 1e-6  # of the height of a power law: its slope grows without bound towards the ground, and is constant below LOWEST
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Uniform(Wind):
 
 @dataclass(frozen=True)
 class PowerLaw(Wind):
-    """U(z) = speed ((z - ground)/height)^exponent along `direction`; none at the ground and below.
+    """U(z) = speed ((z - ground)/height)^exponent along `direction`; no wind at the ground and below.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class PowerLaw(Wind):
 
 @dataclass(frozen=True)
 class Logarithmic(Wind):
-    """U(z) = speed ln((z - ground)/roughness)/ln(height/roughness) along `direction`; none below the roughness length.
+    """U(z) = speed ln((z - ground)/roughness)/ln(height/roughness) along `direction`; no wind below the roughness length.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class Logarithmic(Wind):
             )
 
     def numbers(self) -> np.ndarray:
-        """Velocity a factor e above the roughness length [m/s], ground and roughness [m]."""
+        """Velocity at e times the roughness length above the ground [m/s], ground and roughness [m]."""
         per_e = self.speed / math.log(self.height / self.roughness)
         return np.array([*(per_e * np.array(self.direction)), self.ground, self.roughness])
 
@@ -190,7 +190,7 @@ def _logarithmic(t, x, y, z, numbers):
 
 @inlined
 def _along(share, slope, numbers):
-    """Velocity and gradient of a profile, of its speed over that of its reference and the slope of that in height [1/m]."""
+    """Velocity and gradient of a profile, the velocity ``numbers[:3]`` times ``share``; ``slope`` [1/m] is that of ``share``."""
     return (
         (share * numbers[0], share * numbers[1], share * numbers[2]),
         (0.0, 0.0, slope * numbers[0], 0.0, 0.0, slope * numbers[1], 0.0, 0.0, slope * numbers[2]),

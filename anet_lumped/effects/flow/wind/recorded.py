@@ -1,4 +1,4 @@
-"""A wind as it was measured."""
+"""A measured wind, read from a file."""
 
 import pathlib
 from collections.abc import Callable
