@@ -28,12 +28,13 @@ from anet_lumped.files.moordyn_writer import save_moordyn
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.motion.simulate import RunError, RunInterrupt, simulate
 from anet_lumped.prescribed import paths, signals
-from anet_lumped.results.run import Run, State, load_run
+from anet_lumped.results.loading import load_run
+from anet_lumped.results.run import Run, State
 from anet_lumped.scene.payload_change import PayloadChange
 from anet_lumped.scene.ropes import rope
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, Scene, SceneError
 from anet_lumped.statics.catenary import catenary
-from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
+from anet_lumped.statics.equilibrium import EquilibriumError, NoRestError, equilibrium
 
 __all__ = [
     "Cable",
@@ -42,6 +43,7 @@ __all__ = [
     "Fixed",
     "Free",
     "InputError",
+    "NoRestError",
     "PayloadChange",
     "Run",
     "RunError",

@@ -20,6 +20,7 @@ class Limit(NamedTuple):
 
 STEPS = Limit("steps", 1e8, "ANET_LUMPED_MOST_STEPS")
 BYTES = Limit("bytes of memory", 1e9, "ANET_LUMPED_MOST_BYTES")
+TEXT = Limit("bytes of text", 4e6, "ANET_LUMPED_MOST_TEXT")
 ROWS = Limit("rows", 1e6, "ANET_LUMPED_MOST_ROWS")
 
 
@@ -41,7 +42,7 @@ def check_most(limit: Limit, number: float, of: str) -> None:
     most = most_of(limit)
     if not number <= most:
         raise InputError(
-            f"{of} would take {number:.3g} {limit.what}, but must not take more than {most:.3g}; "
+            f"{of} would take {min(number, 1e308):.3g} {limit.what}, but must not take more than {most:.3g}; "
             f"the environment variable {limit.variable} sets another limit."
         )
 

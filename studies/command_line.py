@@ -1,13 +1,12 @@
 """The program `anet-lumped`: results on stdout or in a folder, progress and warnings on stderr.
 
-Exit status 0: done; 1: a run failed; 2: bad input; 130: stopped by Ctrl-C. What a command needs it imports itself, so
-that `--help` answers at once.
+Exit status 0: done; 1: a run failed; 2: bad input; 128 and the signal's number: stopped by a signal, so 130 by Ctrl-C, 143 by
+SIGTERM. What a command needs it imports itself, so that `--help` answers at once.
 """
 
 import logging
 import sys
 import tempfile
-import time
 import warnings
 from pathlib import Path
 from typing import Annotated
@@ -15,14 +14,15 @@ from typing import Annotated
 import typer
 
 from studies.quantities import metres, newtons, seconds
+from studies.stop_signals import stop_signals
+from studies.streams import PrintError, standard_streams
+from studies.telling import announce_compiling, tell, tell_what_takes_long
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
-QUIET = 3.0  # seconds, after which a command says what it is doing
-FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "recommend": 30, "effects": 40, "study": 60, "report": 70}
-"""Seconds of compiling on one core of 3 GHz where nothing is compiled yet, by what is asked for."""
+UsageError = typer.BadParameter.__base__  # which Typer does not export
 Scene = Annotated[
     str, typer.Argument(metavar="SCENE", help="A TOML or MoorDyn file (.txt, .dat), or a scene that comes with this by name.")
 ]
@@ -46,7 +46,7 @@ TIME = {"parser": seconds, "metavar": "TIME"}
 LENGTH = {"parser": metres, "metavar": "LENGTH"}
 Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for you if not given.")]
 Step = Annotated[float | None, typer.Option(help="Step, as in 10ms or 0.01 (s); chosen for you if not given.", **TIME)]
-Start = Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")]
+Start = Annotated[str, typer.Option(help="equilibrium or straight.")]
 Changes = Annotated[
     list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
 ]
@@ -58,19 +58,52 @@ Full = Annotated[
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the program; whatever the user can put right is one sentence on stderr."""
-    warnings.showwarning = lambda message, *where: _tell(f"warning: {message}")
-    _tell_what_takes_long()
+    with stop_signals() as came, standard_streams():
+        try:
+            warnings.showwarning = lambda message, *where: tell(f"warning: {message}")
+            tell_what_takes_long()
+            status = _status(arguments)
+            sys.stdout.flush()
+        except KeyboardInterrupt:
+            status = 130
+        except PrintError as error:
+            status = 1
+            if str(error):
+                tell(f"What is printed could not be written: {error}.")
+    sys.exit(128 + came[0] if came else status)
+
+
+def _status(arguments):
+    """Exit status of a command, with one sentence on what went wrong.
+
+    2 is for all that the user can put right: what is written on the command line, in a scene, in any file, a scene that cannot
+    hang in rest, a file or folder that cannot be read or written. 1 is for what was asked for rightly and not reached: a run that
+    diverges, a rest or a recommendation that the search did not find, rows that failed, memory, processes
+    or other things that the machine does not give.
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
     try:
-        app(arguments, prog_name="anet-lumped")
-    except (ValueError, RuntimeError, OSError) as error:
-        ours = type(error).__module__.partition(".")[0] in ("anet_lumped", "studies")
-        if not ours and not isinstance(error, OSError):
+        return app(arguments or ["--help"], prog_name="anet-lumped", standalone_mode=False) or 0
+    except typer.Abort:  # Ctrl-C
+        return 130
+    except UsageError as error:
+        told = error.format_message()
+        if not told or error.ctx is None:
+            tell(told)
+        else:
+            tell(f"{told.rstrip('.?')}; {error.ctx.command_path} --help tells more.")
+        return 2
+    except MemoryError as error:
+        tell(f"The memory of this machine does not hold what this takes. {error}".rstrip())
+        return 1
+    except OSError as error:
+        tell(f"{error.filename or 'The system refused what this takes'}: {error.strerror or error}.")
+        return 2 if error.filename else 1
+    except (ValueError, RuntimeError, ModuleNotFoundError) as error:
+        if type(error).__module__.partition(".")[0] not in ("anet_lumped", "studies"):
             raise
-        unprinted = isinstance(error, OSError) and not error.filename
-        if isinstance(error, OSError) and error.strerror:
-            error = f"{error.filename or 'What is printed could not be written'}: {error.strerror}."
-        _tell(str(error))
-        sys.exit(1 if unprinted or isinstance(error, RuntimeError) else 2)
+        tell(str(error))
+        return 2 if isinstance(error, ValueError) else 1
 
 
 @app.callback(epilog="Example: anet-lumped simulate net_carried --t-end 4 --out results/carried   (4 s of motion)")
@@ -96,7 +129,7 @@ def simulate(
     dt: Step = None,
     rtol: Annotated[float | None, typer.Option(help="Adaptive steps: error of a step over the largest coordinate.")] = None,
     extrapolate: Annotated[bool, typer.Option(help="Half the step too, and their limit: order 4 of edmc.")] = False,
-    start: Start = None,
+    start: Start = "equilibrium",
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
     error: Annotated[float | None, typer.Option(help="Error of places to keep, as in 1mm; chosen if not given.", **LENGTH)] = None,
@@ -115,7 +148,7 @@ def simulate(
 
     try:
         run = simulate(
-            _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start=start or "equilibrium",
+            _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start=start,
             save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
             error=error,
         )  # fmt: skip
@@ -139,7 +172,7 @@ def recommend(
     error: Annotated[float, typer.Option(help="Largest error of a position, as in 1mm, 0.05cm or 0.001 (m).", **LENGTH)],
     at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
     t_end: Annotated[float | None, typer.Option(help="Motion to look at; two swings if not given.", **TIME)] = None,
-    start: Start = None,
+    start: Start = "equilibrium",
     realtime: Annotated[float | None, typer.Option(help="How many times faster than real time it must run.")] = None,
     as_json: Json = False,
 ):
@@ -147,11 +180,11 @@ def recommend(
     from anet_lumped.advice.recommend import recommend
     from studies.shown.summary import recommendation_summary
 
-    found = recommend(_load(scene, "recommend"), error, at=at, t_end=t_end, start=start or "equilibrium", realtime=realtime)
+    found = recommend(_load(scene, "recommend"), error, at=at, t_end=t_end, start=start, realtime=realtime)
     _give(recommendation_summary(found, scene), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
-        _tell(
+        tell(
             f"within {error:g} m it runs {pace:.3g} times faster than real time, and not {realtime:g} times; allow a larger error."
         )
         raise typer.Exit(1)
@@ -164,7 +197,7 @@ def effects(
     at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
     tension: Annotated[str | None, typer.Option(metavar="CABLE", help="The cable whose tension counts instead.")] = None,
     t_end: Annotated[float | None, typer.Option(help="Motion to look at; two swings if not given.", **TIME)] = None,
-    start: Start = None,
+    start: Start = "equilibrium",
     water_level: Annotated[float | None, typer.Option(help="Height of still water, if there is any.", **LENGTH)] = None,
     change: Changes = (),
     out: Out = None,
@@ -178,7 +211,6 @@ def effects(
     from studies.shown.summary import effects_summary, write_effects
 
     limit = newtons(error) if tension else metres(error)
-    start = start or "equilibrium"
     loaded = _changed(_load(scene, "effects"), change)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
     _give(effects_summary(found), as_json, out, "effects", lambda: write_effects(found, out / "effects.csv"))
@@ -211,7 +243,7 @@ def sweep(
     t_end: Annotated[float | None, typer.Option(help="How long each variant runs; without, it only rests.", **TIME)] = None,
     method: Method = None,
     dt: Step = None,
-    start: Start = None,
+    start: Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=_folder)] = None,
     workers: Annotated[int | None, typer.Option(help="Processes; one a core by default.", min=1)] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
@@ -238,11 +270,11 @@ def sweep(
             label="sweep",
         )
     except KeyboardInterrupt as stopped:
-        _tell(f"{stopped} The same command with --resume does the rest.")
+        tell(f"{str(stopped) or 'Stopped.'} The same command with --resume does the rest.")
         raise typer.Exit(130) from None
     _give({"rows": (table if as_json else table.head(SHOWN)).to_dict("records")}, as_json)
     bad = int((table["status"] != "done").sum())
-    _tell(f"{len(table)} rows in {out}/rows.parquet and .csv" + (f", {bad} of them not done." if bad else "."))
+    tell(f"{len(table)} rows in {out}/rows.parquet and .csv" + (f", {bad} of them not done." if bad else "."))
     if bad:
         raise typer.Exit(1)
 
@@ -272,12 +304,12 @@ def study(
     if name is None:
         print("\n".join(NAMES))
         return
-    _announce_compiling("study")
+    announce_compiling("study")
     logging.getLogger("anet_lumped").setLevel(logging.WARNING)  # of a study its rows are told, not their runs
     out = out or Path("results") / name
     found = run_study(name, out, quick=quick)
     print(found.record.question, *found.answer, sep="\n\n")
-    _tell(f"{found.seconds:.1f} s; rows, figures and answer in {out}")
+    tell(f"{found.seconds:.1f} s; rows, figures and answer in {out}")
 
 
 @app.command(epilog="Example: anet-lumped mismatch net_held --markers run1.csv   (columns x, y, z in m or mm)")
@@ -305,17 +337,17 @@ def report(
     The page is there from the start and grows with every study. Without --full it takes some minutes, and a first look of the
     studies that are long.
     """
-    _announce_compiling("report")
+    announce_compiling("report")
     for log in map(logging.getLogger, ("anet_lumped", "studies")):  # a report tells its studies
         log.setLevel(logging.WARNING)
     from studies.report import PAGE, ReportInterrupt, write_report
     from studies.shown.progress import report_progress
 
     try:
-        with report_progress(_tell) as tell:
-            failed = write_report(out, full=full, tell=tell)
+        with report_progress(tell) as tell_study:
+            failed = write_report(out, full=full, tell=tell_study)
     except ReportInterrupt as stopped:
-        _tell(str(stopped))
+        tell(str(stopped))
         raise typer.Exit(130) from None
     print(out / PAGE)
     if failed:
@@ -349,8 +381,8 @@ def convert(
 
 
 def _load(text, compiles):
-    """Scene of a file, or by its name one that comes with the package; `compiles` is one of FIRST_COMPILING."""
-    _announce_compiling(compiles)
+    """Scene of a file, or by its name one that comes with the package; `compiles` is one of `telling.FIRST_COMPILING`."""
+    announce_compiling(compiles)
     from anet_lumped.checks import SceneError
     from anet_lumped.files.scene_file import load_scene
     from anet_lumped.model.build import build
@@ -374,30 +406,6 @@ def _changed(scene, texts):
     return apply(scene, {name: given[0] for name, given in values.items()})[0]
 
 
-def _announce_compiling(what):
-    """Have one line say so, once, if Numba has to compile, here or in a worker."""
-    from integrators.compiling import NOTICE
-
-    line = f"Compiling what this machine has not compiled yet takes up to about {FIRST_COMPILING[what]} s; later runs do without."
-    NOTICE.watch(line, _tell)
-
-
-def _tell_what_takes_long():
-    """What the library logs goes to stderr: warnings at once, the rest once a command has taken `QUIET` seconds."""
-    began = time.monotonic()
-
-    class Late(logging.Handler):
-        def emit(self, record):
-            if record.levelno >= logging.WARNING:
-                _tell(f"warning: {record.getMessage()}")
-            elif time.monotonic() - began > QUIET:
-                _tell(f"... {record.getMessage()}")
-
-    for log in map(logging.getLogger, ("anet_lumped", "integrators", "studies")):
-        log.handlers = [Late()]
-        log.setLevel(logging.INFO)
-
-
 def _give(result, as_json=False, out=None, stem="", save=lambda: None):
     """Save a result in the folder `out` if there is one, with what `save` writes there besides; then print it.
 
@@ -407,13 +415,12 @@ def _give(result, as_json=False, out=None, stem="", save=lambda: None):
     from studies.shown.show import show
 
     if out:
-        (out / f"{stem}.json").write_text(to_json(result), encoding="utf-8")
-        save()
+        try:
+            (out / f"{stem}.json").write_text(to_json(result), encoding="utf-8")
+            save()
+        except OSError as error:  # that of a full disk names no file
+            raise OSError(error.errno, error.strerror or str(error), error.filename or str(out)) from None
     if as_json:
         print(to_json(result))
     else:
         show(result)
-
-
-def _tell(line):
-    print(f"anet-lumped: {line}", file=sys.stderr)

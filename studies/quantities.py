@@ -1,5 +1,7 @@
 """Quantities of the command line: a number with or without a unit, in SI units: "10ms" is 0.01 [s]."""
 
+import math
+
 import typer
 
 TIMES = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0, "s": 1.0}
@@ -27,6 +29,11 @@ def _amount(text, units, like):
     number = text.strip()
     unit = next((unit for unit in units if number.endswith(unit)), "")
     try:
-        return float(number.removesuffix(unit)) * units.get(unit, 1.0)
+        amount = float(number.removesuffix(unit)) * units.get(unit, 1.0)
     except ValueError:
-        raise typer.BadParameter(f'must be {like}, but it is "{text}".') from None
+        amount = math.nan
+    if not math.isfinite(amount):
+        from anet_lumped.checks import quoted
+
+        raise typer.BadParameter(f"must be {like}, but it is {quoted(text)}.")
+    return amount

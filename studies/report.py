@@ -9,6 +9,7 @@ from pathlib import Path
 
 from studies.shown.page import Entry, State, write_page
 from studies.study import NAMES, Part, module_of, run_study
+from studies.sweeping.folder_lock import locked
 from studies.sweeping.provenance import provenance
 
 PAGE = "report.html"
@@ -63,9 +64,16 @@ def write_report(
 
     Raises
     ------
+    FolderInUseError : another run writes to `out`
     ReportInterrupt : on Ctrl-C; the page holds what was done, and says that the report was stopped
     """
     out, names = Path(out), list(names)
+    with locked(out):
+        return _write(out, names, full, executor, tell)
+
+
+def _write(out, names, full, executor, tell):
+    """`write_report` in a folder that nobody else writes to."""
     entries = {name: _entry(name, full) for name in names}
     command = "anet-lumped report" + " --full" * full
 

@@ -24,7 +24,9 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+from anet_lumped.checks import InputError, nearest
 from studies.shown.figure_file import save_figure
+from studies.sweeping.folder_lock import locked
 from studies.sweeping.provenance import provenance
 from studies.sweeping.rows import save_table
 
@@ -35,6 +37,7 @@ NAMES = [
     "length_error",
     "stability_map",
     "energy_rise",
+    "hostile_input",
     "speed",
     "work_precision",
     "hard_cases",
@@ -72,7 +75,7 @@ class Record:
     first_look: str = ""
 
 
-class StudyError(ValueError):
+class StudyError(InputError):
     """A study that does not exist."""
 
 
@@ -114,8 +117,6 @@ def module_of(name: str):
     StudyError : an unknown name
     """
     if name not in NAMES:
-        from anet_lumped.checks import nearest
-
         known = nearest(name, NAMES) or f"; known are {', '.join(NAMES)}."
         raise StudyError(f'There is no study "{name}"{known}')
     return importlib.import_module(f"studies.questions.{name}")
@@ -127,8 +128,15 @@ def run_study(name: str, out: str | Path, *, quick: bool = False, executor: Exec
     Raises
     ------
     StudyError : an unknown name
+    FolderInUseError : another run writes to `out`
     """
     module, out = module_of(name), Path(out)
+    with locked(out):
+        return _run(name, module, out, quick, executor)
+
+
+def _run(name, module, out, quick, executor):
+    """`run_study` in a folder that nobody else writes to."""
     shutil.rmtree(out / UNFINISHED, ignore_errors=True)
     begin = time.perf_counter()
     tables = module.compute(quick=quick, executor=executor, out=out / UNFINISHED)

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
+from anet_lumped.checks import quoted
 from anet_lumped.effects import REGISTRY
 from anet_lumped.effects.effect import Effect
 from anet_lumped.motion.stability import top_modes
@@ -221,7 +222,7 @@ def _in_water(scene: Scene, level: float | None) -> Scene:
 def _if_thick(name: str, scene: Scene, make: Callable[[], Effect]) -> Scene:
     thin = [cable.name for cable in scene.cables if cable.diameter is None]
     if thin:
-        raise SceneError(f'It needs the `diameter` [m] of every cable, but "{thin[0]}" has none.')
+        raise SceneError(f"It needs the `diameter` [m] of every cable, but {quoted(thin[0])} has none.")
     return _with(scene, make())
 
 

@@ -202,7 +202,7 @@ def compare(state: State, *, reference: str = "net", elastic: bool = True) -> Co
     elif reference == "ends":
         net = catenaries_between_ends(scene, places, elastic=elastic)
     else:
-        raise InputError(f'The reference must be "net" or "ends", but reference={reference!r} was given.')
+        raise InputError(f'The reference must be "net" or "ends", but reference={shown(reference)} was given.')
     up = -scene.gravity / np.linalg.norm(scene.gravity)
     return Comparison(
         [_compare_cable(state, cable, net.cables[cable.name], up) for cable in scene.cables],

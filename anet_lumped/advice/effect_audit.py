@@ -7,12 +7,11 @@ cable where they are largest, speeds and tensions are those of the run.
 
 import math
 from dataclasses import dataclass
-from numbers import Real
 from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import InputError, shown
+from anet_lumped.checks import InputError, number, quoted, shown
 from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.results.run import Run, State
@@ -123,12 +122,13 @@ def audit_effects(
     """
     check_scene(scene)
     for name, value in (("error", error), ("t_end", t_end)):
-        if value is not None and not (isinstance(value, Real) and math.isfinite(value) and value > 0):
+        if value is not None and not 0 < number(value) < math.inf:
             raise InputError(f"Argument `{name}` must be positive and finite, but it is {shown(value)}.")
+    error, t_end = number(error), None if t_end is None else number(t_end)
     if at is not None and tension is not None:
-        raise InputError(f'Only one of `at` and `tension` may be given, but they are "{at}" and "{tension}".')
+        raise InputError(f"Only one of `at` and `tension` may be given, but they are {quoted(at)} and {quoted(tension)}.")
     if at is not None and not isinstance(scene.point(at), Free):
-        raise SceneError(f'The place of a free point can be asked for, but "{at}" is held.')
+        raise SceneError(f"The place of a free point can be asked for, but {quoted(at)} is held.")
     if tension is not None:
         scene.cable(tension)
     scale = scale_of_motion(scene, start)

@@ -19,9 +19,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, shown
+from anet_lumped.limits import BYTES, check_most
+from anet_lumped.regular_files import read_text
 from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Scene
+from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
 
 from .compare import below_chord, project, r_squared, rmse
@@ -29,6 +31,8 @@ from .compare import below_chord, project, r_squared, rmse
 MEDIAN_OF_RAYLEIGH = math.sqrt(2 * math.log(2))  # median distance from a curve over the deviation of one coordinate
 CUT = 5.0  # a true marker lies beyond 5 sigma once in 270,000 (Rayleigh), with sigma a tenth too small once in 25,000
 FAR = 0.15  # of the longest cable: no sequence means anything with markers so far off
+LARGEST = 1e9  # [m or mm], beyond which no marker is and no square of a distance loses the others
+DISTANCES = 120  # bytes for each marker and segment, of the distances between them
 LEAST_MARKERS = 3  # fewer cannot show a curve's length
 
 
@@ -151,17 +155,20 @@ def read_markers(path: str | Path, scene: Scene, unit: str | None = None) -> Mar
     Raises
     ------
     MarkerError
-        No header with x, y and z, a cell that is not a number, no markers, or a cloud of neither size.
+        No regular file of CSV in UTF-8; no header with x, y and z, a cell that is not a number or is beyond 1e9, no markers, or a
+        cloud of neither size.
     """
     if unit not in (None, "m", "mm"):
-        raise MarkerError(f'The unit of markers must be "m" or "mm", but unit={unit!r} was given.')
-    with Path(path).open(newline="", encoding="utf-8-sig") as file:
-        rows = csv.reader(file)
+        raise MarkerError(f'The unit of markers must be "m" or "mm", but unit={shown(unit)} was given.')
+    rows = csv.reader(read_text(path, "A marker file", MarkerError).splitlines(keepends=True))
+    try:
         header = [name.strip().lower() for name in next(rows, [])]
         if any(header.count(name) != 1 for name in "xyz"):
-            raise MarkerError(f"A marker file must have a header with one x, one y and one z, but {path} has {header}.")
+            raise MarkerError(f"A marker file must have a header with one x, one y and one z, but {path} has {shown(header)}.")
         columns = [header.index(name) for name in "xyz"]
         cells = [_row(row, columns, f"{path}, line {rows.line_num}") for row in rows if any(cell.strip() for cell in row)]
+    except csv.Error as error:
+        raise MarkerError(f"A marker file must be a table in CSV, but {path}, line {rows.line_num}, is not: {error}.") from None
     xyz = np.array(cells, dtype=float).reshape(-1, 3)
     seen = np.isfinite(xyz).all(axis=1)
     if not seen.any():
@@ -171,11 +178,14 @@ def read_markers(path: str | Path, scene: Scene, unit: str | None = None) -> Mar
 
 
 def _row(row: list[str], columns: list[int], where: str) -> list[float]:
+    cells = [row[column].strip() if column < len(row) else "" for column in columns]
     try:
-        cells = [row[column].strip() if column < len(row) else "" for column in columns]
-        return [float(cell) if cell else math.nan for cell in cells]
+        numbers = [float(cell) if cell else math.nan for cell in cells]
     except ValueError:
-        raise MarkerError(f"A marker's x, y and z must be numbers, but {where} has {cells}.") from None
+        raise MarkerError(f"A marker's x, y and z must be numbers, but {where} has {shown(cells)}.") from None
+    if any(abs(number) > LARGEST for number in numbers):
+        raise MarkerError(f"A marker's x, y and z must not be beyond {LARGEST:g}, but {where} has {shown(cells)}.")
+    return numbers
 
 
 def _in_metres(xyz: np.ndarray, scene: Scene, unit: str | None, path: str | Path) -> tuple[np.ndarray, str]:
@@ -251,7 +261,10 @@ def fit_markers(xyz: ArrayLike, scene: Scene) -> MarkerFit:
     MarkerError
         Fewer than three markers on every cable, or markers that lie far from all cables.
     """
+    check_scene(scene)
     xyz = np.asarray(xyz, dtype=float)
+    segments = max(cable.segments for cable in scene.cables)
+    check_most(BYTES, float(DISTANCES * len(xyz) * segments), f"A fit of {segments} segments to {len(xyz)} markers")
     before = equilibrium(scene)
     state, order = before, sequence(xyz, before)
     met = set()
@@ -364,7 +377,9 @@ def _missing(gaps: np.ndarray) -> int | None:
     if len(gaps) < 4:
         return None
     spacing = float(np.median(gaps))
+    if spacing <= 0:  # markers on one another
+        return None
     counts = np.rint(gaps / spacing)
-    if spacing <= 0 or np.median(np.abs(gaps / spacing - counts)) > 0.15:
+    if np.median(np.abs(gaps / spacing - counts)) > 0.15:
         return None
     return int(np.maximum(counts - 1, 0).sum())

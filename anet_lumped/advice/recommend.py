@@ -8,12 +8,11 @@ import logging
 import math
 import time
 from dataclasses import dataclass, replace
-from numbers import Real
 from typing import Any, cast
 
 import numpy as np
 
-from anet_lumped.checks import InputError, shown
+from anet_lumped.checks import InputError, number, quoted, shown
 from anet_lumped.model.build import build
 from anet_lumped.motion.choice import EXPLICIT_COST, SHARE_OF_LIMIT, SHARE_OF_TIME_SCALE, time_scale
 from anet_lumped.motion.simulate import RunError, simulate
@@ -128,11 +127,12 @@ def recommend(
     """
     check_scene(scene)
     for name, value in (("error", error), ("t_end", t_end), ("realtime", realtime)):
-        if value is not None and not (isinstance(value, Real) and math.isfinite(value) and value > 0):
+        if value is not None and not 0 < number(value) < math.inf:
             raise InputError(f"Argument `{name}` must be positive and finite, but it is {shown(value)}.")
+    error, t_end, realtime = number(error), *(None if x is None else number(x) for x in (t_end, realtime))
     free = [point.name for point in scene.points if isinstance(point, Free)]
     if at is not None and not isinstance(scene.point(at), Free):
-        raise SceneError(f'The error can be asked of a free point, but "{at}" is held; free are {", ".join(free) or "none"}.')
+        raise SceneError(f"The error can be asked of a free point, but {quoted(at)} is held; free are {', '.join(free) or 'none'}.")
     scale = scale_of_motion(scene, start)
     search = _Search(scene, tuple(free) if at is None else (at,), t_end or two_swings(scene, scale), start, scale)
     share = 0.5 * error

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number
+from anet_lumped.checks import SceneError, Vector, check_number, quoted
 from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.flow.wind import Wind
 from anet_lumped.effects.flow.wind.base import check_winds, same_at_each_height
@@ -82,7 +82,9 @@ class Air(Effect):
         cables = model.scene.cables
         for cable in cables:
             if cable.diameter is None:
-                raise SceneError(f'The effect Air needs the `diameter` [m] of every cable, but cable "{cable.name}" has none.')
+                raise SceneError(
+                    f"The effect Air needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
+                )
         points = [point for point in model.scene.free_points if point.CdA > 0.0]
         of_cable = np.array([[cable.L0, cable.diameter, *segment_coefficients(self.density, cable)] for cable in cables])
         winds = pack(self.wind)

@@ -27,7 +27,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_direction, check_pairs
+from anet_lumped.checks import SceneError, Vector, check_direction, check_pairs, quoted
 from anet_lumped.compiled.jit import njit
 
 from .effect import Effect
@@ -102,10 +102,10 @@ class Bending(Effect):
 
     def _clamped_cable(self, model: Any, name: str) -> Any:
         if model.node(name) < model.n_free:
-            raise SceneError(f'A clamp must be at a fixed or driven point, but effect Bending clamps free point "{name}".')
+            raise SceneError(f"A clamp must be at a fixed or driven point, but effect Bending clamps free point {quoted(name)}.")
         held = [cable for cable in model.scene.cables if name in (cable.start, cable.end) and cable.EI > 0.0]
         if len(held) != 1:
-            raise SceneError(f'A clamp must hold one cable that has an `EI`, but {len(held)} of them end at point "{name}".')
+            raise SceneError(f"A clamp must hold one cable that has an `EI`, but {len(held)} of them end at point {quoted(name)}.")
         return held[0]
 
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:

@@ -7,7 +7,7 @@ import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
-from anet_lumped.checks import SceneError, Vector
+from anet_lumped.checks import SceneError, Vector, shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -208,7 +208,7 @@ def check_effect_class(kind: Any) -> None:
     SceneError : not derived from `Effect`, or no frozen dataclass of its own
     """
     if not (isinstance(kind, type) and issubclass(kind, Effect)):
-        raise SceneError(f"An effect must be a class derived from anet_lumped.effects.Effect, but it is {kind!r}.")
+        raise SceneError(f"An effect must be a class derived from anet_lumped.effects.Effect, but it is {shown(kind)}.")
     if not dataclasses.is_dataclass(kind) or not kind.__dataclass_params__.frozen:  # type: ignore[attr-defined]
         raise SceneError(f"An effect must be a frozen dataclass, @dataclass(frozen=True), but {kind.__name__} is none.")
 

@@ -22,7 +22,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_direction, check_number
+from anet_lumped.checks import SceneError, Vector, check_direction, check_number, quoted
 from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.laws.axial import secant_tension, spring_energy
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
@@ -96,7 +96,9 @@ class Ground(Effect):
         nodes = np.zeros((model.n, 3))
         for c, cable in enumerate(model.scene.cables):
             if cable.diameter is None:
-                raise SceneError(f'The effect Ground needs the `diameter` [m] of every cable, but cable "{cable.name}" has none.')
+                raise SceneError(
+                    f"The effect Ground needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
+                )
             first, count = model.segment_run(c)
             half = 0.5 * cable.diameter * cable.L0
             for ends in model.ends[first : first + count].T:

@@ -1,11 +1,12 @@
 """The compiled functions of an effect must fit their slots: checked when it is made, before an address of theirs is taken."""
 
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from numba.core.dispatcher import Dispatcher
 
-from anet_lumped.checks import SceneError, nearest
+from anet_lumped.checks import SceneError, nearest, shown
 from anet_lumped.compiled.exceptions import may_raise
 
 from .signatures import SIGNATURES, SLOTS
@@ -23,7 +24,9 @@ def check_kernels(effect: Any) -> None:
     """
     kernels, called = effect.kernels(), f"effect {type(effect).__name__}"
     if not isinstance(kernels, Mapping):
-        raise SceneError(f"`kernels` of an effect must return a dict of compiled functions, but that of {called} is {kernels!r}.")
+        raise SceneError(
+            f"`kernels` of an effect must return a dict of compiled functions, but that of {called} is {shown(kernels)}."
+        )
     for slot in kernels:
         if slot not in SLOTS:
             hint = nearest(slot, SLOTS, quote="`") or "."
@@ -49,7 +52,7 @@ def check_kernels(effect: Any) -> None:
         if found != [SIGNATURES[slot]]:
             raise SceneError(
                 f"The function `{slot}` of an effect must be compiled by Numba for signatures.{slot.upper()}_SIGNATURE alone, but "
-                f"that of {called} is {_listed(found, '') or 'compiled for none'}."
+                f"that of {called} is {_short(found) or 'compiled for none'}."
             )
         raises = may_raise(kernel)
         if raises:
@@ -62,6 +65,13 @@ def check_kernels(effect: Any) -> None:
 
 def _signatures(kernel: Any) -> list[Any]:
     return [overload.signature for overload in kernel.overloads.values()]
+
+
+def _short(signatures: Iterable[Any]) -> str:
+    """Signatures with float64[:,:] for an array of two dimensions."""
+    return re.sub(
+        r"Array\((\w+), (\d)[^()]*\)", lambda found: f"{found[1]}[{','.join(int(found[2]) * ':')}]", _listed(signatures, "")
+    )
 
 
 def _listed(words: Iterable[Any], quote: str = "`") -> str:

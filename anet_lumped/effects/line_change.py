@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
-from anet_lumped.checks import SceneError, check_pairs
+from anet_lumped.checks import SceneError, check_pairs, quoted, shown
 from anet_lumped.prescribed import signals
 from anet_lumped.prescribed.signals import Signal
 
@@ -34,8 +34,8 @@ class LineChange(Effect):
         for name, signal in pairs:
             if not isinstance(signal, Signal):
                 raise SceneError(
-                    f'Argument `paid_out` must hold signals of anet_lumped.signals [m], but {self._called} has for cable "{name}" '
-                    f"paid_out={signal!r}."
+                    f"Argument `paid_out` must hold signals of anet_lumped.signals [m], but {self._called} has for cable "
+                    f"{quoted(name)} paid_out={shown(signal)}."
                 )
         self._set(paid_out=pairs)
 
@@ -57,7 +57,7 @@ class LineChange(Effect):
         for name in dict(self.paid_out):
             if scene.cable(name).breaking_tension is not None:
                 raise SceneError(
-                    f'A cable that is paid out must have no `breaking_tension`, but cable "{name}" of LineChange has '
+                    f"A cable that is paid out must have no `breaking_tension`, but cable {quoted(name)} of LineChange has "
                     f"breaking_tension={scene.cable(name).breaking_tension} N."
                 )
         return [LengthChange(scene.cable(name).name, PAID_OUT, 1.0, signal) for name, signal in dict(self.paid_out).items()]

@@ -29,7 +29,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number
+from anet_lumped.checks import SceneError, Vector, check_number, quoted, shown
 from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.flow.wave_kernel import AT_REST, wave_at
 from anet_lumped.effects.flow.waves import Airy
@@ -86,7 +86,9 @@ class Water(Effect):
             g=None if self.g is None else check_number("g", self.g, "m/s2", owner, sign="non-negative"),
         )
         if not (self.wave is None or isinstance(self.wave, Airy)):
-            raise SceneError(f"Argument `wave` must be a wave of anet_lumped.waves or None, but {owner} has wave={self.wave!r}.")
+            raise SceneError(
+                f"Argument `wave` must be a wave of anet_lumped.waves or None, but {owner} has wave={shown(self.wave)}."
+            )
 
     @property
     def time_scales(self) -> tuple[float, ...]:
@@ -130,7 +132,9 @@ class Water(Effect):
         scene = model.scene
         for cable in scene.cables:
             if cable.diameter is None:
-                raise SceneError(f'The effect Water needs the `diameter` [m] of every cable, but cable "{cable.name}" has none.')
+                raise SceneError(
+                    f"The effect Water needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
+                )
         g = self.gravity(scene)
         current, wave = pack(self.current), np.zeros(0) if self.wave is None else self.wave.numbers(g, self.level)
         points = [point for point in scene.free_points if point.volume > 0.0 or point.CdA > 0.0]

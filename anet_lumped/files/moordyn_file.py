@@ -18,15 +18,17 @@ controls, external loads, waves and currents, tables in place of other numbers, 
 """
 
 import math
+import os
 import pathlib
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
-from anet_lumped.checks import SceneError, nearest
+from anet_lumped.checks import NAMED, InputError, SceneError, nearest, one_line, quoted, shown
 from anet_lumped.prescribed.paths import Path
+from anet_lumped.regular_files import read_text
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, Scene
 
-from .moordyn_rows import Row, rows_by_section
+from .moordyn_rows import DIGITS, WORD, Row, rows_by_section
 
 POINTS = {
     "fixed": ("fixed", "fix", "anchor"),
@@ -75,7 +77,7 @@ class Deck:
     options: dict[str, float | str] = field(default_factory=dict)
 
 
-def read_moordyn(path: str | pathlib.Path, coupled: dict[int, Path] | None = None) -> Deck:
+def read_moordyn(path: str | pathlib.Path, coupled: dict[int, Path] | None = None, *, outside: bool = False) -> Deck:
     """Read a MoorDyn input file (v2, or v1).
 
     Point 3 is called "point3" and line 2 "line2", unless a remark `! name: "..."` on its row says otherwise.
@@ -85,6 +87,8 @@ def read_moordyn(path: str | pathlib.Path, coupled: dict[int, Path] | None = Non
     path : str or pathlib.Path
     coupled : dict of point number to Path
         Motions of coupled points, from `paths.line`, `samples` or `harmonic`; those without one are Fixed.
+    outside : bool
+        Whether tables that the deck names may be outside its folder.
 
     Returns
     -------
@@ -95,16 +99,18 @@ def read_moordyn(path: str | pathlib.Path, coupled: dict[int, Path] | None = Non
     SceneError : no such file, or something in it that is wrong or has no counterpart here; names the file, the line and what
         it says
     """
+    text = read_text(path, "A MoorDyn file", SceneError, errors="replace")
     path = pathlib.Path(path)
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise SceneError(f"A MoorDyn file must be readable, but {path}: {error.strerror}.") from None
-    return deck_from_text(text, path.name, coupled, path.parent)
+    return deck_from_text(text, one_line(path.name, NAMED), coupled, path.parent, outside=outside)
 
 
 def deck_from_text(
-    text: str, source: str = "deck", coupled: dict[int, Path] | None = None, folder: str | pathlib.Path = "."
+    text: str,
+    source: str = "deck",
+    coupled: dict[int, Path] | None = None,
+    folder: str | pathlib.Path = ".",
+    *,
+    outside: bool = False,
 ) -> Deck:
     """Return what the text of a MoorDyn input file says; as `read_moordyn`.
 
@@ -118,7 +124,7 @@ def deck_from_text(
         if not sections.get(section):
             raise SceneError(f"{source}: a MoorDyn file must have a section {section.upper()}, but this has none.")
     options = _options(sections.get("options", []))
-    types = _types(sections["line types"], pathlib.Path(folder))
+    types = _types(sections["line types"], Tables(folder, outside))
     points, places = _points(sections["points"], coupled or {}, source)
     cables = [_cable(row, types, places) for row in sections["lines"]]
     _check_unique([(row, cable.name) for row, cable in zip(sections["lines"], cables, strict=True)], "line")
@@ -130,6 +136,33 @@ def deck_from_text(
     return Deck(scene, {name: value for name, (_, value) in options.items() if name not in HELD})
 
 
+class Tables(NamedTuple):
+    """Where the tables are that a deck names.
+
+    Parameters
+    ----------
+    folder : of the deck
+    outside : whether they may be outside it
+    """
+
+    folder: str | pathlib.Path
+    outside: bool
+
+    def path(self, row: Row, name: str) -> pathlib.Path:
+        """Path of a table by its name in a row."""
+        path = pathlib.Path(self.folder) / name
+        try:
+            inside = pathlib.Path(os.path.realpath(path)).is_relative_to(os.path.realpath(self.folder))
+        except ValueError:  # a character that no path may have
+            raise row.error(f"EA must be a number or the name of a file, but is {shown(name)}.") from None
+        if not (inside or self.outside):
+            raise row.error(
+                f"a table must be in the folder of its deck, but {quoted(name)} leads out of it; "
+                "read_moordyn(..., outside=True) allows that."
+            )
+        return path
+
+
 def _options(rows: list[Row]) -> dict[str, tuple[Row, float | str]]:
     """Row and value of each option given, by its name of today."""
     found: dict[str, tuple[Row, float | str]] = {}
@@ -139,7 +172,7 @@ def _options(rows: list[Row]) -> dict[str, tuple[Row, float | str]]:
         word, key = row.words[:2]
         name = OPTIONS.get(key.lower())
         if name is None:
-            raise row.error(f"unknown option {key}" + (nearest(key.lower(), OPTIONS) or "."))
+            raise row.error(f"unknown option {one_line(key, WORD)}" + (nearest(key.lower(), OPTIONS) or "."))
         if name in found:
             raise row.error(f"an option must be given once, but {name} is given before.")
         value = row.number(0, name) if name in ENVIRONMENT else _value(word)
@@ -151,26 +184,28 @@ def _options(rows: list[Row]) -> dict[str, tuple[Row, float | str]]:
     return found
 
 
-def _types(rows: list[Row], folder: pathlib.Path) -> dict[str, tuple[Row, dict[str, Any]]]:
+def _types(rows: list[Row], tables: Tables) -> dict[str, tuple[Row, dict[str, Any]]]:
     """Row and cable fields of each line type, by name."""
     _check_unique([(row, row.words[0]) for row in rows], "line type")
-    return {row.words[0]: (row, _type(row, folder)) for row in rows}
+    return {row.words[0]: (row, _type(row, tables)) for row in rows}
 
 
 def _curve(row: Row, path: pathlib.Path) -> tuple[tuple[float, float], ...]:
     """Rows (strain, tension [N]) of a file, below those that begin with no number."""
     try:
-        lines = [line.split() for line in path.read_text(encoding="utf-8", errors="replace").splitlines() if line.strip()]
-    except OSError as error:
-        raise row.error(f"EA must be a number or the name of a readable file, but {path}: {error.strerror}.") from None
+        text = read_text(path, "It", errors="replace")
+    except InputError as error:
+        raise row.error(f"EA must be a number or the name of a readable file, but {one_line(path.name, WORD)}: {error}") from None
+    lines = [line.split() for line in text.splitlines() if line.strip()]
     first = next((i for i, words in enumerate(lines) if _is_number(words[0])), len(lines))
     for words in lines[first:]:
         if len(words) < 2 or not all(map(_is_number, words[:2])):
-            raise row.error(f'rows of {path} must be a strain and a tension, but one is "{" ".join(words)}".')
+            given = quoted(" ".join(words))
+            raise row.error(f"rows of {one_line(str(path), NAMED)} must be a strain and a tension, but one is {given}.")
     return tuple((float(strain), float(tension)) for strain, tension, *_ in lines[first:])
 
 
-def _type(row: Row, folder: pathlib.Path) -> dict[str, Any]:
+def _type(row: Row, tables: Tables) -> dict[str, Any]:
     first = len(row.words) == 9 and "cdn" in row.columns  # v1: Diam Mass/m EA BA Can Cat Cdn Cdt
     if not (first or 10 <= len(row.words) <= 13):
         raise row.error(
@@ -179,15 +214,17 @@ def _type(row: Row, folder: pathlib.Path) -> dict[str, Any]:
         )
     for column, what in ((3, "EA"), (4, "BA/-zeta")) if first else ((3, "EA"), (4, "BA/-zeta"), (5, "EI")):
         if "|" in row.words[column]:
-            raise row.error(f"{what} must be one number; {row.words[column]}, a viscoelastic line, is not supported.")
+            raise row.error(
+                f"{what} must be one number; {one_line(row.words[column], WORD)}, a viscoelastic line, is not supported."
+            )
         if what != "EA" and not _is_number(row.words[column]):
-            raise row.error(f"{what} must be a number; {row.words[column]}, a table in a file, is not supported.")
+            raise row.error(f"{what} must be a number; {one_line(row.words[column], WORD)}, a table in a file, is not supported.")
     if len(row.words) > 10 and row.number(10, "Cl") != 0.0:
         raise row.error("vortex-induced vibration is not supported; Cl must be 0.")
     damping = row.number(4, "BA/-zeta")
     fields: dict[str, Any] = {"diameter": row.number(1, "Diam"), "mass_per_length": row.number(2, "Mass/m")}
     stretches = row.words[3]
-    fields |= {"EA": row.number(3, "EA")} if _is_number(stretches) else {"tension_strain": _curve(row, folder / stretches)}
+    fields |= {"EA": row.number(3, "EA")} if _is_number(stretches) else {"tension_strain": _curve(row, tables.path(row, stretches))}
     fields |= {"zeta": -damping} if damping <= 0.0 else {"BA": damping}
     names = ("Can", "Cat", "Cdn", "Cdt") if first else ("EI", "Cdn", "Can", "Cdt", "Cat")
     return fields | {name: row.number(column, name) for column, name in enumerate(names, start=5)}
@@ -201,7 +238,7 @@ def _points(rows: list[Row], coupled: dict[int, Path], source: str) -> tuple[dic
     for number in coupled:
         if kinds.get(number) != "coupled":
             given = ", ".join(str(each) for each, kind in kinds.items() if kind == "coupled") or "none"
-            raise SceneError(f"Argument `coupled` must name coupled points of {source} ({given}), but names {number}.")
+            raise SceneError(f"Argument `coupled` must name coupled points of {source} ({given}), but names {shown(number)}.")
     points, places = {}, {}
     for row, number in zip(rows, numbers, strict=True):
         name, at = row.name or f"point{number}", tuple(row.number(2 + x, "XYZ"[x]) for x in range(3))
@@ -230,7 +267,7 @@ def _kind(row: Row) -> str:
         raise row.error("a steady force on a point (FX, FY, FZ) is not supported; it must be 0.")
     word = row.words[1].lower()
     if word.startswith(("body", "turbine")):
-        raise row.error(f"points on a body are not supported; point {row.words[0]} is on {row.words[1]}.")
+        raise row.error(f"points on a body are not supported; point {row.words[0]} is on {one_line(row.words[1], WORD)}.")
     for kind, words in POINTS.items():
         if word in words:
             return kind
@@ -246,7 +283,7 @@ def _cable(row: Row, types: dict, places: dict) -> Cable:
     kind = row.words[1]
     if kind not in types:
         hint = nearest(kind, types) or f"; known: {', '.join(types)}."
-        raise row.error(f'a line must be of a type in LINE TYPES, but "{kind}" is none{hint}')
+        raise row.error(f"a line must be of a type in LINE TYPES, but {quoted(kind)} is none{hint}")
     ends = [_end(row, column, places) for column in (at_a, at_b)]
     length = row.number(at_length, "UnstrLen")
     if length < 0.0:  # MoorDyn's Line::initialize
@@ -263,13 +300,13 @@ def _end(row: Row, column: int, places: dict) -> int:
     letters = word.rstrip("0123456789")
     number = word[len(letters) :]
     if letters.lower() in ("", "c", "con", "p", "point") and number:
-        if int(number) in places:
+        if len(number) <= DIGITS and int(number) in places:
             return int(number)
         known = ", ".join(map(str, places))
-        raise row.error(f"a line must end at a point in POINTS, but point {word} is not there; known: {known}.")
+        raise row.error(f"a line must end at a point in POINTS, but point {one_line(word, WORD)} is not there; known: {known}.")
     if word.lower().startswith("r"):
-        raise row.error(f"lines that end at a rod are not supported, but {word} is one.")
-    raise row.error(f"a line must end at the number of a point, but {word} is none.")
+        raise row.error(f"lines that end at a rod are not supported, but {one_line(word, WORD)} is one.")
+    raise row.error(f"a line must end at the number of a point, but {one_line(word, WORD)} is none.")
 
 
 def _effects(options: dict, types: dict, lines: list[Row], places: dict, source: str) -> list[Any]:
@@ -318,7 +355,7 @@ def _check_unique(rows: list[tuple[Row, Any]], what: str) -> None:
     seen = set()
     for row, name in rows:
         if name in seen:
-            raise row.error(f"a {what} must come once, but {name} comes again.")
+            raise row.error(f"a {what} must come once, but {one_line(str(name), WORD)} comes again.")
         seen.add(name)
 
 

@@ -13,7 +13,7 @@ import math
 import re
 from typing import NamedTuple
 
-from anet_lumped.checks import SceneError
+from anet_lumped.checks import SceneError, one_line, quoted, shown
 
 HEADINGS = {  # section -> what its heading holds, by MoorDyn versions; the first section that fits counts
     "rod types": ("ROD DICTIONARY", "ROD TYPES"),
@@ -29,6 +29,8 @@ HEADINGS = {  # section -> what its heading holds, by MoorDyn versions; the firs
     "outputs": ("OUTPUT",),
 }
 WITHOUT_COLUMN_NAMES = ("options", "outputs")
+ROW, WORD = 80, 40  # characters of a row, and of a word in it, in a message
+DIGITS = 18  # of an integer of 64 bits
 NAME = re.compile(r'!\s*name:\s*("(?:[^"\\]|\\.)*")\s*$')
 
 
@@ -52,7 +54,7 @@ class Row(NamedTuple):
 
     def error(self, why: str) -> SceneError:
         """SceneError that says where the row stands, what it says and why that does not do."""
-        return SceneError(f'{self.where}, "{self.text}": {why}')
+        return SceneError(f'{self.where}, "{one_line(self.text, ROW)}": {why}')
 
     def number(self, column: int, what: str) -> float:
         """Number in a column; `what` it is, for messages."""
@@ -62,14 +64,14 @@ class Row(NamedTuple):
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise self.error(f"{what} must be a finite number, but is {word}.")
+            raise self.error(f"{what} must be a finite number, but is {one_line(word, WORD)}.")
         return value
 
     def count(self, column: int, what: str) -> int:  # type: ignore[override]  # no use is made of that of a tuple
         """Integer of at least 1 in a column."""
         word = self.words[column]
-        if not word.isdecimal() or int(word) < 1:
-            raise self.error(f"{what} must be an integer of at least 1, but is {word}.")
+        if not word.isdecimal() or len(word) > DIGITS or int(word) < 1:
+            raise self.error(f"{what} must be an integer of at least 1, but is {one_line(word, WORD)}.")
         return int(word)
 
 
@@ -100,7 +102,7 @@ def rows_by_section(text: str, source: str) -> dict[str, list[Row]]:
             fits = [name for name, words in HEADINGS.items() if any(word in heading.upper() for word in words)]
             section = fits[0] if fits else (heading if found else None)
             if fits and section in found:
-                raise SceneError(f'{where}: a section must come once, but "{heading}" comes again.')
+                raise SceneError(f"{where}: a section must come once, but {quoted(heading)} comes again.")
             if fits:
                 found[fits[0]] = []
             columns, above = (), 2 if fits and section not in WITHOUT_COLUMN_NAMES else 0
@@ -111,15 +113,25 @@ def rows_by_section(text: str, source: str) -> dict[str, list[Row]]:
             columns = tuple(line.lower().split()) if above == 2 else columns
             above -= 1
             continue
-        name = NAME.search(line)
+        remark = NAME.search(line)
         content = re.split("[!#%]", line, maxsplit=1)[0].strip()
         if not content:
             continue
-        row = Row(where, content, tuple(content.split()), columns, json.loads(name[1]) if name else None)
+        row = Row(where, content, tuple(content.split()), columns, None)
+        if remark:
+            row = row._replace(name=_name(row, remark[1]))
         if section not in HEADINGS:
-            raise row.error(f'a section must be one of MoorDyn\'s, but its heading is "{section}".')
+            raise row.error(f"a section must be one of MoorDyn's, but its heading is {quoted(section)}.")
         found[section].append(row)
     return found
+
+
+def _name(row: Row, text: str) -> str:
+    """What a remark calls a row."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        raise row.error(f"a name must be a string as in JSON, where a backslash is written twice, but is {shown(text)}.") from None
 
 
 def named(name: str) -> str:

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from os import PathLike
 from typing import Any
 
-from anet_lumped.checks import SceneError
+from anet_lumped.checks import SceneError, quoted, shown
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene, check_scene
 
 from .moordyn_rows import named
@@ -41,7 +41,7 @@ def save_moordyn(scene: Scene, path: str | PathLike[str], options: Mapping[str, 
         if cable.compression == "none" and cable.axial_viscosity:
             warnings.warn(
                 'MoorDyn\'s dampers act on slack segments too: its law is compression="damped", but cable '
-                f'"{cable.name}" has "none".',
+                f'{quoted(cable.name)} has "none".',
                 stacklevel=2,
             )
             break
@@ -71,7 +71,7 @@ def moordyn_text(
         Tension-strain curves are taken to be in the files "stem_curve1.txt" and so on.
     """
     if scene.events:
-        raise SceneError(f"A scene must have no events to be written for MoorDyn, but it has {scene.events[0]!r}.")
+        raise SceneError(f"A scene must have no events to be written for MoorDyn, but it has {shown(scene.events[0])}.")
     places = _places(scene, places or {})
     environment = _environment(scene, max(abs(float(at[2])) for at in places.values()))
     bends = "bending" in {_name(effect) for effect in scene.effects}
@@ -111,13 +111,13 @@ def _type(cable: Cable, bends: bool, curves: dict[Any, str]) -> str:
     if cable.compression == "linear" or cable.EA_compression:
         raise SceneError(
             'A cable must have compression="damped" or "none" to be written for MoorDyn, whose springs do not push, but cable '
-            f'"{cable.name}" has "{cable.compression}" and EA_compression={cable.EA_compression}.'
+            f'{quoted(cable.name)} has "{cable.compression}" and EA_compression={cable.EA_compression}.'
         )
     if cable.inextensible:
-        raise SceneError(f'A cable must have a finite `EA` to be written for MoorDyn, but cable "{cable.name}" has EA=inf.')
+        raise SceneError(f"A cable must have a finite `EA` to be written for MoorDyn, but cable {quoted(cable.name)} has EA=inf.")
     if cable.breaking_tension is not None:
         raise SceneError(
-            f'A cable must have no `breaking_tension` to be written for MoorDyn, but cable "{cable.name}" has '
+            f"A cable must have no `breaking_tension` to be written for MoorDyn, but cable {quoted(cable.name)} has "
             f"breaking_tension={cable.breaking_tension}."
         )
     diameter = NO_DIAMETER if cable.diameter is None else cable.diameter
@@ -149,7 +149,8 @@ def _places(scene: Scene, given: Mapping[str, Any]) -> dict[str, Any]:
             rest = equilibrium(scene)
         except EquilibriumError as error:
             raise SceneError(
-                f'A free point must have a place to be written for MoorDyn, but "{without[0]}" has no `at`, and no rest: {error}'
+                f"A free point must have a place to be written for MoorDyn, but {quoted(without[0])} has no `at`, "
+                f"and no rest: {error}"
             ) from None
         places |= {name: rest.position(name) for name in without}
     return places

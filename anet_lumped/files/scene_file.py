@@ -49,16 +49,21 @@ A cable, or cable_defaults, may have `rope = "nylon"` and the nominal `diameter`
 (`moordyn_file`).
 """
 
+import os
 import pathlib
 import re
 import tomllib
 from os import PathLike
 
-from anet_lumped.checks import SceneError, nearest, shown
-from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
+from anet_lumped.checks import NAMED, SceneError, nearest, one_line, quoted, shown
+from anet_lumped.regular_files import read_text
+from anet_lumped.scene.as_dict import DEEPEST, scene_from_dict, scene_to_dict
 from anet_lumped.scene.scene import Scene
 
 MOORDYN = (".txt", ".dat", ".moordyn")
+LONG_KEY = re.compile(  # a.b.c. and so on, of bare or quoted parts: the time that TOML takes grows with the square of their number
+    rf"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{DEEPEST}}}"""
+)
 SCENES = pathlib.Path(__file__).parents[1] / "scenes"  # that come with this package
 
 
@@ -67,32 +72,35 @@ def load_scene(path: str | PathLike[str]) -> Scene:
 
     Raises
     ------
-    SceneError : no such file, no valid TOML, or a scene that `scene_from_dict` refuses; names the file and the place
+    SceneError : no such file, one that is no UTF-8 text, no valid TOML, or a scene that `scene_from_dict` refuses; names the file
+        and the place
     """
     if not isinstance(path, str | PathLike):
         raise SceneError(f"A scene file must be given by its path, but it is {shown(path)}.")
     path = pathlib.Path(path)
-    if path.suffix.lower() != ".toml" and not path.is_file():
+    if path.suffix.lower() != ".toml" and not os.path.isfile(path):
         bundled = {file.stem: file for file in SCENES.glob("*.toml")}
         if path.suffix.lower() not in MOORDYN and str(path) not in bundled:
             hint = nearest(str(path), bundled) or f"; the scenes that come with this are {', '.join(sorted(bundled))}."
-            raise SceneError(f'There is no scene and no file "{path}"{hint}')
+            raise SceneError(f"There is no scene and no file {quoted(str(path))}{hint}")
         path = bundled.get(str(path), path)
     if path.suffix.lower() in MOORDYN:
         from .moordyn_file import read_moordyn
 
         return read_moordyn(path).scene
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise SceneError(f"A scene file must be readable, but {path}: {error.strerror}.") from None
-    except UnicodeDecodeError as error:
-        raise SceneError(f"A scene file must be UTF-8 text, but {path}: {error}.") from None
+    text = read_text(path, "A scene file", SceneError)
+    named = one_line(str(path), NAMED)
+    if LONG_KEY.search(text):
+        raise SceneError(f"A scene file must not nest deeper than {DEEPEST} tables, but {named} has a key of more parts.")
     try:
         entries = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"A scene file must be valid TOML, but {path}: {error}.") from None
-    return scene_from_dict(entries, source=path.name)
+        raise SceneError(f"A scene file must be valid TOML, but {named}: {error}.") from None
+    except ValueError:
+        raise SceneError(f"A scene file must hold numbers, but {named} has an integer of thousands of digits.") from None
+    except RecursionError:
+        raise SceneError(f"A scene file must not nest deeper than {DEEPEST} tables and arrays, but {named} does.") from None
+    return scene_from_dict(entries, source=one_line(path.name, NAMED))
 
 
 def save_scene(scene: Scene, path: str | PathLike[str]) -> None:

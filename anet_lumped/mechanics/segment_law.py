@@ -209,9 +209,9 @@ def tension_law(stage, stretch, stretch_before, spring, damper, two_way_damper, 
     """Tension by the law of the stage [N], its slope dT/dl [N/m], and the part of it that has an energy [N].
 
     `LAW_BETWEEN` takes the tension over the step, see `axial.tension_between`, with the numerical damper ``numerical`` [N/m]. The
-    other laws take the tension at the end of the stage, with the mean rate of length (x - x_a)/tau. In a cable without a two-way
-    damper the rate is that of the taut part of the length, (max(x, 0) - max(x_a, 0))/tau, so that the tension does not jump where
-    a slack segment turns taut.
+    other laws take the tension at the end of the stage, with the rate of length (x - x_a)/tau. In a cable without a two-way damper
+    the rate is that of the taut part of the length, (max(x, 0) - max(x_a, 0))/tau, so that the tension does not jump where a slack
+    segment turns taut.
     """
     if stage.law == LAW_BETWEEN:
         return tension_between(stretch_before, stretch, spring, damper / stage.tau, numerical, two_way_damper)
@@ -236,10 +236,12 @@ def reduced_slope(stage, slope, geometric):
 
 @inlined
 def _swing_share(change, last_change):
-    """Square of |dl - dl'|/(|dl| + |dl'|), for the changes dl and dl' of a segment's length in the last two steps.
+    """Share of the numerical damper by the changes dl and dl' of a segment's length in the last two steps.
 
-    It is the share of the numerical damper that acts: 1 where the length swings to and fro from step to step. Where the step
-    resolves the stretching of the cable, though not of each segment, the share is of second order in the step.
+        (|dl - dl'|/(|dl| + |dl'|))^2
+
+    is 1 where the length swings to and fro from step to step. It is of second order in the step where the step resolves the
+    stretching of the cable, though not that of each segment.
     """
     share = abs(change - last_change) / max(abs(change) + abs(last_change), TINY)
     return share * share
@@ -247,13 +249,17 @@ def _swing_share(change, last_change):
 
 @inlined
 def _numerical_damper_of_step(law, history, stretch_before):
-    """Numerical damper of a segment in a step that begins [N/m], and the change of its stretch in the last step [m]."""
+    """Numerical damper of a segment in a step that begins [N/m], and the change of its stretch in the last step [m].
+
+    The damper acts in full on a slack segment that cannot push, which may snap taut in the step; else with the share of
+    `_swing_share`, or with the least share if that is larger.
+    """
     spring, numerical = law.spring, law.taut.numerical_damper
     change = history.stretch - history.stretch_before
     if law.step == LINEARISED_NEXT_STEP:
         swing_share = max(_swing_share(change, history.last_change), law.least_damper_share)
-        can_snap_taut = (stretch_before > 0.0) | (spring.push_share > 0.0)
-        numerical = select(can_snap_taut, swing_share, 1.0) * numerical
+        spring_acts = (stretch_before > 0.0) | (spring.push_share > 0.0)
+        numerical = select(spring_acts, swing_share, 1.0) * numerical
     if spring.first_piece < spring.end_piece:  # the damper is less where a tension-strain curve is less steep
         _, slope, _ = tension_slopes(stretch_before, 0.0, spring, 0.0, law.two_way_damper)
         numerical = numerical * max(slope, spring.stiffness) / law.steepest_slope
@@ -270,7 +276,8 @@ def linearise(stage, law, start, end, base_start, base_end, predicted_tension, h
         LAW_BACKWARD   e = n ,                     g = n ;
         LAW_AT_END     e = n ,                     g = n - c/(k tau l) (d_a - (n . d_a) n) ,
 
-    the last one because the rate of length n . (d - d_a)/tau changes when the segment turns.
+    the last one because the rate of length n . (d - d_a)/tau, which is n . v there, changes when the segment turns. For this rate
+    the stretch x_a at the base is n . d_a - L_a in `LAW_AT_END`; in the other laws it is l_a - L_a.
 
     A segment is linearised as taut although the law says that it is slack, if it cannot push, was predicted taut, and is short by
     so little that the predicted tension outweighs the force of that length error (`TautLaw.force_per_length_error`).

@@ -1,4 +1,4 @@
-"""A segment's row of ``Net.segment``: its linearised tension, and what the next linearisation needs of this one."""
+"""A segment's row of ``Net.segment``: its linearised tension, and numbers that its next linearisation reads."""
 
 from typing import Any, NamedTuple
 
@@ -15,7 +15,7 @@ from anet_lumped.model.tables import (
 
 
 class SegmentHistory(NamedTuple):
-    """What an earlier linearisation left in a segment's row of ``Net.segment``; see `LinearisedSegment` for its numbers."""
+    """Numbers in a segment's row of ``Net.segment`` that its next linearisation reads; `LinearisedSegment` says what they are."""
 
     stretch_before: Any
     stretch: Any

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from anet_lumped.checks import SceneError
+from anet_lumped.checks import LARGEST, SceneError, quoted
 from anet_lumped.compiled.lanes import WIDTH
 from anet_lumped.effects.kernel_checks import check_kernels
 from anet_lumped.effects.laws.axial import SWITCHES
@@ -88,7 +88,14 @@ def build(scene):
     mobility = np.append(1.0 / mass[:n_free], np.zeros(n - n_free))
     for c, (_, count, node, start, end) in enumerate(cable[:, : CABLE_END + 1]):
         of = mobility[np.r_[start, node : node + count - 1, end]]
-        axial[c, AXIAL_OMEGA_SQUARED] = axial[c, AXIAL_STIFFNESS] * (of[1:] + of[:-1]).max()
+        with np.errstate(over="ignore"):
+            axial[c, AXIAL_OMEGA_SQUARED] = axial[c, AXIAL_STIFFNESS] * (of[1:] + of[:-1]).max()
+        if not axial[c, AXIAL_OMEGA_SQUARED] <= LARGEST**2:
+            one = scene.cables[c]
+            raise SceneError(
+                f"The frequencies of a cable must be up to {LARGEST:g} rad/s, but cable {quoted(one.name)} has segments of "
+                f"{one.stiffness:g} N/m on nodes of {1.0 / of.max():g} kg."
+            )
     springs = _curves(scene.cables, cable)
     groups, single, kinds = _groups(cable, axial)
     model = Model(

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from anet_lumped.checks import quoted
 from anet_lumped.model.tables import (
     AXIAL_L0,
     AXIAL_PUSH_SHARE,
@@ -121,11 +122,11 @@ class Model:
         """Name of a node: its point, or its place along its cable."""
         for name, number in self.node_of.items():
             if number == node:
-                return f'point "{name}"'
+                return f"point {quoted(name)}"
         for cable in self.scene.cables:
             place = np.flatnonzero(self.nodes(cable.name) == node)
             if len(place):
-                return f'node {place[0]} of {cable.segments} of cable "{cable.name}"'
+                return f"node {place[0]} of {cable.segments} of cable {quoted(cable.name)}"
         return f"node {node}"
 
     def nodes(self, cable):

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from anet_lumped.checks import quoted
 from anet_lumped.model import rest_lengths
 from anet_lumped.scene.scene import Driven, Free
 
@@ -37,12 +38,13 @@ class Shortfall(NamedTuple):
     @property
     def words(self):
         """A sentence with both numbers."""
-        names = ", ".join(f'"{name}"' for name in self.cables)
+        names = ", ".join(quoted(name) for name in self.cables)
         one = len(self.cables) == 1
         return (
             f"{'A cable' if one else 'Cables'} with EA=inf must be longer than the distance between {'its' if one else 'their'} "
             f"ends, but cable{'' if one else 's'} {names} {'is' if one else 'are'} {self.length:.9g} m long, and points "
-            f'"{self.ends[0]}" and "{self.ends[1]}" are {self.distance:.9g} m apart at t={self.t:.4g} s; give EA to let it stretch.'
+            f"{quoted(self.ends[0])} and {quoted(self.ends[1])} are {self.distance:.9g} m apart at "
+            f"t={self.t:.4g} s; give EA to let it stretch."
         )
 
 

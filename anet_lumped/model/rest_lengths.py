@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from anet_lumped.checks import SceneError
+from anet_lumped.checks import SceneError, quoted
 from anet_lumped.effects.effect import PAID_OUT
 from anet_lumped.model.net import Lengths
 from anet_lumped.prescribed.paths import Harmonic, Path, pack
@@ -36,7 +36,7 @@ def changes(scene):
                 what = "length paid out" if quantity == PAID_OUT else "strain at rest"
                 raise SceneError(
                     f"The {what} of a cable must be one function of time, but {type(effect).__name__} gives a second one for cable "
-                    f'"{name}".'
+                    f"{quoted(name)}."
                 )
             terms.append((factor, function))
     return found
@@ -116,14 +116,16 @@ def _slopes(scene, model, cable, cut):
     by = cable.length
     (mass, params), (_, twice) = longer(by), longer(2.0 * by)
     base = model.effects.params
-    bent = np.abs(twice - 2.0 * params + base) > 1e-9 * (np.abs(twice) + np.abs(base))
+    with np.errstate(invalid="ignore"):  # an infinite depth stays as it is
+        bent = np.abs(twice - 2.0 * params + base) > 1e-9 * (np.abs(twice) + np.abs(base))
+        slopes = np.where(np.abs(params - base) > 1e-12 * np.abs(base), params - base, 0.0) / by
     if bent.any():
         e = int(np.searchsorted(model.effects.params_at, np.flatnonzero(bent)[0], side="right")) - 1
         raise SceneError(
             f"Effects beside LineChange must depend on lengths linearly, but {type(model.forces[e]).__name__} does not, of cable "
-            f'"{cable.name}".'
+            f"{quoted(cable.name)}."
         )
-    return (mass - model.mass) / by, np.where(np.abs(params - base) > 1e-12 * np.abs(base), params - base, 0.0) / by
+    return (mass - model.mass) / by, slopes
 
 
 def _starts(rows):
@@ -165,7 +167,7 @@ def at_shortest(scene, t0, t_end):
         left = np.array([(length + terms[0].at(t)[0][0]) * (1.0 + terms[1].at(t)[0][0]) for t in times])
         if not left.min() > SHORTEST * length:
             raise SceneError(
-                f'A cable must keep at least {SHORTEST:g} of its length, but of cable "{name}" with length={length:g} m '
+                f"A cable must keep at least {SHORTEST:g} of its length, but of cable {quoted(name)} with length={length:g} m "
                 f"{left.min():.3g} m are left at t={times[left.argmin()]:.4g} s."
             )
         shortest[name] = min(length, float(left.min()))

@@ -101,7 +101,7 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
         if pilot.ok:
             share = (pilot.t[-1] - pilot.t[0]) / duration
             choice = _finer(choice, _parts(pilot, wanted, share), span)
-    run, in_vain = march(choice, duration), (False, False)
+    run, in_vain, as_far_before = march(choice, duration), (False, False), False
     known = Known(run.error_estimate or 0.0, run.tension_error)
     while run.ok:
         parts = _parts(run, wanted, 1.0, known.of_told, choice.dt / first, in_vain)
@@ -120,7 +120,12 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
         known = _compared(run, coarser, wanted, before.apart)
         # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
         loses = run.energy_balance.lost_to_method > ALLOWED_LOSS * run.energy_balance.in_play
-        in_vain = known.error > NEARER * before.error and not loses, known.tension_error > NEARER * before.tension_error
+        as_far = known.tension_error > NEARER * before.tension_error
+        in_vain = (
+            known.error > NEARER * before.error and not loses,
+            as_far and as_far_before,
+        )  # peaks come nearer by fits and starts
+        as_far_before = as_far
     return _told(run, known, wanted) if run.ok else run
 
 

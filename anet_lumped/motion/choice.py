@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, quoted
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 
@@ -90,7 +90,7 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0):
     if rigid is not None and method not in (None, *able):
         needed = " or ".join(f'method="{name}"' for name in able)
         raise InputError(
-            f'A cable that does not stretch needs {needed}, but cable "{rigid}" has EA=inf and the method is {method}.'
+            f"A cable that does not stretch needs {needed}, but cable {quoted(rigid)} has EA=inf and the method is {method}."
         )
     chosen_by_user = method is not None
     prediction = _predict(scene, tuple(sorted({DEFAULT_EXPLICIT, method if chosen_by_user else DEFAULT_IMPLICIT})))
@@ -105,7 +105,7 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0):
     if chosen_by_user:
         why = "asked for"
     elif rigid is not None:
-        method, why = DEFAULT_IMPLICIT, f'cable "{rigid}" does not stretch'
+        method, why = DEFAULT_IMPLICIT, f"cable {quoted(rigid)} does not stretch"
     elif adaptive:
         method, why = DEFAULT_IMPLICIT, "adaptive steps: no limit of stability, and no energy gained"
     elif dt is not None:
@@ -122,7 +122,7 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0):
             f"(1/{1 / SHARE_OF_TIME_SCALE:.0f} of the motion's time scale)"
         )
     if undamped_slack_cable is not None and not chosen_by_user and rigid is None:
-        why += f'; cable "{undamped_slack_cable}" may go slack undamped, where an explicit step gains energy'
+        why += f"; cable {quoted(undamped_slack_cable)} may go slack undamped, where an explicit step gains energy"
     if stiff_effect is not None and not chosen_by_user and rigid is None:
         why += f"; no limit of an explicit step is known before the run for the forces of {stiff_effect}"
     scheme, limit = schemes.scheme(method), prediction.limits[method].step

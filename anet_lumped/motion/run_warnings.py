@@ -9,6 +9,7 @@ from enum import Enum
 
 import numpy as np
 
+from anet_lumped.checks import quoted
 from anet_lumped.results.audit import SHARE
 from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.results.error_estimate import lowest_axial_mode
@@ -128,8 +129,8 @@ def _excess_length(run, step):
                 ("edmc, extrapolated", "no extrapolation") if run.extrapolated else (run.method, 'method="edmc"')
             )  # fmt: skip
             found = (
-                f'{name}: cable "{cable.name}" gets {longer:.2g} m longer than it is unstretched, where its tension stretches it '
-                f"by {held:.2g} m; take {step}, or {other}."
+                f"{name}: cable {quoted(cable.name)} gets {longer:.2g} m longer than it is unstretched, where its tension "
+                f"stretches it by {held:.2g} m; take {step}, or {other}."
             )
     return found
 

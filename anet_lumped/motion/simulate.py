@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import InputError, nearest, shown
+from anet_lumped.checks import InputError, nearest, number, quoted, shown
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
@@ -107,6 +107,11 @@ def simulate(
     """
     check_scene(scene)
     _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit, error, tension_error)
+    t_end, audit = number(t_end), audit if isinstance(audit, bool) else number(audit)
+    dt, save_every, rtol, atol, rho_inf, error, tension_error = (
+        None if value is None else number(value) for value in (dt, save_every, rtol, atol, rho_inf, error, tension_error)
+    )
+    save_every = None if save_every is None else min(save_every, t_end)
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
     begin = equilibrium(scene) if isinstance(start, str) and start == "equilibrium" else start_state(build(scene), start)
@@ -224,7 +229,7 @@ def overstretched(begin: State) -> list[str]:
     if strain <= MEANT_STRAIN:
         return []
     return [
-        f'start="straight" stretches cable "{worst.name}" of {worst.length:g} m by {strain:.0%}: its ends are '
+        f'start="straight" stretches cable {quoted(worst.name)} of {worst.length:g} m by {strain:.0%}: its ends are '
         f"{begin.length(worst.name):.4g} m apart, and the run begins with the energy of that."
     ]
 
@@ -236,7 +241,7 @@ def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:
         unable = ", ".join(schemes.names(stops_at_events=False))
         given = "`extrapolate` is set" if extrapolate else f"the method is {scheme.name}"
         raise InputError(
-            f'A cable with a `breaking_tension` needs a method other than {unable} and one run, but cable "{brittle}" '
+            f"A cable with a `breaking_tension` needs a method other than {unable} and one run, but cable {quoted(brittle)} "
             f"has one and {given}."
         )
 
@@ -256,13 +261,11 @@ def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: A
     sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=None if isinstance(audit, bool) else audit)
     sizes |= dict(zip(("error", "tension_error"), errors, strict=True))
     for name, value in sizes.items():
-        if (value is not None or name == "t_end") and not (
-            isinstance(value, int | float | np.number) and math.isfinite(value) and value > 0
-        ):
+        if (value is not None or name == "t_end") and not (0 < number(value) < math.inf):
             unit = "" if name in ("rtol", "tension_error") else " [m]" if name in ("atol", "audit", "error") else " [s]"
             raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {shown(value)}.")
-    if dt is not None and dt > t_end * (1 + 1e-9):
-        raise InputError(f"Argument `dt` must not exceed t_end={t_end:g} s, but it is {dt:g} s.")
+    if dt is not None and number(dt) > number(t_end) * (1 + 1e-9):
+        raise InputError(f"Argument `dt` must not exceed t_end={number(t_end):g} s, but it is {number(dt):g} s.")
     if method is not None and not (isinstance(method, str) and method in schemes.MODULES):
         known, near = ", ".join(schemes.MODULES), nearest(method, schemes.MODULES)
         raise InputError(f"Argument `method` must be one of {known}, but it is {shown(method)}" + (near or "."))
@@ -270,5 +273,5 @@ def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: A
         if method is not None and "rho_inf" not in schemes.scheme(method).options:
             able = " and ".join(name for name in schemes.MODULES if "rho_inf" in schemes.scheme(name).options)
             raise InputError(f"Argument `rho_inf` belongs to {able}, but the method is {method}.")
-        if not (isinstance(rho_inf, int | float | np.number) and 0 <= rho_inf <= 1):
+        if not 0 <= number(rho_inf) <= 1:
             raise InputError(f"Argument `rho_inf` must lie between 0 and 1, but it is {shown(rho_inf)}.")

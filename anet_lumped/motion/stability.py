@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import InputError, nearest
+from anet_lumped.checks import InputError, nearest, quoted
 from anet_lumped.scene.scene import Cable, Scene, check_scene
 from integrators.schemes import MODULES, names
 from integrators.schemes import scheme as record_of
@@ -66,7 +66,7 @@ class Prediction:
         mode = self.modes[limit.cable]
         return (
             f'Step dt={dt:g} s is beyond the largest stable step of "{scheme}", {limit.step:.3g} s, set by cable '
-            f'"{limit.cable}" (top frequency {mode.omega:.4g} rad/s, damping ratio {mode.zeta:.3g}); '
+            f"{quoted(limit.cable)} (top frequency {mode.omega:.4g} rad/s, damping ratio {mode.zeta:.3g}); "
             'take a smaller step or an implicit method such as "edmc".'
         )
 
@@ -207,7 +207,7 @@ def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None =
     rigid = next((mode.cable for mode in modes.values() if mode.omega == np.inf), None)
     if rigid is not None:
         able = " and ".join(names(takes_rigid_springs=True))
-        note = f'only {able} takes a cable that does not stretch, such as "{rigid}" with EA=inf'
+        note = f"only {able} takes a cable that does not stretch, such as {quoted(rigid)} with EA=inf"
         none = SchemeLimit(0.0, 0.0, 0.0, rigid, note)
         for one in map(record_of, wanted):
             limits[one.name] = SchemeLimit(np.inf, np.inf, np.inf, "", one.note) if one.takes_rigid_springs else none
@@ -224,9 +224,9 @@ def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None =
 
 def _checked(scheme: str, **values: float | np.ndarray) -> list:
     """The limit of a scheme, and values as float arrays of one shape; InputError for an unknown scheme or a negative value."""
-    if scheme not in MODULES:
+    if not isinstance(scheme, str) or scheme not in MODULES:
         hint = nearest(scheme, MODULES) or ", known are " + ", ".join(MODULES) + "."
-        raise InputError(f'Argument `scheme` must name a scheme, but is "{scheme}"{hint}')
+        raise InputError(f"Argument `scheme` must name a scheme, but is {quoted(scheme)}{hint}")
     for name, value in values.items():
         if not np.all(np.asarray(value) >= 0.0):
             raise InputError(f"Argument `{name}` must not be negative or NaN, but is {value}.")

@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number, check_vector
+from anet_lumped.checks import LARGEST, SceneError, Vector, check_number, check_vector
 
 from .smoothstep import ramped
 
 DEGREE = 6  # the integral of the quintic smoothstep; a spline needs 3
 SHORTEST_RAMP = 1e-6  # [s]; far below, the coefficients velocity/ramp⁵ overflow
+LONGEST_RAMP = 1e12  # [s]; far above, ramp⁵ overflows
 
 
 class Harmonic(NamedTuple):
@@ -141,17 +142,19 @@ def samples(t: Sequence[float], xyz: Sequence[Vector]) -> Path:
     """
     try:
         times, places = np.asarray(t, dtype=float), np.asarray(xyz, dtype=float)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise SceneError(f"Arguments `t` and `xyz` of samples must be arrays of numbers, but {error}.") from None
     if times.ndim != 1 or len(times) < 2 or places.shape != (len(times), 3):
         raise SceneError(
             "Arguments `t` [s] and `xyz` [m] of samples must have shapes (k,) and (k, 3) with k at least 2, "
             f"but have {times.shape} and {places.shape}."
         )
-    if not (np.isfinite(times).all() and np.isfinite(places).all()):
-        row = int(np.argmin(np.isfinite(times) & np.isfinite(places).all(axis=1)))
+    usable = (np.abs(times) <= LARGEST) & (np.abs(places) <= LARGEST).all(axis=1)
+    if not usable.all():
+        row = int(np.argmin(usable))
+        what = f"of a size up to {LARGEST:g}" if np.isfinite(times[row]) and np.isfinite(places[row]).all() else "finite"
         raise SceneError(
-            "Arguments `t` [s] and `xyz` [m] of samples must be finite, "
+            f"Arguments `t` [s] and `xyz` [m] of samples must be {what}, "
             f"but sample {row} has t={times[row]}, xyz={tuple(places[row].tolist())}."
         )
     if not (np.diff(times) > 0.0).all():
@@ -233,6 +236,8 @@ def pack(paths: Sequence[Path]) -> PathTable:
 
 def _check_ramp(ramp: Any, owner: str) -> float:
     ramp = check_number("ramp", ramp, "s", owner, sign="non-negative")
-    if 0.0 < ramp < SHORTEST_RAMP:
-        raise SceneError(f"Argument `ramp` must be zero or at least {SHORTEST_RAMP} s, but {owner} has ramp={ramp}.")
+    if ramp and not SHORTEST_RAMP <= ramp <= LONGEST_RAMP:
+        raise SceneError(
+            f"Argument `ramp` must be zero or at least {SHORTEST_RAMP} s and up to {LONGEST_RAMP:g}, but {owner} has ramp={ramp}."
+        )
     return ramp

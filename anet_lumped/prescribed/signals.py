@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from anet_lumped.checks import SceneError, check_number
+from anet_lumped.checks import SceneError, check_number, shown
 
 from . import paths
 from .paths import Path
@@ -58,10 +58,12 @@ def samples(t: Sequence[float], values: Sequence[float]) -> Signal:
     """
     try:
         values = tuple(map(float, values))
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise SceneError(f"Argument `values` of samples must be numbers, but {error}.") from None
     if len(values) < 2:
-        raise SceneError(f"Argument `values` of samples must hold at least two numbers, one for each of `t`, but holds {values}.")
+        raise SceneError(
+            f"Argument `values` of samples must hold at least two numbers, one for each of `t`, but holds {shown(values)}."
+        )
     return _signal("samples", paths.samples(t, tuple(map(_along_x, values))), values=values)
 
 
@@ -90,7 +92,7 @@ def check_number_or_signal(argument: str, value: Any, unit: str, owner: str) -> 
     except SceneError:
         raise SceneError(
             f"Argument `{argument}` must be a finite number [{unit}] or a signal of anet_lumped.signals, but {owner} has "
-            f"{argument}={value!r}."
+            f"{argument}={shown(value)}."
         ) from None
 
 

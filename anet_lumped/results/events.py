@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from anet_lumped.checks import quoted
+
 PAYLOAD, BREAK = "payload changed", "broke"
 
 
@@ -31,8 +33,8 @@ class Event:
 
     def __str__(self) -> str:
         if self.kind == BREAK:
-            return f't={self.t:.6g} s: segment {self.segment} of cable "{self.where}" broke at {self.tension:.4g} N'
-        return f't={self.t:.6g} s: the payload at point "{self.where}" became {self.mass:.4g} kg'
+            return f"t={self.t:.6g} s: segment {self.segment} of cable {quoted(self.where)} broke at {self.tension:.4g} N"
+        return f"t={self.t:.6g} s: the payload at point {quoted(self.where)} became {self.mass:.4g} kg"
 
 
 def broken(events: Iterable[Event]) -> dict[str, tuple[int, ...]]:

@@ -9,6 +9,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
+from anet_lumped.checks import quoted
 from anet_lumped.model.build import build
 from anet_lumped.scene.origin import Near, near_origin
 from anet_lumped.scene.scene import Scene
@@ -82,7 +83,7 @@ def _lost_digits(near: Near) -> str:
     places = np.abs(scene.supports or [point.at for point in scene.free_points if point.at is not None])
     rounding = float(np.spacing(places.max()))
     cable = max((cable for cable in scene.cables if not cable.inextensible), key=lambda cable: cable.stiffness, default=None)
-    tension = "" if cable is None else f', which is {cable.stiffness * rounding:.1g} N in a segment of cable "{cable.name}"'
+    tension = "" if cable is None else f", which is {cable.stiffness * rounding:.1g} N in a segment of cable {quoted(cable.name)}"
     return (
         f"The scene is {places.max():.3g} m from its origin, where places are rounded to {rounding:.1g} m{tension}; its origin "
         f"cannot be moved nearer, because effect {type(near.fixed_by).__name__} depends on places."

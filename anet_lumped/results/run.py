@@ -7,7 +7,6 @@ from os import PathLike
 import numpy as np
 
 from anet_lumped.effects.laws.axial import tension_parts, with_select
-from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_TWO_WAY_DAMPER
 from anet_lumped.scene.scene import Scene
@@ -28,6 +27,8 @@ STATUS = {
     OUT_OF_STEPS: "out of steps",
     EVENT: "event",  # of a leg that a break ended, never of a run
 }
+FINISHED = ("done", "energy gained", "audit failed")  # statuses of runs that reached their end
+STATUSES = (*(STATUS[k] for k in (UNCONVERGED, DIVERGED, INTERRUPTED, OUT_OF_STEPS)), *FINISHED)
 
 
 class RunInterrupt(KeyboardInterrupt):
@@ -213,7 +214,7 @@ class Run:
     @property
     def reached_end(self) -> bool:
         """Whether the run reached its end, whatever was found against it."""
-        return self.status not in (STATUS[k] for k in (UNCONVERGED, DIVERGED, INTERRUPTED, OUT_OF_STEPS))
+        return self.status in FINISHED
 
     @cached_property
     def energy_balance(self) -> EnergyBalance:
@@ -295,23 +296,4 @@ class Run:
         run_file.write(self, path)
 
 
-def load_run(path: str | PathLike[str]) -> Run:
-    """Read what `Run.save` wrote.
-
-    Returns
-    -------
-    Run
-    """
-    fields = run_file.read(path)
-    return Run(
-        **fields
-        | {
-            "model": build(fields["model"]),
-            "work": Work(**fields["work"]),
-            "audit": Audit(**fields["audit"]) if fields["audit"] else None,
-            "events": tuple(Event(**event) for event in fields["events"]),
-        }
-    )
-
-
-__all__ = ["Audit", "EnergyBalance", "Run", "Scene", "State", "Work", "load_run"]
+__all__ = ["Audit", "EnergyBalance", "Run", "Scene", "State", "Work"]

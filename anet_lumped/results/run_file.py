@@ -1,12 +1,36 @@
-"""A run in one netCDF file: its arrays, and its scene and account as attributes."""
+"""A run in one netCDF file: its arrays, and its scene and account as attributes.
 
+Files say which format they have, and a checksum of all that is read of them. Those of version 0.1, and of 0.2 before there was a
+checksum, say neither; their shapes, types and names are all that can be checked.
+"""
+
+import hashlib
+import io
 import json
+from collections.abc import Mapping
 from dataclasses import asdict
 from os import PathLike
 from typing import Any
 
+import numpy as np
+
+from anet_lumped.checks import shown
+from anet_lumped.limits import BYTES
+from anet_lumped.regular_files import read_bytes
 from anet_lumped.results.energy_balance import COLUMNS, UNDIVIDED
-from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
+from anet_lumped.scene.as_dict import scene_to_dict
+
+FORMAT = 1  # of the files that are written here
+WHAT = "A saved run"  # for messages
+AXES = ["x", "y", "z"]
+DIMENSIONS = {
+    "t": ("t",), "q": ("t", "node", "axis"), "v": ("t", "node", "axis"), "tension": ("t", "segment"), "energy": ("t", "energy_of"),
+    "error": ("t",),
+}  # fmt: skip
+
+
+class DamagedError(Exception):
+    """Why a file is no saved run, or not any more; within this room."""
 
 
 def write(run: Any, path: str | PathLike[str]) -> None:
@@ -15,61 +39,129 @@ def write(run: Any, path: str | PathLike[str]) -> None:
 
     columns = list(COLUMNS if run.energy.shape[1] == len(COLUMNS) else UNDIVIDED)
     account = {
+        "format": FORMAT,
         "scene": json.dumps(scene_to_dict(run.scene)),
         "work": json.dumps(asdict(run.work)),
         "warnings": json.dumps(run.warnings),
         "method": run.method,
-        "dt": run.dt,
+        "dt": float(run.dt),
         "reason": run.reason,
         "status": run.status,
         "message": run.message,
-        "wall_time": run.wall_time,
+        "wall_time": float(run.wall_time),
         "audit": json.dumps(asdict(run.audit) if run.audit else None),
         "events": json.dumps([asdict(event) for event in run.events]),
         "extrapolated": int(run.extrapolated),
         "kept": json.dumps(run.kept),
     }
-    arrays: dict[str, Any] = {
-        "q": (("t", "node", "axis"), run.q, {"units": "m", "long_name": "place"}),
-        "v": (("t", "node", "axis"), run.v, {"units": "m/s", "long_name": "velocity"}),
-        "tension": (("t", "segment"), run.segment_tension, {"units": "N"}),
-        "energy": (("t", "energy_of"), run.energy, {"units": "J"}),
-    }
+    arrays = {"t": run.t, "q": run.q, "v": run.v, "tension": run.segment_tension, "energy": run.energy}
     if run.error_growth is not None:
-        arrays["error"] = ("t", run.error_growth, {"units": "m", "long_name": "what the steps left out of places"})
+        arrays["error"] = run.error_growth
+    about: dict[str, dict[str, str]] = {
+        "t": {"units": "s"},
+        "q": {"units": "m", "long_name": "place"},
+        "v": {"units": "m/s", "long_name": "velocity"},
+        "tension": {"units": "N"},
+        "energy": {"units": "J"},
+        "error": {"units": "m", "long_name": "what the steps left out of places"},
+    }
+    variables: dict[str, Any] = {name: (DIMENSIONS[name], array, about[name]) for name, array in arrays.items()}
     xr.Dataset(
-        arrays,
-        coords={"t": ("t", run.t, {"units": "s"}), "axis": list("xyz"), "energy_of": columns},
-        attrs=account,
+        {name: variable for name, variable in variables.items() if name != "t"},
+        coords={"t": variables["t"], "axis": AXES, "energy_of": columns},
+        attrs=account | {"checksum": _checksum(arrays, account)},
     ).to_netcdf(path, engine="scipy")
 
 
-def read(path: str | PathLike[str]) -> dict[str, Any]:
+def read(path: str | PathLike[str]) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Read what `write` wrote.
 
     Returns
     -------
-    dict
-        The fields of a run; of its model the scene, and its work, audit and events as plain dicts.
-    """
-    import xarray as xr
+    arrays : dict of str to float64
+        t, q, v, tension, energy and, if there is one, error; shapes agree with each other.
+    account : dict
+        The attributes, as text and numbers.
 
-    with xr.open_dataset(path, engine="scipy") as data:
-        account = data.attrs
-        return {
-            "model": scene_from_dict(json.loads(account["scene"])),
-            "t": data["t"].values.copy(),
-            "q": data["q"].values.copy(),
-            "v": data["v"].values.copy(),
-            "energy": data["energy"].values.copy(),
-            "segment_tension": data["tension"].values.copy(),
-            **{name: str(account[name]) for name in ("method", "reason", "status", "message")},
-            **{name: float(account[name]) for name in ("dt", "wall_time")},
-            "error_growth": data["error"].values.copy() if "error" in data else None,
-            "work": json.loads(account["work"]),
-            "warnings": tuple(json.loads(account["warnings"])),
-            "audit": json.loads(account["audit"]),
-            "events": json.loads(account["events"]),
-            "kept": json.loads(account.get("kept", "null")),
-            "extrapolated": bool(account.get("extrapolated", False)),  # a file of version 0.1 does not say
-        }
+    Raises
+    ------
+    InputError : no regular file
+    DamagedError : no saved run, a damaged one, or one of a newer version
+    """
+    variables, account = _content(read_bytes(path, WHAT, BYTES))
+    form = account.get("format", 0)
+    if not isinstance(form, int) or form < 0:
+        raise DamagedError(f"its format is {shown(form)}")
+    if form > FORMAT:
+        raise DamagedError(
+            f"it was written by a newer version of anet-lumped, in format {form} where this one reads up to {FORMAT}"
+        )
+    for name in ("t", "q", "v", "tension", "energy", "axis", "energy_of"):
+        if name not in variables:
+            raise DamagedError(f"it has no `{name}`")
+    columns = _words(variables.pop("energy_of"))
+    if _words(variables.pop("axis")) != AXES or columns not in (list(COLUMNS), list(UNDIVIDED)):
+        raise DamagedError("its axes or kinds of energy are unknown")
+    sizes = {"axis": len(AXES), "energy_of": len(columns)}
+    arrays = {}
+    for name, (dimensions, array) in variables.items():
+        if dimensions != DIMENSIONS.get(name) or array.dtype != ">f8":
+            raise DamagedError(f"its variable {shown(name)} is unknown, or not of the dimensions and type that it must have")
+        for dimension, size in zip(dimensions, array.shape, strict=True):
+            if sizes.setdefault(dimension, size) != size or size == 0:
+                raise DamagedError(f"its variable `{name}` has the shape {array.shape}")
+        arrays[name] = array.astype(float)
+    if form and account.pop("checksum", None) != _checksum(arrays, account):
+        raise DamagedError("its checksum is not that of its content, so that it was changed after it was written")
+    return arrays, account
+
+
+class _OnceThrough(io.BytesIO):
+    """Bytes that are handed out no more than once: a header may claim sizes, and the same bytes for many arrays."""
+
+    left: int
+
+    def read(self, size: int | None = -1) -> bytes:
+        found = super().read(size)
+        self.left -= len(found)
+        if self.left < 0:
+            raise DamagedError("it claims to hold more than it does")
+        return found
+
+
+def _content(content: bytes) -> tuple[dict[str, tuple[tuple[str, ...], np.ndarray]], dict[str, Any]]:
+    """Dimensions and array of each variable of a netCDF-3 file, and its attributes."""
+    from scipy.io import netcdf_file
+
+    stream = _OnceThrough(content)
+    stream.left = len(content)
+    try:
+        with netcdf_file(stream, mmap=False) as file:
+            variables = {name: (tuple(one.dimensions), np.asarray(one.data)) for name, one in file.variables.items()}
+            account = {name: _plain(value) for name, value in file._attributes.items()}
+    except DamagedError:
+        raise
+    except Exception:  # of junk, the reader raises whatever its code comes upon
+        raise DamagedError("it is no netCDF-3 file, or is cut or damaged") from None
+    return variables, account
+
+
+def _plain(value: Any) -> Any:
+    return value.decode() if isinstance(value, bytes) else value.item()
+
+
+def _words(variable: tuple[tuple[str, ...], np.ndarray]) -> list[str]:
+    """Words in an array of characters, a row each."""
+    _, letters = variable
+    if letters.dtype.kind != "S" or letters.ndim != 2:
+        return []
+    return [b"".join(row).rstrip(b"\0").decode("ascii", "replace") for row in letters]
+
+
+def _checksum(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> str:
+    """SHA-256 of the account and of the bytes of the arrays, of whatever machine."""
+    found = hashlib.sha256(json.dumps(account, sort_keys=True).encode())
+    for name in sorted(arrays):
+        found.update(f"{name}{arrays[name].shape}".encode())
+        found.update(np.ascontiguousarray(arrays[name], "<f8").data)
+    return found.hexdigest()

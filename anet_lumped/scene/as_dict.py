@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any, Literal, get_args, get_origin
 
-from anet_lumped.checks import SceneError, nearest
+from anet_lumped.checks import NAMED, SceneError, nearest, one_line, quoted, shown
 from anet_lumped.effects.flow import waves, wind
 from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.wind import Wind
@@ -30,7 +30,8 @@ PARTS: dict[Any, tuple[str, Mapping[str, Callable]]] = {
 }  # fmt: skip
 
 
-OWN = " An effect of your own is known in Python, once the module that defines it is imported, and not on the command line."
+OWN = " An effect of your own is known in Python, once its module is imported, and not on the command line."
+DEEPEST = 32  # tables and arrays within each other; a wind that is sampled has 7
 SECTIONS = ("points", "cables", "cable_defaults", "effects", "events")
 
 
@@ -67,6 +68,7 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
     """
     from anet_lumped.effects import REGISTRY
 
+    _check_depth(_table(entries, source), source)
     _check_keys(entries, SECTIONS, source)
     shared = _table(entries.get("cable_defaults", {}), f"{source}, cable_defaults")
     _check_keys(
@@ -77,7 +79,7 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
     cables = [_make(Cable, _of_rope(shared | entry, place), place) for entry, place in _tables(entries, "cables", source)]
     effects = []
     for name, entry in _table(entries.get("effects", {}), f"{source}, effects").items():
-        place = f"{source}, effects.{name}"
+        place = f"{source}, effects.{one_line(name, NAMED)}"
         effects.append(_make(_choose(name, REGISTRY, "effect", place, OWN), _table(entry, place), place))
     events = [_event(entry, place) for entry, place in _tables(entries, "events", source)] if "events" in entries else ()
     try:
@@ -129,7 +131,7 @@ def _made(what: str, kinds: Mapping[str, Callable], value: Any, place: str, may_
     if isinstance(value, list):
         return [_made(what, kinds, entry, f"{place}[{i}]", isinstance(entry, str)) for i, entry in enumerate(value)]
     if isinstance(value, dict) and value and all(isinstance(entry, dict) for entry in value.values()):
-        return {name: _part(what, kinds, entry, f"{place}.{name}") for name, entry in value.items()}
+        return {name: _part(what, kinds, entry, f"{place}.{one_line(name, NAMED)}") for name, entry in value.items()}
     return value if may_be_number and not isinstance(value, dict) else _part(what, kinds, value, place)
 
 
@@ -152,7 +154,7 @@ def _make(maker: Callable, entry: dict[str, Any], place: str) -> Any:
         key = str(first["loc"][0]) + "".join(f"[{index}]" for index in first["loc"][1:] if isinstance(index, int))
         if first["type"] == "missing":
             raise SceneError(f"{place}: key `{key}` is missing.") from None
-        raise SceneError(f"{place}: key `{key}` has the wrong type: {first['msg']}, but it is {first['input']!r}.") from None
+        raise SceneError(f"{place}: key `{key}` has the wrong type: {first['msg']}, but it is {shown(first['input'])}.") from None
     except ValueError as error:
         raise SceneError(f"{place}: {error}") from None
 
@@ -189,7 +191,7 @@ def _take_kind(entry: dict[str, Any], kinds: Mapping[str, Callable], what: str, 
 def _choose(name: Any, known: Mapping[str, Callable], what: str, place: str, hint: str = "") -> Callable:
     if not isinstance(name, str) or name not in known:
         near = nearest(name, known) or f"; known: {_list(known)}.{hint}"
-        raise SceneError(f"{place}: unknown {what} {name!r}{near}")
+        raise SceneError(f"{place}: unknown {what} {shown(name)}{near}")
     return known[name]
 
 
@@ -197,12 +199,23 @@ def _check_keys(entry: dict[str, Any], known: Any, place: str) -> None:
     for key in entry:
         if key not in known:
             hint = nearest(key, known, quote="`") or f"; known: {', '.join(f'`{name}`' for name in known)}."
-            raise SceneError(f"{place}: unknown key `{key}`{hint}")
+            raise SceneError(f"{place}: unknown key {quoted(key, '`')}{hint}")
+
+
+def _check_depth(entries: Any, source: str) -> None:
+    """Refuse what nests so deep that whatever follows it, to its end, would exceed Python's depth of calls."""
+    level = [entries]
+    for _ in range(DEEPEST + 1):
+        inner = [value.values() if isinstance(value, dict) else value for value in level]
+        level = [value for values in inner for value in values if isinstance(value, dict | list | tuple)]
+        if not level:
+            return
+    raise SceneError(f"{source}: tables and arrays must not nest deeper than {DEEPEST}, but some do.")
 
 
 def _table(value: Any, place: str) -> dict[str, Any]:
     if not isinstance(value, dict):
-        raise SceneError(f"{place}: must be a table of keys and values, but is {value!r}.")
+        raise SceneError(f"{place}: must be a table of keys and values, but is {shown(value)}.")
     return value
 
 
@@ -210,7 +223,7 @@ def _tables(entries: dict[str, Any], section: str, source: str) -> list[tuple[di
     """Return each table of an array of tables, with its place for messages."""
     found = entries.get(section)
     if not isinstance(found, list) or not found:
-        given = "is missing" if found is None else f"is {found!r}"
+        given = "is missing" if found is None else f"is {shown(found)}"
         raise SceneError(f"{source}: `{section}` must be an array of at least one table, [[{section}]], but {given}.")
     places = [f"{source}, {section}[{i}]" for i in range(len(found))]
     return [(_table(entry, place), place) for entry, place in zip(found, places, strict=True)]
@@ -237,4 +250,4 @@ def _tuples(value: Any) -> Any:
 
 
 def _list(names: Any) -> str:
-    return ", ".join(f'"{name}"' for name in names)
+    return ", ".join(quoted(name) for name in names)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from anet_lumped.checks import Vector, check_name, check_number, check_vector
+from anet_lumped.checks import Vector, check_name, check_number, check_vector, quoted
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class PayloadChange:
 
     def __post_init__(self) -> None:
         check_name(self.point, "point")
-        owner = f'the change of payload at point "{self.point}"'
+        owner = f"the change of payload at point {quoted(self.point)}"
         object.__setattr__(self, "t", check_number("t", self.t, "s", owner, sign="non-negative"))
         object.__setattr__(self, "mass", check_number("mass", self.mass, "kg", owner, sign="non-negative"))
         object.__setattr__(self, "velocity", check_vector("velocity", self.velocity, "m/s", owner))

@@ -32,7 +32,7 @@ import warnings
 from dataclasses import dataclass
 from typing import cast
 
-from anet_lumped.checks import SceneError, check_number, nearest
+from anet_lumped.checks import SceneError, check_number, nearest, quoted, shown
 
 
 class RopeWarning(UserWarning):
@@ -134,10 +134,11 @@ def rope(name: str, diameter: float, *, tension: float | None = None) -> dict[st
     RopeWarning : a diameter with which the formulas were not compared
     """
     if not isinstance(name, str) or name not in ROPES:
-        alike = [key for key, kind in ROPES.items() if str(name).lower() in kind.about.lower()]  # "Dyneema", "IWRC"
+        words = {key: kind.about.lower() for key, kind in ROPES.items()} if isinstance(name, str) else {}
+        alike = [key for key, about in words.items() if name.lower() in about]  # "Dyneema", "IWRC"
         hint = nearest(name, ROPES) or nearest(alike[0] if alike else "", ROPES) or f"; known: {', '.join(ROPES)}."
-        raise SceneError(f"Unknown rope {name!r}{hint}")
-    kind, owner = ROPES[name], f'rope "{name}"'
+        raise SceneError(f"Unknown rope {shown(name)}{hint}")
+    kind, owner = ROPES[name], f"rope {quoted(name)}"
     diameter = check_number("diameter", diameter, "m", owner, sign="positive")
     low, high = kind.diameters or (0.0, 0.0)
     if not low <= diameter <= high:

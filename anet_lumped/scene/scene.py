@@ -1,17 +1,32 @@
 """What a user writes: points, cables and effects, checked when made and never changed afterwards."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from os import PathLike
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
 
-from anet_lumped.checks import SceneError, Vector, check_count, check_name, check_number, check_vector, look_up, nearest, shown
+from anet_lumped.checks import (
+    SceneError,
+    Vector,
+    as_entries,
+    check_count,
+    check_name,
+    check_number,
+    check_vector,
+    look_up,
+    nearest,
+    number,
+    quoted,
+    shown,
+)
 from anet_lumped.effects.effect import Effect
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.scene.payload_change import PayloadChange
+
+from .tension_strain import check_curve, slopes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -37,7 +52,7 @@ class Fixed:
 
     def __post_init__(self) -> None:
         check_name(self.name, "point")
-        object.__setattr__(self, "at", check_vector("at", self.at, "m", f'fixed point "{self.name}"'))
+        object.__setattr__(self, "at", check_vector("at", self.at, "m", f"fixed point {quoted(self.name)}"))
 
 
 @dataclass(frozen=True)
@@ -58,7 +73,7 @@ class Driven:
         if not isinstance(self.path, Path):
             raise SceneError(
                 f"Argument `path` must be made by paths.line, paths.samples or paths.harmonic, "
-                f'but driven point "{self.name}" has path={self.path!r}.'
+                f"but driven point {quoted(self.name)} has path={shown(self.path)}."
             )
 
 
@@ -85,7 +100,7 @@ class Free:
 
     def __post_init__(self) -> None:
         check_name(self.name, "point")
-        owner = f'free point "{self.name}"'
+        owner = f"free point {quoted(self.name)}"
         for key, unit in (("mass", "kg"), ("CdA", "m²"), ("volume", "m³"), ("Ca", "")):
             object.__setattr__(self, key, check_number(key, getattr(self, key), unit, owner, sign="non-negative"))
         if self.at is not None:
@@ -146,7 +161,7 @@ class Cable:
         for point in (self.start, self.end):
             check_name(point, "point")
         name = f"{self.start}-{self.end}" if self.name is None else check_name(self.name, "cable")
-        owner = f'cable "{name}"'
+        owner = f"cable {quoted(name)}"
         checked: dict[str, Any] = {
             "name": name,
             "length": check_number("length", self.length, "m", owner, sign="positive"),
@@ -163,30 +178,30 @@ class Cable:
         if self.BA is not None:
             checked["BA"] = check_number("BA", self.BA, "N·s", owner, sign="non-negative")
         if self.tension_strain is not None:
-            checked["tension_strain"] = _check_curve(self.tension_strain, owner)
-            checked["EA"] = max(_slopes(checked["tension_strain"]))
-            if self.EA not in (None, checked["EA"]):
+            checked["tension_strain"] = check_curve(self.tension_strain, owner)
+            checked["EA"] = max(slopes(checked["tension_strain"]))
+            if self.EA is not None and number(self.EA) != checked["EA"]:
                 raise SceneError(f"Only one of `EA` and `tension_strain` may be given, but {owner} has both.")
         elif self.EA is None:
             raise SceneError(f"A cable must have `EA` or `tension_strain`, but {owner} has neither.")
         else:
-            checked["EA"] = math.inf if self.EA == math.inf else check_number("EA", self.EA, "N", owner, sign="positive")
+            checked["EA"] = math.inf if number(self.EA) == math.inf else check_number("EA", self.EA, "N", owner, sign="positive")
         for key, value in checked.items():
             object.__setattr__(self, key, value)
         if self.start == self.end:
-            raise SceneError(f'A cable must join two different points, but {owner} runs from "{self.start}" to itself.')
+            raise SceneError(f"A cable must join two different points, but {owner} runs from {quoted(self.start)} to itself.")
         if self.zeta and self.BA is not None:
             raise SceneError(f"Only one of `zeta` and `BA` may be given, but {owner} has zeta={self.zeta} and BA={self.BA}.")
-        if self.compression not in COMPRESSION:
+        if not isinstance(self.compression, str) or self.compression not in COMPRESSION:
             raise SceneError(
                 'Argument `compression` must be "none", "damped" or "linear", but '
-                f"{owner} has compression={self.compression!r}" + (nearest(self.compression, COMPRESSION) or ".")
+                f"{owner} has compression={shown(self.compression)}" + (nearest(self.compression, COMPRESSION) or ".")
             )
 
         if self.EA_compression and (self.compression != "damped" or self.EA_compression > self.EA_first or self.inextensible):
             raise SceneError(
                 'Argument `EA_compression` must not exceed a finite EA and needs compression="damped", but '
-                f"{owner} has EA_compression={self.EA_compression}, EA={self.EA_first} and compression={self.compression!r}."
+                f"{owner} has EA_compression={self.EA_compression}, EA={self.EA_first} and compression={shown(self.compression)}."
             )
 
     @property
@@ -197,7 +212,7 @@ class Cable:
     @property
     def EA_first(self) -> float:
         """Axial stiffness at L0 [N]: EA, or the first slope of the curve."""
-        return self.EA if self.tension_strain is None else _slopes(self.tension_strain)[0]
+        return self.EA if self.tension_strain is None else slopes(self.tension_strain)[0]
 
     @property
     def springs(self) -> tuple[tuple[float, float], ...]:
@@ -207,17 +222,17 @@ class Cable:
         """
         if self.tension_strain is None:
             return ()
-        slopes, knots = _slopes(self.tension_strain), self.tension_strain[:-1]
-        steps = (after - before for before, after in pairwise(slopes))
-        further = ((strain, step / slopes[0]) for (strain, _), step in zip(knots, steps, strict=True))
-        return (0.0, slopes[0] / self.EA), *further
+        of_pieces, knots = slopes(self.tension_strain), self.tension_strain[:-1]
+        steps = (after - before for before, after in pairwise(of_pieces))
+        further = ((strain, step / of_pieces[0]) for (strain, _), step in zip(knots, steps, strict=True))
+        return (0.0, of_pieces[0] / self.EA), *further
 
     def strain(self, T: float) -> float:
         """Strain that a tension T >= 0 [N] holds, by the elastic law."""
         if self.tension_strain is None:
             return T / self.EA
         at, below, strain = 0.0, 0.0, 0.0
-        for (eps, above), slope in zip(self.tension_strain, _slopes(self.tension_strain), strict=True):
+        for (eps, above), slope in zip(self.tension_strain, slopes(self.tension_strain), strict=True):
             if T > below or at == 0.0:
                 strain = at + (T - below) / slope
             at, below = eps, above
@@ -291,7 +306,7 @@ class Scene:
             wrong = [entry for entry in entries if not isinstance(entry, kinds)]
             if wrong or (self.whole and not entries):
                 what = "Fixed, Driven or Free points" if argument == "points" else "at least one Cable"
-                given = f"{argument}[{entries.index(wrong[0])}] is {wrong[0]!r}" if wrong else "is empty"
+                given = f"{argument}[{entries.index(wrong[0])}] is {shown(wrong[0])}" if wrong else "is empty"
                 raise SceneError(f"Argument `{argument}` of a scene must hold {what}, but {given}.")
             object.__setattr__(self, argument, entries)
         object.__setattr__(self, "effects", _as_tuple("effects", self.effects))
@@ -309,13 +324,13 @@ class Scene:
         names = set()
         for point in self.points:
             if point.name in names:
-                raise SceneError(f'Names of points must be unique, but two points are named "{point.name}".')
+                raise SceneError(f"Names of points must be unique, but two points are named {quoted(point.name)}.")
             names.add(point.name)
         cables = {}
         for cable in self.cables:
             if cable.name in cables:
                 raise SceneError(
-                    f'Names of cables must be unique, but two cables are named "{cable.name}"; '
+                    f"Names of cables must be unique, but two cables are named {quoted(cable.name)}; "
                     "give cables that join the same points a `name` each."
                 )
             cables[cable.name] = cable
@@ -323,13 +338,13 @@ class Scene:
                 point = getattr(cable, end)
                 if point not in names:
                     raise SceneError(
-                        f'Argument `{end}` must name a point of the scene, but cable "{cable.name}" has '
-                        f'{end}="{point}"' + (nearest(point, names) or ".")
+                        f"Argument `{end}` must name a point of the scene, but cable {quoted(cable.name)} has "
+                        f"{end}={quoted(point)}" + (nearest(point, names) or ".")
                     )
         reached = {name for cable in self.cables for name in (cable.start, cable.end)}
         for point in self.points:
             if self.whole and isinstance(point, Free) and point.name not in reached:
-                raise SceneError(f'A free point must hold at least one cable, but no cable ends at "{point.name}".')
+                raise SceneError(f"A free point must hold at least one cable, but no cable ends at {quoted(point.name)}.")
 
     def _check_effects(self) -> None:
         if not self.effects:
@@ -340,7 +355,8 @@ class Scene:
         for effect in self.effects:
             if not isinstance(effect, Effect) or REGISTRY.name_of(effect) is None:
                 raise SceneError(
-                    f"Argument `effects` of a scene must hold effects ({', '.join(REGISTRY.class_names)}), but holds {effect!r}"
+                    f"Argument `effects` of a scene must hold effects ({', '.join(REGISTRY.class_names)}), but holds "
+                    + shown(effect)
                     + ('; register its class: REGISTRY["its_name"] = Class.' if isinstance(effect, Effect) else ".")
                 )
             if type(effect) in seen:
@@ -351,11 +367,15 @@ class Scene:
         seen = set()
         for event in self.events:
             if not isinstance(event, PayloadChange):
-                raise SceneError(f"Argument `events` of a scene must hold PayloadChange, but holds {event!r}.")
+                raise SceneError(f"Argument `events` of a scene must hold PayloadChange, but holds {shown(event)}.")
             if not isinstance(self.point(event.point), Free):
-                raise SceneError(f'A payload must be at a free point, but one is to change at "{event.point}", which is none.')
+                raise SceneError(
+                    f"A payload must be at a free point, but one is to change at {quoted(event.point)}, which is none."
+                )
             if (event.point, event.t) in seen:
-                raise SceneError(f'A payload may change once at a time, but that of "{event.point}" does twice at {event.t:g} s.')
+                raise SceneError(
+                    f"A payload may change once at a time, but that of {quoted(event.point)} does twice at {event.t:g} s."
+                )
             seen.add((event.point, event.t))
 
     @cached_property
@@ -407,35 +427,11 @@ class Scene:
         return total
 
 
-def _check_curve(value: Any, owner: str) -> tuple[tuple[float, float], ...]:
-    """Return a tension-strain curve as pairs of floats, without the (0, 0) that it may begin with."""
-    try:
-        curve = tuple(
-            (check_number("tension_strain", eps, "", owner), check_number("tension_strain", T, "N", owner)) for eps, T in value
-        )
-    except (TypeError, SceneError, ValueError):
-        raise SceneError(
-            f"Argument `tension_strain` must be pairs of a finite strain and tension [N], but {owner} has {value!r}."
-        ) from None
-    curve = curve[1:] if curve[:1] == ((0.0, 0.0),) else curve
-    both = list(zip(*((0.0, 0.0), *curve), strict=True))
-    if not curve or any(after <= before for of in both for before, after in pairwise(of)):
-        raise SceneError(
-            f"Strains and tensions of `tension_strain` must grow from (0, 0) on, and there must be some, but {owner} has {value!r}."
-        )
-    return curve
-
-
-def _slopes(curve: Sequence[tuple[float, float]]) -> list[float]:
-    """Slope of each piece of a curve [N]."""
-    before = ((0.0, 0.0), *curve[:-1])
-    return [(T - T_before) / (eps - eps_before) for (eps, T), (eps_before, T_before) in zip(curve, before, strict=True)]
-
-
 def _as_tuple(argument: str, value: Any) -> tuple:
-    if not isinstance(value, Iterable) or isinstance(value, str | Mapping):
-        raise SceneError(f"Argument `{argument}` of a scene must be a sequence, but is {value!r}.")
-    return tuple(value)
+    entries = None if isinstance(value, Mapping) else as_entries(value)
+    if entries is None:
+        raise SceneError(f"Argument `{argument}` of a scene must be a sequence, but is {shown(value)}.")
+    return entries
 
 
 def check_scene(value: Any) -> None:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import LARGEST, SMALLEST, InputError, as_entries, number, shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,7 +256,13 @@ def catenary(
         d, rise = 0.0, abs(h) / length
         H, V_m = 0.0, math.copysign(max(rise / (2 + e), excess / e if e else 0.0), h) * weight
     else:
-        u = _half_angle(d / length, h / length, chord / length, excess, e)
+        try:
+            u = _half_angle(d / length, h / length, chord / length, excess, e)
+        except (ArithmeticError, ValueError):
+            raise InputError(
+                "A catenary must be of numbers that can be computed with, but "
+                f"its chord is {chord / length:.3g} times its length, and its weight {e:.3g} times EA."
+            ) from None
         H, V_m = weight * (d / length) / (2 * u + e), weight * (h / length) / (2 * math.tanh(u) + e)
     return Catenary(p1, p2, length, EA, weight_per_length, H, V_m - weight / 2, _direction(span, d))
 
@@ -307,10 +313,12 @@ def _direction(vector: np.ndarray, horizontal_length: float) -> np.ndarray:
 
 
 def _vectors(**named: ArrayLike) -> list[np.ndarray]:
-    vectors = [np.array(value, dtype=float) for value in named.values()]
+    vectors = [np.array([number(x) for x in as_entries(value) or ()]) for value in named.values()]
     for name, vector in zip(named, vectors, strict=True):
         if vector.shape not in {(2,), (3,)} or not np.isfinite(vector).all():
-            raise InputError(f"{name} must hold two or three finite numbers, got {named[name]!r}.")
+            raise InputError(f"{name} must hold two or three finite numbers, got {shown(named[name])}.")
+        if (np.abs(vector) > LARGEST).any():
+            raise InputError(f"{name} must hold numbers of a size up to {LARGEST:g}, got {shown(named[name])}.")
     if len({len(vector) for vector in vectors}) > 1:
         given = " and ".join(f"{len(vector)} for {name}" for name, vector in zip(named, vectors, strict=True))
         raise InputError(f"{' and '.join(named)} must have the same number of coordinates, got {given}.")
@@ -320,8 +328,10 @@ def _vectors(**named: ArrayLike) -> list[np.ndarray]:
 def _material(length: float, EA: float | None, mass_per_length: float, gravity: float) -> tuple[float, float]:
     """EA [N], inf for None, and mu g [N/m]."""
     for name, value in (("length", length), ("EA", 1.0 if EA is None else EA), ("mass_per_length", mass_per_length)):
-        if not 0 < value < math.inf:
-            raise InputError(f"{name} must be positive and finite, got {value!r}.")
-    if not 0 <= gravity < math.inf:
-        raise InputError(f"gravity must be finite and not negative, got {gravity!r}.")
+        if not 0 < number(value) < math.inf:
+            raise InputError(f"{name} must be positive and finite, got {shown(value)}.")
+        if not SMALLEST <= number(value) <= LARGEST:
+            raise InputError(f"{name} must be of a size from {SMALLEST:g} to {LARGEST:g}, got {shown(value)}.")
+    if not 0 <= number(gravity) <= LARGEST:
+        raise InputError(f"gravity must be finite and not negative, got {shown(gravity)}.")
     return (math.inf if EA is None else float(EA)), float(mass_per_length) * float(gravity)

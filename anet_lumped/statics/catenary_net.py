@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, quoted
 from anet_lumped.scene.scene import Cable, Free, Scene
 
 from .catenary import Catenary, catenary
@@ -125,7 +125,8 @@ class _Hung:
         curved = next((c.name for c in scene.cables if c.tension_strain is not None), None)
         if elastic and curved is not None:
             raise InputError(
-                f'A cable with a tension-strain curve, such as "{curved}", has no catenary in closed form; take elastic=False.'
+                f"A cable with a tension-strain curve, such as {quoted(curved)}, has no catenary in closed form; "
+                "take elastic=False."
             )
         self.EA = {c.name: c.EA if elastic else INEXTENSIBLE * self.weight for c in scene.cables}
         self.cables = list(scene.cables)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from anet_lumped.checks import check_number, quoted
 from anet_lumped.mechanics.finite_laws import name_law_that_is_not_finite
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
@@ -15,13 +16,13 @@ from anet_lumped.results.near_origin import computed_near_origin
 from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Fixed, Free, Scene, check_scene
 
-from .equilibrium_error import EquilibriumError
+from .equilibrium_error import EquilibriumError, NoRestError
 from .hanging_chains import solve, unroll
 from .starts import Start, start_state
 
 UNSTRETCHED = 1e13  # EA over the load, in place of a cable that does not stretch: a strain of 1e-13
 
-__all__ = ["EquilibriumError", "equilibrium"]
+__all__ = ["EquilibriumError", "NoRestError", "equilibrium"]
 
 
 @computed_near_origin
@@ -46,19 +47,23 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
 
     Raises
     ------
-    EquilibriumError
+    NoRestError
         Nothing holds a part of the net; a cable is slack and nothing loads it, so that any shape would do; a cable would
-        have to push; no convergence; or no rest that is stable.
+        have to push, or does not stretch and does not reach; a support is under the ground; a law or
+        what is computed is not finite.
+    EquilibriumError
+        No convergence; or no rest that is stable. A NoRestError is one, too.
     InputError
         A start that is not one of these.
     """
     check_scene(scene)
+    tolerance = check_number("tolerance", tolerance, "", "`equilibrium`", sign="positive")
     model = build(scene)
     _check_supports(scene)
     given = None if start is None or (isinstance(start, str) and start == "equilibrium") else start_state(model, start)
     short = shortfall(scene, 0.0)
     if short is not None:
-        raise EquilibriumError(short.words)
+        raise NoRestError(short.words)
     q = np.zeros((model.n, 3))
     for point in scene.points:
         if isinstance(point, Fixed):
@@ -106,14 +111,15 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
             found = stable_rest(model, net, Shape(q.copy(), tension), guess, scale)
         except RuntimeError as error:  # a tangent that is not finite cannot be judged
             law = name_law_that_is_not_finite(model, [(0.0, q, v)])
-            raise EquilibriumError(f"{law}No equilibrium was found: {error}") from None if law else error
+            kind = NoRestError if law else EquilibriumError
+            raise kind(f"{law}No equilibrium was found: {error}") from None if law else error
         if not (found.stable or found.asked_for):
             _refuse(model, found, q)
         (q, tension), balance, stable = found.shape, found.residual, found.stable
     else:
         _check_slack(model, np.where(settled, np.inf, tension), total, scale)
     if not (np.isfinite(q).all() and np.isfinite(tension).all() and math.isfinite(balance)):
-        raise EquilibriumError(
+        raise NoRestError(
             "The places and tensions of a rest must be finite, but those found are not: lengths, stiffnesses and loads of this "
             "scene differ by more than numbers can hold."
         )
@@ -122,19 +128,19 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
 
 def _refuse(model: Model, found: Any, hanging: np.ndarray) -> None:
     """Raise an `EquilibriumError` that says why the shape that was found is not returned."""
-    from .failure_reasons import reason
+    from .failure_reasons import impossible, reason
 
     q, tension = found.shape
     effects, why = ", ".join(type(effect).__name__ for effect in model.scene.effects), reason(model, q)
     if not found.balanced:
         law = name_law_that_is_not_finite(model, [(0.0, shape, np.zeros_like(q)) for shape in (hanging, q)])
-        raise EquilibriumError(
+        raise (NoRestError if law or impossible(model, q) else EquilibriumError)(
             f"{law}No equilibrium was found with {effects}: forces balance to {found.residual:.1e} of the load, "
             f"which should be 1e-9; {why}."
         )
     down = found.down.directions_down
     state = State(model, 0.0, q, np.zeros_like(q), tension, residual=found.residual, stable=False)
-    raise EquilibriumError(
+    raise (NoRestError if impossible(model, q) else EquilibriumError)(
         f"A rest must be stable, but from that with {effects} {down} direction{'s lead' if down > 1 else ' leads'} down, "
         f"and leaving it led to no other; {why}.",
         state,
@@ -189,8 +195,8 @@ def _check_supports(scene: Scene) -> None:
     for name in neighbours:
         if name not in reached:
             others = len(_connected(neighbours, [name])) - 1
-            raise EquilibriumError(
-                f'Every part of a net must hang on a fixed or driven point, but nothing holds free point "{name}"'
+            raise NoRestError(
+                f"Every part of a net must hang on a fixed or driven point, but nothing holds free point {quoted(name)}"
                 + (f" and the {others} others it is tied to" if others else "")
                 + '; `simulate` moves it from start="straight" or a State.'
             )
@@ -211,13 +217,13 @@ def _check_slack(model: Model, tension: np.ndarray, total: float, scale: float) 
     for cable in model.scene.cables:
         smallest = tension[model.segments(cable.name)].min()
         if total == 0.0 and smallest < 1e-9 * scale:
-            raise EquilibriumError(
-                f'A cable needs a load or a tension to have a static shape, but cable "{cable.name}" is slack and nothing '
+            raise NoRestError(
+                f"A cable needs a load or a tension to have a static shape, but cable {quoted(cable.name)} is slack and nothing "
                 "loads it: a mechanism; give `start` a state instead."
             )
         pushes, law = cable.compression == "linear" or cable.EA_compression, cable.compression
         if pushes and smallest < 1e-9 * scale:
-            raise EquilibriumError(
-                f'A cable that hangs in equilibrium must be taut, but cable "{cable.name}" with compression="{law}" has '
+            raise NoRestError(
+                f'A cable that hangs in equilibrium must be taut, but cable {quoted(cable.name)} with compression="{law}" has '
                 f'a slack segment that would push; use compression="none" or "damped", or an even number of segments.'
             )

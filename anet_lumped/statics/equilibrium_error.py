@@ -1,5 +1,6 @@
 """The error for a scene that has no rest, or whose rest was not found."""
 
+from anet_lumped.checks import SceneError
 from anet_lumped.results.run import State
 
 
@@ -12,3 +13,12 @@ class EquilibriumError(RuntimeError):
     def __init__(self, message: str, state: State | None = None) -> None:
         super().__init__(message)
         self.state = state
+
+
+class NoRestError(EquilibriumError, SceneError):
+    """A scene that cannot have a static shape, for a reason that is known.
+
+    Nothing holds a part of it, nothing loads a cable that is slack, a cable would have to push, one that does not stretch does not
+    reach, a support is under the ground, or a law is not finite. Such a scene is a wrong input, and can be put right. Where a
+    search finds no rest, the scene may have one: an EquilibriumError that is no SceneError.
+    """

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from anet_lumped.checks import quoted
 from anet_lumped.effects.bending import Bending
 from anet_lumped.effects.ground import Ground
 from anet_lumped.model.model import Model
@@ -42,7 +43,7 @@ def _under_the_ground(model):
                     )
                     if height < effect.height - thickest:
                         return (
-                            f'support "{point.name}" must not be under the ground, but it is at a height of {height:g} m '
+                            f"support {quoted(point.name)} must not be under the ground, but it is at a height of {height:g} m "
                             f"and the ground at {effect.height:g} m"
                         )
     return ""
@@ -57,8 +58,8 @@ def bends_but_does_not_push(model: Model, q: np.ndarray) -> str:
         if shortest < SHRUNK or sharpest > FOLDED:
             what = f"shrinks to {shortest:.1e} of its length" if shortest < SHRUNK else f"folds by {sharpest:.0f} degrees"
             return (
-                f'a cable that is stiff in bending must push, but cable "{cable.name}" with compression="{cable.compression}" '
-                f'does not, and a segment of it {what}; use compression="linear"'
+                f"a cable that is stiff in bending must push, but cable {quoted(cable.name)} with "
+                f'compression="{cable.compression}" does not, and a segment of it {what}; use compression="linear"'
             )
     return ""
 
@@ -88,7 +89,8 @@ def _sharp_turn(model, q):
         if len(turn) and turn.max() > worst:
             worst = float(turn.max())
             where = (
-                f'the curvature of a cable must not be finer than its segments, but cable "{cable.name}" turns by {worst:.0f} '
-                f"degrees at node {int(np.argmax(turn)) + 1}, between segments of {cable.L0:.3g} m; give it more segments"
+                f"the curvature of a cable must not be finer than its segments, but cable {quoted(cable.name)} turns by "
+                f"{worst:.0f} degrees at node {int(np.argmax(turn)) + 1}, between segments of {cable.L0:.3g} m; "
+                "give it more segments"
             )
     return where

@@ -2,13 +2,12 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from anet_lumped.checks import InputError, nearest, shown
+from anet_lumped.checks import InputError, nearest, number, quoted, shown
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
 from anet_lumped.results.run import Run, State
@@ -64,7 +63,7 @@ def straight(model: Model) -> np.ndarray:
     for point in model.scene.points:
         at[point.name] = _prescribed(point) if not isinstance(point, Free) else point.at
         if at[point.name] is None:
-            raise SceneError(f'start="straight" needs the place of every point, but free point "{point.name}" has no `at`.')
+            raise SceneError(f'start="straight" needs the place of every point, but free point {quoted(point.name)} has no `at`.')
     return spread(model, {name: np.asarray(place, float) for name, place in at.items()})
 
 
@@ -90,19 +89,19 @@ def _of_shapes(model, shapes):
     for name in shapes:
         if name not in model.scene.cable_numbers:
             raise InputError(
-                f'A shape to start from must be of a cable of the scene, but "{name}" is none' + (nearest(name, names) or ".")
+                f"A shape to start from must be of a cable of the scene, but {quoted(name)} is none" + (nearest(name, names) or ".")
             )
     q = np.full((model.n, 3), np.nan)
     for cable in model.scene.cables:
         if cable.name not in shapes:
-            raise InputError(f'Shapes to start from must be given for every cable, but cable "{cable.name}" has none.')
-        shape = _numbers(shapes[cable.name], f'The shape of cable "{cable.name}"')
+            raise InputError(f"Shapes to start from must be given for every cable, but cable {quoted(cable.name)} has none.")
+        shape = _numbers(shapes[cable.name], f"The shape of cable {quoted(cable.name)}")
         if shape.shape != (cable.segments + 1, 3):
             raise InputError(
-                f'The shape of cable "{cable.name}" must have the places of its {cable.segments + 1} nodes, '
+                f"The shape of cable {quoted(cable.name)} must have the places of its {cable.segments + 1} nodes, "
                 f"({cable.segments + 1}, 3), but it is {shape.shape}."
             )
-        _check_finite("position", shape, lambda i, name=cable.name: f'node {i} of cable "{name}"')
+        _check_finite("position", shape, lambda i, name=cable.name: f"node {i} of cable {quoted(name)}")
         q[model.nodes(cable.name)] = shape
     for point in model.scene.points:
         if not isinstance(point, Free):
@@ -142,7 +141,7 @@ def _checked_arrays(state):
 def _adopt(model, state):
     """A State of the same or of a like scene as one of this model, matched by names."""
     q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
-    if not (isinstance(state.t, Real) and np.isfinite(state.t)):
+    if not np.isfinite(number(state.t)):
         raise InputError(f"A State to start from must have a finite time [s], but it has t={shown(state.t)}.")
     own_q, own_v, own_tension = _checked_arrays(state)
     segments = {cable.name: cable.segments for cable in state.scene.cables}
@@ -150,7 +149,7 @@ def _adopt(model, state):
         other = segments.get(cable.name)
         if other != cable.segments:
             raise InputError(
-                f'A State to start from must have the scene\'s cables, but of cable "{cable.name}" with {cable.segments} '
+                f"A State to start from must have the scene's cables, but of cable {quoted(cable.name)} with {cable.segments} "
                 f"segments it has {'none' if other is None else other}."
             )
         mine, theirs = model.nodes(cable.name), state.model.nodes(cable.name)
@@ -164,7 +163,7 @@ def _adopt(model, state):
     if not np.isfinite(tension).all():
         s = int(np.flatnonzero(~np.isfinite(tension))[0])
         cable = model.scene.cables[model.cable_of[s]]
-        raise InputError(f'A start must have finite tensions, but a segment of cable "{cable.name}" has {tension[s]} N.')
+        raise InputError(f"A start must have finite tensions, but a segment of cable {quoted(cable.name)} has {tension[s]} N.")
     return State(model, float(state.t), q, v, tension, events=state.events)
 
 

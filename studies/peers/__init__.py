@@ -8,7 +8,7 @@ for.
 
 from importlib import import_module
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, shown
 from studies.peers.problem import Outcome
 
 __all__ = ["PEERS", "Outcome", "installed", "peer"]
@@ -24,7 +24,7 @@ def peer(name):
     InputError : a name that is not one of `PEERS`
     """
     if name not in PEERS:
-        raise InputError(f"A peer must be one of {', '.join(PEERS)}, but it is {name!r}.")
+        raise InputError(f"A peer must be one of {', '.join(PEERS)}, but it is {shown(name)}.")
     return import_module(f"studies.peers.{name}")
 
 

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, shown
 from anet_lumped.scene.scene import Fixed, Free
 from studies.peers.problem import problem, raise_if_refused, unsupported, version_of
 
@@ -56,7 +56,7 @@ def run(scene, t_end, save_every, start=None, *, accuracy, scheme):
     """
     raise_if_refused(refuses(scene))
     if scheme not in SCHEMES:
-        raise InputError(f"Argument `scheme` must be one of {', '.join(SCHEMES)}, but it is {scheme!r}.")
+        raise InputError(f"Argument `scheme` must be one of {', '.join(SCHEMES)}, but it is {shown(scheme)}.")
     from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 
     began = time.perf_counter()

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, shown
 from anet_lumped.prescribed.smoothstep import smoothstep
 from anet_lumped.scene.scene import Driven
 from studies.peers.problem import explicit_limit, problem, raise_if_refused, unsupported, version_of
@@ -69,9 +69,9 @@ def run(scene, t_end, save_every, start=None, *, dt, solver="GeneralizedAlpha", 
     """
     raise_if_refused(refuses(scene))
     if solver not in ("GeneralizedAlpha", *LIMITS):
-        raise InputError(f"Argument `solver` must be one of GeneralizedAlpha, {', '.join(LIMITS)}, but it is {solver!r}.")
+        raise InputError(f"Argument `solver` must be one of GeneralizedAlpha, {', '.join(LIMITS)}, but it is {shown(solver)}.")
     if law not in LAWS:
-        raise InputError(f"Argument `law` must be one of {', '.join(LAWS)}, but it is {law!r}.")
+        raise InputError(f"Argument `law` must be one of {', '.join(LAWS)}, but it is {shown(law)}.")
     import exudyn
 
     began = time.perf_counter()

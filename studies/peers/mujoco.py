@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, shown
 from studies.peers.problem import explicit_limit, problem, raise_if_refused, unsupported, version_of
 
 NAME = "MuJoCo"
@@ -60,7 +60,7 @@ def run(scene, t_end, save_every, start=None, *, dt, integrator):
     """
     raise_if_refused(refuses(scene))
     if integrator not in (*IMPLICIT, "RK4"):
-        raise InputError(f"Argument `integrator` must be one of {', '.join((*IMPLICIT, 'RK4'))}, but it is {integrator!r}.")
+        raise InputError(f"Argument `integrator` must be one of {', '.join((*IMPLICIT, 'RK4'))}, but it is {shown(integrator)}.")
     import mujoco
 
     began = time.perf_counter()

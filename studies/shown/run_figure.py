@@ -66,7 +66,7 @@ def plot(run):
 
 
 def _above(figure, words, color):
-    figure.suptitle(textwrap.fill(words, WIDE), color=color, fontsize=9, ha="left", x=0.01)
+    figure.suptitle(textwrap.fill(words, WIDE), color=color, fontsize=9, ha="left", x=0.01, parse_math=False)  # names may hold $
 
 
 def _shapes(axes, run):

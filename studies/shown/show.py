@@ -5,6 +5,8 @@ import math
 import sys
 from numbers import Integral, Real
 
+from anet_lumped.checks import printable
+
 UNITS = {
     "m": "x y z sag length rmse gap largest covered",
     "N": "tension force EA",
@@ -30,13 +32,13 @@ def show(result: dict) -> None:
     from rich.console import Console
 
     # A file or pipe has no width of its own; 80 columns would break every table.
-    console = Console(width=None if sys.stdout.isatty() else 160, highlight=False, markup=False)
+    console = Console(width=None if sys.stdout.isatty() else 160, highlight=False, markup=False, emoji=False)
     for title, value in result.items():
         if isinstance(value, list) and value and isinstance(value[0], dict):
             console.print(_table(title, value))
         elif isinstance(value, list):
             for line in value:
-                print(f"{_words(title)}: {line}")
+                print(f"{_words(title)}: {printable(str(line))}")
         else:
             print(f"{_head(title)}: {as_text(value)}")
 
@@ -56,7 +58,7 @@ def as_text(value, digits: int = 4) -> str:
     if isinstance(value, list | tuple):
         return " ".join(as_text(one, digits) for one in value)
     if isinstance(value, bool) or not isinstance(value, Real):
-        return "" if value is None else str(value)
+        return "" if value is None else printable(str(value))
     if isinstance(value, Integral) or value == 0:
         return f"{value:.0f}"
     if not math.isfinite(value):

@@ -141,10 +141,13 @@ def prediction_summary(scene, dt: float | None = None) -> dict:
 
     With a step dt [s] also the stretch floor of the explicit methods: the smallest static stretch that it permits.
     """
+    from anet_lumped.checks import check_number
     from anet_lumped.motion.stability import predict
     from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
     from integrators import schemes
 
+    if dt is not None:
+        check_number("dt", dt, "s", "the command", sign="positive")
     prediction = predict(scene)
     modes = prediction.modes.values()
     cables = [{"cable": mode.cable, "top_frequency": mode.omega, "damping_ratio": mode.zeta} for mode in modes]

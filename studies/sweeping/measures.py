@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anet_lumped.checks import nearest
+from anet_lumped.checks import InputError, nearest
 from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.scene.scene import Scene
 
 
-class MeasureError(ValueError):
+class MeasureError(InputError):
     """A measure that does not exist, or a target that it cannot have."""
 
 

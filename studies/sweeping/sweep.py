@@ -6,8 +6,10 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 
+from anet_lumped.checks import check_number, nearest, shown
 from anet_lumped.scene.as_dict import scene_to_dict
 from anet_lumped.scene.scene import Scene
+from integrators import schemes
 from studies.sweeping.measures import Measure, Source, read_measure
 from studies.sweeping.rows import run_rows
 from studies.sweeping.vary import SETTINGS, VaryError, apply, grid, read_values
@@ -48,12 +50,15 @@ def sweep(
 
     Raises
     ------
-    VaryError, MeasureError : an unknown name, or a measure or setting of a run without `t_end`
+    VaryError, MeasureError : an unknown name or word, a number that cannot be, or a measure or setting of a run without `t_end`
     RowsError : `out` holds rows already, or rows of another sweep
+    FolderInUseError : another run writes to `out`
+    InputError : more variants than `limits.ROWS`, or workers that cannot be
     """
     values = read_values(scene, vary)
     settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
     settings = {name: value for name, value in settings.items() if value is not None}
+    _check_settings(settings)
     runs = "t_end" in settings or "t_end" in values
     texts = tuple(measures) or AT_REST + OF_RUN * runs
     found = {text: read_measure(text, scene) for text in texts}
@@ -69,8 +74,21 @@ def sweep(
         out=out,
         resume=resume,
         identity={"scene": scene_to_dict(scene), "vary": values, "measures": texts, "settings": settings},
+        columns=texts,
         label=label,
     )
+
+
+def _check_settings(settings):
+    """Refuse what no run can have before every row fails by it."""
+    for name in ("t_end", "dt"):
+        if name in settings:
+            check_number(name, settings[name], "s", "the sweep", sign="positive")
+    for name, known in (("method", schemes.MODULES), ("start", ("equilibrium", "straight"))):
+        given = settings.get(name)
+        if isinstance(given, str) and given not in known:
+            near = nearest(given, known) or f"; known are {', '.join(known)}."
+            raise VaryError(f"No run can have {name}={shown(given)}{near}")
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,12 @@
 """What a sweep varies: names of a scene's fields and of a run's settings, the values each takes, and their product."""
 
 import itertools
+import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
-from anet_lumped.checks import nearest
+from anet_lumped.checks import InputError, nearest, shown
+from anet_lumped.limits import ROWS, check_most
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 from anet_lumped.scene.scene import Scene
 
@@ -12,7 +14,7 @@ SETTINGS = ("t_end", "method", "dt", "start", "rtol", "atol", "rho_inf")
 NOT_VARIED = ("name", "kind", "start", "end")
 
 
-class VaryError(ValueError):
+class VaryError(InputError):
     """A name that nothing in the scene has, or values that cannot be read."""
 
 
@@ -40,13 +42,14 @@ def parse_values(spec: str, whole: bool = False) -> list:
         first, last, count = spec.split(":")
         log = count.endswith("log")
         a, b, n = float(first), float(last), int(count.removesuffix("log"))
-        if n < 1 or (log and not (a > 0 and b > 0)):
+        if n < 1 or not math.isfinite((b / a if a > 0 and b > 0 else math.nan) if log else b - a):
             raise ValueError
     except ValueError:
         raise VaryError(
-            "A range must be a:b:n or a:b:nlog, with n at least 1 and, for log, positive ends, as in 1e2:1e6:9log, "
+            "A range must be a:b:n or a:b:nlog, with n at least 1, finite ends and, for log, positive ones, as in 1e2:1e6:9log, "
             f'but "{spec}" was given.'
         ) from None
+    check_most(ROWS, n, f"The range {spec:.40}")
     share = [i / max(n - 1, 1) for i in range(n)]
     values = [a * (b / a) ** s if log else a + (b - a) * s for s in share]
     # 12 digits: 100.0 rather than 100.00000000000001, so that a row is found again by its inputs
@@ -68,18 +71,26 @@ def read_values(scene: Scene, vary: dict[str, str | Iterable]) -> dict[str, list
     ------
     VaryError : an unknown name (with the nearest known one) or a specification that cannot be read
     """
+    if not isinstance(vary, Mapping):
+        raise VaryError(f"What is varied must be a dict from names to values, but it is {shown(vary)}.")
     fields = _fields(scene_to_dict(scene))
     values = {}
     for name, spec in vary.items():
         if name not in fields and name not in SETTINGS:
             raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, fields, scene)}")
         whole = name in fields and all(type(container[key]) is int for container, key in fields[name])
-        values[name] = parse_values(spec, whole) if isinstance(spec, str) else list(spec)
+        values[name] = parse_values(spec, whole) if isinstance(spec, str) else _listed(name, spec)
     return values
 
 
 def grid(values: dict[str, list]) -> list[dict]:
-    """Every combination of the values, a dict of inputs each; the last name varies fastest."""
+    """Every combination of the values, a dict of inputs each; the last name varies fastest.
+
+    Raises
+    ------
+    InputError : they are more than `limits.ROWS`
+    """
+    check_most(ROWS, math.prod(map(len, values.values())), f"The grid of {', '.join(values)}")
     return [dict(zip(values, point, strict=True)) for point in itertools.product(*values.values())]
 
 
@@ -153,10 +164,27 @@ def _hint(name, fields, scene):
     )
 
 
+def _listed(name, values):
+    """The values, however they come, as a list that is not too long."""
+    if not isinstance(values, Iterable):
+        raise VaryError(f"The values of `{name}` must be a specification or a list, but they are {shown(values)}.")
+    listed = []
+    for value in values:
+        listed.append(value)
+        check_most(ROWS, len(listed), f"The values of `{name}`")
+    return listed
+
+
 def _number(word):
     for kind in (int, float):
         try:
-            return kind(word)
+            value = kind(word)
+            beyond = math.isnan(value) or (math.isinf(value) and "inf" not in word.lower())
         except ValueError:
             continue
+        except OverflowError:
+            beyond = True
+        if beyond:
+            raise VaryError(f"A number must be one that a float can hold, but it is {word}.")
+        return value
     return word

@@ -1,5 +1,6 @@
 """Where rows run: in an executor that is given, or in a pool of processes that survives the death of its workers."""
 
+import contextlib
 import logging
 import math
 import multiprocessing
@@ -16,9 +17,11 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, wait
 from importlib.util import find_spec
 from multiprocessing.process import BaseProcess
+from numbers import Integral
 from pathlib import Path
 from typing import NamedTuple
 
+from anet_lumped.checks import InputError, shown
 from integrators.compiling import NOTICE, NOTICED_AFTER, call_when_compiling
 
 CRASHED = {
@@ -26,8 +29,13 @@ CRASHED = {
     "reason": "the worker process died: killed by the system, out of memory, or a fault in compiled code",
 }
 BROKEN = {"status": "crashed", "reason": "the executor broke before this row came back"}
+MOST_WORKERS = 32  # on any machine; on one of many cores, four for each
 PRELOADED = "studies.sweeping.preloaded"  # imported once, by the process that workers are forked from
 BATCH_SECONDS, LARGEST_BATCH = 0.1, 64  # of work that a worker is given at a time, so that short rows need not travel one by one
+
+
+class WorkerError(RuntimeError):
+    """Worker processes that do not come up."""
 
 
 class Pool(NamedTuple):
@@ -87,10 +95,7 @@ def start_early() -> None:
     Not before the kernels are compiled and on the disk: both would compile them.
     """
     if _start_method() == "forkserver" and kernels_are_on_disk():
-        from multiprocessing.forkserver import ensure_running
-
         _Context([])
-        ensure_running()
 
 
 def kernels_are_on_disk() -> bool:
@@ -99,6 +104,19 @@ def kernels_are_on_disk() -> bool:
     if os.environ.get("NUMBA_CACHE_DIR"):
         folders = [Path(os.environ["NUMBA_CACHE_DIR"])]
     return any(next(folder.rglob("*.nbi"), None) for folder in folders)
+
+
+def check_workers(workers: int | None) -> None:
+    """Refuse a number of workers that is none, or more than this machine could ever keep busy.
+
+    Raises
+    ------
+    InputError
+    """
+    most = max(MOST_WORKERS, 4 * available_cores())
+    whole = isinstance(workers, Integral) and not isinstance(workers, bool)
+    if workers is not None and not (whole and 1 <= workers <= most):
+        raise InputError(f"Argument `workers` must be an integer from 1 to {most}, but it is {shown(workers)}.")
 
 
 def available_cores() -> int:
@@ -232,12 +250,31 @@ class _Context(type(multiprocessing.get_context(_start_method()))):
         super().__init__()
         self.started, self.kind = started, _ProcessWithScript if needs_script else _ProcessWithoutScript
         if _start_method() == "forkserver":
+            from multiprocessing import forkserver, resource_tracker  # which Windows does not import
+
             self.set_forkserver_preload([PRELOADED])
+            with _held_back("SIGHUP"):
+                resource_tracker.ensure_running()  # which takes care of SIGINT itself, and gives it back to this process
+            with _held_back("SIGINT", "SIGHUP"):  # which a terminal sends to all; this process ends the others in order
+                forkserver.ensure_running()
 
     def Process(self, *arguments, **options):
         process = self.kind(*arguments, **options)
         self.started.append(process)
         return process
+
+
+@contextlib.contextmanager
+def _held_back(*names):
+    """Hold signals back from this thread; processes that start within never get them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {getattr(signal, name) for name in names})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _start_pool(workers, function, started):
@@ -252,9 +289,11 @@ def _start_pool(workers, function, started):
     compiles = context.RawValue("b", 0)  # without a lock, which a worker that is killed could hold
     executor = ProcessPoolExecutor(workers, mp_context=context, initializer=_prepare_worker, initargs=(compiles,))
     try:
-        executor.submit(callable, function).result()
+        with _held_back("SIGINT", "SIGTERM", "SIGHUP"):  # a process that is lost as it starts would not be ended
+            loaded = executor.submit(callable, function)
+        loaded.result()
     except (BrokenExecutor, AttributeError, ImportError):
-        raise RuntimeError(
+        raise WorkerError(
             "A script whose own functions or effects worker processes need must call sweep and run_rows below "
             '`if __name__ == "__main__":`, or define them in a module that it imports; the workers could not load '
             f"{getattr(function, '__qualname__', type(function).__name__)}."

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from anet_lumped.advice.markers import MarkerError, fit_markers, read_markers, sequence
+from anet_lumped.checks import InputError
 from anet_lumped.effects import Gravity
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
 from anet_lumped.statics.catenary_net import catenary_net
@@ -77,6 +78,9 @@ def test_other_columns_empty_cells_and_blank_lines(tmp_path):
         ("x,y,z,x\n1,2,3,4\n", None, "must have a header with one x, one y and one z"),
         ("", None, "must have a header with one x, one y and one z"),
         ("x,y,z\n1,2,3\n1,two,3\n", None, r"must be numbers, but .*markers.csv, line 3 has \['1', 'two', '3'\]"),
+        ("x,y,z\n1,2,3\n1,-inf,3\n", None, r"must not be beyond 1e\+09, but .*markers.csv, line 3 has \['1', '-inf', '3'\]"),
+        ("x,y,z\n1,2,1e10\n", None, "must not be beyond"),
+        ('x,y,z\n"' + "1" * 200_000 + '",2,3\n', None, r"must be a table in CSV, but .*markers.csv, line 2, is not: field larger"),
         ("x,y,z\n,,\n1,,2\n", None, "needs at least one row with x, y and z, but .*markers.csv has none"),
         ("x,y,z\n1e7,0,0\n2e7,0,0\n4e7,0,0\n", None, "must be in metres or millimetres, but those of .*csv lie"),
         ("x,y,z\n1,2,3\n", "cm", 'The unit of markers must be "m" or "mm", but unit=\'cm\' was given'),
@@ -187,3 +191,43 @@ def test_too_few_markers():
     xyz, *_ = cloud(9)
     with pytest.raises(MarkerError, match="A fit needs at least three markers on one cable, but of the 2 given"):
         fit_markers(xyz[:2], net())
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"\xff\xfex\0,\0y\0", "must be UTF-8 text, but .*markers.csv is UTF-16"),
+        (b"x,y,z,\xe9\n1,2,3,4\n", "must be UTF-8 text, but line 1 of .*markers.csv is not"),
+        (b"\0" * 5000, "must be UTF-8 text, but .*markers.csv is binary"),
+    ],
+)
+def test_a_file_that_is_no_text_is_refused(tmp_path, content, message):
+    (tmp_path / "markers.csv").write_bytes(content)
+    with pytest.raises(MarkerError, match=message):
+        read_markers(tmp_path / "markers.csv", net())
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ("nowhere.csv", "must be readable, but nowhere.csv: No such file"),
+        ("/", "must be readable, but /: Is a directory"),
+        ("a\0b", "must be given by the path of a file"),
+    ],
+)
+def test_a_path_that_is_no_file_is_refused(path, message):
+    with pytest.raises(MarkerError, match=message):
+        read_markers(path, net())
+
+
+def test_more_than_memory_holds_is_refused(monkeypatch):
+    xyz, *_ = cloud(0)
+    monkeypatch.setenv("ANET_LUMPED_MOST_BYTES", "1000")
+    with pytest.raises(InputError, match=rf"A fit of 40 segments to {len(xyz)} markers would take \S+ bytes"):
+        fit_markers(xyz, net())
+
+
+def test_markers_on_one_another_have_no_spacing(recwarn):
+    xyz, *_ = cloud(0, noise=0.0, strays=0.0)
+    fit = fit_markers(np.repeat(xyz, 5, axis=0), net())
+    assert all(match.missing is None for match in fit.cables) and not recwarn.list

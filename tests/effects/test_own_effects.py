@@ -18,9 +18,9 @@ from systems import four_cables, loose_cable, nets, scatter
 from anet_lumped import (
     Cable,
     Driven,
-    EquilibriumError,
     Fixed,
     Free,
+    NoRestError,
     Scene,
     SceneError,
     equilibrium,
@@ -399,7 +399,7 @@ def loose(*effects):
 
 
 def test_a_law_that_is_not_finite_is_named_by_statics():
-    with pytest.raises(EquilibriumError, match=r"^The force of effect root_of_height is \(0, 0, nan\) N at t=0 s at .* No equil"):
+    with pytest.raises(NoRestError, match=r"^The force of effect root_of_height is \(0, 0, nan\) N at t=0 s at .* No equil"):
         equilibrium(loose(root_of_height(-0.5)))
 
 

@@ -231,3 +231,11 @@ def test_a_tree_fills_in_nothing():
     free = [f"p{i}" for i in range(15)]
     links = [("a", "p0")] + [(free[(i - 1) // 2], free[i]) for i in range(1, 15)]
     assert len(net_of(free, links).symbolic.block) == 15 + 2 * 14
+
+
+def test_frequencies_beyond_all_numbers_are_refused():
+    cable = Cable("a", "b", length=1e-99, mass_per_length=1e-99, EA=1e4, segments=4)
+    with pytest.raises(
+        SceneError, match=r'frequencies of a cable must be up to 1e\+100 rad/s, but cable "a-b" has segments of \S+ N/m on nodes of'
+    ):
+        build(Scene([Fixed("a", (0.0, 0.0, 0.0)), Free("b", mass=0.1)], [cable]))

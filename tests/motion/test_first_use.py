@@ -73,6 +73,7 @@ class Pressed(event.Listener):
         self.depth -= 1
 
 event.register("numba:compile", Pressed())
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in what runs in the background
 for stopped in range(100):
     try:
         from anet_lumped import Cable, Fixed, Scene, equilibrium

@@ -1,7 +1,11 @@
 """Every argument of what a user writes, given what it cannot be: one sentence that names it, and never another error."""
 
+import contextlib
 import inspect
 import math
+import warnings
+from decimal import Decimal
+from fractions import Fraction
 from types import SimpleNamespace
 
 import numpy as np
@@ -31,6 +35,7 @@ from anet_lumped.advice.compare import compare
 from anet_lumped.advice.effect_audit import audit_effects
 from anet_lumped.advice.markers import fit_markers
 from anet_lumped.advice.recommend import recommend
+from anet_lumped.checks import LONGEST
 from anet_lumped.effects import REGISTRY
 from anet_lumped.motion.stability import predict
 
@@ -74,6 +79,15 @@ WRONG = {
     "a dict": {"a": 1.0},
     "a bool": True,
     "an object": object(),
+    "400 digits": 10**400,
+    "5000 digits": 10**5000,
+    "a huge fraction": Fraction(10**400, 3),
+    "a Decimal": Decimal("1.5"),
+    "a complex number": 1j,
+    "a time of NumPy": np.timedelta64(3, "s"),
+    "an array of text": np.array("x"),
+    "huge numbers": [10**400, 10**400, 10**400],
+    "escapes": ["\x1b[31m\n" * 100],
 }
 NAMES = {
     ("Fixed", "name"), ("Driven", "name"), ("Free", "name"), ("Cable", "start"), ("Cable", "end"), ("Cable", "name"),
@@ -91,7 +105,8 @@ RIGHT = (
     | {("nothing", *one) for one in NONE}
     | {("an empty list", *one) for one in EMPTY}
     | {("a dict", *one) for one in BY_NAME}
-    | {("an empty dict", "bending", "clamped"), ("a bool", "wind.Gust", "stays")}
+    | {("an empty dict", "bending", "clamped"), ("a bool", "wind.Gust", "stays"), ("escapes", "load", "cables")}
+    | {("400 digits", "wind.Dryden", "seed"), ("5000 digits", "wind.Dryden", "seed")}
 )
 """What is no mistake after all."""
 
@@ -120,8 +135,24 @@ def test_wrong_types(owner, argument, wrong):
         maker(**given)
     said = str(refused.value)
     # one sentence that says what must hold
-    assert said.endswith((".", "?")) and "\n" not in said and any(word in said for word in (" must ", " may ", "known: ")), said
+    assert (
+        said.endswith((".", "?"))
+        and said.isprintable()
+        and len(said) <= LONGEST
+        and any(word in said for word in (" must ", " may ", "known: "))
+    ), said
     assert argument in said or "name of a" in said or "recorded wind" in said or owner == "rope", said
+
+
+@pytest.mark.parametrize("size", [1e308, -1e308, 1e200, 5e-324, 1e-200, 1e100, 1e-100, 0.0, Fraction(1, 3), np.array(1.5)], ids=str)
+@pytest.mark.parametrize("owner", MAKERS)
+def test_numbers_of_any_size_and_kind_are_taken_or_refused(owner, size):
+    maker, arguments = MAKERS[owner]
+    for argument, value in arguments.items():
+        wrong = (size,) * 3 if isinstance(value, tuple) and len(value) == 3 else size
+        with contextlib.suppress(SceneError), warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of the diameter of a rope
+            maker(**(arguments | {argument: wrong}))
 
 
 @pytest.mark.parametrize("owner", MAKERS)

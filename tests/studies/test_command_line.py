@@ -330,13 +330,20 @@ def test_what_an_effect_lacks_is_told_with_the_file(tmp_path, capsys):
     assert said.startswith(f"anet-lumped: {scene}: ") and "`diameter`" in said
 
 
-def test_no_rest_is_one_sentence_and_exit_1(tmp_path, capsys):
+def test_a_rest_that_is_not_found_is_one_sentence_and_exit_1(monkeypatch, capsys):
+    """What a scene cannot have is a wrong input and exits with 2, see `test_hostile_commands`."""
+    monkeypatch.setattr("anet_lumped.statics.equilibrium.solve", lambda *arguments: (1.0, 1.0, 0.0, 7))
+    assert call("equilibrium", "net_held") == 1
+    assert "No equilibrium was found in 7 iterations" in capsys.readouterr().err
+
+
+def test_no_rest_is_one_sentence_and_exit_2(tmp_path, capsys):
     from anet_lumped.files.scene_file import load_scene, save_scene
     from studies.sweeping.vary import apply
 
     net = load_scene("net_held")
     save_scene(apply(net, {"g": 0.0})[0], tmp_path / "weightless.toml")
-    assert call("equilibrium", tmp_path / "weightless.toml") == 1
+    assert call("equilibrium", tmp_path / "weightless.toml") == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 

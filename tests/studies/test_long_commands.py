@@ -4,11 +4,11 @@ import logging
 
 import pytest
 
-from studies import command_line
+from studies import command_line, telling
 
 
 def test_what_takes_long_is_told(monkeypatch, capsys):
-    monkeypatch.setattr(command_line, "QUIET", 0.0)
+    monkeypatch.setattr(telling, "QUIET", 0.0)
     with pytest.raises(SystemExit):
         command_line.main(["simulate", "loose_cable", "--t-end", "0.2", "--start", "straight", "--error", "0.1mm"])
     told = capsys.readouterr().err
@@ -23,7 +23,7 @@ def test_short_ones_do_not(capsys):
 
 
 def test_warnings_in_the_log_are_told_at_once(capsys):
-    command_line._tell_what_takes_long()
+    telling.tell_what_takes_long()
     logging.getLogger("integrators.kept_code").warning("Compiled code cannot be kept.")
     logging.getLogger("integrators").info("step 1 of 2")
     assert capsys.readouterr().err == "anet-lumped: warning: Compiled code cannot be kept.\n"

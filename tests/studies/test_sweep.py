@@ -1,5 +1,6 @@
 """Sweeps: what varies, what is measured, and that every variant becomes a row."""
 
+import itertools
 import os
 import re
 import subprocess
@@ -10,11 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from anet_lumped.checks import InputError
 from anet_lumped.files.scene_file import load_scene
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
 from studies.sweeping import measures
 from studies.sweeping.measures import MEASURES, Measure, MeasureError, read_measure
-from studies.sweeping.rows import RowsError
+from studies.sweeping.rows import RowsError, run_rows
 from studies.sweeping.sweep import sweep
 from studies.sweeping.vary import VaryError, apply, grid, parse_values, parse_vary, read_values
 
@@ -238,8 +240,60 @@ def test_a_script_with_an_effect_of_its_own_needs_a_guard_and_one_sentence_says_
     done = run_script(tmp_path, "magnet(0.1)")
     last = done.stderr.splitlines()[-1]
     assert done.returncode == 1 and last.startswith(
-        "RuntimeError: A script whose own functions or effects worker processes need must"
+        "studies.sweeping.workers.WorkerError: A script whose own functions or effects worker processes need must"
     )
     assert len(last) < 400 and done.stderr.count("Traceback") == 1, done.stderr
     done = run_script(tmp_path, "magnet(0.1)", 'if __name__ == "__main__":')
     assert done.returncode == 0 and done.stdout.endswith("['done', 'done']\n"), done.stderr
+
+
+# Refusals ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("vary", "message"),
+    [
+        ("EA=1", "What is varied must be a dict from names to values, but it is 'EA=1'"),
+        ({"EA": 5.0}, r"The values of `EA` must be a specification or a list, but they are 5\.0"),
+        ({"EA": "1,nan"}, "A number must be one that a float can hold, but it is nan"),
+        ({"EA": "1e400"}, "A number must be one that a float can hold, but it is 1e400"),
+        ({"EA": "9" * 400}, "A number must be one that a float can hold, but it is 999"),
+    ],
+)
+def test_what_cannot_vary_is_told(hanging, vary, message):
+    with pytest.raises(VaryError, match=message):
+        sweep(hanging, vary)
+    assert parse_values("inf, -inf") == [np.inf, -np.inf]
+
+
+@pytest.mark.parametrize("values", [range(10**12), itertools.count(), "1:2:1000000000000"], ids=["range", "endless", "words"])
+def test_values_are_counted_while_they_come(hanging, monkeypatch, values):
+    monkeypatch.setenv("ANET_LUMPED_MOST_ROWS", "1000")
+    with pytest.raises(InputError, match=r"would take \S+ rows, but must not take more than 1e\+03"):
+        sweep(hanging, {"EA": values})
+
+
+def test_rows_are_counted_while_they_come(monkeypatch):
+    monkeypatch.setenv("ANET_LUMPED_MOST_ROWS", "1000")
+    with pytest.raises(InputError, match="This table would take"):
+        run_rows(abs, ({"x": x} for x in itertools.count()))
+
+
+@pytest.mark.parametrize("workers", [0, -1, 10**6, 2.5, True, "two"])
+def test_workers_are_an_integer_that_a_machine_can_keep_busy(hanging, workers):
+    with pytest.raises(InputError, match=rf"Argument `workers` must be an integer from 1 to \d+, but it is {workers!r}"):
+        sweep(hanging, {"EA": [1.0]}, workers=workers)
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ({"t_end": float("nan")}, "Argument `t_end` must be positive and finite"),
+        ({"dt": 0.0}, "Argument `dt` must be positive and finite"),
+        ({"method": "edcm"}, r'No run can have method=\'edcm\', did you mean "edmc"\?'),
+        ({"start": "qqqq"}, "No run can have start='qqqq'; known are equilibrium, straight"),
+    ],
+)
+def test_what_no_run_can_have_is_told_before_any_row(hanging, setting, message):
+    with pytest.raises(InputError, match=message):
+        sweep(hanging, {"EA": [1.0]}, **{"t_end": 1.0} | setting)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_direction, check_number
+from anet_lumped.checks import SceneError, Vector, check_direction, check_number, number
 
 BREAKING = 0.142  # height over length of the steepest wave is BREAKING tanh(k depth)
 
@@ -41,7 +41,7 @@ class Airy:
             ("height", "m", "non-negative"), ("period", "s", "positive"), ("phase", "rad", ""), ("ramp", "s", "non-negative")
         ):  # fmt: skip
             object.__setattr__(self, key, check_number(key, getattr(self, key), unit, owner, sign=sign))
-        if self.depth != math.inf:
+        if number(self.depth) != math.inf:
             object.__setattr__(self, "depth", check_number("depth", self.depth, "m", owner, sign="positive"))
         direction = check_direction("direction", self.direction, owner)
         size = math.hypot(*direction)

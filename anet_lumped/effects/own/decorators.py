@@ -35,7 +35,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, check_names, check_number
+from anet_lumped.checks import SceneError, check_names, check_number, quoted
 from anet_lumped.effects import REGISTRY
 from anet_lumped.effects.effect import Effect, names_left
 
@@ -117,12 +117,16 @@ class _OfNodes(_Own):
         """Nodes that it acts on, and the arguments that are filled in for each."""
         held = [name for name in self.points or () if model.node(name) >= model.n_free]
         if held:
-            raise SceneError(f'An effect on nodes can act on free points, but {self._called} has points with "{held[0]}", held.')
+            raise SceneError(
+                f"An effect on nodes can act on free points, but {self._called} has points with {quoted(held[0])}, held."
+            )
         nodes = np.arange(model.n_free) if self.points is None else np.array([model.node(name) for name in self.points])
         length, area = np.zeros(model.n), np.zeros(model.n)
         for c, cable in enumerate(model.scene.cables):
             if cable.diameter is None and "area" in self.law.fills:
-                raise SceneError(f'The {self._called} needs the `diameter` [m] of every cable, but cable "{cable.name}" has none.')
+                raise SceneError(
+                    f"The {self._called} needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
+                )
             for ends in model.ends[model.cable_of == c].T:
                 np.add.at(length, ends, 0.5 * cable.L0)
                 np.add.at(area, ends, 0.5 * cable.L0 * (cable.diameter or 0.0))
@@ -151,7 +155,9 @@ class _OfSegments(_Own):
                 index += [i, j, s, int(model.ends[s, 0] != i)]
             for name, values in of.items():
                 if getattr(cable, name) is None:
-                    raise SceneError(f'The {self._called} needs the `{name}` of its cables, but cable "{cable.name}" has none.')
+                    raise SceneError(
+                        f"The {self._called} needs the `{name}` of its cables, but cable {quoted(cable.name)} has none."
+                    )
                 values += cable.segments * [getattr(cable, name)]
         return index, of
 

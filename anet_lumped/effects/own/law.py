@@ -7,7 +7,7 @@ from typing import NamedTuple
 from numba import float64, types
 from numba.core.errors import NumbaError
 
-from anet_lumped.checks import SceneError
+from anet_lumped.checks import SceneError, shown
 from anet_lumped.compiled.dual import NAMES
 from anet_lumped.compiled.jit import njit
 from integrators.compile_once import compiling, once
@@ -74,7 +74,7 @@ def read_law(function, kind, base):
     """
     function = getattr(function, "py_func", function)
     if not inspect.isfunction(function):
-        raise SceneError(f"The law of an effect must be a function, but it is {function!r}.")
+        raise SceneError(f"The law of an effect must be a function, but it is {shown(function)}.")
     name, arguments = function.__name__, inspect.signature(function, eval_str=True).parameters
     plain = all(argument.kind == argument.POSITIONAL_OR_KEYWORD for argument in arguments.values())
     if tuple(arguments)[: len(kind.first)] != kind.first or not plain:
@@ -140,7 +140,7 @@ def kernels(law, shapes):
         return law.kind.make(function, numbers, in_parameters, in_elements)
     except NumbaError as error:
         raise SceneError(
-            f"The law of an effect must be made of arithmetic and of {', '.join(NAMES)}, whose derivatives are known, but "
+            f"The law of an effect must be made of arithmetic and of {', '.join(NAMES)}, but "
             f"`{law.function.__name__}` is not: {_why(error, law)}"
         ) from error
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from drawn import Drawn
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -9,22 +10,6 @@ from anet_lumped import Cable, Fixed, Free, InputError, Scene, SceneError, simul
 from anet_lumped.effects import Gravity
 from studies.catalogue import random_trials
 from studies.catalogue.random_trials import FAILED, GAINED, HELD, REFUSED, Random, Trial, attempt, draw, try_many
-
-
-class Drawn:
-    """`Pick` from hypothesis."""
-
-    def __init__(self, data):
-        self.data = data
-
-    def integer(self, low, high):
-        return self.data.draw(st.integers(low, high))
-
-    def number(self, low, high):
-        return self.data.draw(st.floats(low, high))
-
-    def one_of(self, choices):
-        return self.data.draw(st.sampled_from(choices))
 
 
 @settings(max_examples=100, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck), database=None)

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_direction
+from anet_lumped.checks import SceneError, Vector, check_direction, shown
 
 
 class Wind(ABC):
@@ -50,7 +50,9 @@ def check_winds(argument: str, value: Any, owner: str) -> Wind | tuple[Wind, ...
     """Return None, one wind or a tuple of several."""
     winds = as_winds(value)
     if not all(isinstance(wind, Wind) for wind in winds):
-        raise SceneError(f"Argument `{argument}` must be winds of anet_lumped.wind or None, but {owner} has {argument}={value!r}.")
+        raise SceneError(
+            f"Argument `{argument}` must be winds of anet_lumped.wind or None, but {owner} has {argument}={shown(value)}."
+        )
     return winds[0] if len(winds) == 1 else winds or None
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_count, check_number, check_vector
+from anet_lumped.checks import SceneError, Vector, check_count, check_number, check_vector, shown
 from anet_lumped.compiled.jit import on_demand
 
 from .base import Wind
@@ -56,7 +56,7 @@ class Dryden(Wind):
         object.__setattr__(self, "carried", check_vector("carried", self.carried, "m/s", owner))
         object.__setattr__(self, "modes", check_count("modes", self.modes, owner))
         if not isinstance(self.seed, int) or isinstance(self.seed, bool) or self.seed < 0:
-            raise SceneError(f"Argument `seed` must be an integer of at least 0, but {owner} has seed={self.seed}.")
+            raise SceneError(f"Argument `seed` must be an integer of at least 0, but {owner} has seed={shown(self.seed)}.")
 
     def numbers(self) -> np.ndarray:
         """Velocity that carries the field [m/s], then k_m [rad/m], a_m and b_m [m/s] of each mode."""

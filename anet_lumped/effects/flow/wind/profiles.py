@@ -1,14 +1,14 @@
 """Steady winds and currents: uniform, and profiles over the height; z points up."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number, check_vector
+from anet_lumped.checks import SceneError, Vector, as_entries, check_number, check_vector, shown
 from anet_lumped.compiled.jit import inlined, on_demand
 
 from .base import UNIFORM_IN_PLACE, Wind, check_unit_direction
@@ -139,9 +139,9 @@ class Sampled(Wind):
     same_at_each_height: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        samples = self.samples
-        if not isinstance(samples, Iterable) or isinstance(samples, str) or not (samples := tuple(samples)):
-            raise SceneError(f"Argument `samples` must be at least one row (z, u, v), but wind Sampled has {self.samples!r}.")
+        samples = as_entries(self.samples)
+        if not samples:
+            raise SceneError(f"Argument `samples` must be at least one row (z, u, v), but wind Sampled has {shown(self.samples)}.")
         rows = tuple(check_vector(f"samples[{i}]", row, "m, m/s, m/s", "wind Sampled") for i, row in enumerate(samples))
         for i, (below, above) in enumerate(pairwise(rows)):
             if not below[0] < above[0]:

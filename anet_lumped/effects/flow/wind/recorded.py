@@ -1,14 +1,14 @@
 """A measured wind, read from a file."""
 
-import pathlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
 
-from anet_lumped.checks import SceneError
+from anet_lumped.checks import LARGEST, NAMED, SceneError, one_line, shown
 from anet_lumped.compiled.jit import on_demand
+from anet_lumped.regular_files import read_text
 
 from .base import UNIFORM_IN_PLACE, Wind
 
@@ -39,10 +39,14 @@ class Recorded(Wind):
 
     def __post_init__(self) -> None:
         if not isinstance(self.file, str):
-            raise SceneError(f"Argument `file` must be the path of a file, a string, but wind Recorded has file={self.file!r}.")
-        if self.interpolation not in INTERPOLATION:
-            raise SceneError(f'Argument `interpolation` must be "linear" or "cubic", but wind Recorded has {self.interpolation!r}.')
-        t, velocity = _read(pathlib.Path(self.file))
+            raise SceneError(
+                f"Argument `file` must be the path of a file, a string, but wind Recorded has file={shown(self.file)}."
+            )
+        if not isinstance(self.interpolation, str) or self.interpolation not in INTERPOLATION:
+            raise SceneError(
+                f'Argument `interpolation` must be "linear" or "cubic", but wind Recorded has {shown(self.interpolation)}.'
+            )
+        t, velocity = _read(self.file)
         object.__setattr__(self, "t", t)
         object.__setattr__(self, "velocity", velocity)
 
@@ -64,24 +68,21 @@ class Recorded(Wind):
         return _velocity
 
 
-def _read(file: pathlib.Path) -> tuple[np.ndarray, np.ndarray]:
+def _read(path: str) -> tuple[np.ndarray, np.ndarray]:
     """Times (k,) and velocities (k, 3) of a file."""
+    file = one_line(path, NAMED)
+    first, *lines = read_text(path, "A recorded wind", SceneError).split("\n")
+    if [name.strip() for name in first.split(",")] != ["t", "u", "v", "w"]:
+        raise SceneError(f'A recorded wind must begin with the line "t,u,v,w", but {file} begins with {shown(first)}.')
     try:
-        with file.open(encoding="utf-8") as lines:
-            names = [name.strip() for name in lines.readline().split(",")]
-            if names != ["t", "u", "v", "w"]:
-                raise SceneError(f'A recorded wind must begin with the line "t,u,v,w", but {file} begins with {",".join(names)!r}.')
-            table = np.array([[float(entry) for entry in line.split(",")] for line in lines if line.strip()])
-    except OSError as error:
-        raise SceneError(f"A recorded wind must be readable, but {file}: {error.strerror}.") from None
-    except SceneError:
-        raise
+        table = np.array([[float(entry) for entry in line.split(",")] for line in lines if line.strip()])
     except ValueError as error:
         raise SceneError(f"A recorded wind must hold four numbers (t, u, v, w) a line, but {file}: {error}.") from None
-    if table.ndim != 2 or table.shape[1] != 4 or len(table) < 2 or not np.isfinite(table).all():
+    if table.ndim != 2 or table.shape[1] != 4 or len(table) < 2 or not (np.abs(table) <= LARGEST).all():
+        what = "" if (np.abs(table) <= LARGEST).all() else f" with entries that are not finite, or larger than {LARGEST:g}"
         raise SceneError(
-            f"A recorded wind must hold at least two lines of four finite numbers (t, u, v, w), but {file} has shape {table.shape}"
-            + ("." if np.isfinite(table).all() else " with entries that are not finite.")
+            "A recorded wind must hold at least two lines of four finite numbers (t, u, v, w), but "
+            f"{file} has shape {table.shape}{what}."
         )
     steps = np.diff(table[:, 0])
     if not (steps > 0.0).all():

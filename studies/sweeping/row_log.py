@@ -1,0 +1,229 @@
+"""Rows on the disk: `rows.jsonl` with a line for each row as it comes, and `meta.json` that says what they were made with.
+
+What is read back may have been torn by a kill, or damaged: a line that was torn is done again, everything else is refused by its
+file and line, so that no row that is good is lost.
+"""
+
+import json
+import os
+import time
+import warnings
+from collections.abc import Iterable, Iterator
+from numbers import Real
+from pathlib import Path
+from typing import Any
+
+from anet_lumped.checks import InputError, shown
+from anet_lumped.limits import BYTES, check_most
+from studies.sweeping.provenance import provenance
+
+LARGE = "large"
+FORCED_AFTER = 0.5  # [s]; to force every line to the disk would take longer than a short row
+
+
+class RowsError(InputError):
+    """Rows that cannot be told apart, or a folder that holds rows of something else, or damaged ones."""
+
+
+class RowLog:
+    """`rows.jsonl`, opened behind its last whole line.
+
+    Parameters
+    ----------
+    path : of the file
+    whole : bytes of its whole lines; what is behind them goes
+    """
+
+    def __init__(self, path: Path, whole: int):
+        self.path, self.file, self.forced = path, path.open("ab"), time.perf_counter()
+        self.file.truncate(whole)
+
+    def append(self, line: dict) -> None:
+        """Write a line; it survives the end of this process, and once it is forced to the disk that of the machine."""
+        try:
+            self.file.write((json.dumps(line) + "\n").encode())
+            self.file.flush()
+            if time.perf_counter() - self.forced > FORCED_AFTER:
+                self.force()
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, str(self.path)) from None
+
+    def force(self) -> None:
+        """Force all lines to the disk."""
+        os.fsync(self.file.fileno())
+        self.forced = time.perf_counter()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self.force()
+        self.file.close()
+
+
+def open_log(
+    out: Path, names: list[str], asked: dict[str, dict], *, resume: bool, identity: dict, columns: Iterable[str]
+) -> tuple[dict[str, dict], RowLog]:
+    """Lines of `out` that are kept, by their keys, and the log to which the others go.
+
+    Parameters
+    ----------
+    out : folder
+    names : of the inputs
+    asked : the rows that are wanted, by their keys
+    resume : whether lines that are there are kept (but for crashed ones); else there must be none
+    identity : what else the results depend on, which must be that of the lines
+    columns : names that a row which is done has
+
+    Raises
+    ------
+    RowsError : lines that are not to be resumed, are of something else, or cannot be read
+    """
+    log, meta = out / "rows.jsonl", out / "meta.json"
+    data = _content(log) if log.exists() else b""
+    if data and not resume:
+        raise RowsError(f"{log} holds {len(data.splitlines())} rows already: resume them, or choose another folder.")
+    if data:
+        _check_identity(log, meta, identity)
+    else:
+        _check_regular(meta)
+        meta.write_text(json.dumps({"identity": identity, **provenance()}, indent=1))
+    lines, whole = {}, 0
+    for number, text in enumerate(data.splitlines(keepends=True), 1):
+        try:
+            line = _line(text, [*names, "status", "reason"], columns)
+        except ValueError as error:
+            if text.endswith((b"\n", b"\r")):
+                raise RowsError(
+                    f"Rows must be whole to be resumed, but {log}, line {number}, {error}; without the line its row is done again."
+                ) from None
+            warnings.warn(f"{log}, line {number}, was torn: its row is done again.", stacklevel=2)
+            break
+        if line is not None:
+            lines[key(line, names)] = number, line
+        whole += len(text)
+    _check_kinds(log, lines.values(), columns)
+    strange = [(number, line) for one, (number, line) in lines.items() if one not in asked]
+    if strange:
+        number, line = strange[0]
+        inputs = shown({name: line[name] for name in names})
+        raise RowsError(f"{log} holds {len(strange)} rows that are not asked for now, the first with {inputs} in line {number}.")
+    opened = RowLog(log, whole)
+    if data[:whole] and not data[:whole].endswith(b"\n"):  # a last line that only lacks its end
+        opened.file.write(b"\n")
+    return {one: line for one, (_, line) in lines.items() if line["status"] != "crashed"}, opened
+
+
+def key(row: dict, names: list[str]) -> str:
+    """What tells a row from others: its inputs."""
+    return json.dumps([row.get(name) for name in names])
+
+
+def plain(value: Any) -> Any:
+    """The same value in JSON's own types, which NumPy's, tuples and paths are not; characters that UTF-8 lacks are "?"."""
+    text = json.dumps(value, ensure_ascii=False, default=lambda x: x.tolist() if hasattr(x, "tolist") else str(x))
+    return json.loads(text.encode("utf-8", "replace"))
+
+
+def _content(path):
+    """The bytes of a file of a sweep."""
+    _check_regular(path)
+    try:
+        check_most(BYTES, path.stat().st_size, f"To read {path}")
+        return path.read_bytes()
+    except OSError as error:
+        raise RowsError(f"A folder of rows must be readable, but {path}: {error.strerror}.") from None
+
+
+def _check_regular(path):
+    """What is there must be a file, and no folder, pipe or device."""
+    if path.exists() and not path.is_file():
+        raise RowsError(f"A folder of rows must hold files, but {path} is none.")
+
+
+def _parsed(text):
+    """Value of a JSON text in bytes; ValueError says what is wrong."""
+    try:
+        return json.loads(text.decode("utf-8-sig"))
+    except json.JSONDecodeError as error:
+        raise ValueError(f"is no JSON ({error.msg}): {shown(text)}") from None
+    except RecursionError:
+        raise ValueError(f"is nested too deep: {shown(text)}") from None
+    except UnicodeDecodeError:
+        raise ValueError(f"is no UTF-8: {shown(text)}") from None
+    except ValueError as error:  # more digits than Python reads
+        raise ValueError(f"cannot be read: {error}") from None
+
+
+def _line(text, names, columns):
+    """The row of a line of the log, None for an empty line; ValueError says what is wrong."""
+    if not text.strip():
+        return None
+    line = _parsed(text)
+    if not isinstance(line, dict):
+        raise ValueError(f"is no JSON object: {shown(line)}")
+    missing = [name for name in (*names, *(columns if line.get("status") == "done" else ())) if name not in line]
+    if missing:
+        raise ValueError(f"lacks {shown(missing[0])}")
+    for name in ("status", "reason"):
+        if not isinstance(line[name], str):
+            raise ValueError(f"has {name}={shown(line[name])}, which is no text")
+    nested = next((name for name, value in line.items() if isinstance(value, dict)), None)
+    if nested is not None:
+        raise ValueError(f"has {shown(nested)}={shown(line[nested])}, which is no number and no text")
+    return plain(line)
+
+
+def kind(value: Any) -> Any:
+    """The type that values of one column share, `Real` for all numbers; of a whole number beyond 64 bits, LARGE."""
+    if isinstance(value, Real) and not isinstance(value, bool):
+        return LARGE if isinstance(value, int) and abs(value) >= 2**63 else Real
+    return type(value)
+
+
+def _check_kinds(log, lines, columns):
+    """A result must be of the same kind in all lines that have it."""
+    first = {}
+    for number, line in lines:
+        for name in columns:
+            if line.get(name) is not None:
+                where, value = first.setdefault(name, (number, line[name]))
+                if kind(value) is not kind(line[name]):
+                    raise RowsError(
+                        f"A result must be of one type in all rows, but {log} has {name}={shown(value)} in line {where} and "
+                        f"{shown(line[name])} in line {number}; without the wrong line its row is done again."
+                    )
+
+
+def _check_identity(log, meta, identity):
+    """Lines must have been made with what is asked for now."""
+    try:
+        kept = _parsed(_content(meta)) if meta.exists() else None
+    except RowsError:
+        raise
+    except ValueError as error:
+        raise RowsError(f"What rows were made with must be known to resume them, but {meta} {error}.") from None
+    before = kept.get("identity") if isinstance(kept, dict) else None
+    if not isinstance(before, dict):
+        raise RowsError(f"What rows were made with must be known to resume {log}, but {meta} does not say it: take another folder.")
+    changed = [name for name in before | identity if before.get(name) != identity.get(name)]
+    if changed:
+        first = [next(_differences(before.get(name), identity.get(name), name), f"{name} differs") for name in changed]
+        raise RowsError(
+            f"Rows of one table must agree, but {log} was made with another {' and '.join(changed)}: {'; '.join(first)}."
+        )
+
+
+def _differences(before: Any, now: Any, where: str) -> Iterator[str]:
+    """Yield "vary.EA was [1, 2] and is [1, 3]" for each part of two JSON values that differs."""
+    if isinstance(before, dict) and isinstance(now, dict):
+        parts = [(f"{where}.{key}", before.get(key), now.get(key)) for key in before | now]
+    elif isinstance(before, list) and isinstance(now, list) and len(before) == len(now) and dict in map(type, now):
+        parts = [(f"{where}[{i}]", *pair) for i, pair in enumerate(zip(before, now, strict=True))]
+    elif before != now:
+        yield f"{where} was {shown(before)} and is {shown(now)}"
+        return
+    else:
+        return
+    for name, one, other in parts:
+        yield from _differences(one, other, name)

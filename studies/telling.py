@@ -1,0 +1,40 @@
+"""What the program says on stderr while it works: one line at a time."""
+
+import logging
+import sys
+import time
+
+QUIET = 3.0  # seconds, after which a command says what it is doing
+FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "recommend": 30, "effects": 40, "study": 60, "report": 70}
+"""Seconds of compiling on one core of 3 GHz where nothing is compiled yet, by what is asked for."""
+
+
+def tell(line):
+    """Say something in one line of bounded length."""
+    from anet_lumped.checks import one_line
+
+    print(f"anet-lumped: {one_line(str(line))}", file=sys.stderr)
+
+
+def announce_compiling(what):
+    """Have one line say so, once, if Numba has to compile, here or in a worker."""
+    from integrators.compiling import NOTICE
+
+    line = f"Compiling what this machine has not compiled yet takes up to about {FIRST_COMPILING[what]} s; later runs do without."
+    NOTICE.watch(line, tell)
+
+
+def tell_what_takes_long():
+    """What the library logs goes to stderr: warnings at once, the rest once a command has taken `QUIET` seconds."""
+    began = time.monotonic()
+
+    class Late(logging.Handler):
+        def emit(self, record):
+            if record.levelno >= logging.WARNING:
+                tell(f"warning: {record.getMessage()}")
+            elif time.monotonic() - began > QUIET:
+                tell(f"... {record.getMessage()}")
+
+    for log in map(logging.getLogger, ("anet_lumped", "integrators", "studies")):
+        log.handlers = [Late()]
+        log.setLevel(logging.INFO)

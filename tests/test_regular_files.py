@@ -1,0 +1,173 @@
+"""Files that are read: regular, of a bounded size, and where they are text, UTF-8."""
+
+import os
+
+import pytest
+
+from anet_lumped.advice.markers import MarkerError, read_markers
+from anet_lumped.checks import InputError, SceneError
+from anet_lumped.effects.flow.wind.recorded import Recorded
+from anet_lumped.files.moordyn_file import deck_from_text, read_moordyn
+from anet_lumped.files.scene_file import load_scene
+from anet_lumped.limits import BYTES, TEXT
+from anet_lumped.regular_files import read_bytes, read_text
+from anet_lumped.results.loading import load_run
+
+SCENE = load_scene("net_held")
+ROW = "chain 0.1 100 {} -1 0 1 1 1 1"
+DECK = """--- LINE TYPES ---
+n
+u
+{}
+--- POINTS ---
+n
+u
+1 Fixed 0 0 0 0 0 0 0
+2 Fixed 9 0 0 0 0 0 0
+--- LINES ---
+n
+u
+1 chain 1 2 20 4 -
+--- OPTIONS ---
+0 rho
+0 kBot
+0 cBot
+"""
+
+
+def table(path):
+    """A tension-strain table in the folder of its deck."""
+    deck_from_text(DECK.format(ROW.format(path.name)), folder=path.parent)
+
+
+READERS = {
+    "scene": (load_scene, ".toml", "A scene file"),
+    "deck": (read_moordyn, ".txt", "A MoorDyn file"),
+    "table": (table, ".tab", "It|it.tab"),
+    "wind": (lambda path: Recorded(str(path)), ".csv", "A recorded wind"),
+    "markers": (lambda path: read_markers(path, SCENE), ".csv", "A marker file"),
+    "run": (load_run, ".nc", "A saved run"),
+}
+TEXTS = [name for name in READERS if name != "run"]
+
+
+def make(kind, path):
+    """Make what is no file of a bounded size."""
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "endless":
+        path.symlink_to("/dev/zero")
+    elif kind == "folder":
+        path.mkdir()
+    elif kind == "loop":
+        path.symlink_to(path.name)
+    elif kind == "large":
+        with path.open("wb") as file:
+            file.truncate(10**12)  # a hole, which takes no place on the disk
+
+
+@pytest.mark.skipif(os.name == "nt", reason="pipes and devices in folders")
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [
+        ("pipe", "must be a regular file, but .* is a pipe or a device"),
+        ("endless", "must be a regular file, but .* is a pipe or a device|leads out of it"),
+        ("folder", "must be readable, but .*: Is a directory"),
+        ("loop", "must be readable, but .*: Too many levels of symbolic links"),
+        ("none", "must be readable, but .*: No such file or directory"),
+        ("large", r"1e\+12 bytes of .*, but must not take more than .* another limit|It, .* another limit"),
+    ],
+)
+@pytest.mark.parametrize("reader", READERS)
+def test_what_is_no_file_of_bounded_size_is_refused_at_once(tmp_path, reader, kind, message):
+    read, ending, what = READERS[reader]
+    path = tmp_path / f"it{ending}"
+    make(kind, path)
+    with pytest.raises(InputError, match=f"(?:{what}).*(?:{message})"):
+        read(path)
+
+
+@pytest.mark.parametrize("reader", READERS)
+@pytest.mark.parametrize("name", ["a\0b", "y" * 5000, "a\nb\x1b"], ids=["NUL", "long", "escape"])
+def test_paths_that_no_file_has(tmp_path, reader, name):
+    read, ending, _ = READERS[reader]
+    with pytest.raises(InputError) as refused:
+        read(tmp_path / f"{name}{ending}")
+    assert str(refused.value).isprintable()
+
+
+def test_a_path_with_a_null_byte_is_named():
+    with pytest.raises(InputError, match=r"A file must be given by the path of a file, but a\\x00: embedded null byte"):
+        read_bytes("a\0", "A file", BYTES)
+    with pytest.raises(InputError, match=r"A file must be given by its path, but it is 3\."):
+        read_bytes(3, "A file", BYTES)
+    with pytest.raises(SceneError, match=r"EA must be a number or the name of a file, but is .a\\x00"):
+        deck_from_text(DECK.format(ROW.format("a\0")))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("a = 1".encode("utf-16"), "must be UTF-8 text, but .* is UTF-16"),
+        ("a = 1".encode("utf-16-be"), "must be UTF-8 text, but .* is binary"),
+        (b"a\0", "must be UTF-8 text, but .* is binary"),
+    ],
+)
+@pytest.mark.parametrize("reader", TEXTS)
+def test_text_is_utf_8(tmp_path, reader, content, message):
+    read, ending, what = READERS[reader]
+    path = tmp_path / f"it{ending}"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=f"(?:{what}).* {message}"):
+        read(path)
+
+
+def test_bytes_that_are_no_text(tmp_path):
+    """They are refused with their line, but for MoorDyn's files, whose remarks are often of other encodings."""
+    path = tmp_path / "it.toml"
+    path.write_bytes(b"a = 1\nb = '\xb5'\n")
+    with pytest.raises(SceneError, match=r"A scene file must be UTF-8 text, but line 2 of .*it.toml is not\."):
+        load_scene(path)
+    assert read_text(path, "A file", errors="replace") == "a = 1\nb = '\ufffd'\n"
+
+
+def test_byte_order_marks_and_line_ends_are_read_past(tmp_path):
+    (tmp_path / "it.txt").write_bytes(b"\xef\xbb\xbfa\r\nb\rc\n")
+    assert read_text(tmp_path / "it.txt", "A file") == "a\nb\nc\n"
+
+
+def test_the_environment_allows_more_text(tmp_path, monkeypatch):
+    (tmp_path / "it.txt").write_text("12345")
+    monkeypatch.setenv(TEXT.variable, "4")
+    with pytest.raises(InputError, match=r"A file, .*it.txt, would take 5 bytes of text, but must not take more than 4; the env"):
+        read_text(tmp_path / "it.txt", "A file")
+    monkeypatch.setenv(TEXT.variable, "5")
+    assert read_text(tmp_path / "it.txt", "A file") == "12345"
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/maps"), reason="files without a size")
+def test_files_without_a_size_are_bounded_too(monkeypatch):
+    monkeypatch.setenv(TEXT.variable, "10")
+    with pytest.raises(InputError, match="would take 11 bytes of text"):
+        read_text("/proc/self/maps", "A file")
+
+
+def test_a_refusal_is_of_the_kind_that_is_asked_for(tmp_path):
+    with pytest.raises(MarkerError, match="A marker file must be readable"):
+        read_markers(tmp_path / "none.csv", SCENE)
+    (tmp_path / "it.csv").write_text('x,y,z\n"' + "1" * 200_000)
+    with pytest.raises(MarkerError, match=r"A marker file must be a table in CSV, but .*it.csv, line 2, is not: field larger than"):
+        read_markers(tmp_path / "it.csv", SCENE)
+
+
+@pytest.mark.parametrize("name", ["../it.tab", "{folder}/../it.tab", "link.tab"])
+def test_a_deck_names_tables_in_its_folder_alone(tmp_path, name):
+    folder = tmp_path / "decks"
+    folder.mkdir()
+    (tmp_path / "it.tab").write_text("strain tension\n(-) (N)\n0.1 1e5\n0.2 3e5\n")
+    (folder / "link.tab").symlink_to(tmp_path / "it.tab")
+    deck = folder / "deck.txt"
+    deck.write_text(DECK.format(ROW.format(name.format(folder=folder))))
+    with pytest.raises(SceneError, match=r'deck.txt, line 4, .*: a table must be in the folder of its deck, but "(.*it|link).tab"'):
+        read_moordyn(deck)
+    assert read_moordyn(deck, outside=True).scene.cables[0].tension_strain == ((0.1, 1e5), (0.2, 3e5))
