@@ -62,14 +62,15 @@ def wave_at(t, x, y, z, wave):
     """
     if len(wave) == 0:
         return AT_REST
-    amplitude, k, omega, X, Y, depth = wave[0], wave[1], wave[2], wave[4], wave[5], wave[6]
-    theta = k * (X * x + Y * y) - omega * t + wave[3]
+    amplitude, k, omega, start_phase, X, Y = wave[0], wave[1], wave[2], wave[3], wave[4], wave[5]
+    depth, ramp, still_level = wave[6], wave[7], wave[8]
+    theta = k * (X * x + Y * y) - omega * t + start_phase
     c, s = math.cos(theta), math.sin(theta)
-    growth, growth_rate, _ = ramped(t, wave[7])
+    growth, growth_rate, _ = ramped(t, ramp)
     a, a_t = growth * amplitude, growth_rate * amplitude
     eta, eta_s = a * c, -a * k * s
     per_stretch = 1.0 / (1.0 + eta / depth)
-    Z = (z - wave[8] - eta) * per_stretch
+    Z = (z - still_level - eta) * per_stretch
     Z_z, Z_eta = per_stretch, -per_stretch * (1.0 + Z / depth)
     if Z > 0.0:
         Z, Z_z, Z_eta = 0.0, 0.0, 0.0

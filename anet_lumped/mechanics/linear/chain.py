@@ -52,9 +52,9 @@ from integrators.flat_view import flat
 @inlined
 def segment_stiffness(row):
     """Stiffness a I + k e g^T (9,) of a segment, from its row of ``Net.segment``."""
-    a, k = row[SEGMENT_GEOMETRIC], row[SEGMENT_STIFFNESS]
-    ex, ey, ez = k * row[0], k * row[1], k * row[2]
-    gx, gy, gz = row[3], row[4], row[5]
+    a, k, e, g = row[SEGMENT_GEOMETRIC], row[SEGMENT_STIFFNESS], SEGMENT_DIRECTION, SEGMENT_GRADIENT
+    ex, ey, ez = k * row[e], k * row[e + 1], k * row[e + 2]
+    gx, gy, gz = row[g], row[g + 1], row[g + 2]
     return (
         a + ex * gx, ex * gy, ex * gz, ey * gx, a + ey * gy, ey * gz, ez * gx, ez * gy, a + ez * gz,
     )  # fmt: skip
@@ -223,7 +223,8 @@ def _eliminate_bordered(net_address, blocks, c):
     net = view_net(net_address)
     start, end, s = net.cable[c, CABLE_START], net.cable[c, CABLE_END], net.cable[c, CABLE_FIRST_SEGMENT]
     block, first = net.points.block, net.segment[s]
-    a0, k0, e0, g0 = first[SEGMENT_GEOMETRIC], first[SEGMENT_STIFFNESS], first[:3], first[3:6]
+    a0, k0 = first[SEGMENT_GEOMETRIC], first[SEGMENT_STIFFNESS]
+    e0, g0 = first[SEGMENT_DIRECTION : SEGMENT_DIRECTION + 3], first[SEGMENT_GRADIENT : SEGMENT_GRADIENT + 3]
     work = flat(net.border_work)
     for i in range(work.shape[0]):
         work[i] = 0.0
@@ -265,7 +266,7 @@ def _eliminate_bordered(net_address, blocks, c):
             else:
                 ahead = times(B, bx, by, bz)
             for x in range(3):
-                C[x, u] = ahead[x] + row[x] * T_share + C_next[x, u]
+                C[x, u] = ahead[x] + row[SEGMENT_DIRECTION + x] * T_share + C_next[x, u]
             if len(blocks) > 1:
                 for x in range(3):
                     C_next[x, u] = -(

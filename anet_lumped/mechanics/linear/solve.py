@@ -21,6 +21,7 @@ from anet_lumped.model.tables import (
     KERNEL_SUBSTITUTE_BORDERED,
     KERNEL_SUBSTITUTE_GROUPS,
     KERNEL_SUBSTITUTE_SINGLES,
+    SEGMENT_DIRECTION,
     SEGMENT_TENSION,
 )
 from integrators.flat_view import flat
@@ -60,11 +61,11 @@ def _eliminate_short(net, c):
     if start < net.n_free:
         add_block(block[start - net.n_interior], G, 1.0)
         for x in range(3):
-            net.right_side[start, x] += row[x] * T
+            net.right_side[start, x] += row[SEGMENT_DIRECTION + x] * T
     if end < net.n_free:
         add_block(block[end - net.n_interior], G, 1.0)
         for x in range(3):
-            net.right_side[end, x] -= row[x] * T
+            net.right_side[end, x] -= row[SEGMENT_DIRECTION + x] * T
     if net.cable[c, CABLE_JOINS_FREE_POINTS] == 1:
         add_block(block[net.cable[c, CABLE_BLOCK_START_END]], G, -1.0)
         add_block(block[net.cable[c, CABLE_BLOCK_END_START]], G, -1.0)

@@ -172,19 +172,21 @@ def _uniform(t, x, y, z, numbers):
 
 @on_demand
 def _power_law(t, x, y, z, numbers):
-    ratio = (z - numbers[3]) / numbers[4]
+    ground, height, exponent = numbers[3], numbers[4], numbers[5]
+    ratio = (z - ground) / height
     share, slope = 0.0, 0.0
     if ratio > 0.0:
-        share, slope = ratio ** numbers[5], numbers[5] * max(ratio, LOWEST) ** (numbers[5] - 1.0) / numbers[4]
+        share, slope = ratio**exponent, exponent * max(ratio, LOWEST) ** (exponent - 1.0) / height
     return _along(share, slope, numbers)
 
 
 @on_demand
 def _logarithmic(t, x, y, z, numbers):
-    ratio = (z - numbers[3]) / numbers[4]
+    ground, roughness = numbers[3], numbers[4]
+    ratio = (z - ground) / roughness
     share, slope = 0.0, 0.0
     if ratio > 1.0:
-        share, slope = math.log(ratio), 1.0 / (z - numbers[3])
+        share, slope = math.log(ratio), 1.0 / (z - ground)
     return _along(share, slope, numbers)
 
 
@@ -199,14 +201,14 @@ def _along(share, slope, numbers):
 
 @on_demand
 def _sampled(t, x, y, z, numbers):
-    last = len(numbers) - 3
+    last = len(numbers) - 3  # position of the last row (z, u, v)
     u, v, uz, vz = numbers[1], numbers[2], 0.0, 0.0
     if z > numbers[0]:
         u, v = numbers[last + 1], numbers[last + 2]
         for i in range(0, last, 3):
             if z < numbers[i + 3]:
-                per, up = 1.0 / (numbers[i + 3] - numbers[i]), z - numbers[i]
-                uz, vz = per * (numbers[i + 4] - numbers[i + 1]), per * (numbers[i + 5] - numbers[i + 2])
-                u, v = numbers[i + 1] + up * uz, numbers[i + 2] + up * vz
+                per_height, above_row = 1.0 / (numbers[i + 3] - numbers[i]), z - numbers[i]
+                uz, vz = per_height * (numbers[i + 4] - numbers[i + 1]), per_height * (numbers[i + 5] - numbers[i + 2])
+                u, v = numbers[i + 1] + above_row * uz, numbers[i + 2] + above_row * vz
                 break
     return (u, v, 0.0), (0.0, 0.0, uz, 0.0, 0.0, vz, 0.0, 0.0, 0.0)
