@@ -1,4 +1,4 @@
 """What compiled code is made of: four numbers at once (`lanes`), derivatives (`dual`), and functions called by their address.
 
-Knows no cable and no scene; what it offers serves every kernel in the rooms above.
+Nothing here knows a cable or a scene. The kernels of all rooms above use it.
 """

@@ -1,4 +1,4 @@
-"""Compiled functions by their address, so that what calls them is compiled once whatever they are."""
+"""Calls of compiled functions by their address, so that a kernel is compiled once whatever functions it will call."""
 
 from numba import types
 from numba.core import cgutils
@@ -16,14 +16,14 @@ def address(kernel):
 
 
 def address_of(function, signature):
-    """Address of a function that is compiled for one signature, or loaded from the cache, when it is first asked for."""
+    """Address of a function; compiles it for one signature, or loads it from the cache, when it is asked for the first time."""
     return address(compile_for(function, signature))
 
 
 def callable_at(signature):
     """An intrinsic that turns an address, which must not be 0, into a first-class function of a signature.
 
-    A kernel that calls such a function cannot raise by that: nobody looks whether the address is null.
+    The call does not check whether the address is null, so that a kernel with such a call cannot raise an exception by it.
     """
     function_type = types.FunctionType(signature)
 
@@ -32,7 +32,7 @@ def callable_at(signature):
         def codegen(context, builder, signature, args):
             function = cgutils.create_struct_proxy(function_type)(context, builder)
             null = cgutils.voidptr_t(None)
-            builder.assume(cgutils.is_not_null(builder, args[0]))  # else each call would hold what Numba does about it: raise
+            builder.assume(cgutils.is_not_null(builder, args[0]))  # else Numba adds a branch that raises to each call
             function.c_addr = builder.inttoptr(args[0], cgutils.voidptr_t)
             function.py_addr, function.jit_addr = null, null
             return function._getvalue()

@@ -1,8 +1,9 @@
 """Derivatives in compiled code: dual numbers, a value and its slopes in three variables at once.
 
-Arithmetic on x + x_1 d_1 + x_2 d_2 + x_3 d_3 with d_i d_j = 0 carries the slopes of whatever is computed along with it, exact to
-rounding, through branches and loops alike; numbers whose parts are dual themselves carry second derivatives. Numba compiles a
-function for them as it stands: whatever of `math`, and of numpy under the same name, is in `RULES`.
+A dual number x + x_1 d_1 + x_2 d_2 + x_3 d_3, with d_i d_j = 0, is a value x and its slopes x_i. Arithmetic on dual numbers
+computes the slopes of the result together with its value, exact to rounding, through branches and loops alike. A dual number
+whose parts are dual themselves carries second derivatives. Numba compiles any function for dual numbers whose operations, and
+whose functions of `math` and numpy, are in `RULES` and `OF_TWO`.
 Source: Griewank & Walther, Evaluating Derivatives (2nd ed., 2008), ch. 3 (forward mode, vector version).
 """
 
@@ -31,11 +32,11 @@ class Dual(types.Type):
         super().__init__(f"Dual({of})")
 
     def can_convert_from(self, typingctx, other):
-        """Numbers without slopes may stand where dual ones do."""
+        """A number may be given where a dual number is asked for; its slopes are 0."""
         return Conversion.safe if isinstance(other, types.Integer | types.Float | types.Boolean) else None
 
     def unify(self, typingctx, other):
-        """A variable that is a number here and dual there is dual."""
+        """A variable that is a number in one branch and dual in another is dual."""
         return self if isinstance(other, types.Integer | types.Float | types.Boolean) else None
 
 
@@ -65,7 +66,7 @@ def _constant(context, builder, fromty, toty, value):
 
 @intrinsic
 def dual(typingctx, value, d1, d2, d3):
-    """The dual number of four parts, whose type is that of ``value``."""
+    """The dual number of four parts; their common type is that of ``value``."""
     of = value if isinstance(value, Dual) else types.float64
 
     def codegen(context, builder, signature, args):
@@ -82,11 +83,11 @@ def _is_number(kind):
 
 
 def value_of(x):
-    """The number itself, without any slope."""
+    """The plain number that a number or a dual number has for its value."""
 
 
 def slope(x, k):
-    """Slope number k of a number, 0.0 where it has none."""
+    """Slope in variable k, 0.0 for a plain number."""
 
 
 @overload(value_of)
@@ -105,35 +106,35 @@ def _slope(x, k):
 
 @njit(error_model="numpy")
 def seeded(x, y, z):
-    """Three variables with slopes in themselves."""
+    """Three variables as dual numbers: the slope of each is 1 in itself and 0 in the others."""
     return dual(x, 1.0, 0.0, 0.0), dual(y, 0.0, 1.0, 0.0), dual(z, 0.0, 0.0, 1.0)
 
 
 @njit(error_model="numpy")
 def constant(x, y, z):
-    """Three numbers as dual ones without slopes."""
+    """Three numbers as dual numbers whose slopes are 0."""
     return dual(x, 0.0, 0.0, 0.0), dual(y, 0.0, 0.0, 0.0), dual(z, 0.0, 0.0, 0.0)
 
 
 def _of_each(function):
-    """A function compiled for either type by itself: that for `SECOND` uses the other, which Numba would take for recursion."""
+    """A function compiled twice, for `FIRST` and `SECOND`: one for both would call itself, which Numba takes for recursion."""
     return {kind: njit(error_model="numpy")(function) for kind in (FIRST, SECOND)}
 
 
 def _chained(x, f, of_x):
-    """f(x) by its value and its slope in x."""
+    """f(x) as a dual number, from its value and its slope in x, by the chain rule."""
     return dual(f, of_x * x.d1, of_x * x.d2, of_x * x.d3)
 
 
 def _chained_two(x, y, f, of_x, of_y):
-    """f(x, y) by its value and its slopes in both."""
+    """f(x, y) as a dual number, from its value and its slopes in x and y, by the chain rule."""
     return dual(f, of_x * x.d1 + of_y * y.d1, of_x * x.d2 + of_y * y.d2, of_x * x.d3 + of_y * y.d3)
 
 
 CHAINED, CHAINED_TWO = _of_each(_chained), _of_each(_chained_two)
 
 
-RULES = {  # function: its slope, by x and by the function's value f
+RULES = {  # function of one argument: its slope, from x and the value f of the function
     math.sqrt: lambda x, f: 0.5 / f,
     math.exp: lambda x, f: f,
     math.expm1: lambda x, f: f + 1.0,
@@ -154,7 +155,7 @@ RULES = {  # function: its slope, by x and by the function's value f
     math.fabs: lambda x, f: math.copysign(1.0, value_of(x)),
     abs: lambda x, f: math.copysign(1.0, value_of(x)),
 }
-OF_TWO = {  # the same of two arguments: both slopes
+OF_TWO = {  # function of two arguments: its slopes in both, from x, y and the value f of the function
     operator.add: lambda x, y, f: (1.0, 1.0),
     operator.sub: lambda x, y, f: (1.0, -1.0),
     operator.mul: lambda x, y, f: (y, x),
@@ -167,12 +168,13 @@ NAMES = sorted({function.__name__ for function in (*RULES, *OF_TWO) if function.
 
 
 def _under_both_names(function):
-    """A function of `math` and its like of numpy; an operator or a builtin alone."""
+    """A function of `math` and the same function of numpy; for an operator or a builtin, itself alone."""
     of_numpy = getattr(np, NUMPY.get(function.__name__, function.__name__), None) if function.__module__ == "math" else None
     return [function] if of_numpy is None else [function, of_numpy]
 
 
 def _teach(function, rule):
+    """Let a function of one argument take a dual number, by the rule for its slope."""
     rules = _of_each(rule)
 
     def of_dual(x):
@@ -191,6 +193,7 @@ def _teach(function, rule):
 
 
 def _teach_two(function, rule, *also):
+    """Let a function of two arguments, and the operators ``also``, take dual numbers, by the rule for its slopes."""
     rules = _of_each(rule)
 
     def of_duals(x, y):
@@ -274,6 +277,8 @@ def _pow(x, y):
 
 
 def _teach_comparison(compare):
+    """Let a comparison take dual numbers: it compares their values."""
+
     @overload(compare)
     def of_duals(x, y):
         if isinstance(x, Dual) or isinstance(y, Dual):

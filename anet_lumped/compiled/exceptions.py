@@ -1,4 +1,4 @@
-"""Which exceptions a compiled function may raise: there is nobody to catch them where it is called by its address."""
+"""Which exceptions a compiled function may raise. An exception of a function that is called by its address would be lost."""
 
 import pickle
 import re
@@ -8,10 +8,10 @@ from integrators.compile_once import compiling, once
 
 @once
 def may_raise(kernel):
-    """What a compiled function may raise, but for a lack of memory, of which no law can be asked to beware.
+    """Exceptions that a compiled function may raise, except for a lack of memory, which no law can avoid.
 
-    Read from its optimised code, in which no exception is left that cannot be reached: Numba keeps each one there as a pickled
-    constant, beside its hash.
+    Numba keeps each exception as a pickled constant, beside its hash, in the optimised code. Exceptions that cannot be reached are
+    not in that code any more.
 
     Parameters
     ----------
@@ -31,13 +31,14 @@ def may_raise(kernel):
 def _described(constant):
     """The class of an exception and the line that raises it, from LLVM's text of a pickled constant.
 
-    "" for a lack of memory, and for a constant that is none: an exception is its class, its arguments and where it is raised.
+    "" for a lack of memory, and for a constant that is no exception. Numba writes an exception as its class, its arguments, and the
+    place where it is raised.
     """
     text = re.search(r' c"(.*)"', constant)[1].encode()
     data = re.sub(rb"\\(\\|[0-9A-Fa-f]{2})", lambda byte: b"\\" if byte[1] == b"\\" else bytes([int(byte[1], 16)]), text)
     try:
         found = pickle.loads(data)
-    except Exception:  # a class that is not to be had here
+    except Exception:  # a class that cannot be imported here
         return "an exception"
     if not (isinstance(found, tuple) and isinstance(found[0], type)) or found[0] is MemoryError:
         return ""

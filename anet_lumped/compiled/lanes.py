@@ -1,12 +1,13 @@
-"""Four numbers at once: what is written for one cable is compiled for four that are alike, too.
+"""Four numbers at once (SIMD): a function that is written for one cable is compiled for a group of four cables, too.
 
-A node of a cable waits for the one before it, whatever a processor could do meanwhile; four cables do not wait for each other.
-A function that is given `LANES` instead of numbers works on four of them, if it is written in plain arithmetic, comparisons,
-``abs``, ``max``, ``min``, `math.sqrt` and `select`; a comparison of lanes has no truth value, `select` takes it.
+A node of a cable has to wait for the node before it, and the processor idles meanwhile. Four cables do not wait for each other.
+Therefore the type `LANES` holds four numbers, one of each cable. A function works on numbers and on lanes, if it is written in
+plain arithmetic, comparisons, ``abs``, ``max``, ``min``, `math.sqrt` and `select`. A comparison of lanes gives a `CHOICE` of four
+answers. It has no truth value, so that `select` takes the place of ``if``.
 
-An address, the position of a number in a flat array or of a row in a table, is one integer for a cable and a tuple of four for a
-group of four; `shifted` advances it. `load`, `load_four`, `store`, `store_four` and `column` read and write at an address; `lane`,
-`max_of_lanes` and `sum_of_lanes` make one number of four.
+An address is the position of a number in a flat array, or of a row in a table. It is one integer for a cable, and a tuple of four
+integers for a group; `shifted` advances it. `load`, `load_four`, `store`, `store_four` and `column` read and write at an address.
+`lane`, `max_of_lanes` and `sum_of_lanes` make one number of four.
 """
 
 import math
@@ -23,11 +24,11 @@ _vector, _bits = ir.VectorType(_double, WIDTH), ir.VectorType(ir.IntType(1), WID
 
 
 class _Lanes(types.Type):
-    """`WIDTH` numbers."""
+    """Numba's type of `WIDTH` numbers."""
 
 
 class _Choice(types.Type):
-    """`WIDTH` answers."""
+    """Numba's type of `WIDTH` answers, true or false, of a comparison of lanes."""
 
 
 LANES, CHOICE = _Lanes("Lanes"), _Choice("Choice")
@@ -51,15 +52,18 @@ def select(condition, a, b):
 
 
 def _spread(builder, value):
+    """Lanes that all hold one number."""
     one = builder.insert_element(ir.Constant(_vector, ir.Undefined), value, _i32(0))
     return builder.shuffle_vector(one, ir.Constant(_vector, ir.Undefined), ir.Constant(ir.VectorType(_i32, WIDTH), [0] * WIDTH))
 
 
 def _shuffle(builder, a, b, lanes):
+    """Vector of chosen elements of two vectors; those of the second one are numbered from `WIDTH` on."""
     return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_i32, WIDTH), lanes))
 
 
 def _as_lanes(context, builder, value, kind):
+    """Lanes as they are, and a number spread to lanes."""
     return value if kind is LANES else _spread(builder, context.cast(builder, value, kind, types.float64))
 
 
@@ -105,6 +109,8 @@ for _operation, _sign in (
 
 
 def _define_of_one(operation, instruction):
+    """Let an operation of one number take lanes."""
+
     @type_callable(operation)
     def resolve(context):
         return lambda a: LANES if a is LANES else None
@@ -128,13 +134,16 @@ _define_of_one(math.sqrt, _intrinsic_of_one("llvm.sqrt"))
 
 
 def _define_of_choices(operation, instruction):
+    """Let an operation of two truth values take choices, or a choice and a truth value."""
+
     @type_callable(operation)
     def resolve(context):
         return lambda a, b: CHOICE if {a, b} <= {CHOICE, types.boolean} and CHOICE in (a, b) else None
 
     def lower(context, builder, signature, args):
         a, b = (
-            value if kind is CHOICE else _every(context, builder, value) for value, kind in zip(args, signature.args, strict=True)
+            value if kind is CHOICE else _spread_choice(context, builder, value)
+            for value, kind in zip(args, signature.args, strict=True)
         )
         return instruction(builder, a, b)
 
@@ -142,7 +151,8 @@ def _define_of_choices(operation, instruction):
         lower_builtin(operation, *kinds)(lower)
 
 
-def _every(context, builder, value):
+def _spread_choice(context, builder, value):
+    """Choice of one truth value for all lanes."""
     value = context.cast(builder, value, types.boolean, types.boolean)
     one = builder.insert_element(ir.Constant(_bits, ir.Undefined), builder.trunc(value, ir.IntType(1)), _i32(0))
     return builder.shuffle_vector(one, ir.Constant(_bits, ir.Undefined), ir.Constant(ir.VectorType(_i32, WIDTH), [0] * WIDTH))
@@ -178,6 +188,7 @@ FOUR = types.UniTuple(types.int64, WIDTH)
 
 
 def _pack(builder, numbers):
+    """Lanes of four numbers."""
     value = ir.Constant(_vector, ir.Undefined)
     for k, one in enumerate(numbers):
         value = builder.insert_element(value, one, _i32(k))
@@ -185,17 +196,18 @@ def _pack(builder, numbers):
 
 
 def _parts(builder, kind, value):
-    """The integers of an address."""
+    """List of the integers of an address: one, or four."""
     return [builder.extract_value(value, k) for k in range(WIDTH)] if kind == FOUR else [value]
 
 
 def _kind_of(kind):
+    """Type of an address."""
     return FOUR if kind == FOUR else types.int64
 
 
 @intrinsic
 def shifted(typing_context, address, j, stride, offset):
-    """Addresses (address + j) stride + offset."""
+    """The address (address + j) stride + offset, of each cable of a group for a group."""
 
     def codegen(context, builder, signature, args):
         found = [
@@ -214,7 +226,7 @@ def _address(context, builder, array, address):
 
 @intrinsic
 def load(typing_context, array, address):
-    """Number, or lanes, at an address of a flat array; addresses are not checked."""
+    """Number, or lanes, at an address of a flat array. Whether the address lies in the array is not checked."""
 
     def codegen(context, builder, signature, args):
         numbers = [builder.load(_address(context, builder, args[0], part)) for part in _parts(builder, signature.args[1], args[1])]
@@ -226,7 +238,7 @@ def load(typing_context, array, address):
 
 @intrinsic
 def store(typing_context, array, address, value):
-    """Write what `load` reads."""
+    """Write a number, or lanes, at an address of a flat array."""
 
     def codegen(context, builder, signature, args):
         parts = _parts(builder, signature.args[1], args[1])
@@ -239,8 +251,8 @@ def store(typing_context, array, address, value):
     return types.void(_f1, kind, LANES if kind == FOUR else types.float64), codegen
 
 
-def _turned(builder, a, b, c, d):
-    """The transpose of four rows."""
+def _transposed(builder, a, b, c, d):
+    """The four columns of four rows: rows of one cable each become lanes of one column each, and the other way round."""
     low, high = _shuffle(builder, a, b, [0, 4, 2, 6]), _shuffle(builder, a, b, [1, 5, 3, 7])
     low_2, high_2 = _shuffle(builder, c, d, [0, 4, 2, 6]), _shuffle(builder, c, d, [1, 5, 3, 7])
     return (
@@ -255,14 +267,14 @@ def _row(context, builder, array, address):
 
 @intrinsic
 def load_four(typing_context, array, address):
-    """The number at an address of a flat array and the three after it, a tuple."""
+    """Tuple of the number at an address of a flat array and of the three numbers after it; each is lanes for a group."""
 
     def codegen(context, builder, signature, args):
         rows = []
         for part in _parts(builder, signature.args[1], args[1]):
             rows.append(builder.load(_row(context, builder, args[0], part)))
             rows[-1].align = 8
-        found = _turned(builder, *rows) if len(rows) > 1 else [builder.extract_element(rows[0], _i32(k)) for k in range(WIDTH)]
+        found = _transposed(builder, *rows) if len(rows) > 1 else [builder.extract_element(rows[0], _i32(k)) for k in range(WIDTH)]
         return context.make_tuple(builder, signature.return_type, found)
 
     kind = _kind_of(address)
@@ -271,11 +283,11 @@ def load_four(typing_context, array, address):
 
 @intrinsic
 def store_four(typing_context, array, address, values):
-    """Write what `load_four` reads."""
+    """Write a tuple of four numbers, or of four lanes, at an address of a flat array and behind it."""
 
     def codegen(context, builder, signature, args):
         values, parts = [builder.extract_value(args[2], k) for k in range(4)], _parts(builder, signature.args[1], args[1])
-        for row, part in zip(_turned(builder, *values) if len(parts) > 1 else [_pack(builder, values)], parts, strict=True):
+        for row, part in zip(_transposed(builder, *values) if len(parts) > 1 else [_pack(builder, values)], parts, strict=True):
             builder.store(row, _row(context, builder, args[0], part)).align = 8
         return context.get_dummy_value()
 
@@ -285,14 +297,14 @@ def store_four(typing_context, array, address, values):
 
 @intrinsic
 def column(typing_context, table, address, column):
-    """Column of a table in the row, or rows, at an address: numbers as `load` gives them, integers as an address."""
+    """Entry of a table in a column and in the row at an address: a number or lanes; an address if the table holds integers."""
 
     def codegen(context, builder, signature, args):
         found = []
-        of = context.make_array(signature.args[0])(context, builder, args[0])
-        width = builder.extract_value(of.shape, 1)
+        array = context.make_array(signature.args[0])(context, builder, args[0])
+        width = builder.extract_value(array.shape, 1)
         for part in _parts(builder, signature.args[1], args[1]):
-            found.append(builder.load(builder.gep(of.data, [builder.add(builder.mul(part, width), args[2])])))
+            found.append(builder.load(builder.gep(array.data, [builder.add(builder.mul(part, width), args[2])])))
         if len(found) == 1:
             return found[0]
         return _pack(builder, found) if signature.return_type is LANES else context.make_tuple(builder, FOUR, found)
@@ -307,9 +319,9 @@ def group_members(typing_context, group, g):
     """Address of the four cables of a row of ``Net.cable_groups``."""
 
     def codegen(context, builder, signature, args):
-        of = context.make_array(_i2)(context, builder, args[0])
-        first = builder.mul(args[1], builder.extract_value(of.shape, 1))
-        found = [builder.load(builder.gep(of.data, [builder.add(first, ir.Constant(first.type, k))])) for k in range(WIDTH)]
+        array = context.make_array(_i2)(context, builder, args[0])
+        first = builder.mul(args[1], builder.extract_value(array.shape, 1))
+        found = [builder.load(builder.gep(array.data, [builder.add(first, ir.Constant(first.type, k))])) for k in range(WIDTH)]
         return context.make_tuple(builder, FOUR, found)
 
     return FOUR(_i2, types.int64), codegen
@@ -317,7 +329,7 @@ def group_members(typing_context, group, g):
 
 @intrinsic
 def is_below(typing_context, address, n):
-    """Whether an address is less than n, a choice for four."""
+    """Whether an address is less than n: a truth value, or a choice for a group."""
 
     def codegen(context, builder, signature, args):
         found = [builder.icmp_signed("<", part, args[1]) for part in _parts(builder, signature.args[0], args[0])]
@@ -334,7 +346,7 @@ def is_below(typing_context, address, n):
 
 @intrinsic
 def lane(typing_context, value, k):
-    """Number or integer ``k`` of lanes or of an address; of one number, that number."""
+    """Number ``k`` of lanes, or integer ``k`` of an address of a group; one number or integer is returned as it is."""
 
     def codegen(context, builder, signature, args):
         kind, value = signature.args[0], args[0]

@@ -1,4 +1,4 @@
-"""The compiled functions of a net, handed to an integrator as its `System`; a run compiles those that its method asks for."""
+"""The compiled functions of a net, handed to an integrator as its `System`. A run compiles those that its method needs."""
 
 import numpy as np
 from numba import types
@@ -8,11 +8,11 @@ from anet_lumped.scene.origin import largest_distance
 from integrators.system import System, first_class
 
 NEWTON = ("residual", "direction", "correct", "settle", "adopt", "forget")
-"""Functions that only an implicit method asks for."""
+"""Functions that only an implicit method needs."""
 
 
 class _Absent(types.WrapperAddressProtocol):
-    """A function that a method does not ask for: it has no address."""
+    """In place of a function that a method does not need: it has no address."""
 
     def __wrapper_address__(self):
         return 0
@@ -28,11 +28,11 @@ def system(model, force=True, newton=True, mean=True):
     ----------
     model : Model
     force : bool
-        Whether forces at one time are asked of it. Without them its `force` writes no force, and no power.
+        Whether the method needs forces at one time. Else `force` of the system writes no force, and no power.
     newton : bool
-        Whether stages of an implicit method are asked of it. Without them its functions in `NEWTON` are absent.
+        Whether the method has implicit stages. Else the functions in `NEWTON` are absent.
     mean : bool
-        Whether the mean of tensions over stages is asked of it.
+        Whether the method needs the mean of tensions over stages.
 
     Returns
     -------
@@ -52,7 +52,9 @@ def system(model, force=True, newton=True, mean=True):
         observe=first_class(observe.observe),
         energy=first_class(observe.energies),
         margin=_margin() if events else first_class(observe.no_margin),
-        per_mass=np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(-1, 3),  # a support may hold nothing
+        per_mass=np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(
+            -1, 3
+        ),  # a point without a cable has no mass
         n_free=model.n_free,
         largest=largest_distance(model.scene),
     )

@@ -1,4 +1,4 @@
-"""How near a cable is to its breaking."""
+"""Distance of the cables from breaking."""
 
 from numba import float64, int64
 
@@ -10,7 +10,7 @@ from integrators.system import NO_EVENTS
 
 @kernel(float64(_f2, _f2, int64))
 def margin(q, v, net_address):
-    """Largest of T/T_max - 1 over the segments of cables that may break, T as in `observe`; `NO_EVENTS` if there are none."""
+    """Largest T/T_max - 1 over the segments of cables that may break, with T of `observe`; `NO_EVENTS` if no cable may break."""
     net = view_net(net_address)
     largest = NO_EVENTS
     if net.breaking_tension.shape[0] > 0:

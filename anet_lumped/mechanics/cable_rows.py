@@ -7,20 +7,20 @@ from anet_lumped.model.tables import CABLE_SEGMENTS
 
 @inlined
 def segment_count(net, c):
-    """Segments of a cable, or of each of a group."""
+    """Number of segments of a cable; in a group all cables have the same number."""
     return lane(column(net.cable, c, CABLE_SEGMENTS), 0)
 
 
 @inlined
 def row3(numbers, node):
-    """Row of an (n, 3) array, flat."""
+    """Row ``node`` of an (n, 3) array that is given flat."""
     i = shifted(node, 0, 3, 0)
     return load(numbers, i), load(numbers, shifted(i, 0, 1, 1)), load(numbers, shifted(i, 0, 1, 2))
 
 
 @inlined
 def put_row3(numbers, node, row):
-    """Write a row of an (n, 3) array, flat."""
+    """Write row ``node`` of an (n, 3) array that is given flat."""
     i = shifted(node, 0, 3, 0)
     store(numbers, i, row[0])
     store(numbers, shifted(i, 0, 1, 1), row[1])
@@ -29,7 +29,7 @@ def put_row3(numbers, node, row):
 
 @inlined
 def add_to_points(array, first_node, nodes, members, force, sign):
-    """Add forces of the members of a group to the rows ``nodes - first_node`` of an array."""
+    """Add ``sign`` times the force on a point to row ``nodes - first_node`` of an array, for each of the members of a group."""
     for k in range(members):
         row = array[lane(nodes, k) - first_node]
         row[0], row[1] = row[0] + sign * lane(force[0], k), row[1] + sign * lane(force[1], k)
@@ -38,7 +38,7 @@ def add_to_points(array, first_node, nodes, members, force, sign):
 
 @inlined
 def sum_of_members(value, members):
-    """Sum of a number of each cable over the members of a group."""
+    """Sum of a number that each cable has over the members of a group."""
     total = 0.0
     for k in range(members):
         total += lane(value, k)

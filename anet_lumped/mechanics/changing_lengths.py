@@ -1,20 +1,21 @@
-"""Rest lengths that change in time: of a segment of a cable of N segments,
+"""Rest lengths that change in time. A segment of a cable of N segments has
 
     L(t) = (length + p(t))/N (1 + e(t)) ,     k(t) = EA N/(length + p(t)) ,
 
-with the length p paid out and the strain e at rest. Masses and the effects' numbers (weights, coefficients of drag) are linear in
-p; `model.rest_lengths` finds their slopes. All of these are taken at one time, or for a step: then L0 at both ends of the step, and
-everything else in its middle. A change of rest lengths does work on the net, given as power at one time and as work over a step.
+with the length p paid out and the strain e at rest. Masses are linear in p, and so are the numbers of effects, such as weights and
+coefficients of drag; `model.rest_lengths` finds their slopes. A net holds these quantities for one time or for a step: for a step
+L0 at both ends, and everything else in the middle. A change of rest lengths does work on the net: `power_of_lengths` at one time,
+`work_of_lengths` and `energy_of_paid_out` over a step.
 """
 
 import math
 
-from anet_lumped.compiled.jit import internal, kernel
-from anet_lumped.effects.laws.axial import elastic_energy, energy_of_length, tension_parts
+from anet_lumped.compiled.jit import inlined, internal, kernel
+from anet_lumped.effects.laws.axial import Spring, elastic_energy, energy_of_length, tension_parts
 from anet_lumped.effects.signatures import as_energy
 from anet_lumped.mechanics.effect_forces import numbers_of
 from anet_lumped.mechanics.optional import SIGNATURES
-from anet_lumped.mechanics.segment_law import spring_of
+from anet_lumped.mechanics.segment_law import SHORTEST, spring_of
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
@@ -45,7 +46,7 @@ from anet_lumped.prescribed.path_kernel import evaluate
 
 @internal
 def _set_masses(net, paid):
-    """Masses and the effects' numbers for lengths paid out (rows,) [m]."""
+    """Write the masses and the effects' numbers for the lengths ``paid`` (rows,) [m] that are paid out."""
     lengths, mass, params = net.lengths, net.mass, net.effects.params
     for i in range(lengths.mass.shape[0]):
         mass[i] = lengths.mass[i]
@@ -60,7 +61,7 @@ def _set_masses(net, paid):
 
 @internal
 def _omega_squared(net, c):
-    """Square of the highest frequency of a segment of cable c, as `Net.axial` has it [1/s2]."""
+    """Square of the highest frequency of a segment of cable c, k max(1/m_a + 1/m_b), as ``Net.axial`` holds it [1/s2]."""
     count, node, largest, node_before = net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE], 0.0, net.cable[c, CABLE_START]
     for j in range(count):
         i = node + j if j < count - 1 else net.cable[c, CABLE_END]
@@ -72,21 +73,23 @@ def _omega_squared(net, c):
 
 
 @kernel(SIGNATURES["set_lengths"])
-def set_lengths(net_address, before, middle, now):
-    """Write `Net.axial`, the masses and the effects' numbers of a net: L0 at ``before`` and ``now``, all else at ``middle``.
+def set_lengths(net_address, t_start, t_middle, t_end):
+    """Write the rest lengths at both ends of a step, and everything else that follows from them in its middle.
+
+    Writes ``Net.axial``, the masses, and the effects' numbers.
 
     Parameters
     ----------
     net_address : int64
-    before, middle, now : float64 [s]
-        Start, middle and end of a step; for one time, that time three times.
+    t_start, t_middle, t_end : float64 [s]
+        Times of the step; all equal to set everything for one time.
     """
     net = view_net(net_address)
     lengths, axial = net.lengths, net.axial
     times, paid, x, rate = lengths.times, lengths.paid, lengths.path_values[0], lengths.path_values[1]
-    if times[0] == before and times[1] == middle and times[2] == now:
+    if times[0] == t_start and times[1] == t_middle and times[2] == t_end:
         return
-    times[0], times[1], times[2] = before, middle, now
+    times[0], times[1], times[2] = t_start, t_middle, t_end
     for k in range(3):
         evaluate(times[k], lengths.paths, x, rate, lengths.path_values[2])
         for r in range(lengths.cable.shape[0]):
@@ -104,18 +107,20 @@ def set_lengths(net_address, before, middle, now):
                 axial[c, AXIAL_L0] = L * (1.0 + e)
                 axial[c, AXIAL_L0_RATE] = rate[2 * r, 0] / count * (1.0 + e) + L * rate[2 * r + 1, 0]
     _set_masses(net, paid[PAID_MIDDLE])
-    for c in range(net.cable.shape[0]):  # a cable beside one that changes shares a mass with it
+    for c in range(net.cable.shape[0]):  # of all cables: the mass of an end point changes with each cable that it holds
         axial[c, AXIAL_OMEGA_SQUARED] = _omega_squared(net, c)
 
 
 @internal
 def _energy_gain(net, t, q, v, paid_before, paid_after):
-    """Kinetic and potential energy [J] of a state with the masses at ``paid_after`` minus that with the masses at ``paid_before``.
+    """Kinetic and potential energy of a state with the masses at ``paid_after``, less the same energy at ``paid_before`` [J].
 
     Parameters
     ----------
+    t : float64 [s]
     q, v : (n, 3) float64 [m], [m/s]
     paid_before, paid_after : (rows,) float64 [m]
+        Lengths paid out.
     """
     effects, gain = net.effects, 0.0
     for after in range(2):
@@ -131,13 +136,23 @@ def _energy_gain(net, t, q, v, paid_before, paid_after):
     return gain
 
 
+@inlined
+def _with_stiffness(spring, k):
+    """The same `Spring` with another stiffness, or with its rate in place of the stiffness."""
+    return Spring(k, spring.push_share, spring.L0, spring.curve, spring.first_piece, spring.end_piece)
+
+
 @kernel(SIGNATURES["power_of_lengths"])
 def power_of_lengths(net_address, t, q, v, f):
-    """Power that the change of rest lengths puts in [W]: -T dL0/dt + dk/dt (l - L0)^2/2, plus the energy of mass paid out.
+    """Power that the change of rest lengths puts in [W]; multiplies f by m0/m(t).
 
-    From psi = k/2 (l - L0)^2 with k = EA/(length per segment): dpsi/dt = T_spring (dl/dt - dL0/dt) + dk/dt (l - L0)^2/2.
+    The power is the sum over the segments of -T dL0/dt + dk/dt (l - L0)^2/2, plus the kinetic and potential energy of the mass that
+    is paid out in a second. The sum follows from psi = k/2 (l - L0)^2, whose rate is
 
-    Also multiplies the force f on each moving node by m0/m(t), with m0 its mass in the model, so that f/m0 is its acceleration.
+        dpsi/dt = T_spring (dl/dt - dL0/dt) + dk/dt (l - L0)^2/2 .
+
+    The force f (n, 3) [N] on each moving node is multiplied by m0/m(t), with the mass m0 in the model, so that f/m0 is the node's
+    acceleration.
     """
     net = view_net(net_address)
     lengths, power = net.lengths, 0.0
@@ -146,7 +161,7 @@ def power_of_lengths(net_address, t, q, v, f):
         count, node, row = net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE], net.axial[c]
         spring, L0, L0_rate = spring_of(net, c), row[AXIAL_L0], row[AXIAL_L0_RATE]
         stiffness_rate = (
-            -spring[0] * lengths.paid[PAID_RATE, r] / (lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_NOW, r])
+            -spring.stiffness * lengths.paid[PAID_RATE, r] / (lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_NOW, r])
         )
         a = net.cable[c, CABLE_START]
         for j in range(count):
@@ -154,9 +169,11 @@ def power_of_lengths(net_address, t, q, v, f):
             q0, q1, v0, v1 = q[a], q[b], v[a], v[b]
             dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
             l = math.sqrt(dx * dx + dy * dy + dz * dz)
-            rate = (dx * (v1[0] - v0[0]) + dy * (v1[1] - v0[1]) + dz * (v1[2] - v0[2])) / max(l, 1e-12 * L0) - L0_rate
+            rate = (dx * (v1[0] - v0[0]) + dy * (v1[1] - v0[1]) + dz * (v1[2] - v0[2])) / max(l, SHORTEST * L0) - L0_rate
             T, _ = tension_parts(l - L0, rate, spring, row[AXIAL_DAMPER], row[AXIAL_TWO_WAY_DAMPER])
-            power += elastic_energy(l - L0, (stiffness_rate, *spring[1:])) + (energy_of_length(l - L0, spring) - T) * L0_rate
+            power += (
+                elastic_energy(l - L0, _with_stiffness(spring, stiffness_rate)) + (energy_of_length(l - L0, spring) - T) * L0_rate
+            )
             a = b
     if lengths.mass_node.shape[0] > 0:
         for r in range(lengths.cable.shape[0]):
@@ -174,9 +191,13 @@ def power_of_lengths(net_address, t, q, v, f):
 def work_of_lengths(stage, net_address, base, q, v):
     """Work that the change of rest lengths puts in over a step of `LAW_BETWEEN`, by the tensions that act in it [J].
 
-    The sum of three parts: -T (L_b - L_a); the energy that the springs of both ends of the step store beyond that of the spring
-    in its middle, whose secant acts; and the energy of the mass paid out in the first half of the step. ``v`` (n, 3) [m/s] is the
-    velocity at the end of the step.
+    The work has three parts. The first is -T (L_b - L_a). The second accounts for the stiffness: the secant of the spring k in the
+    middle of the step acts, while k_a and k_b store the energy at its start and end,
+
+        psi(x_a; k) - psi(x_a; k_a) + psi(x_b; k_b) - psi(x_b; k) .
+
+    The third is the energy of the mass that is paid out in the first half of the step. ``v`` (n, 3) [m/s] is the velocity at the
+    end of the step.
     """
     net, h = view_net(net_address), stage.tau
     lengths, work = net.lengths, 0.0
@@ -186,9 +207,10 @@ def work_of_lengths(stage, net_address, base, q, v):
         L0, L0_before = net.axial[c, AXIAL_L0], net.axial[c, AXIAL_L0_BEFORE]
         length_in_middle = lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_MIDDLE, r]
         spring = spring_of(net, c)
-        k_a = spring[0] * length_in_middle / (lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_BEFORE, r])
-        k_b = spring[0] * length_in_middle / (lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_NOW, r])
-        spring_at_start, spring_at_end = (k_a, spring[1], L0_before, *spring[3:]), (k_b, *spring[1:])
+        k_a = spring.stiffness * length_in_middle / (lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_BEFORE, r])
+        k_b = spring.stiffness * length_in_middle / (lengths.material[r, MATERIAL_LENGTH] + lengths.paid[PAID_NOW, r])
+        spring_at_start = Spring(k_a, spring.push_share, L0_before, spring.curve, spring.first_piece, spring.end_piece)
+        spring_at_end = _with_stiffness(spring, k_b)
         a = net.cable[c, CABLE_START]
         for j in range(count):
             b = node + j if j < count - 1 else net.cable[c, CABLE_END]
@@ -210,7 +232,7 @@ def work_of_lengths(stage, net_address, base, q, v):
 
 @kernel(SIGNATURES["energy_of_paid_out"])
 def energy_of_paid_out(stage, net_address, q, v):
-    """Energy of the mass paid out in the second half of a step [J]; then writes the rest lengths, masses and numbers of its end."""
+    """Energy of the mass paid out in the second half of a step [J]; then sets all that changes to its value at the end."""
     net, h = view_net(net_address), stage.tau
     lengths, energy = net.lengths, 0.0
     if lengths.mass_node.shape[0] > 0:

@@ -10,7 +10,7 @@ from anet_lumped.prescribed.path_kernel import evaluate
 def drive(t, net_address, q, v):
     """Write position and velocity of the driven nodes at time t."""
     net = view_net(net_address)
-    first, acceleration = net.n_driven, net.newton_step  # of which these rows are zero but for now
+    first, acceleration = net.n_driven, net.newton_step  # scratch: rows of prescribed nodes, which must be zero again afterwards
     evaluate(t, net.paths, q[first:], v[first:], acceleration[first:])
     for i in range(first, q.shape[0]):
         for x in range(3):

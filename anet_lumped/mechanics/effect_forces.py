@@ -1,4 +1,4 @@
-"""What all effects of a net need: their added masses, and the middle of a step at which they are taken."""
+"""Added masses of effects, and the state in a stage at which the forces of effects are taken."""
 
 from anet_lumped.compiled.jit import inlined, internal
 from anet_lumped.effects.signatures import as_inertia
@@ -18,7 +18,7 @@ def numbers_of(effects, e):
 
 @internal
 def add_masses(net, t, q):
-    """Added masses of the moving nodes, for ``net.added_mass``."""
+    """Write the added masses of the moving nodes to ``net.added_mass``."""
     effects, added = net.effects, net.added_mass
     clear(added)
     for e in range(effects.address.shape[0]):
@@ -29,27 +29,28 @@ def add_masses(net, t, q):
 
 @internal
 def share_with_fluid(net, t, q, v, f):
-    """Make the forces f on moving nodes m (m I + A)^-1 f, so that f/m is the acceleration of the node with its added mass A.
+    """Multiply the force f on each moving node by m (m I + A)^-1, so that f/m is its acceleration with the added mass A.
 
     Returns
     -------
-    power : float64 [W], given to the fluid
+    power : float64 [W]
+        Power that accelerates the fluid, (f - m (m I + A)^-1 f) . v.
     """
     add_masses(net, t, q)
     power = 0.0
     for i in range(net.n_free):
         m, A = net.mass[i], net.added_mass[i]
         mobility = inverse((m + A[0, 0], A[0, 1], A[0, 2], A[1, 0], m + A[1, 1], A[1, 2], A[2, 0], A[2, 1], m + A[2, 2]))
-        own = times(mobility, m * f[i, 0], m * f[i, 1], m * f[i, 2])
+        own_force = times(mobility, m * f[i, 0], m * f[i, 1], m * f[i, 2])
         for x in range(3):
-            power += (f[i, x] - own[x]) * v[i, x]
-            f[i, x] = own[x]
+            power += (f[i, x] - own_force[x]) * v[i, x]
+            f[i, x] = own_force[x]
     return power
 
 
 @inlined
 def any_live(net):
-    """Whether any effect is more than a dead load."""
+    """Whether an effect has a force that depends on position, velocity or time, so that it is not a dead load."""
     for e in range(net.effects.address.shape[0]):
         if net.effects.address[e, SLOT_TANGENT] != 0 or net.effects.address[e, SLOT_WHOLE_STEP] != 0:
             return True
@@ -58,7 +59,10 @@ def any_live(net):
 
 @internal
 def take_middle(net, theta, per_tau, base, q):
-    """Position and velocity at which a stage takes external forces, for ``net.middle_q`` and ``net.middle_v``."""
+    """Write the state in which a stage takes external forces to ``net.middle_q`` and ``net.middle_v``.
+
+    q_m = base + theta (q - base) and v_m = (q - base)/tau.
+    """
     Q, A, middle_q, middle_v = flat(q), flat(base), flat(net.middle_q), flat(net.middle_v)
     for i in range(Q.shape[0]):
         moved = Q[i] - A[i]

@@ -1,8 +1,9 @@
-"""Which effect of a scene has no finite force or energy: asked once a computation has failed, so that its loops need not look."""
+"""Which effect of a scene has a force or an energy that is not finite. Asked after a failure, so that no loop has to check."""
 
 import numpy as np
 
-FAR, FAST = 100.0, 1e6  # times the size of a scene; [m/s]: beyond, what diverges makes every law overflow
+FAR = 100.0  # times the size of a scene: farther out every law overflows, and none is to blame
+FAST = 1e6  # [m/s], likewise
 
 
 def name_law_that_is_not_finite(model, states):
@@ -12,12 +13,12 @@ def name_law_that_is_not_finite(model, states):
     ----------
     model : Model
     states : iterable of (t [s], q (n, 3) [m], v (n, 3) [m/s])
-        Those that are not finite themselves, or beyond any sense, are left out.
+        States that are not finite themselves, or farther out than `FAR` or faster than `FAST`, are left out.
 
     Returns
     -------
     str
-        With a blank behind it; empty if there is none.
+        Ends with a blank; empty if every law is finite.
     """
     size = None
     for t, q, v in states:

@@ -1,4 +1,4 @@
-"""Force on every node at one time, the only forces that an explicit method needs."""
+"""Force on every node at one time: all that an explicit method needs of a net."""
 
 import math
 
@@ -11,7 +11,7 @@ from anet_lumped.effects.signatures import as_force
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
 from anet_lumped.mechanics.effect_forces import numbers_of, share_with_fluid
 from anet_lumped.mechanics.optional import as_cable_force, as_power_of_lengths, as_set_lengths
-from anet_lumped.mechanics.segment_law import group_constant, spring_of
+from anet_lumped.mechanics.segment_law import SHORTEST, group_constant, spring_of
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
@@ -34,10 +34,10 @@ _f1, _f2 = float64[::1], float64[:, ::1]
 
 @inlined
 def _cable_force(net, c, members, q, v, f):
-    """Force of a cable, or of the cables of a group of which ``members`` count; returns the power that dampers dissipate [W]."""
+    """Add the force of a cable, or of the ``members`` cables of a group, to f; return the power that dampers dissipate [W]."""
     node, start, end = column(net.cable, c, CABLE_FIRST_NODE), column(net.cable, c, CABLE_START), column(net.cable, c, CABLE_END)
     L0, spring, damper = column(net.axial, c, AXIAL_L0), spring_of(net, c), column(net.axial, c, AXIAL_DAMPER)
-    two_damper, count = group_constant(net, c, AXIAL_TWO_WAY_DAMPER), segment_count(net, c)
+    two_way_damper, count = group_constant(net, c, AXIAL_TWO_WAY_DAMPER), segment_count(net, c)
     flat_q, flat_v, flat_f, dissipated, L0_rate = flat(q), flat(v), flat(f), 0.0 * L0, column(net.axial, c, AXIAL_L0_RATE)
     i, q0, v0, pull_behind = start, row3(flat_q, start), row3(flat_v, start), (dissipated, dissipated, dissipated)
     for j in range(count):
@@ -45,9 +45,9 @@ def _cable_force(net, c, members, q, v, f):
         q1, v1 = row3(flat_q, next_node), row3(flat_v, next_node)
         dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
         l = math.sqrt(dx * dx + dy * dy + dz * dz)
-        per_l = 1.0 / max(l, 1e-12 * L0)
+        per_l = 1.0 / max(l, SHORTEST * L0)
         rate = (dx * (v1[0] - v0[0]) + dy * (v1[1] - v0[1]) + dz * (v1[2] - v0[2])) * per_l - L0_rate
-        T, elastic = tension_parts(l - L0, rate, spring, damper, two_damper)
+        T, elastic = tension_parts(l - L0, rate, spring, damper, two_way_damper)
         dissipated = dissipated + (T - elastic) * rate
         tension_per_length = T * per_l
         pull = tension_per_length * dx, tension_per_length * dy, tension_per_length * dz
@@ -63,7 +63,7 @@ def _cable_force(net, c, members, q, v, f):
 
 @on_demand
 def force_of_singles(net_address, q, v, f):
-    """Force of the cables that are in no group; returns the power that their dampers dissipate [W]."""
+    """Add the force of the cables that are in no group to f; return the power that their dampers dissipate [W]."""
     net, dissipated = view_net(net_address), 0.0
     for c in net.single_cables:
         dissipated += _cable_force(net, c, 1, q, v, f)
@@ -72,7 +72,7 @@ def force_of_singles(net_address, q, v, f):
 
 @on_demand
 def force_of_groups(net_address, q, v, f):
-    """Force of the cables that are taken by fours; returns the power that their dampers dissipate [W]."""
+    """Add the force of the cables that are taken by fours to f; return the power that their dampers dissipate [W]."""
     net, dissipated = view_net(net_address), 0.0
     for g in range(net.cable_groups.shape[0]):
         dissipated += _cable_force(net, group_members(net.cable_groups, g), net.cable_groups[g, WIDTH], q, v, f)
@@ -83,7 +83,8 @@ def force_of_groups(net_address, q, v, f):
 def force(t, q, v, net_address, f, power):
     """Force on every node.
 
-    f_i = external + sum over its segments of -+ T n, T = EA eps + BA (dl/dt)/L0 by the cable's compression law.
+    f_i = external force + sum over the segments at node i of +- T n. A taut segment has T = k (l - L0) + c d(l - L0)/dt, a slack
+    one T by the cable's compression law.
 
     Parameters
     ----------
@@ -91,10 +92,10 @@ def force(t, q, v, net_address, f, power):
     q, v : (n, 3) float64 [m], [m/s]
     net_address : int64
     f : (n, 3) float64 [N], overwritten
-        On a node of mass m with added mass A, m (m I + A)^-1 times the force, so that f/m is its acceleration. Where masses
-        change, f is multiplied by m0/m(t), so that f/m0 is the acceleration, with m0 the mass in the model.
+        f/m0 is the acceleration of a moving node, with its mass m0 in the model. So the force is multiplied by m (m I + A)^-1, with
+        the current mass m and the added mass A, and by m0/m.
     power : (3,) float64 [W], overwritten
-        Taken by dampers; taken by effects; put in by prescribed nodes and by changes of the rest lengths.
+        Power taken by dampers; power taken by effects; power put in by prescribed nodes and by changes of the rest lengths.
     """
     net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:

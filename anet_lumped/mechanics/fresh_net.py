@@ -1,23 +1,33 @@
-"""The arrays of one run: those of a model, with scratch space of their own, and the kernels that the run needs."""
+"""The arrays of one run: the arrays of its model, scratch space of its own, and the kernels that the run needs."""
 
 import numpy as np
 
 from anet_lumped.mechanics.required_kernels import require
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.net import Net
-from anet_lumped.model.tables import KERNELS, SEGMENT_COLUMNS
+from anet_lumped.model.tables import (
+    KERNELS,
+    LINEARISED_BEGINNING,
+    LINEARISED_COLUMNS,
+    LINEARISED_FIRST_STEP,
+    LINEARISED_LAW,
+    LINEARISED_LEAST_DAMPER,
+    LINEARISED_NO_LAW,
+    LINEARISED_TAU,
+    SEGMENT_COLUMNS,
+)
 from anet_lumped.prescribed.paths import pack
 from anet_lumped.scene.scene import Driven
 
 
 def fresh_net(model, force=True, newton=True):
-    """The arrays that compiled code works on, with fresh scratch space: one a run.
+    """Make the arrays that compiled code works on, with fresh scratch space. Each run needs its own.
 
     Parameters
     ----------
     model : Model
     force, newton : bool
-        Whether forces at one time, and stages of an implicit method, are asked of it.
+        Whether the run needs forces at one time, and whether it needs the stages of an implicit method.
 
     Returns
     -------
@@ -25,8 +35,8 @@ def fresh_net(model, force=True, newton=True):
     """
     n, segments = model.n, model.n_segments
     couples = model.coupled_neighbours
-    heavier = any("inertia" in effect.kernels() for effect in model.forces)
-    changing = len(model.lengths.cable) > 0  # then masses, laws and effects' numbers are the run's own
+    has_added_mass = any("inertia" in effect.kernels() for effect in model.forces)
+    changing = len(model.lengths.cable) > 0  # rest lengths change: then masses, laws and effects' numbers belong to the run
     effects = model.effects._replace(params=model.effects.params.copy()) if changing else model.effects
     net = Net(
         n_free=model.n_free,
@@ -47,7 +57,7 @@ def fresh_net(model, force=True, newton=True):
         segment=np.zeros((segments, SEGMENT_COLUMNS)),
         tension=np.zeros(segments),
         mean_tension=np.zeros(segments),
-        linearised=np.array([-1.0, 1.0, 2.0, 1.0, 0.0]),
+        linearised=_nothing_linearised(),
         law_force=np.zeros((n, 3)),
         predicted_force=np.zeros((n - model.n_interior, 3)),
         right_side=np.zeros((n, 3)),
@@ -61,7 +71,7 @@ def fresh_net(model, force=True, newton=True):
         middle_v=np.zeros((n, 3)),
         near_blocks=np.zeros((segments if couples > 0 else 0, 2, 3, 3)),
         far_blocks=np.zeros((segments if couples > 1 else 0, 2, 3, 3)),
-        added_mass=np.zeros((model.n_free if heavier else 0, 3, 3)),
+        added_mass=np.zeros((model.n_free if has_added_mass else 0, 3, 3)),
         breaking_tension=model.breaking_tension,
         observed_tension=np.zeros(len(model.breaking_tension)),
         remembered=np.zeros(16 * len(model.breaking_tension) + 5),
@@ -73,3 +83,11 @@ def fresh_net(model, force=True, newton=True):
 
         set_lengths(net.address, 0.0, 0.0, 0.0)
     return net
+
+
+def _nothing_linearised():
+    """``Net.linearised`` before the first stage of a run."""
+    linearised = np.zeros(LINEARISED_COLUMNS)
+    linearised[LINEARISED_LAW], linearised[LINEARISED_TAU] = LINEARISED_NO_LAW, 1.0
+    linearised[LINEARISED_BEGINNING], linearised[LINEARISED_LEAST_DAMPER] = LINEARISED_FIRST_STEP, 1.0
+    return linearised

@@ -1,4 +1,4 @@
-"""The sparse analytic Jacobian of the motion at first order: y = (q, v) of the moving nodes, M dv/dt = f(t, q, v)."""
+"""The sparse analytic Jacobian of the motion as a system of first order, y = (q, v) of the moving nodes, M dv/dt = f(t, q, v)."""
 
 from typing import NamedTuple
 
@@ -24,14 +24,14 @@ from anet_lumped.model.tables import (
 )
 
 from .linear import node_elimination as elimination
-from .segment_law import spring_of
+from .segment_law import SHORTEST, spring_of
 
 _f2, _f3 = (types.Array(types.float64, d, "C") for d in (2, 3))
 _i1, _i2 = (types.Array(types.int64, d, "C") for d in (1, 2))
 
 
 class Pattern(NamedTuple):
-    """Positions of all numbers in the Jacobian; the same for every state of a model.
+    """Positions of all entries of the Jacobian. They are the same for every state of a model.
 
     The 3x3 blocks are numbered: first the block of every moving node with itself; then both blocks of every pair of moving nodes
     that a segment joins, and of every pair that is two segments apart where an effect joins such pairs. Write the blocks of
@@ -39,9 +39,9 @@ class Pattern(NamedTuple):
     number ``source[e]`` of that row.
     """
 
-    slot: np.ndarray  # (n_segments, 2) int64: blocks (first node, second node) and back; -1 if one is prescribed
+    slot: np.ndarray  # (n_segments, 2) int64: blocks (first node, second node) and back; -1 if either node is prescribed
     far_slot: np.ndarray  # (n_segments, 2) int64: blocks (first node, second node of the next segment) and back, likewise
-    row: np.ndarray  # (blocks,) int64: node whose force a block is of
+    row: np.ndarray  # (blocks,) int64: node of whose force a block is the derivative
     blocks: int
     indices: np.ndarray
     indptr: np.ndarray
@@ -80,7 +80,7 @@ def pattern(model):
 
 @internal
 def _add_couplings(net, slot, far_slot, blocks_of_pairs):
-    """Add ``net.near_blocks`` and ``net.far_blocks``, which effects wrote, to the blocks of pairs of moving nodes; clear them."""
+    """Add ``net.near_blocks`` and ``net.far_blocks`` to the blocks of pairs of moving nodes, then set both to zero."""
     for s in range(net.near_blocks.shape[0]):
         for way in range(2):
             for x in range(3):
@@ -139,17 +139,17 @@ def blocks(t, q, v, net_address, slot, far_slot, row, df_dq, df_dv):
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
         spring, L0, damper = spring_of(net, c), net.axial[c, AXIAL_L0], net.axial[c, AXIAL_DAMPER]
-        two_damper = net.axial[c, AXIAL_TWO_WAY_DAMPER]
+        two_way_damper = net.axial[c, AXIAL_TWO_WAY_DAMPER]
         a = net.cable[c, CABLE_START]
         for j in range(count):
             b = node + j if j < count - 1 else net.cable[c, CABLE_END]
             dx, dy, dz = q[b, 0] - q[a, 0], q[b, 1] - q[a, 1], q[b, 2] - q[a, 2]
             ux, uy, uz = v[b, 0] - v[a, 0], v[b, 1] - v[a, 1], v[b, 2] - v[a, 2]
             l = (dx * dx + dy * dy + dz * dz) ** 0.5
-            per_l = 1.0 / max(l, 1e-12 * L0)
+            per_l = 1.0 / max(l, SHORTEST * L0)
             n = (dx * per_l, dy * per_l, dz * per_l)
             rate = n[0] * ux + n[1] * uy + n[2] * uz
-            T, length_slope, rate_slope = tension_slopes(l - L0, rate, spring, damper, two_damper)
+            T, length_slope, rate_slope = tension_slopes(l - L0, rate, spring, damper, two_way_damper)
             tension_per_length, rate_slope_per_length = T * per_l, rate_slope * per_l
             along_slope = length_slope - rate_slope_per_length * rate - tension_per_length
             gradient = (
@@ -195,12 +195,12 @@ def sparse_jacobian(model, net):
     jacobian : callable (t, q, v) -> csc_array (6 n_free, 6 n_free)
         t [s], q and v (n, 3) [m], [m/s] with the prescribed rows filled in. The pattern is fixed; zeros in it are kept.
     """
-    places, size = pattern(model), 6 * model.n_free
-    values = np.ones(18 * places.blocks + 1)
-    df_dq, df_dv = values[:-1].reshape(2, places.blocks, 3, 3)
+    found, size = pattern(model), 6 * model.n_free
+    values = np.ones(18 * found.blocks + 1)
+    df_dq, df_dv = values[:-1].reshape(2, found.blocks, 3, 3)
 
     def jacobian(t, q, v):
-        blocks(t, q, v, net.address, places.slot, places.far_slot, places.row, df_dq, df_dv)
-        return csc_array((values[places.source] * places.scale, places.indices, places.indptr), shape=(size, size))
+        blocks(t, q, v, net.address, found.slot, found.far_slot, found.row, df_dq, df_dv)
+        return csc_array((values[found.source] * found.scale, found.indices, found.indptr), shape=(size, size))
 
     return jacobian

@@ -5,14 +5,12 @@ from numba import float64, int64, void
 from anet_lumped.compiled.jit import kernel
 from anet_lumped.mechanics.effect_forces import clear
 from anet_lumped.model.net import view_net
-from anet_lumped.model.tables import (
-    LINEARISED_MEAN_STEP,
-)
+from anet_lumped.model.tables import LINEARISED_MEAN_STEP
 
 
 @kernel(void(int64, float64, float64))
 def average(net_address, share, h):
-    """Add a share of the tensions that balance the stage solved last to their mean over a step of h seconds; 0 begins one."""
+    """Add ``share`` times the tensions of the stage solved last to their mean over a step of h [s]; a share of 0 begins a mean."""
     net = view_net(net_address)
     if share == 0.0:
         clear(net.mean_tension)

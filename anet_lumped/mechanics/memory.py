@@ -1,4 +1,4 @@
-"""What one step of a method leaves to the next."""
+"""The state of a net that a step leaves to the next one, so that a step can be taken again."""
 
 from numba import int64, void
 
@@ -8,21 +8,21 @@ from integrators.flat_view import flat
 
 
 @inlined
-def _exchange(own, copy, at, back):
-    """Copy an array to ``copy`` from ``at`` on, or back; returns where it ends there."""
-    for i in range(own.shape[0]):
+def _exchange(numbers, memory, first, back):
+    """Copy an array to ``memory``, from position ``first`` on, or back; return the position behind it."""
+    for i in range(numbers.shape[0]):
         if back == 1:
-            own[i] = copy[at + i]
+            numbers[i] = memory[first + i]
         else:
-            copy[at + i] = own[i]
-    return at + own.shape[0]
+            memory[first + i] = numbers[i]
+    return first + numbers.shape[0]
 
 
 @kernel(void(int64, int64))
 def remember(net_address, back):
-    """Copy what steps leave to the next: the tensions and the law of each segment; or put it back if ``back`` is 1."""
+    """Remember the tensions and the linearised law of each segment, which the next step reads; restore them if ``back`` is 1."""
     net = view_net(net_address)
-    at = _exchange(flat(net.segment), net.remembered, 0, back)
-    at = _exchange(net.tension, net.remembered, at, back)
-    at = _exchange(net.mean_tension, net.remembered, at, back)
-    _exchange(net.linearised, net.remembered, at, back)
+    first = _exchange(flat(net.segment), net.remembered, 0, back)
+    first = _exchange(net.tension, net.remembered, first, back)
+    first = _exchange(net.mean_tension, net.remembered, first, back)
+    _exchange(net.linearised, net.remembered, first, back)

@@ -1,4 +1,4 @@
-"""What is saved of a state: tensions, energies, and how near a cable is to its breaking."""
+"""Tensions and energies of a state, which a run saves."""
 
 import math
 
@@ -9,9 +9,7 @@ from anet_lumped.effects.laws.axial import elastic_energy, tension_parts
 from anet_lumped.effects.signatures import as_energy
 from anet_lumped.mechanics.effect_forces import numbers_of
 from anet_lumped.mechanics.optional import as_set_lengths
-from anet_lumped.mechanics.segment_law import (
-    spring_of,
-)
+from anet_lumped.mechanics.segment_law import SHORTEST, spring_of
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
@@ -43,18 +41,30 @@ _f1, _f2 = float64[::1], float64[:, ::1]
 
 @kernel(void(_f2, _f2, int64, _f1))
 def observe(q, v, net_address, tension):
-    """Tension of every segment in a state (n_segments,) [N], overwritten.
+    """Write the tension of every segment in a state (n_segments,) [N].
 
-    By the law at one time; after a step of law ``LAW_BETWEEN`` by the tension that acted over it and what the law says of the
-    difference between the end and the mean of the step, in which an error of the places is not multiplied by the stiffness.
-    Nor is one of the rates by the damper: where the step does not resolve the stretching, or how it is damped, the rate is
-    that of the step. After the stages of a Runge-Kutta step whose mean was taken, by the law where the step resolves the
-    stretching, and by that mean where it does not.
+    The law at one time would multiply rounding errors of the positions by the stiffness. Therefore the tension depends on the last
+    stage:
+
+    * `LAW_BACKWARD`, and cables that do not stretch: the tension that acted, since it acted at the end of the step.
+    * `LAW_BETWEEN`: the tension T that acted over the step h, plus the difference by the law between the end of the step and the
+      whole step. T_law is the tension over the step by the law, T_spring the tension of the spring at the end, r the rate of the
+      stretch at the end, and r_m its mean over the step:
+
+          T_end = T + (T_spring - T_law + c r_m) + c (r - r_m)/(1 + (h/4 + c/(2 k)) h omega^2) .
+
+      The last term is small where the step does not resolve the stretching: the rate at one time means little there.
+    * Stages of a Runge-Kutta step whose mean tension T_m was taken: with s = (h/4 + c/(2 k)) h omega^2,
+
+          T_end = T_m + (T_law - T_m)/(1 + s^2) ,
+
+      which is the law where the step resolves the stretching, and the mean where it does not.
+    * Otherwise: the law at one time.
     """
     net = view_net(net_address)
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
-        L0, k, damper, two_damper, spring = (
+        L0, k, damper, two_way_damper, spring = (
             net.axial[c, AXIAL_L0],
             net.axial[c, AXIAL_STIFFNESS],
             net.axial[c, AXIAL_DAMPER],
@@ -64,24 +74,24 @@ def observe(q, v, net_address, tension):
         before = net.cable[c, CABLE_START]
         for j in range(count):
             i, s = node + j if j < count - 1 else net.cable[c, CABLE_END], first + j
-            acting = net.tension[s] if two_damper > 0.0 else max(net.tension[s], 0.0)
+            acting = net.tension[s] if two_way_damper > 0.0 else max(net.tension[s], 0.0)
             if net.linearised[LINEARISED_LAW] == LAW_BACKWARD or net.axial[c, AXIAL_INEXTENSIBLE] > 0.0:
                 tension[s] = acting
             else:
                 dx, dy, dz = q[i, 0] - q[before, 0], q[i, 1] - q[before, 1], q[i, 2] - q[before, 2]
                 l = math.sqrt(dx * dx + dy * dy + dz * dz)
                 rate = dx * (v[i, 0] - v[before, 0]) + dy * (v[i, 1] - v[before, 1]) + dz * (v[i, 2] - v[before, 2])
-                rate = rate / max(l, 1e-12 * L0) - net.axial[c, AXIAL_L0_RATE]
-                T, elastic = tension_parts(l - L0, rate, spring, damper, two_damper)
-                if net.linearised[LINEARISED_LAW] == LAW_BETWEEN and (elastic != 0.0 or two_damper > 0.0):
+                rate = rate / max(l, SHORTEST * L0) - net.axial[c, AXIAL_L0_RATE]
+                T, elastic = tension_parts(l - L0, rate, spring, damper, two_way_damper)
+                if net.linearised[LINEARISED_LAW] == LAW_BETWEEN and (elastic != 0.0 or two_way_damper > 0.0):
                     h, row = net.linearised[LINEARISED_TAU], net.segment[s]
-                    mean = row[SEGMENT_STRETCH] - row[SEGMENT_STRETCH_BEFORE]
-                    if two_damper == 0.0:
-                        mean = max(row[SEGMENT_STRETCH], 0.0) - max(row[SEGMENT_STRETCH_BEFORE], 0.0)
-                    mean /= h
+                    mean_rate = row[SEGMENT_STRETCH] - row[SEGMENT_STRETCH_BEFORE]
+                    if two_way_damper == 0.0:
+                        mean_rate = max(row[SEGMENT_STRETCH], 0.0) - max(row[SEGMENT_STRETCH_BEFORE], 0.0)
+                    mean_rate /= h
                     resolved = 1.0 / (1.0 + (0.25 * h + 0.5 * damper / k) * h * net.axial[c, AXIAL_OMEGA_SQUARED])
-                    T = acting + (elastic - row[SEGMENT_TENSION] + damper * mean) + damper * resolved * (rate - mean)
-                    T = T if two_damper > 0.0 else max(T, 0.0)
+                    T = acting + (elastic - row[SEGMENT_TENSION] + damper * mean_rate) + damper * resolved * (rate - mean_rate)
+                    T = T if two_way_damper > 0.0 else max(T, 0.0)
                 elif net.linearised[LINEARISED_LAW] == LAW_AT_END and net.linearised[LINEARISED_MEAN_STEP] > 0.0:
                     h = net.linearised[LINEARISED_MEAN_STEP]
                     stiff = (0.25 * h + 0.5 * damper / k) * h * net.axial[c, AXIAL_OMEGA_SQUARED]

@@ -1,8 +1,10 @@
-"""Kernels that only some scenes need: compiled when a scene first needs them, and called by their address in `Net.kernels`.
+"""Kernels that only some scenes need: compiled when a scene first needs them, and called by their address in ``Net.kernels``.
 
-A net of one cable needs none of the kernels for four cables at once, one without cables between free points none of theirs, an
-explicit method no Newton step, `edmc` no force at a time, and most scenes no rest length that changes.
+A net of one cable needs no kernel for four cables at once. A net without cables between free points needs no kernel for those. An
+explicit method needs no Newton step, `edmc` needs no force at one time, and most scenes have no rest length that changes.
 """
+
+from typing import NamedTuple
 
 from numba import float64, int64, types
 
@@ -11,11 +13,53 @@ from integrators.stage import STAGE
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 
+
+class CableBalance(NamedTuple):
+    """Balance of the forces in a stage over some cables; `residual.residual` says more of the first four numbers.
+
+    Parameters
+    ----------
+    norm : [N], largest component of the out-of-balance force on an interior node
+    scale : [N], largest inertial or external force on an interior node
+    noise : [N], what rounding of the positions leaves in ``norm``
+    predicted : [N], largest out-of-balance force with the predicted tensions, or weighted difference of tensions
+    predicted_noise : [N], what rounding leaves in ``predicted``
+    sum_of_forces : [N], not finite if any force is not finite
+    """
+
+    norm: float
+    scale: float
+    noise: float
+    predicted: float
+    predicted_noise: float
+    sum_of_forces: float
+
+
+class CableAccount(NamedTuple):
+    """Energies of a step of edmc, summed over some cables [J].
+
+    Parameters
+    ----------
+    by_dampers, by_method : dissipated by the dampers and by the numerical damper
+    put_in : work of driven ends against the tensions
+    by_impulses : work of prescribed ends and of changes of rest length against the impulses
+    by_full_damper : what the numerical damper would dissipate if no share of it were left out
+    """
+
+    by_dampers: float
+    by_method: float
+    put_in: float
+    by_impulses: float
+    by_full_damper: float
+
+
+_f1, _f2 = float64[::1], float64[:, ::1]
+
 SIGNATURES = {
     "force": float64(int64, _f2, _f2, _f2),
-    "residual": types.UniTuple(float64, 6)(STAGE, int64, _f2, _f2, float64, float64),
+    "residual": types.NamedUniTuple(float64, 6, CableBalance)(STAGE, int64, _f2, _f2, float64, float64),
     "finish": float64(STAGE, int64),
-    "settle": types.UniTuple(float64, 5)(STAGE, int64, _f2, _f2, _f2),
+    "settle": types.NamedUniTuple(float64, 5, CableAccount)(STAGE, int64, _f2, _f2, _f2),
     "settle_effects": float64(STAGE, int64, _f2, _f2, _f2),
     "eliminate": types.void(int64),
     "substitute": float64(int64),

@@ -12,7 +12,10 @@ _f2 = float64[:, ::1]
 
 @kernel(types.void(float64, int64, _f2, _f2))
 def prescribe(t, net_address, q, v):
-    """Write position and velocity of the driven nodes at time t, and set the rest lengths of that time; fixed nodes keep theirs."""
+    """Write position and velocity of the driven nodes at time t, and set the rest lengths at that time.
+
+    Rows of fixed nodes stay as they are.
+    """
     net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:
         as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)

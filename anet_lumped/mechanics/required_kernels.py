@@ -1,4 +1,4 @@
-"""Which of the optional kernels a run needs, and their addresses."""
+"""Which of the kernels in `optional` a run needs, and their addresses."""
 
 from anet_lumped.compiled.addresses import address_of
 from anet_lumped.mechanics.optional import SIGNATURES
@@ -6,14 +6,14 @@ from anet_lumped.model import tables
 
 
 def require(net, model, force=False, newton=False):
-    """Write the addresses of the kernels that a run needs to ``net.kernels``, compiling those that never were.
+    """Write the addresses of the kernels that a run needs to ``net.kernels``; compile those that have not been compiled.
 
     Parameters
     ----------
     net : Net
     model : Model
     force, newton : bool
-        Whether forces at one time, and stages of an implicit method, are asked of it.
+        Whether the run needs forces at one time, and whether it needs the stages of an implicit method.
     """
     groups, singles = len(net.cable_groups) > 0, len(net.single_cables) > 0
     if model.n_driven < model.n:
@@ -41,7 +41,7 @@ def require(net, model, force=False, newton=False):
 
 
 def require_elimination(net, reach):
-    """The elimination of cables whose effects join nodes up to ``reach`` segments away."""
+    """`require` for the elimination, where effects join nodes that are up to ``reach`` segments apart."""
     from anet_lumped.mechanics.linear import chain
 
     eliminating = substituting = chain

@@ -1,4 +1,4 @@
-"""The residual of a stage of an implicit method, and its linearisation."""
+"""The residual of a stage of an implicit method, which is the force out of balance on every node, and its linearisation."""
 
 from numba import float64, int64, types
 
@@ -8,33 +8,22 @@ from anet_lumped.compiled.lanes import (
     column,
     group_members,
     load,
-    load_four,
     max_of_lanes,
     select,
     shifted,
-    store,
-    store_four,
     sum_of_lanes,
 )
 from anet_lumped.effects.signatures import as_force, as_tangent, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, row3, segment_count
 from anet_lumped.mechanics.effect_forces import add_masses, any_live, clear, numbers_of, take_middle
-from anet_lumped.mechanics.optional import as_cable_residual, as_set_lengths
-from anet_lumped.mechanics.segment_law import (
-    group_constant,
-    linearise,
-    spring_of,
-    weights,
-)
+from anet_lumped.mechanics.optional import CableBalance, as_cable_residual, as_set_lengths
+from anet_lumped.mechanics.segment_law import cable_law, linearise
+from anet_lumped.mechanics.segment_row import load_history, store_linearised
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
-    AXIAL_DAMPER,
-    AXIAL_INEXTENSIBLE,
     AXIAL_L0,
     AXIAL_L0_BEFORE,
     AXIAL_L0_RATE,
-    AXIAL_STIFFNESS,
-    AXIAL_TWO_WAY_DAMPER,
     CABLE_END,
     CABLE_FIRST_NODE,
     CABLE_FIRST_SEGMENT,
@@ -44,30 +33,26 @@ from anet_lumped.model.tables import (
     KERNEL_SET_LENGTHS,
     LINEARISED_BEGINNING,
     LINEARISED_LAW,
-    LINEARISED_LEAST_DAMPER,
+    LINEARISED_SAME_STEP,
     LINEARISED_TAU,
     SEGMENT_COLUMNS,
-    SEGMENT_LAST_CHANGE,
-    SEGMENT_NUMERICAL_DAMPER,
-    SEGMENT_STIFFNESS,
-    SEGMENT_STRETCH,
-    SEGMENT_STRETCH_BEFORE,
-    SEGMENT_TENSION,
     SLOT_FORCE,
     SLOT_TANGENT,
     SLOT_WHOLE_STEP,
 )
 from integrators.flat_view import flat
+from integrators.newton import UNKNOWN_FORCE
 from integrators.stage import LAW_AT_END, LAW_BETWEEN, STAGE
 
 _f2 = float64[:, ::1]
 
 EPS = 2.220446049250313e-16
+FORCE_ROUNDING = 4.0 * EPS  # rounding of a force over its largest terms: two positions, and the sum of two products of them
 
 
 @internal
 def set_stage_lengths(stage, net_address):
-    """Write the rest lengths at the start and the end of a stage, and masses and the effects' numbers at its time ``stage.t``."""
+    """Write the rest lengths at the start and the end of a stage, and the masses and the effects' numbers at ``stage.t``."""
     t_start = stage.t - (stage.theta * stage.tau if stage.law != LAW_AT_END else 0.0)
     net = view_net(net_address)
     t_end = t_start + stage.tau if stage.law != LAW_AT_END else stage.t
@@ -78,52 +63,35 @@ def set_stage_lengths(stage, net_address):
 
 
 @inlined
-def _cable_residual(stage, net, c, members, base, q, beginning, largest_coordinate):
-    """`residual` of a cable, or of the cables of a group of which ``members`` count.
+def _cable_residual(stage, net, c, members, base, q, step, largest_coordinate):
+    """Linearise the segments of a cable, or of the ``members`` cables of a group, and return their `CableBalance`.
 
-    Returns
-    -------
-    norm, scale, noise, predicted : float64 [N]
-        As `residual`, of the interior nodes.
-    floor : float64 [N]
-        What rounding alone leaves in ``predicted``.
-    sum_of_forces : float64 [N]
-        Not finite if any force is not.
+    ``step`` is that of `segment_law.cable_law`. Adds the forces of the cable on its end points to ``net.law_force``, and the same
+    forces with the predicted tensions to ``net.predicted_force``.
     """
     first, node, per_tau = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE), 1.0 / stage.tau
     start, end = column(net.cable, c, CABLE_START), column(net.cable, c, CABLE_END)
-    count, two_damper = segment_count(net, c), group_constant(net, c, AXIAL_TWO_WAY_DAMPER)
-    L0, k, damper = column(net.axial, c, AXIAL_L0), column(net.axial, c, AXIAL_STIFFNESS), column(net.axial, c, AXIAL_DAMPER)
-    numerical_damper, length_penalty, undamped_slope, damped_slope, length_weight, tension_weight = weights(stage, net, c)
-    law = (
-        spring_of(net, c), k, column(net.axial, c, AXIAL_L0_BEFORE), damper, two_damper, group_constant(net, c, AXIAL_INEXTENSIBLE),
-        numerical_damper, length_penalty, length_weight, beginning, net.linearised[LINEARISED_LEAST_DAMPER],
-    )  # fmt: skip
+    count, law = segment_count(net, c), cable_law(stage, net, c, step)
+    L0, k, damper, taut, two_way_damper = law.spring.L0, law.steepest_slope, law.damper, law.taut, law.two_way_damper
     flat_q, flat_base, flat_right, segment = flat(q), flat(base), flat(net.right_side), flat(net.segment)
     zero = 0.0 * L0
     norm, scale, predicted, sum_of_forces, tension_gap, largest_tension = zero, zero, zero, zero, zero, zero
-    stiff_enough = 0.9 * undamped_slope
+    least_taut_slope = 0.9 * taut.undamped_slope  # a segment of a smaller slope is not linearised as taut
     q0, a0, pull_behind, predicted_behind = row3(flat_q, start), row3(flat_base, start), (zero, zero, zero), (zero, zero, zero)
     for j in range(count):
         i = shifted(node, j, 1, 0) if j < count - 1 else end
         s = shifted(first, j, 1, 0)
         row, predicted_tension, q1 = shifted(s, 0, SEGMENT_COLUMNS, 0), load(net.tension, s), row3(flat_q, i)
         a1 = row3(flat_base, i)
-        stretch, _, last_change, damper_used = load_four(segment, shifted(row, 0, 1, SEGMENT_STRETCH))
-        old = load(segment, shifted(row, 0, 1, SEGMENT_STRETCH_BEFORE)), stretch, last_change, damper_used
-        T, new = linearise(stage, q0, q1, a0, a1, law, predicted_tension, old)
-        store_four(segment, row, new[:4])
-        store_four(segment, shifted(row, 0, 1, 4), new[4:8])
-        store_four(segment, shifted(row, 0, 1, 8), new[8:12])
-        store(segment, shifted(row, 0, 1, SEGMENT_LAST_CHANGE), new[SEGMENT_LAST_CHANGE])
-        store(segment, shifted(row, 0, 1, SEGMENT_NUMERICAL_DAMPER), new[SEGMENT_NUMERICAL_DAMPER])
-        tension_used = select(two_damper == 0.0, max(predicted_tension, 0.0), predicted_tension)
+        T, new = linearise(stage, law, q0, q1, a0, a1, predicted_tension, load_history(segment, row))
+        store_linearised(segment, row, new)
+        tension_used = select(two_way_damper == 0.0, max(predicted_tension, 0.0), predicted_tension)
         tension_gap = max(
             tension_gap,
-            abs(new[SEGMENT_TENSION] - tension_used) * select(new[SEGMENT_STIFFNESS] > stiff_enough, tension_weight, 1.0),
+            abs(new.tension - tension_used) * select(new.stiffness > least_taut_slope, taut.force_per_tension_error, 1.0),
         )
-        pull = (T * new[0], T * new[1], T * new[2])
-        predicted_pull = (tension_used * new[0], tension_used * new[1], tension_used * new[2])
+        pull = (T * new.ex, T * new.ey, T * new.ez)
+        predicted_pull = (tension_used * new.ex, tension_used * new.ey, tension_used * new.ez)
         if j == 0:
             add_to_points(net.predicted_force, net.n_interior, start, members, predicted_pull, 1.0)
             add_to_points(net.law_force, 0, start, members, pull, 1.0)
@@ -138,76 +106,82 @@ def _cable_residual(stage, net, c, members, base, q, beginning, largest_coordina
         pull_behind, predicted_behind, q0, a0, largest_tension = pull, predicted_pull, q1, a1, max(largest_tension, abs(T))
     add_to_points(net.predicted_force, net.n_interior, end, members, predicted_behind, -1.0)
     add_to_points(net.law_force, 0, end, members, pull_behind, -1.0)
-    noise = 4.0 * EPS * (largest_tension + (k + damper * per_tau) * max(L0, largest_coordinate))
-    floor = 4.0 * EPS * (largest_tension + (tension_weight * damped_slope + length_weight) * max(L0, largest_coordinate))
-    return (
+    largest_length = max(L0, largest_coordinate)
+    noise = FORCE_ROUNDING * (largest_tension + (k + damper * per_tau) * largest_length)
+    predicted_noise = FORCE_ROUNDING * (
+        largest_tension + (taut.force_per_tension_error * taut.damped_slope + taut.force_per_length_error) * largest_length
+    )
+    return CableBalance(
         max_of_lanes(norm),
         max_of_lanes(scale),
         max_of_lanes(noise),
         max_of_lanes(max(predicted, tension_gap)),
-        max_of_lanes(floor),
+        max_of_lanes(predicted_noise),
         sum_of_lanes(sum_of_forces),
     )
 
 
 @inlined
-def _larger(first, second):
-    """Larger one of each number of two results of `_cable_residual`; of the last number, the sum."""
-    return (
-        max(first[0], second[0]),
-        max(first[1], second[1]),
-        max(first[2], second[2]),
-        max(first[3], second[3]),
-        max(first[4], second[4]),
-        first[5] + second[5],
+def _joined(first, second):
+    """`CableBalance` of two sets of cables together: the larger one of each number, and the sum of the sums of forces."""
+    return CableBalance(
+        max(first.norm, second.norm),
+        max(first.scale, second.scale),
+        max(first.noise, second.noise),
+        max(first.predicted, second.predicted),
+        max(first.predicted_noise, second.predicted_noise),
+        first.sum_of_forces + second.sum_of_forces,
     )
 
 
 @on_demand
-def residual_of_singles(stage, net_address, base, q, beginning, largest_coordinate):
+def residual_of_singles(stage, net_address, base, q, step, largest_coordinate):
     """`_cable_residual` of the cables that are in no group."""
-    net, largest = view_net(net_address), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    net, balance = view_net(net_address), CableBalance(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for c in net.single_cables:
-        largest = _larger(largest, _cable_residual(stage, net, c, 1, base, q, beginning, largest_coordinate))
-    return largest
+        balance = _joined(balance, _cable_residual(stage, net, c, 1, base, q, step, largest_coordinate))
+    return balance
 
 
 @on_demand
-def residual_of_groups(stage, net_address, base, q, beginning, largest_coordinate):
+def residual_of_groups(stage, net_address, base, q, step, largest_coordinate):
     """`_cable_residual` of the cables that are taken by fours."""
-    net, largest = view_net(net_address), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    net, balance = view_net(net_address), CableBalance(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for g in range(net.cable_groups.shape[0]):
-        members = group_members(net.cable_groups, g)
-        largest = _larger(
-            largest, _cable_residual(stage, net, members, net.cable_groups[g, WIDTH], base, q, beginning, largest_coordinate)
-        )
-    return largest
+        c, members = group_members(net.cable_groups, g), net.cable_groups[g, WIDTH]
+        balance = _joined(balance, _cable_residual(stage, net, c, members, base, q, step, largest_coordinate))
+    return balance
 
 
 @kernel(types.UniTuple(float64, 4)(STAGE, _f2, _f2, _f2, int64))
 def residual(stage, base, target, q, net_address):
-    """Out-of-balance force of a stage, and its linearisation in the net.
+    """Out-of-balance force of a stage on every node, and its linearisation in the net.
+
+    On node i the force is r_i = m_i W (target_i - q_i) + f_i + sum over its segments of +- T e, with the external force f_i.
 
     Parameters
     ----------
     stage : Stage
     base, target, q : (n, 3) float64 [m]
-        See `integrators.stage`. Prescribed rows of q hold the prescribed positions; those of base are such that
+        See `integrators.stage`. The rows of prescribed nodes hold the prescribed positions in q, and in base such positions that
         (q - base)/tau is the prescribed velocity.
     net_address : int64
-        Address of the net. The geometric stiffness is that of the tensions in ``tension``; ``segment``, ``diagonal``
-        and ``right_side`` are written.
+        Address of the net. The geometric stiffness of each segment is that of its tension in ``net.tension``. ``net.segment``,
+        ``net.diagonal`` and ``net.right_side`` are written.
 
     Returns
     -------
-    norm, scale, noise, predicted : float64 [N]
-        ``norm``: largest component of the out-of-balance force. ``scale``: largest inertial or external force on a node, which
-        tolerances are relative to. ``noise``: what rounding of the positions alone leaves in ``norm``.
-
-        ``predicted``: the out-of-balance force with the tensions that the last Newton step predicted, in place of those of the
-        law at q. Or, if that is larger, the difference between both tensions of a segment: in full where the segment is not
-        linearised as taut, else by the share of it that `weights` says. Less what rounding leaves in either. The Newton
-        step gives the tension of a stiff segment far more exactly than the law does from rounded positions.
+    norm : float64 [N]
+        Largest component of r.
+    scale : float64 [N]
+        Largest inertial or external force on a node, which tolerances are relative to.
+    noise : float64 [N]
+        What rounding of the positions alone leaves in ``norm``.
+    predicted : float64 [N]
+        Largest component of r with the tensions that the last Newton step predicted, in place of the tensions by the law at q; or
+        the largest difference between both tensions of a segment, if that is larger. The difference counts in full for a segment
+        that is not linearised as taut, else times `TautLaw.force_per_tension_error`. What rounding leaves is subtracted. The
+        Newton step gives the tension of a stiff segment far more exactly than the law does from rounded positions.
     """
     net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:
@@ -220,7 +194,7 @@ def residual(stage, base, target, q, net_address):
         x, y, z = q[i, 0], q[i, 1], q[i, 2]
         fx, fy, fz = W * (target[i, 0] - x), W * (target[i, 1] - y), W * (target[i, 2] - z)
         right_side[i, 0], right_side[i, 1], right_side[i, 2] = fx, fy, fz
-        # the largest of the three first, so that the maximum over all nodes waits only once for each node
+        # the largest of three components first: so the running maximum waits for one comparison a node, not for three
         largest_coordinate, scale = max(largest_coordinate, max(abs(x), abs(y), abs(z))), max(scale, max(abs(fx), abs(fy), abs(fz)))
         largest_inertia = max(largest_inertia, W)
         if i < n_free:
@@ -258,32 +232,29 @@ def residual(stage, base, target, q, net_address):
     for i in range(net.n_interior, n):
         for x in range(3):
             law_force[i, x] = right_side[i, x]
-    norm, noise, sum_of_forces, predicted = 0.0, 4.0 * EPS * largest_inertia * largest_coordinate, 0.0, 0.0
-    floor = 4.0 * EPS * largest_inertia * largest_coordinate
-    predicted_force, beginning = net.predicted_force, net.linearised[LINEARISED_BEGINNING]
-    net.linearised[LINEARISED_LAW], net.linearised[LINEARISED_TAU], net.linearised[LINEARISED_BEGINNING] = stage.law, stage.tau, 0.0
+    inertia_noise = FORCE_ROUNDING * largest_inertia * largest_coordinate
+    predicted_force, step = net.predicted_force, net.linearised[LINEARISED_BEGINNING]
+    net.linearised[LINEARISED_LAW], net.linearised[LINEARISED_TAU] = stage.law, stage.tau
+    net.linearised[LINEARISED_BEGINNING] = LINEARISED_SAME_STEP
     for i in range(net.n_interior, n):
         for x in range(3):
             predicted_force[i - net.n_interior, x] = right_side[i, x]
-    largest = norm, scale, noise, predicted, floor, sum_of_forces
+    balance = CableBalance(0.0, scale, inertia_noise, 0.0, inertia_noise, 0.0)
     if net.cable_groups.shape[0] > 0:
-        of_cables = as_cable_residual(net.kernels[KERNEL_RESIDUAL_GROUPS])(
-            stage, net_address, base, q, beginning, largest_coordinate
-        )
-        largest = _larger(largest, of_cables)
+        of_groups = as_cable_residual(net.kernels[KERNEL_RESIDUAL_GROUPS])
+        balance = _joined(balance, of_groups(stage, net_address, base, q, step, largest_coordinate))
     if net.single_cables.shape[0] > 0:
-        of_cables = as_cable_residual(net.kernels[KERNEL_RESIDUAL_SINGLES])(
-            stage, net_address, base, q, beginning, largest_coordinate
-        )
-        largest = _larger(largest, of_cables)
-    norm, scale, noise, predicted, floor, sum_of_forces = largest
+        of_singles = as_cable_residual(net.kernels[KERNEL_RESIDUAL_SINGLES])
+        balance = _joined(balance, of_singles(stage, net_address, base, q, step, largest_coordinate))
+    norm, predicted, sum_of_forces = balance.norm, balance.predicted, balance.sum_of_forces
     for i in range(net.n_interior, n_free):
         norm = max(norm, abs(law_force[i, 0]), abs(law_force[i, 1]), abs(law_force[i, 2]))
         sum_of_forces += law_force[i, 0] + law_force[i, 1] + law_force[i, 2]
         p = i - net.n_interior
         predicted = max(predicted, abs(predicted_force[p, 0]), abs(predicted_force[p, 1]), abs(predicted_force[p, 2]))
-    if not sum_of_forces - sum_of_forces == 0.0:
-        norm = 1e300
-    if stage.law == LAW_AT_END or not sum_of_forces - sum_of_forces == 0.0:
-        predicted = 1e300
-    return norm, scale, noise, max(0.0, predicted - floor)
+    finite = sum_of_forces - sum_of_forces == 0.0
+    if not finite:
+        norm = UNKNOWN_FORCE
+    if stage.law == LAW_AT_END or not finite:
+        predicted = UNKNOWN_FORCE
+    return norm, balance.scale, balance.noise, max(0.0, predicted - balance.predicted_noise)

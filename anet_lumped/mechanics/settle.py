@@ -10,8 +10,14 @@ from anet_lumped.effects.laws.axial import damped_changes
 from anet_lumped.effects.signatures import as_force, as_settle, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
 from anet_lumped.mechanics.effect_forces import any_live, numbers_of, take_middle
-from anet_lumped.mechanics.optional import as_cable_settle, as_energy_of_paid_out, as_settle_effects, as_work_of_lengths
-from anet_lumped.mechanics.segment_law import BEGINS, group_constant, numerical_damper, spring_of, tension_law
+from anet_lumped.mechanics.optional import (
+    CableAccount,
+    as_cable_settle,
+    as_energy_of_paid_out,
+    as_settle_effects,
+    as_work_of_lengths,
+)
+from anet_lumped.mechanics.segment_law import SHORTEST, TINY, group_constant, numerical_damper, spring_of, tension_law
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
@@ -33,6 +39,7 @@ from anet_lumped.model.tables import (
     KERNEL_WORK_OF_LENGTHS,
     LINEARISED_BEGINNING,
     LINEARISED_LEAST_DAMPER,
+    LINEARISED_NEXT_STEP,
     SEGMENT_COLUMNS,
     SEGMENT_NUMERICAL_DAMPER,
     SEGMENT_STRETCH,
@@ -47,7 +54,7 @@ from integrators.stage import STAGE
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 
-MOST_SPENT = 1e-5  # share of the kinetic energy that the numerical damper may take in a step where the step resolves stretching
+MOST_SPENT = 1e-5  # of the kinetic energy: the numerical damper acts in full where it takes less than this in a step
 
 
 @inlined
@@ -57,41 +64,37 @@ def _mobility(net, node):
 
 
 @inlined
-def _driven_distance(net, node, before, after, direction):
+def _driven_distance(net, node, position_before, position, direction):
     """Distance that a driven node moves along a direction in a step [m]; 0 for any other node."""
     return select(
         is_below(node, net.n_driven),
         0.0,
-        direction[0] * (after[0] - before[0]) + direction[1] * (after[1] - before[1]) + direction[2] * (after[2] - before[2]),
+        direction[0] * (position[0] - position_before[0])
+        + direction[1] * (position[1] - position_before[1])
+        + direction[2] * (position[2] - position_before[2]),
     )
 
 
 @inlined
 def _unresolved_share(ratio):
-    """s'/(1 + s') with s' = ``ratio``^2: near 1 for a motion that the step does not resolve; small of high order where it does."""
+    """s'/(1 + s') with s' = ``ratio``^2.
+
+    Near 1 for a motion that the step does not resolve; where the step resolves the motion, of the order of ``ratio``^2.
+    """
     return ratio * ratio / (1.0 + ratio * ratio)
 
 
 @inlined
 def _cable_settle(stage, net, c, members, base, q, v):
-    """`settle` of a cable, or of the cables of a group of which ``members`` count.
+    """`settle` of a cable, or of the ``members`` cables of a group; returns their `CableAccount`.
 
-    Writes the changes of velocity by the impulses to ``net.middle_v``.
-
-    Returns
-    -------
-    by_dampers, by_method : float64 [J]
-        Dissipated by the dampers and by the numerical damper.
-    put_in, by_impulses : float64 [J]
-        Work of driven ends against the tensions, and of prescribed ends and of changes of rest length against the impulses.
-    by_full_damper : float64 [J]
-        What the numerical damper would dissipate if no share of it were left out.
+    Writes the changes of velocity by the impulses to ``net.middle_v``, and adds each impulse over the step to ``net.tension``.
     """
     h, per_h = stage.tau, 1.0 / stage.tau
     first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
     start, end, count = column(net.cable, c, CABLE_START), column(net.cable, c, CABLE_END), segment_count(net, c)
     L0, k, damper = column(net.axial, c, AXIAL_L0), column(net.axial, c, AXIAL_STIFFNESS), column(net.axial, c, AXIAL_DAMPER)
-    spring, two_damper = spring_of(net, c), group_constant(net, c, AXIAL_TWO_WAY_DAMPER)
+    spring, two_way_damper = spring_of(net, c), group_constant(net, c, AXIAL_TWO_WAY_DAMPER)
     omega_squared, L_a = column(net.axial, c, AXIAL_OMEGA_SQUARED), column(net.axial, c, AXIAL_L0_BEFORE)
     L0_rate = column(net.axial, c, AXIAL_L0_RATE)
     if group_constant(net, c, AXIAL_INEXTENSIBLE) > 0.0:
@@ -99,60 +102,61 @@ def _cable_settle(stage, net, c, members, base, q, v):
     else:
         spring_term, damping_term = 0.25 * h * h * omega_squared, 0.5 * h * omega_squared * damper / k
         taut_share = 2.0 * stage.dissipation * _unresolved_share(spring_term + damping_term * damping_term)
-        slack_term = spring[1] * spring_term + two_damper * damping_term * damping_term
+        slack_term = spring.push_share * spring_term + two_way_damper * damping_term * damping_term
         slack_share = 2.0 * stage.dissipation * _unresolved_share(slack_term)
     flat_base, flat_q, flat_v, change, segment, zero = flat(base), flat(q), flat(v), flat(net.middle_v), flat(net.segment), 0.0 * L0
     by_dampers, by_method, put_in, by_impulses, total_square = zero, zero, zero, zero, zero
-    i1, q1, v1, m1 = start, row3(flat_q, start), row3(flat_v, start), _mobility(net, start)
+    i1, q1, v1, mobility_1 = start, row3(flat_q, start), row3(flat_v, start), _mobility(net, start)
     segments_at_1 = load(net.node_segments, start)
-    change_behind = zero, zero, zero
+    change_behind = zero, zero, zero  # change of the node's velocity by the impulse of the segment behind it
     for j in range(count):
         i2 = shifted(node, j, 1, 0) if j < count - 1 else end
         s = shifted(first, j, 1, 0)
         row, T, q2, v2 = shifted(s, 0, SEGMENT_COLUMNS, 0), load(net.tension, s), row3(flat_q, i2), row3(flat_v, i2)
-        m2, segments_at_2 = _mobility(net, i2), load(net.node_segments, i2)
+        mobility_2, segments_at_2 = _mobility(net, i2), load(net.node_segments, i2)
         dx, dy, dz = q2[0] - q1[0], q2[1] - q1[1], q2[2] - q1[2]
         l = math.sqrt(dx * dx + dy * dy + dz * dz)
-        per_l, stretch, stretch_before = 1.0 / max(l, 1e-12 * L0), l - L0, load(segment, shifted(row, 0, 1, SEGMENT_STRETCH_BEFORE))
+        per_l, stretch = 1.0 / max(l, SHORTEST * L0), l - L0
+        stretch_before = load(segment, shifted(row, 0, 1, SEGMENT_STRETCH_BEFORE))
         n, lengthening = (dx * per_l, dy * per_l, dz * per_l), stretch - stretch_before
         numerical = load(segment, shifted(row, 0, 1, SEGMENT_NUMERICAL_DAMPER))
-        T_at_end, _, secant = tension_law(stage, stretch, stretch_before, spring, damper, two_damper, numerical)
+        T_at_end, _, secant = tension_law(stage, stretch, stretch_before, spring, damper, two_way_damper, numerical)
         store(segment, shifted(row, 0, 1, SEGMENT_STRETCH), stretch)
         store(segment, shifted(row, 0, 1, SEGMENT_TENSION), T_at_end)
-        damped_change, numerically_damped_change = damped_changes(stretch_before, stretch, spring[1], two_damper)
+        damped_change, numerically_damped_change = damped_changes(stretch_before, stretch, spring.push_share, two_way_damper)
         damper_force, method_force = damper * per_h * abs(damped_change), numerical * abs(numerically_damped_change)
-        dissipated, damper_share = (T - secant) * lengthening, damper_force / max(damper_force + method_force, 1e-300)
+        dissipated, damper_share = (T - secant) * lengthening, damper_force / max(damper_force + method_force, TINY)
         by_dampers, by_method = by_dampers + damper_share * dissipated, by_method + (1.0 - damper_share) * dissipated
         total_square = total_square + lengthening * lengthening
         rate = n[0] * (v2[0] - v1[0]) + n[1] * (v2[1] - v1[1]) + n[2] * (v2[2] - v1[2]) - L0_rate
         change_wanted = select(stretch > 0.0, taut_share, slack_share) * (rate - lengthening * per_h)
-        impulse_acts = ((T > 0.0) | (two_damper > 0.0)) & (change_wanted * rate > 0.0) & (m1 + m2 > 0.0)
+        impulse_acts = ((T > 0.0) | (two_way_damper > 0.0)) & (change_wanted * rate > 0.0) & (mobility_1 + mobility_2 > 0.0)
         impulse = select(
             impulse_acts,
-            select(abs(change_wanted) > abs(rate), rate, change_wanted) / (segments_at_1 * m1 + segments_at_2 * m2),
+            select(abs(change_wanted) > abs(rate), rate, change_wanted) / (segments_at_1 * mobility_1 + segments_at_2 * mobility_2),
             0.0,
         )
         store(net.tension, s, T + impulse * per_h)
         by_impulses = by_impulses - impulse * L0_rate
-        speed_1, speed_2 = impulse * m1, impulse * m2
+        speed_1, speed_2 = impulse * mobility_1, impulse * mobility_2
         node_change = change_behind[0] + speed_1 * n[0], change_behind[1] + speed_1 * n[1], change_behind[2] + speed_1 * n[2]
         if j == 0:
             add_to_points(net.middle_v, 0, start, members, node_change, 1.0)
-            by_impulses = by_impulses - select(m1 == 0.0, impulse, 0.0) * (n[0] * v1[0] + n[1] * v1[1] + n[2] * v1[2])
+            by_impulses = by_impulses - select(mobility_1 == 0.0, impulse, 0.0) * (n[0] * v1[0] + n[1] * v1[1] + n[2] * v1[2])
         else:
             put_row3(change, i1, node_change)
         if j == count - 1:
-            by_impulses = by_impulses + select((m2 == 0.0) & (m1 > 0.0), impulse, 0.0) * (
+            by_impulses = by_impulses + select((mobility_2 == 0.0) & (mobility_1 > 0.0), impulse, 0.0) * (
                 n[0] * v2[0] + n[1] * v2[1] + n[2] * v2[2]
             )
         if j == 0 or j == count - 1:
-            a1, a2, per_length = row3(flat_base, i1), row3(flat_base, i2), 1.0 / max(l + stretch_before + L_a, 1e-12 * L_a)
+            a1, a2, per_length = row3(flat_base, i1), row3(flat_base, i2), 1.0 / max(l + stretch_before + L_a, SHORTEST * L_a)
             e = (a2[0] - a1[0] + dx) * per_length, (a2[1] - a1[1] + dy) * per_length, (a2[2] - a1[2] + dz) * per_length
             put_in = put_in + T * (_driven_distance(net, i2, a2, q2, e) - _driven_distance(net, i1, a1, q1, e))
         change_behind = -speed_2 * n[0], -speed_2 * n[1], -speed_2 * n[2]
-        i1, q1, v1, m1, segments_at_1 = i2, q2, v2, m2, segments_at_2
+        i1, q1, v1, mobility_1, segments_at_1 = i2, q2, v2, mobility_2, segments_at_2
     add_to_points(net.middle_v, 0, end, members, change_behind, 1.0)
-    return (
+    return CableAccount(
         sum_of_members(by_dampers, members),
         sum_of_members(by_method, members),
         sum_of_members(put_in, members),
@@ -162,32 +166,39 @@ def _cable_settle(stage, net, c, members, base, q, v):
 
 
 @inlined
-def _added(first, second):
-    return first[0] + second[0], first[1] + second[1], first[2] + second[2], first[3] + second[3], first[4] + second[4]
+def _sum(first, second):
+    """`CableAccount` of two sets of cables together."""
+    return CableAccount(
+        first.by_dampers + second.by_dampers,
+        first.by_method + second.by_method,
+        first.put_in + second.put_in,
+        first.by_impulses + second.by_impulses,
+        first.by_full_damper + second.by_full_damper,
+    )
 
 
 @on_demand
 def settle_of_singles(stage, net_address, base, q, v):
     """`_cable_settle` of the cables that are in no group, summed."""
-    net, sums = view_net(net_address), (0.0, 0.0, 0.0, 0.0, 0.0)
+    net, account = view_net(net_address), CableAccount(0.0, 0.0, 0.0, 0.0, 0.0)
     for c in net.single_cables:
-        sums = _added(sums, _cable_settle(stage, net, c, 1, base, q, v))
-    return sums
+        account = _sum(account, _cable_settle(stage, net, c, 1, base, q, v))
+    return account
 
 
 @on_demand
 def settle_of_groups(stage, net_address, base, q, v):
     """`_cable_settle` of the cables that are taken by fours, summed."""
-    net, sums = view_net(net_address), (0.0, 0.0, 0.0, 0.0, 0.0)
+    net, account = view_net(net_address), CableAccount(0.0, 0.0, 0.0, 0.0, 0.0)
     for g in range(net.cable_groups.shape[0]):
         members = group_members(net.cable_groups, g)
-        sums = _added(sums, _cable_settle(stage, net, members, net.cable_groups[g, WIDTH], base, q, v))
-    return sums
+        account = _sum(account, _cable_settle(stage, net, members, net.cable_groups[g, WIDTH], base, q, v))
+    return account
 
 
 @on_demand
 def settle_effects(stage, net_address, base, q, v):
-    """Take what rings in contacts out of the velocities at the end of a step; returns its energy [J]."""
+    """Damp the ringing of contacts in the velocities v at the end of a step; returns the energy that it takes [J]."""
     net, taken = view_net(net_address), 0.0
     for e in range(net.effects.address.shape[0]):
         if net.effects.address[e, SLOT_SETTLE] != 0:
@@ -200,23 +211,26 @@ def settle_effects(stage, net_address, base, q, v):
 
 @kernel(types.void(STAGE, _f2, _f2, _f2, int64, _f1))
 def settle(stage, base, q, v, net_address, energy):
-    """Account for the energy of a step of law ``LAW_BETWEEN`` from base to q, and damp axial ringing that it cannot resolve.
+    """Account for the energy of a step of `LAW_BETWEEN` from base to q, and damp axial ringing that the step cannot resolve.
 
-    **Account.** Work and dissipation are those of the forces that acted in the step. A change of rest length puts in
-    -T (L_b - L_a); therefore dampers dissipate by the change of l - L0.
+    **Account.** Work and dissipation are those of the forces that acted in the step. A change of rest length puts in the work
+    -T (L_b - L_a). Therefore dampers dissipate by the change of l - L0.
 
-    **Ringing.** Where stretching has died out within a step, v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for
-    ever, while the positions are at rest. Let the rate of l - L0 of a segment differ by r from its change over the step by h.
-    Each segment removes the share 2 ``dissipation`` s'/(1 + s') of r, s' = ((h omega/2)^2 + (h omega^2 c/2k)^2)^2, by opposite
-    impulses along itself. In s' only the spring and the damper count that act on the segment, so that a slack segment of a cable
-    that cannot push removes nothing. All impulses act at once, and each node's mass counts as if it were divided among its
-    segments: so momenta are kept, and the kinetic energy falls, apart from the work of prescribed nodes and of changing rest
-    lengths. Where the step resolves stretching, the change is of fifth order in the step. The impulses, divided by the step, are
-    added to the tensions that acted.
+    **Ringing.** Where stretching has died out within a step, the velocity v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to
+    step for ever, while the positions are at rest. Let r be the rate of l - L0 of a segment at the end of the step, less its mean
+    rate over the step. Each segment removes the share
 
-    **Numerical damper.** Sets the least share of the numerical damper in the next step: all of it, unless that would take more
-    than `MOST_SPENT` of the kinetic energy. Where stretching is no part of the motion, the full damper removes the error that is
-    left in a length.
+        2 dissipation s'/(1 + s') ,    s' = ((h omega/2)^2 + (h omega^2 c/(2 k))^2)^2 ,
+
+    of r, by opposite impulses on its nodes along itself. Only a spring and a damper that act on the segment count in s', so that a
+    slack segment of a cable that cannot push removes nothing. All impulses act at once, and each node's mass counts as if it were
+    divided among its segments. So momenta are kept, and the kinetic energy falls, apart from the work of prescribed nodes and of
+    changing rest lengths. Where the step resolves stretching, the change is of fifth order in the step. The impulses, divided by
+    the step, are added to the tensions that acted.
+
+    **Numerical damper.** Sets the least share of the numerical damper in the next step. The share is 1, unless the full damper
+    would take more than `MOST_SPENT` of the kinetic energy. Where stretching is no part of the motion, the full damper removes the
+    error that is left in a length.
 
     Parameters
     ----------
@@ -224,7 +238,8 @@ def settle(stage, base, q, v, net_address, energy):
         As in the last call of `residual`.
     q, v : (n, 3) float64 [m], [m/s]
         At the end of the step; v is overwritten by the damped velocities.
-    energy : (4,) float64 [J], overwritten: put in; dissipated by dampers, by effects and by the method
+    energy : (4,) float64 [J], overwritten
+        Energy put in; energies dissipated by dampers, by effects and by the method.
     """
     net, h, per_h = view_net(net_address), stage.tau, 1.0 / stage.tau
     change, right_side = net.middle_v, net.right_side
@@ -252,7 +267,7 @@ def settle(stage, base, q, v, net_address, energy):
         for i in range(net.n_driven, q.shape[0]):
             for x in range(3):
                 put_in -= right_side[i, x] * (q[i, x] - base[i, x])
-        for i in range(net.added_mass.shape[0]):  # given to the fluid, at the step's acceleration 2 (v_b - v_mean)/h
+        for i in range(net.added_mass.shape[0]):  # energy given to the fluid: the step's acceleration is 2 (v_b - v_mean)/h
             for x in range(3):
                 for y in range(3):
                     half_change = v[i, y] - net.middle_v[i, y]
@@ -260,14 +275,13 @@ def settle(stage, base, q, v, net_address, energy):
     for i in range(net.n_interior, q.shape[0]):
         for x in range(3):
             change[i, x] = 0.0
-    sums = 0.0, 0.0, 0.0, 0.0, 0.0
+    account = CableAccount(0.0, 0.0, 0.0, 0.0, 0.0)
     if net.cable_groups.shape[0] > 0:
-        sums = as_cable_settle(net.kernels[KERNEL_SETTLE_GROUPS])(stage, net_address, base, q, v)
+        account = as_cable_settle(net.kernels[KERNEL_SETTLE_GROUPS])(stage, net_address, base, q, v)
     if net.single_cables.shape[0] > 0:
-        sums = _added(sums, as_cable_settle(net.kernels[KERNEL_SETTLE_SINGLES])(stage, net_address, base, q, v))
-    by_dampers, by_method, by_tensions, by_impulses, by_full_damper = sums
-    put_in += by_tensions + by_impulses
-    by_method += by_impulses + by_steps_of_effects
+        account = _sum(account, as_cable_settle(net.kernels[KERNEL_SETTLE_SINGLES])(stage, net_address, base, q, v))
+    put_in += account.put_in + account.by_impulses
+    by_method = account.by_method + (account.by_impulses + by_steps_of_effects)
     for i in range(net.n_free):
         x, y, z, cx, cy, cz = v[i, 0], v[i, 1], v[i, 2], change[i, 0], change[i, 1], change[i, 2]
         by_method -= net.mass[i] * (cx * (x + 0.5 * cx) + cy * (y + 0.5 * cy) + cz * (z + 0.5 * cz))
@@ -275,8 +289,8 @@ def settle(stage, base, q, v, net_address, energy):
         v[i, 0], v[i, 1], v[i, 2] = x + cx, y + cy, z + cz
     if net.kernels[KERNEL_SETTLE_EFFECTS] != 0:
         by_method += as_settle_effects(net.kernels[KERNEL_SETTLE_EFFECTS])(stage, net_address, base, q, v)
-    net.linearised[LINEARISED_LEAST_DAMPER] = min(1.0, MOST_SPENT * kinetic / max(by_full_damper, 1e-300))
-    net.linearised[LINEARISED_BEGINNING] = BEGINS
+    net.linearised[LINEARISED_LEAST_DAMPER] = min(1.0, MOST_SPENT * kinetic / max(account.by_full_damper, TINY))
+    net.linearised[LINEARISED_BEGINNING] = LINEARISED_NEXT_STEP
     if lengths_change:
         put_in += as_energy_of_paid_out(net.kernels[KERNEL_ENERGY_OF_PAID_OUT])(stage, net_address, q, v)
-    energy[0], energy[1], energy[2], energy[3] = put_in, by_dampers, by_effects, by_method
+    energy[0], energy[1], energy[2], energy[3] = put_in, account.by_dampers, by_effects, by_method

@@ -24,9 +24,16 @@ SEGMENT_DIRECTION, SEGMENT_GRADIENT, SEGMENT_GEOMETRIC, SEGMENT_STIFFNESS, SEGME
 SEGMENT_STRETCH_BEFORE, SEGMENT_STRETCH, SEGMENT_CONSERVATIVE, SEGMENT_LAST_CHANGE, SEGMENT_NUMERICAL_DAMPER = 9, 10, 11, 12, 13
 SEGMENT_COLUMNS = 14
 
-# `Net.linearised`, of the stage that was linearised last: its law (-1 for none) and its tau [s]; how the next one begins, see
-# `segment_law`; the least share of the numerical damper in that step; the step of `Net.mean_tension` [s], 0 if there is none.
+# `Net.linearised`, of the stage that was linearised last: its law, or LINEARISED_NO_LAW; its tau [s]; where the next stage stands,
+# which is one of the three values below; the least share of the numerical damper in a step that begins; the step of
+# `Net.mean_tension` [s], 0 if no mean was taken.
 LINEARISED_LAW, LINEARISED_TAU, LINEARISED_BEGINNING, LINEARISED_LEAST_DAMPER, LINEARISED_MEAN_STEP = range(5)
+LINEARISED_COLUMNS = 5
+LINEARISED_NO_LAW = -1.0
+
+# In column LINEARISED_BEGINNING: the next stage belongs to a step that has been linearised before; it begins a step that follows
+# another one; it begins a step that follows none.
+LINEARISED_SAME_STEP, LINEARISED_NEXT_STEP, LINEARISED_FIRST_STEP = 0.0, 1.0, 2.0
 
 # `Effects.address`, one row an effect: the addresses of its compiled functions, 0 for one that it does not have.
 SLOT_FORCE, SLOT_TANGENT, SLOT_ENERGY, SLOT_WHOLE_STEP, SLOT_INERTIA, SLOT_SETTLE = range(6)

@@ -5,8 +5,9 @@ V(s) = V1 + mu g s, T = sqrt(H^2 + V^2). Over a piece [0, s], with V_m = (V1 + V
 
     x(s) = s H (kappa/T_m + 1/EA),  z(s) = s V_m (1/T_m + 1/EA),  kappa = artanh(y)/y,  y = mu g s/(2 T_m):
 
-Irvine's elastic catenary written so that nothing cancels, whether the cable is a bowstring, a hairpin or weightless.
-Shape from end force is explicit; end force from end points is the root of one monotone function (`_half_angle`).
+This is Irvine's elastic catenary in a form in which no nearly equal numbers are subtracted, whether the cable is a bowstring, a
+hairpin or weightless. The shape follows explicitly from the end force. The end force follows from the end points as the root of one
+monotone function (`_half_angle`).
 """
 
 import math
@@ -93,7 +94,7 @@ class Catenary:
         T_m = (math.hypot(self.H, self.V1) + np.hypot(self.H, V)) / 2
         T_m = np.maximum(T_m, 1e-300)  # a loose end has no tension, but its piece no extent either
         y = self.weight_per_length * s / (2 * T_m)
-        # artanh(y) is half of arsinh(V/H) - arsinh(V1/H); the one is exact on taut pieces, the other on folded ones.
+        # artanh(y) is half of arsinh(V/H) - arsinh(V1/H); artanh is exact on taut pieces, the difference on folded ones.
         H = np.maximum(np.maximum(self.H, 1e-200 * T_m), 1e-300)
         folded = (np.arcsinh(V / H) - np.arcsinh(self.V1 / H)) / 2
         angle = np.where(np.abs(y) < 0.5, np.arctanh(np.clip(y, -0.5, 0.5)), folded)
@@ -231,7 +232,7 @@ def catenary(
     length = float(length)
     span = p2 - p1
     d, h, chord = math.hypot(*span[:-1]), float(span[-1]), math.hypot(*span)
-    # Exact, because near taut this difference is all that the shape hangs on.
+    # in exact arithmetic, because the shape of a nearly taut cable follows from this small difference alone
     square = sum((Fraction(q) - Fraction(p)) ** 2 for p, q in zip(p1.tolist(), p2.tolist(), strict=True))
     excess = float(square / Fraction(length) ** 2 - 1) / (chord / length + 1)  # chord/length - 1
 
@@ -267,15 +268,15 @@ def catenary(
 
 
 def _half_angle(d: float, h: float, c: float, excess: float, e: float) -> float:
-    """Half the change of arsinh(V/H) along the cable, u, from the chord (d, h) of length c = 1 + excess.
+    """Half of the change u of arsinh(V/H) along the cable, from the chord (d, h) of length c = 1 + excess.
 
     Lengths are in units of the cable's, forces in units of its weight; e is weight/EA. The two end conditions give
     H = d/(2u + e) and V_m = h/(2 tanh u + e); that the ends differ by the weight then reads
 
         (2 d sinh(u)/(2u + e))^2 + (2 h tanh(u)/(2 tanh u + e))^2 = 1,
 
-    whose left side grows with u from 0 (from c^2 < 1 if e = 0) to infinity: one root, always. Each term is taken
-    relative to the straight line of the same chord, so that a bowstring's small difference is not lost.
+    whose left side grows with u from 0 (from c^2 < 1 if e = 0) to infinity. So there is always one root. Each term is taken
+    relative to the straight line of the same chord, so that the small difference of a bowstring is not lost to rounding.
     """
     from scipy.optimize import brentq  # late: it takes longer to import than everything else here together
 

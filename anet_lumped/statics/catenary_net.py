@@ -1,7 +1,7 @@
 """The continuous net: every cable an exact catenary, every free point where the pulls of its cables balance.
 
-The reference that a lumped net is measured against. Its unknowns are the places of the junctions alone; Newton's method
-takes the stiffness of a catenary between its ends in closed form.
+The continuous net is the reference for a lumped net. Its only unknowns are the positions of the junctions. Newton's method takes
+the stiffness of a catenary between its ends in closed form.
 """
 
 import math
@@ -17,10 +17,10 @@ from anet_lumped.scene.scene import Cable, Free, Scene
 from .catenary import Catenary, catenary
 
 INEXTENSIBLE = 1e8  # EA over all the weight carried: strains of 1e-8, and a chord may still reach the cable's length
-TOLERANCE = 1e-11  # force residual over the weight carried; catenaries are good to 1e-12
-DIRECT = 15  # Newton steps from where the search starts; more only for starts far off
-ROUNDS = 60
-HALVINGS = 30
+TOLERANCE = 1e-11  # out-of-balance force over the weight carried; catenaries are exact to 1e-12
+DIRECT = 15  # Newton steps with the given stiffness, before soft cables are tried
+ROUNDS = 60  # Newton steps with each stiffness after that
+HALVINGS = 30  # of a Newton step
 
 
 class CatenaryNetError(RuntimeError):
@@ -112,7 +112,7 @@ def catenaries_between_ends(scene: Scene, places: Mapping[str, ArrayLike], *, el
 
 
 class _Hung:
-    """The scene turned so that gravity points along -z, its loose ends cut off and hung on as weights."""
+    """A scene turned so that gravity points along -z. Cables with a loose end are replaced by their weight."""
 
     def __init__(self, scene: Scene, places: Mapping[str, ArrayLike], elastic: bool) -> None:
         self.g = float(np.linalg.norm(scene.gravity))
@@ -198,9 +198,10 @@ class _Hung:
         return x, rounds
 
     def _newton(self, x: np.ndarray, stiffest: float, most: int) -> tuple[np.ndarray, int, float]:
-        """At most `most` Newton steps, no EA above `stiffest` [N]: places, steps, force left (0 if balanced).
+        """At most `most` Newton steps, with no EA above `stiffest` [N].
 
-        The energy is convex in the places, so a step is halved until it no longer overshoots the least energy along it.
+        Returns positions, the number of steps, and the out-of-balance force (0 if balanced). The energy is convex in the positions,
+        so that a step is halved until it does not overshoot the least energy along it.
         """
         curves = self.curves(x, stiffest)
         force = self.residual(curves)
@@ -247,7 +248,7 @@ class _Hung:
 
 
 def _end_stiffness(curve: Catenary) -> np.ndarray:
-    """Stiffness of a catenary between its ends, (3, 3) [N/m]: pull of the one end per displacement of the other."""
+    """Stiffness of a catenary between its ends, (3, 3) [N/m]: force at one end per displacement of the other end."""
     w, L = curve.weight_per_length, curve.length
     V1, V2 = curve.V1, curve.V1 + w * L
     H = max(curve.H, 1e-12 * max(abs(V1), abs(V2)))  # a hairpin's sideways stiffness vanishes as 1/log(1/H)

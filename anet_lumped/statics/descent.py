@@ -1,9 +1,10 @@
 """Descent to a minimum of the potential energy, from any shape, past any fold.
 
-Steps d of (K + m I) d = f with the exact tangent K of the forces f, which is not positive definite where cables push or fold;
-m grows until it is, and until the forces do the work over the step that the linearised ones promise. So the energy falls with
-every step, and a rest that is not a minimum is not kept (Levenberg's and Marquardt's idea). Slow for stiff cables that move far,
-so that it is for what pseudo-steps do not find; these bring the forces to balance at its end.
+Each step d solves (K + m I) d = f, with the forces f and their exact tangent K. Where cables push or fold, K is not positive
+definite. The number m grows until K + m I is positive definite, and until the forces do the work over the step that the linearised
+forces predict. So the energy falls with every step, and the descent does not end at a rest that is not a minimum (the idea of
+Levenberg and Marquardt). The descent is slow for stiff cables that move far. It is used where pseudo-steps find no rest, and
+pseudo-steps bring the forces to balance after it.
 """
 
 from typing import Any
@@ -16,9 +17,10 @@ from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_STIFFNE
 from .stability import pivots_of, segments, symmetric_part, tangent
 
 STEPS = 1000
-NEAR = 1e-4  # of the load, a force from which pseudo-steps find the balance
-ENOUGH, GOOD = 0.1, 0.7  # of the promised work, for a step to count and for a longer one
-STIFFEST = 1e5  # of the load a strain of 1 may cost in a cable that does not stretch, which is one of 1e-5 under the load
+NEAR = 1e-4  # of the load: pseudo-steps find the balance from an out-of-balance force of this size
+ENOUGH = 0.1  # of the predicted work: a step that does less is not taken
+GOOD = 0.7  # of the predicted work: after a step that does more, m becomes smaller
+STIFFEST = 1e5  # EA over the load, in place of a cable that does not stretch: a strain of 1e-5 under the load
 
 
 def descended(model: Model, net: Any, q: np.ndarray, load: float, near: float = NEAR) -> tuple[np.ndarray, float]:
@@ -31,7 +33,7 @@ def descended(model: Model, net: Any, q: np.ndarray, load: float, near: float = 
     q : (n, 3) float64 [m]
     load : float [N]
     near : float
-        Of the load over the number of nodes, the force on a node at which the descent ends.
+        The descent ends where the force on each node is at most this times the load over the number of nodes.
 
     Returns
     -------
@@ -42,7 +44,7 @@ def descended(model: Model, net: Any, q: np.ndarray, load: float, near: float = 
     L0 = min(cable.L0 for cable in model.scene.cables)
     force, tension = _forces(model, net, q)
     K, soft = None, 1e-3 * load / (n * L0)
-    stiff = soft
+    shift = soft
     for _ in range(STEPS):
         if np.abs(force).max(initial=0.0) <= near * load / n:
             if K is None:
@@ -51,25 +53,25 @@ def descended(model: Model, net: Any, q: np.ndarray, load: float, near: float = 
                 break
         if K is None:
             K = tangent(model, net, q, tension)
-        pivots, factors = pivots_of(symmetric_part(K), stiff)
+        pivots, factors = pivots_of(symmetric_part(K), shift)
         if (pivots < 0.0).any():
-            stiff *= 4.0
+            shift *= 4.0
             continue
         d = factors.solve(force.ravel())
         largest = float(np.abs(d).max())
         if largest > L0:
             d *= L0 / largest
-        ahead = q.copy()
-        ahead[:n] += d.reshape(-1, 3)
-        there, pulled = _forces(model, net, ahead)
-        promised = float(d @ force.ravel() - 0.5 * d @ (K @ d))
-        done = 0.5 * float(d @ (force + there).ravel())
-        if np.isfinite(done) and done >= ENOUGH * promised:
-            q[:], force, tension, K = ahead, there, pulled, None
-            stiff *= 0.25 if done >= GOOD * promised else 1.0
+        q_trial = q.copy()
+        q_trial[:n] += d.reshape(-1, 3)
+        trial_force, trial_tension = _forces(model, net, q_trial)
+        predicted_work = float(d @ force.ravel() - 0.5 * d @ (K @ d))
+        work = 0.5 * float(d @ (force + trial_force).ravel())
+        if np.isfinite(work) and work >= ENOUGH * predicted_work:
+            q[:], force, tension, K = q_trial, trial_force, trial_tension, None
+            shift *= 0.25 if work >= GOOD * predicted_work else 1.0
         else:
-            stiff *= 4.0
-        if not 0.0 < stiff < 1e30:
+            shift *= 4.0
+        if not 0.0 < shift < 1e30:
             break
     return tension, float(np.abs(force).max(initial=0.0)) / load
 

@@ -1,4 +1,4 @@
-"""Static shape of a scene: the exact equilibrium of its hanging chains, and from there what depends on the shape."""
+"""Static shape of a scene: first the exact equilibrium of its hanging chains, then the loads that depend on the shape."""
 
 import math
 from typing import Any
@@ -20,7 +20,7 @@ from .equilibrium_error import EquilibriumError, NoRestError
 from .hanging_chains import solve, unroll
 from .starts import Start, start_state
 
-UNSTRETCHED = 1e13  # stiffness over load of a cable that does not stretch, for the equilibrium: 1e-13 of its length
+UNSTRETCHED = 1e13  # EA over the load, in place of a cable that does not stretch: a strain of 1e-13
 
 __all__ = ["EquilibriumError", "NoRestError", "equilibrium"]
 
@@ -33,17 +33,17 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
     ----------
     scene : Scene
     tolerance : float
-        Of the places where cables end, relative to their lengths; forces are balanced to rounding.
+        Error of the positions of cable ends, relative to the cables' lengths. Forces are balanced to rounding.
     start : "equilibrium", "straight", State, dict or None
         First guess, where a scene may have several rests: "straight", a State or the shape of each cable by its name, as for
-        `simulate`. Dead loads have one rest, whatever the guess. None and "equilibrium" try shapes of their own, and so does
-        a guess that leads nowhere.
+        `simulate`. Under dead loads there is one rest, whatever the guess. With None, with "equilibrium", and with a guess that
+        leads to no rest, the search tries shapes of its own.
 
     Returns
     -------
     State
-        ``residual`` is the largest out-of-balance force over the load carried. ``stable`` is True, but where a guess of one's own
-        leads to a rest that the surroundings make unstable, such as a rope across a ball.
+        ``residual`` is the largest out-of-balance force over the load carried. ``stable`` is True, except where the user's own
+        guess leads to a rest that the surroundings make unstable, such as a rope across a ball.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
     EquilibriumError
         No convergence; or no rest that is stable. A NoRestError is one, too.
     InputError
-        A start that is none.
+        A start that is not one of these.
     """
     check_scene(scene)
     tolerance = check_number("tolerance", tolerance, "", "`equilibrium`", sign="positive")
@@ -127,7 +127,7 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
 
 
 def _refuse(model: Model, found: Any, hanging: np.ndarray) -> None:
-    """Say why what was found is no rest to return."""
+    """Raise an `EquilibriumError` that says why the shape that was found is not returned."""
     from .failure_reasons import impossible, reason
 
     q, tension = found.shape
@@ -157,7 +157,7 @@ def dead_load(model: Model, net: Any, q: np.ndarray) -> np.ndarray:
 
 
 def _first_guess(model: Model, load: np.ndarray, q: np.ndarray, scale: float) -> np.ndarray:
-    """(n_cables, 3) force at each cable's start: half of its own load, and about as much again along its chord."""
+    """(n_cables, 3) force at each cable's start [N]: half of the cable's load, and a force of the same size along its chord."""
     H = np.zeros((len(model.cable), 3))
     for c, (_, count, node, start, end) in enumerate(model.cable[:, : CABLE_END + 1]):
         own = load[node : node + count - 1].sum(axis=0)
@@ -171,11 +171,11 @@ def _first_guess(model: Model, load: np.ndarray, q: np.ndarray, scale: float) ->
 
 
 def _settle_bars(model: Model, net: Any, q: np.ndarray, tension: np.ndarray) -> np.ndarray:
-    """Tensions by the law, in place, of segments whose ends are both held, for which the search has but a rounded kink.
+    """Set the tension of each segment between two held nodes to that of its law, in place of the rounded one of the search.
 
     Returns
     -------
-    (n_segments,) bool, which these are
+    (n_segments,) bool : whether a segment is between two held nodes
     """
     (a, b), axial = model.ends.T, net.axial[model.cable_of]
     held = (a >= model.n_free) & (b >= model.n_free)
@@ -203,7 +203,7 @@ def _check_supports(scene: Scene) -> None:
 
 
 def _connected(neighbours: dict[str, list[str]], names: list[str]) -> set[str]:
-    """All points that cables lead to from some."""
+    """Names of all points that are connected by cables to some of ``names``, and these."""
     found, left = set(names), list(names)
     while left:
         more = [name for name in neighbours[left.pop()] if name not in found]

@@ -1,4 +1,4 @@
-"""Why no rest was found: what about a scene makes its rest hard or impossible, as far as the last shape shows it."""
+"""Reasons for which no rest was found: properties of the scene, or of the last shape, that make a rest hard or impossible."""
 
 import numpy as np
 
@@ -8,13 +8,13 @@ from anet_lumped.effects.ground import Ground
 from anet_lumped.model.model import Model
 from anet_lumped.scene.scene import Driven, Fixed
 
-SHARP = 60.0  # degrees between next segments, from which a shape is not resolved
-FOLDED = 120.0  # degrees, of a cable that is stiff in bending
-SHRUNK = 0.5  # of its rest length, what bending leaves of a slack segment
+SHARP = 60.0  # degrees between adjacent segments: a shape with a larger angle is not resolved
+FOLDED = 120.0  # degrees between adjacent segments: a cable that is stiff in bending and has a larger angle is folded
+SHRUNK = 0.5  # of the rest length: a segment that bending has made shorter has collapsed
 
 
 def reason(model: Model, q: np.ndarray) -> str:
-    """What to blame and to change, a clause without a full stop.
+    """The likely reason, and what to change: a clause without a full stop.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def reason(model: Model, q: np.ndarray) -> str:
 
 
 def impossible(model: Model, q: np.ndarray) -> str:
-    """What makes a stable rest impossible or senseless, or ""."""
+    """The reason for which no stable rest is possible, or none makes sense; "" if there is no such reason."""
     return _under_the_ground(model) or bends_but_does_not_push(model, q)
 
 
@@ -50,9 +50,9 @@ def _under_the_ground(model):
 
 
 def bends_but_does_not_push(model: Model, q: np.ndarray) -> str:
-    """Blame a cable that folds or has segments shortened by bending, and cannot push; "" if there is none.
+    """The reason, if a cable that cannot push is folded, or has segments that bending has shortened; else "".
 
-    From such a rest everything leads down until segments have vanished: to unfold without pushing, they would have to.
+    The energy of such a shape falls until segments have vanished: without a push of its segments the cable cannot unfold.
     """
     for cable, shortest, sharpest in _bent_without_pushing(model, q):
         if shortest < SHRUNK or sharpest > FOLDED:

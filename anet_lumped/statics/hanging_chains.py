@@ -1,8 +1,8 @@
 """The exact equilibrium of lumped chains under dead loads, found in the forces.
 
-Given the force F at its start, a cable's shape follows segment by segment: the load of each node is subtracted from the force,
-F_next = F - load, and a segment lies along its force with length L0 (1 + |F|/EA). So each cable has three unknowns, however
-many segments it has. The position of its end relative to its start is the gradient of its complementary energy,
+Given the force F at its start, a cable's shape follows segment by segment. A segment lies along its force F and has the length L0
+(1 + |F|/EA); the force in the next segment is F_next = F - load, with the load of the node between both. So each cable has three
+unknowns, however many segments it has. The position of its end relative to its start is the gradient of its complementary energy,
 
     r(F) = dU*/dF ,     U*(F) = sum over segments of L0 (|F_s| + |F_s|^2/(2 EA)) ,
 
@@ -36,15 +36,15 @@ from anet_lumped.model.tables import (
 _f1, _f2 = float64[::1], float64[:, ::1]
 EPS = 2.220446049250313e-16
 ROUNDINGS = 6  # of |F|, from 1e-2 of the load down to 1e-12 of it
-ITERATIONS = 200  # of Newton for each of them
+ITERATIONS = 200  # Newton iterations in each round
 
 
 @inlined
 def _cable_end(net, load, EA, c, H, delta, u, C):
     """End of cable c relative to its start for a force H at its start, with the directions u of its segments.
 
-    Writes the flexibility (9,) of the linearised cable to C. Returns the end by the directions u, the end by the directions of the
-    forces that H causes, the force at the end, and the largest difference of |F| u and F.
+    Writes the flexibility (9,) of the linearised cable to C. Returns the position of the end by the directions u, the position of
+    the end by the directions of the forces that follow from H, the force at the end, and the largest difference of |F| u and F.
     """
     count, node, L0, first = (
         net.cable[c, CABLE_SEGMENTS],
@@ -80,7 +80,7 @@ def _cable_end(net, load, EA, c, H, delta, u, C):
 
 @inlined
 def _turn(net, load, c, H, change, length, delta, u):
-    """Newton step of the directions of cable c's segments, for a change of its forces."""
+    """Add the Newton step of the directions u of cable c's segments that belongs to a ``change`` of the force at its start."""
     count, node, first = net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_FIRST_SEGMENT]
     fx, fy, fz = H[0], H[1], H[2]
     dx, dy, dz = length * change[0], length * change[1], length * change[2]

@@ -1,9 +1,12 @@
 """Statics under loads that depend on the shape: drag, buoyancy, bending, contact.
 
-From the shape that `equilibrium` finds under the loads as they are there, backward Euler steps from rest, each of which starts
-without velocity: the minimum of the energy plus m |q - q_k|^2/(2 tau^2), for tau that grows from step to step until inertia
-counts for nothing (pseudo-transient continuation; Kelley & Keyes, SIAM J. Numer. Anal. 35 (1998) 508). Each is solved by
-Newton's method on the very residual and tangent of the motion.
+From a first shape, pseudo-steps lead to rest. Each is a step of backward Euler that starts without velocity, from q_k to the
+minimum of the potential energy plus
+
+    m |q - q_k|^2/(2 tau^2) .
+
+tau grows from step to step, until inertia is negligible (pseudo-transient continuation; Kelley & Keyes, SIAM J. Numer. Anal. 35
+(1998) 508). Newton's method solves each step with the residual and the tangent of the motion.
 """
 
 import math
@@ -15,8 +18,10 @@ from anet_lumped.mechanics import newton_step, residual
 from anet_lumped.model.tables import AXIAL_L0, AXIAL_L0_BEFORE, AXIAL_L0_RATE, AXIAL_PUSH_SHARE, AXIAL_TWO_WAY_DAMPER
 from integrators.stage import LAW_BACKWARD, Stage
 
-SHORT, GROWTH, LONGEST = 0.1, 4.0, 1e4  # of tau: the first one over sqrt(L/g), its growth, and the last one over the first
-STEPS, ITERATIONS = 400, 20  # most pseudo-steps, and Newton iterations of one
+SHORT = 0.1  # first tau over sqrt(L/g)
+GROWTH = 4.0  # of tau from one pseudo-step to the next
+LONGEST = 1e4  # last tau over the first one
+STEPS, ITERATIONS = 400, 20  # largest number of pseudo-steps, and of Newton iterations in each
 
 
 class Pace(NamedTuple):
@@ -24,8 +29,8 @@ class Pace(NamedTuple):
 
     Parameters
     ----------
-    first : float [s], tau of the first step, at most; all nodes alike weigh the load at 1 m/s2
-    growth : float, of tau from step to step, at most
+    first : float [s], largest tau of the first step; every node has such a mass that all of them weigh the load at 1 m/s2
+    growth : float, largest ratio of tau to tau of the step before
     """
 
     first: float = math.inf
@@ -36,7 +41,7 @@ QUICK, SLOW = Pace(), Pace(growth=1.3)
 
 
 def net_at_rest(model, net, load, eased=False):
-    """A net whose rest is to be found: lengths that change in time are those of t = 0.
+    """The net for pseudo-steps, with rest lengths as at t = 0 and masses of its own.
 
     Parameters
     ----------
@@ -44,8 +49,8 @@ def net_at_rest(model, net, load, eased=False):
     net : Net
     load : float [N]
     eased : bool
-        Whether no cable pushes, whatever its law, and effects that join next-but-one neighbours, as bending does, are left out.
-        What is left folds nothing: the energy of cables that cannot push is convex.
+        Whether to solve an easier problem first: no cable pushes, whatever its law, and effects that join next-but-one neighbours,
+        as bending does, are left out. Then no cable can come to rest in a fold: the energy of cables that cannot push is convex.
 
     Returns
     -------
@@ -66,7 +71,7 @@ def net_at_rest(model, net, load, eased=False):
 
 
 def _without_bending(model, effects):
-    """Those of a model's effects that do not join next-but-one neighbours."""
+    """The effects of a model that do not join next-but-one neighbours."""
     chosen = [e for e, effect in enumerate(model.forces) if effect.coupled_neighbours < 2]
     index, params = zip(*(effects.numbers(e) for e in chosen), strict=True) if chosen else ((), ())
     return effects._replace(
@@ -79,23 +84,23 @@ def _without_bending(model, effects):
 
 
 def relaxed(model, net, q, load, pace=QUICK):
-    """Bring places to rest, in place.
+    """Bring a shape to rest; overwrites q and the tensions of the net.
 
     Parameters
     ----------
     model : Model
     net : Net
-        Of `net_at_rest`; its tensions belong to q.
+        From `net_at_rest`, with the tensions that belong to q.
     q : (n, 3) float64 [m]
-        Rows of prescribed nodes hold their places.
+        Rows of prescribed nodes hold their positions.
     load : float [N]
-        That tolerances are relative to.
+        Load that tolerances are relative to.
     pace : Pace
 
     Returns
     -------
     residual : float
-        Largest force out of balance over the load.
+        Largest out-of-balance force over the load.
     """
     length, moving = max(cable.length for cable in model.scene.cables), max(model.n_free, 1)
     usual = SHORT * math.sqrt(length)
@@ -107,12 +112,12 @@ def relaxed(model, net, q, load, pace=QUICK):
         left, iterations = _step(net, q, tau, load)
         if left > 1e-9 * load or not np.isfinite(q).all():
             q[:], net.tension[:] = before, tension
-            tau, growth = 0.25 * tau, 1.0 + 0.25 * (growth - 1.0)  # and more slowly from here on
+            tau, growth = 0.25 * tau, 1.0 + 0.25 * (growth - 1.0)  # a shorter step, and slower growth after it
             if tau < 1e-6 * first:
                 break
             continue
         moved = float(np.abs(q - before).max())
-        best = moved / (moving * tau**2)  # what inertia still takes
+        best = moved / (moving * tau**2)  # inertial force of the last step, which its forces balance, over the load
         if best <= 1e-13 or (tau >= longest and moved <= 1e-14 * length):
             break
         if tau < longest:
@@ -122,12 +127,12 @@ def relaxed(model, net, q, load, pace=QUICK):
 
 
 def _step(net, q, tau, load):
-    """One pseudo-step; returns the force out of balance at its end [N] and the Newton iterations that it took."""
+    """Take one pseudo-step; return the out-of-balance force at its end [N], and the number of Newton iterations."""
     base = q.copy()
     stage = Stage(LAW_BACKWARD, 0.0, 1.0 / tau**2, 1.0, tau, 0.0)
     norm, _, noise, predicted = residual.residual(stage, base, base, q, net.address)
     for iteration in range(ITERATIONS):
-        # tensions as predicted balance far better than those of stiff cables by their lengths, down to their own rounding
+        # predicted tensions balance better than the law does for stiff cables, whose lengths are rounded
         if predicted <= 1e-14 * load or (iteration > 2 and norm <= noise):
             return min(predicted, max(norm - noise, 0.0)), iteration
         newton_step.direction(stage, net.address)

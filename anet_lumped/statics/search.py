@@ -1,8 +1,9 @@
 """The search for a stable rest under loads that depend on the shape, from one start after another.
 
-Each start is relaxed. Cables that push or bend can come to rest in a fold, which balances and is not stable. So some starts
-are eased first: relaxed without pushing and bending, which on a flat ground is a convex problem. A rest that is found is judged.
-Where a direction leads down, the cables leave along it and descend.
+Each start is relaxed, see `relaxation`. Cables that push or bend can come to rest in a fold, whose forces balance although it is
+not stable. So some starts are eased first: they are relaxed without pushing and bending, which on a flat ground is a convex
+problem. `stability` judges each rest that is found. Where the energy falls along a direction, the cables are moved along it, and
+descend.
 """
 
 from collections.abc import Iterator
@@ -19,29 +20,29 @@ from .relaxation import QUICK, SLOW, Pace, net_at_rest, relaxed
 from .stability import Curvature, curvature
 from .starts import obstacles, raised
 
-BALANCED = 1e-9  # of the load, that forces must balance to
-ROUGH = 1e-3  # of the load, from which the exact tangent may find the balance
-LEAVES = 6  # of a start: times that a rest which is not stable is left
-NUDGE = 0.05  # of the shortest segment, by which it is left first
+BALANCED = 1e-9  # of the load: largest out-of-balance force of a rest
+ROUGH = 1e-3  # of the load: from a smaller out-of-balance force the exact tangent may find the balance
+LEAVES = 6  # how often the search from one start leaves a rest that is not stable
+NUDGE = 0.05  # of the shortest segment: displacement with which it leaves the first time
 
 
 class Shape(NamedTuple):
-    """Places of all nodes (n, 3) [m], and the tension of every segment that goes with them (n_segments,) [N]."""
+    """Positions of all nodes (n, 3) [m], and the tension of every segment at these positions (n_segments,) [N]."""
 
     q: np.ndarray
     tension: np.ndarray
 
 
 class Found(NamedTuple):
-    """What a start has led to.
+    """The shape that the search from a start ended in, and what is known of it.
 
     Parameters
     ----------
     shape : Shape
-    residual : float, largest force out of balance over the load
-    down : Curvature or None, which directions lead down from it, if it balances
+    residual : float, largest out-of-balance force over the load
+    down : Curvature of the shape; None if its forces do not balance
     asked_for : bool
-        Whether it is the rest next to the guess of the user, and the surroundings make it unstable.
+        Whether this is the rest next to the guess of the user, and the surroundings make it unstable.
     """
 
     shape: Shape
@@ -51,16 +52,18 @@ class Found(NamedTuple):
 
     @property
     def balanced(self) -> bool:
-        """Whether it is a rest at all."""
+        """Whether the forces balance."""
         return self.residual <= BALANCED
 
     @property
     def stable(self) -> bool:
-        """Whether it is a rest that no direction leads down from."""
+        """Whether the forces balance, and the energy falls along no direction."""
         return self.down is not None and self.down.directions_down == 0
 
 
 class _Attempt(NamedTuple):
+    """A start and how the search goes on from it: first eased, at which pace, by a descent first, and whether a user gave it."""
+
     shape: Shape
     eased: bool = False
     pace: Pace = QUICK
@@ -69,21 +72,21 @@ class _Attempt(NamedTuple):
 
     @property
     def long(self) -> bool:
-        """Whether it may take seconds."""
+        """Whether the attempt may take seconds."""
         return self.descends or self.pace is SLOW
 
 
 def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, load: float) -> Found:
-    """The first stable rest that a start leads to; else the best that was found.
+    """The first stable rest that a start leads to; if none does, the shape whose forces balance best.
 
     Parameters
     ----------
     model : Model
     net : Net
-    hanging : Shape, that the dead loads alone give
+    hanging : Shape under the dead loads alone
     given : Shape or None, first guess of the user
     load : float [N]
-        That tolerances are relative to.
+        Load that tolerances are relative to.
 
     Returns
     -------
@@ -104,7 +107,7 @@ def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, loa
 
 
 def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None) -> Iterator[_Attempt]:
-    """Starts, the likeliest first; those that cannot differ from an earlier one are left out."""
+    """Attempts, the most promising first. An attempt that cannot differ from an earlier one is left out."""
     eases = bool((net.axial[:, AXIAL_PUSH_SHARE] > 0.0).any()) or any(effect.coupled_neighbours > 1 for effect in model.forces)
     if given is not None:
         yield _Attempt(given, of_user=True)
@@ -122,6 +125,7 @@ def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None) -> It
 
 
 def _loose(model, q):
+    """`Shape` without tensions."""
     return Shape(q, np.zeros(model.n_segments))
 
 
@@ -158,7 +162,7 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
 
 
 def _balanced(model, net, whole, q, load, pace):
-    """Relax a shape, in place; where pseudo-steps stay short of the balance, the exact tangent finds it. Returns the residual."""
+    """Relax a shape, in place; use the exact tangent if pseudo-steps come near the balance and not to it. Returns the residual."""
     residual = relaxed(model, whole, q, load, pace)
     if BALANCED < residual < ROUGH:
         other = q.copy()
@@ -169,5 +173,6 @@ def _balanced(model, net, whole, q, load, pace):
 
 
 def _judged(model, net, whole, q, residual, load):
+    """`Found` of a shape."""
     shape = Shape(q.copy(), whole.tension.copy())
     return Found(shape, residual, curvature(model, net, q, shape.tension, load) if residual <= BALANCED else None)

@@ -1,13 +1,13 @@
-"""Whether a rest is stable: how many directions lead down from it, and one of them.
+"""Stability of a rest: along how many directions the potential energy falls, and one of these directions.
 
 With the tensions T along the unit vectors n of segments of length l and slope k, the tangent of the forces is
 
     K = B^T [k n n^T + (T/l)(I - n n^T)] B - df/dq ,
 
-with a negative T where a segment is shortened, and df/dq of the effects' forces: the Hessian of the potential energy where they
-have one. By Sylvester's law of inertia K has as many negative eigenvalues as K = L D L^T has negative pivots. Where forces have no
-energy and K is not symmetric, a rest is stable if its symmetric part has no negative pivot (Bendixson), and else if no eigenvalue
-of K has a negative real part.
+with a negative T where a segment is shortened, and with df/dq of the effects' forces f. Where the effects have an energy, K is the
+Hessian of the potential energy. By Sylvester's law of inertia K has as many negative eigenvalues as K = L D L^T has negative
+pivots. Where forces have no energy, K is not symmetric. Then a rest is stable if the symmetric part of K has no negative pivot
+(Bendixson), or else if no eigenvalue of K has a negative real part.
 """
 
 from typing import Any, NamedTuple
@@ -21,26 +21,26 @@ from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_STIFFNESS
 
 EPS = 2.220446049250313e-16
-FLAT = 1e-7  # of load over length, a curvature that counts as none: a cable may turn about its ends, a loose one may lie anywhere
-PRESTRESSED = 1e-11  # of the largest T/l, what tensions that are balanced to rounding leave of a curvature
-RIGID = 1e9  # of the largest other stiffness, what a segment that does not stretch counts for
-ROUNDED = 20  # shifts that are tried where a pivot is zero
-SYMMETRIC = 1e-9  # of the largest stiffness, what may be unsymmetric by rounding
+FLAT = 1e-7  # of load over length: a smaller stiffness counts as zero, as that of a cable that turns about its ends
+PRESTRESSED = 1e-11  # of the largest T/l: stiffness that rounding leaves of tensions that balance
+RIGID = 1e9  # of the largest other stiffness: slope of a segment that does not stretch
+ROUNDED = 20  # shifts of the diagonal that are tried where a pivot is zero
+SYMMETRIC = 1e-9  # of the largest stiffness: a smaller difference of K and K^T is rounding
 
 _slopes = with_select(tension_slopes, np.where)
 
 
 class Curvature(NamedTuple):
-    """How the forces change about a rest.
+    """The tangent K at a rest, as far as its stability goes.
 
     Parameters
     ----------
     directions_down : int
-        Directions of which the forces lead away from the rest.
+        Number of negative eigenvalues: along so many directions the forces lead away from the rest.
     direction : (n_free, 3) float64 or None
-        One of them, its largest displacement 1.
+        One of these directions, scaled so that the largest displacement of a node is 1.
     stiffness : float [N/m]
-        Negative stiffness along it; 0 where there is none.
+        Negative stiffness along it; 0 for a stable rest.
     """
 
     directions_down: int
@@ -49,7 +49,7 @@ class Curvature(NamedTuple):
 
 
 def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: float) -> Curvature:
-    """Judge a rest.
+    """`Curvature` of the potential energy at a rest.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: 
     q : (n, 3) float64 [m]
     tension : (n_segments,) float64 [N]
     load : float [N]
-        That tolerances are relative to.
+        Load that tolerances are relative to.
 
     Returns
     -------
@@ -99,7 +99,7 @@ class Segments(NamedTuple):
 
 
 def segments(model: Model, net: Any, q: np.ndarray) -> Segments:
-    """`Segments` of a model in a shape q (n, 3) [m], at rest; one that does not stretch has neither tension nor slope."""
+    """`Segments` of a model in a shape q (n, 3) [m], at rest; in a cable that does not stretch, tension and slope are 0."""
     (a, b), axial = model.ends.T, net.axial[model.cable_of]
     d = q[b] - q[a]
     l = np.maximum(np.linalg.norm(d, axis=1), 1e-12 * axial[:, AXIAL_L0])
@@ -145,7 +145,7 @@ def symmetric_part(K: csc_array) -> csc_array:
 
 
 def _plainly_stable(model, tension, effects):
-    """Whether K is a sum of parts none of which leads down: taut segments, and effects that hold each node by itself."""
+    """Whether K is plainly positive: no segment is shortened, and effects add a positive block to each node alone."""
     rows, columns, blocks = effects
     if (tension < 0.0).any() or np.any(blocks[rows != columns]):
         return False
@@ -156,7 +156,7 @@ def _plainly_stable(model, tension, effects):
 
 
 def _of_effects(model, net, q):
-    """Rows, columns and blocks (3, 3) [N/m] of what the effects' forces add to K."""
+    """Rows, columns and blocks (3, 3) [N/m] that the effects' forces add to K."""
     n, segments, reach = model.n_free, model.n_segments, model.coupled_neighbours
     own, v = np.zeros((n, 3, 3)), np.zeros_like(q)
     near, far = np.zeros((segments if reach > 0 else 0, 2, 3, 3)), np.zeros((segments if reach > 1 else 0, 2, 3, 3))
@@ -176,7 +176,7 @@ def _of_effects(model, net, q):
 
 
 def pivots_of(K: csc_array, shift: float) -> tuple[np.ndarray, Any]:
-    """Pivots of a symmetric matrix, whose diagonal is stored, plus ``shift``; and its factors."""
+    """Pivots of K + shift I, and its factors; K is symmetric, and its diagonal is stored."""
     options, factors, data = {"SymmetricMode": True, "Equil": False}, None, K.data.copy()
     shifted = csc_array((data, K.indices, K.indptr), shape=K.shape)
     diagonal = np.flatnonzero(K.indices == np.repeat(np.arange(K.shape[0]), np.diff(K.indptr)))
@@ -197,7 +197,7 @@ def pivots_of(K: csc_array, shift: float) -> tuple[np.ndarray, Any]:
 
 
 def _direction(pivots, factors):
-    """A direction y with y^T K y = d < 0: L^T y = e of the most negative pivot d."""
+    """A direction y with y^T K y = d < 0, for the most negative pivot d: L^T y is the unit vector of d's row."""
     worst = int(np.argmin(pivots))
     one = np.zeros(len(pivots))
     one[worst] = 1.0
@@ -207,9 +207,9 @@ def _direction(pivots, factors):
 
 
 def _steepest(K, y):
-    """The lowest eigenvalue of K, and its direction, from a direction y that goes down.
+    """The lowest eigenvalue of K and its eigenvector, from a direction y with y^T K y < 0.
 
-    Shifted until no pivot is negative, K has none below the shift, and the one next to the shift is the lowest.
+    Once K + shift I has no negative pivot, no eigenvalue of K is below -shift, and the one next to -shift is the lowest.
     """
     slope = float(y @ (K @ y))
     shift = 2.0 * abs(slope)

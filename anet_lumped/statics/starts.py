@@ -1,4 +1,4 @@
-"""Shapes to start from: given by a user, straight between the points, or above what stands in the way."""
+"""Shapes to start from: given by a user, straight between the points, or above obstacles."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -14,9 +14,9 @@ from anet_lumped.results.run import Run, State
 from anet_lumped.scene.scene import Driven, Fixed, Free, SceneError
 
 Start = str | State | Mapping[str, ArrayLike]
-GOLDEN_ANGLE = 2.399963229728653  # [rad], of which no multiples are near each other
-CONVEX = 1e-9  # of its largest curvature, what rounding leaves
-OBSTACLE = 10.0  # times the force on one shape is that on another, where one of them goes through what the other does not touch
+GOLDEN_ANGLE = 2.399963229728653  # [rad]: multiples of it are never near each other on the circle
+CONVEX = 1e-9  # of the largest curvature of an effect's energy: a smaller negative one is rounding
+OBSTACLE = 10.0  # an obstacle exerts so many times the force on cables that go through it than on cables above it
 
 
 def start_state(model: Model, start: Start) -> State:
@@ -176,14 +176,15 @@ def _check_finite(what, rows, where):
 
 
 class Obstacles(NamedTuple):
-    """What the cables would hang through.
+    """Obstacles that the hanging cables would go through.
 
     Parameters
     ----------
     any_met : bool
-        Whether there is an obstacle: an effect that acts much more on the hanging cables than on them laid above it.
+        Whether an effect exerts a much larger force on the hanging cables than on cables that are laid above it.
     above : (n, 3) float64 [m] or None
-        Shape to let down onto obstacles that may push a cable to either side, such as a ball. A flat ground does not.
+        Shape from which cables are let down onto obstacles that may push a cable to either side, such as a ball; None if there is
+        no such obstacle. A flat ground is none.
     """
 
     any_met: bool
@@ -193,7 +194,7 @@ class Obstacles(NamedTuple):
 def obstacles(model: Model, net: Any, hanging: np.ndarray) -> Obstacles:
     """The obstacles of a scene.
 
-    What lies above them are the straight cables, or, where these meet an obstacle too, the hanging shape turned upside down.
+    Above them lie the straight cables; or, where these meet an obstacle too, the hanging shape turned upside down.
 
     Parameters
     ----------
@@ -220,7 +221,7 @@ def obstacles(model: Model, net: Any, hanging: np.ndarray) -> Obstacles:
 
 
 def _may_push_either_way(model, net, e, effect, q):
-    """Whether the force of an effect on a node turns the node's displacement away from where it was."""
+    """Whether the energy of an effect is concave in the position of a node, so that its force drives the node to either side."""
     own, reach = np.zeros((model.n_free, 3, 3)), effect.coupled_neighbours
     near, far = np.zeros((model.n_segments if reach > 0 else 0, 2, 3, 3)), np.zeros((0, 2, 3, 3))
     effect.kernels()["tangent"](0.0, q, np.zeros_like(q), *net.effects.numbers(e), 1.0, 0.0, own, near, far)
@@ -229,9 +230,9 @@ def _may_push_either_way(model, net, e, effect, q):
 
 
 def raised(model: Model, hanging: np.ndarray) -> np.ndarray:
-    """Straight shape, (n, 3) [m], with free points that have no place of their own amid all supports.
+    """Shape of straight cables, (n, 3) [m]; free points that several cables hold are in the middle of all supports.
 
-    The loose end of a cable is as far as the cable is long, across gravity, each in another direction.
+    The loose end of a cable lies at the cable's length from its other end, across gravity, each in another direction.
     """
     scene = model.scene
     held = [point.name for point in scene.points if not isinstance(point, Free)]

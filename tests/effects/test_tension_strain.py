@@ -32,9 +32,9 @@ def cable(**changes):
 
 
 def spring_of(one, L0=1.0, pushes=0.0):
-    """What the laws take for a segment of the length L0."""
+    """`Spring` of a segment of the length L0."""
     rows = np.array(one.springs)
-    return one.EA_first / L0, pushes, L0, rows, 1, len(rows)
+    return axial.Spring(one.EA_first / L0, pushes, L0, rows, 1, len(rows))
 
 
 def curve(strain):

@@ -1,4 +1,4 @@
 """How air and water move: winds and currents, and waves.
 
-What a user gives is a frozen dataclass; a kernel beside it evaluates all kinds in compiled code.
+A user describes a wind or a wave by a frozen dataclass. Compiled functions beside it evaluate it.
 """

@@ -1,4 +1,4 @@
-"""Waves: what a user gives of them. `wave_kernel` evaluates them in compiled code."""
+"""Waves as a user describes them; `wave_kernel` evaluates them in compiled code."""
 
 import math
 from dataclasses import dataclass, replace
@@ -7,7 +7,7 @@ import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_direction, check_number, number
 
-BREAKING = 0.142  # height over length of the steepest wave, times tanh(k depth)
+BREAKING = 0.142  # height over length of the steepest wave is BREAKING tanh(k depth)
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Airy:
         return replace(self, phase=math.remainder(self.wave_number(g) * along + self.phase, 2.0 * math.pi))
 
     def numbers(self, g: float, level: float) -> np.ndarray:
-        """What `wave_kernel.wave_at` reads of it, for gravity g [m/s2] and a still surface at z = level [m]: (9,) float64."""
+        """Numbers that `wave_kernel.wave_at` reads, (9,) float64, for gravity g [m/s2] and a still surface at z = level [m]."""
         if not g > 0.0:
             raise SceneError(f"A wave needs gravity, but wave Airy has g={g} m/s2.")
         k, (x, y, _) = self.wave_number(g), self.direction

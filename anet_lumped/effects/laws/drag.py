@@ -1,12 +1,15 @@
 """Drag of a fluid on a segment and on a point: the law that air and water share.
 
-The cross-flow principle: with the unit tangent t of a segment and the velocity u of the fluid relative to it, across
-u_n = u - (u.t) t and along s = u.t, the force per length is rho/2 d (Cdn |u_n| u_n + pi Cdt |s| s t). Each node of a segment
-carries half of this force, taken at the node's own velocity. So the force on a node depends on no other node's velocity, and in a
-fluid at rest no node gains energy, f.v = -(normal |v_n|^3 + along |v_t|^3) <= 0. The area is that of the unstretched cable, d L0: a
-stretched cable is longer and thinner.
+The cross-flow principle: let t be the unit tangent of a segment, and u the velocity of the fluid relative to it, with the part
+u_n = u - (u.t) t across and the component s = u.t along the segment. The force per length is
 
-The forces are plain arithmetic and `select`, so that JAX can trace the lines that Numba compiles (`axial.with_select`).
+    rho/2 d (Cdn |u_n| u_n + pi Cdt |s| s t) .
+
+Each node of a segment carries half of this force, taken at the node's own velocity. So the force on a node depends on no other
+node's velocity. In a fluid at rest no node gains energy: f.v = -(normal |v_n|^3 + along |v_t|^3) <= 0. The area is the area d L0 of
+the unstretched cable, since a stretched cable is longer and thinner.
+
+The forces are written in plain arithmetic and `select`, so that JAX can trace the lines that Numba compiles (`axial.with_select`).
 
 Source
 ------
@@ -19,23 +22,23 @@ from anet_lumped.compiled.jit import njit
 
 from .axial import select
 
-SHORTEST = 1e-2  # of the rest length: a shorter segment counts as this long where its turning is linearised
+SHORTEST = 1e-2  # of the rest length: a shorter segment turns in the tangent as one of this length does
 
 
 def segment_coefficients(density, cable):
-    """Drag coefficients of a node from one segment of a cable, half of the segment's.
+    """Drag coefficients that a node has of one segment of a cable: half of those of the segment.
 
     Returns
     -------
     normal, along : float [kg/m]
-        rho/2 d Cdn L0/2 and rho/2 pi d Cdt L0/2: the force is normal |u_n| u_n + along |s| s t.
+        rho/2 d Cdn L0/2 and rho/2 pi d Cdt L0/2; the force is normal |u_n| u_n + along |s| s t.
     """
     half = 0.25 * density * cable.diameter * cable.L0
     return half * cable.Cdn, half * math.pi * cable.Cdt
 
 
 def point_coefficient(density, point):
-    """Drag coefficient of what a point carries, rho/2 CdA [kg/m]: the force is that times |u| u."""
+    """Drag coefficient of the body that a point carries, rho/2 CdA [kg/m]; the force is the coefficient times |u| u."""
     return 0.5 * density * point.CdA
 
 
@@ -51,7 +54,7 @@ def vector_length(x, y, z):
 def tangent_of(dx, dy, dz, L0):
     """Unit vector along d = (dx, dy, dz), and 1/l, by which a change of d across that vector turns it [1/m].
 
-    For a segment of no length the vector is shorter than 1. 1/l is exact for l >= SHORTEST L0 and constant below.
+    The vector is shorter than 1 only if l < 1e-12 L0. For l < `SHORTEST` L0, 1/(SHORTEST L0) takes the place of 1/l.
     """
     l = vector_length(dx, dy, dz)
     per_l = 1.0 / select(l > 1e-12 * L0, l, 1e-12 * L0)
@@ -65,7 +68,7 @@ def segment_drag(ux, uy, uz, tx, ty, tz, normal, along):
     Parameters
     ----------
     ux, uy, uz : float64 [m/s]
-        Velocity of the fluid less that of the node.
+        Velocity of the fluid less the velocity of the node.
     tx, ty, tz : float64
         Unit tangent of the segment.
     normal, along : float64 [kg/m]
@@ -89,21 +92,21 @@ def segment_drag(ux, uy, uz, tx, ty, tz, normal, along):
 def subtract_segment_slopes(u, gradient, t, per_l, normal, along, side, c_q, c_v, own, other):
     """Subtract c_q df/dq + c_v df/dv of `segment_drag` from blocks of the tangent.
 
-    With a = normal |u_n|, b = normal/|u_n|, c = 2 along |s|, and d the vector from the segment's start to its end of length l:
-    df/du = a I + (c - a) t t^T + b u_n u_n^T,
-    df/dd = ((c/2 - a) s (I - t t^T) + (c - a) t u_n^T - b s u_n u_n^T)/l, and df/dv = -df/du.
+    With a = normal |u_n|, b = normal/|u_n|, c = 2 along |s|, and the vector d of length l from the segment's start to its end,
+
+        df/du = a I + (c - a) t t^T + b u_n u_n^T ,     df/dv = -df/du ,
+        df/dd = ((c/2 - a) s (I - t t^T) + (c - a) t u_n^T - b s u_n u_n^T)/l .
 
     Parameters
     ----------
     u : tuple of 3 float64 [m/s]
     gradient : tuple of 9 float64 [1/s]
         Derivatives of the fluid's velocity with respect to position, row by row.
-    t : tuple of 3 float64
-    per_l : float64 [1/m]
-        Both from `tangent_of`.
+    t, per_l : tuple of 3 float64, float64 [1/m]
+        From `tangent_of`.
     normal, along : float64 [kg/m]
     side : float64
-        -1 for the node at the segment's start, 1 for that at its end.
+        -1 for the node at the segment's start, 1 for the node at its end.
     c_q, c_v : float64 [1], [1/s]
     own : (3, 3) float64 [N/m]
         Diagonal block of the node.
@@ -132,7 +135,7 @@ def subtract_segment_slopes(u, gradient, t, per_l, normal, along, side, c_q, c_v
 
 @njit(cache=True, forceinline=True)
 def point_drag(ux, uy, uz, coefficient):
-    """Force on what a point carries, f = coefficient |u| u, coefficient = rho/2 CdA [kg/m]: (fx, fy, fz) [N]."""
+    """Force (fx, fy, fz) [N] on the body that a point carries, f = coefficient |u| u, with the coefficient rho/2 CdA [kg/m]."""
     a = coefficient * vector_length(ux, uy, uz)
     return a * ux, a * uy, a * uz
 

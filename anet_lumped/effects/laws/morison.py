@@ -1,11 +1,12 @@
-"""Force of moving water on a slender segment and on a sphere: Morison's equation, the law that gives added mass its other half.
+"""Force of moving water on a slender segment and on a sphere, by Morison's equation.
 
-With the displaced mass M, the unit tangent t and the acceleration a of the water, of which a_n is across and s = a.t along,
+Let M be the displaced mass, t the unit tangent of the segment, and a the acceleration of the water, with the part a_n across and
+the component s = a.t along the segment. The force is
 
-    f = drag(u) + M (1 + Can) a_n + M (1 + Cat) s t ,
+    f = drag(u) + M (1 + Can) a_n + M (1 + Cat) s t .
 
-with 1 for the pressure that accelerates the water itself (Froude-Krylov), and Can and Cat for the water that the cable pushes
-aside. The acceleration of the cable itself meets the added mass A = M (Can (I - t t^T) + Cat t t^T). On a sphere the force of the
+The 1 is the force of the pressure that accelerates the water itself (Froude-Krylov); Can and Cat are the water that the segment
+pushes aside. The acceleration of the segment meets the added mass A = M (Can (I - t t^T) + Cat t t^T). On a sphere the force of the
 accelerated water is M (1 + Ca) a, and its added mass is M Ca.
 
 Source
@@ -20,18 +21,18 @@ from .drag import point_drag, segment_drag
 
 @njit(cache=True, forceinline=True)
 def segment_force(u, a, t, normal, along, mass, Can, Cat):
-    """Force on a segment that is all under water.
+    """Force on a segment that is wholly under water.
 
     Parameters
     ----------
     u, a : tuple of 3 float64 [m/s], [m/s2]
-        Velocity of the water less that of the segment; acceleration of the water.
+        Velocity of the water less the velocity of the segment; acceleration of the water.
     t : tuple of 3 float64
         Unit tangent.
     normal, along : float64 [kg/m]
         Drag coefficients, see `drag.segment_drag`.
     mass : float64 [kg]
-        Displaced.
+        Displaced mass.
     Can, Cat : float64
 
     Returns
@@ -52,7 +53,9 @@ def segment_force(u, a, t, normal, along, mass, Can, Cat):
 def subtract_inertia_slopes(a, gradient, t, per_l, mass, Can, Cat, side, c_q, own, other):
     """Subtract c_q df/dq of the part of `segment_force` that is due to the water's acceleration.
 
-    df/da = M (1 + Can) I + M (Cat - Can) t t^T,   df/dd = M (Cat - Can) (s (I - t t^T) + t a_n^T)/l .
+    With the vector d of length l from the segment's start to its end,
+
+        df/da = M (1 + Can) I + M (Cat - Can) t t^T ,   df/dd = M (Cat - Can) (s (I - t t^T) + t a_n^T)/l .
 
     Parameters
     ----------
@@ -84,7 +87,7 @@ def add_mass(mass, Can, Cat, t, A):
 
 @njit(cache=True, forceinline=True)
 def point_force(u, a, coefficient, mass, Ca):
-    """Force on what a point carries, all of it under water: drag + M (1 + Ca) a [N]."""
+    """Force on the body that a point carries, wholly under water: drag + M (1 + Ca) a, (3,) [N]."""
     fx, fy, fz = point_drag(u[0], u[1], u[2], coefficient)
     m = mass * (1.0 + Ca)
     return fx + m * a[0], fy + m * a[1], fz + m * a[2]

@@ -1,20 +1,21 @@
-"""How much of a straight segment, or of a sphere, is under water, without a jump at the surface.
+"""The share of a straight segment, or of a sphere, that is under water. It changes smoothly at the surface.
 
-Of a sphere of diameter d whose centre is at a height z above the surface, the share
+The centre of a sphere of diameter d is at a height z above the surface. The share
 
     h(z) = x^2 (3 - 2 x) ,    x = 1/2 - z/d  limited to [0, 1] ,
 
-is under water. For the sphere of a point this is exact. For a cable of diameter d it is a smooth law, within 0.04 of the share of a
-level cylinder. Along a segment with ends at z1 and z2 the height is linear, z(s) = z1 + s (z2 - z1), and
+of the sphere is under water. For the sphere of a point this is exact. For a cable of diameter d the same law is used; it is within
+0.04 of the share of a level cylinder. Along a segment with ends at the heights z1 and z2 the height is linear,
+z(s) = z1 + s (z2 - z1). With the integral H of h, H' = h, let
 
-    e = int_0^1 H(z(s)) ds ,   w1 = int (1 - s) h(z(s)) ds = de/dz1 ,   w2 = int s h(z(s)) ds = de/dz2 ,   H' = h ,
+    e = int_0^1 H(z(s)) ds ,   w1 = int (1 - s) h(z(s)) ds = de/dz1 ,   w2 = int s h(z(s)) ds = de/dz2 .
 
-so that, by virtual work, w1 and w2 are the shares of the segment's volume whose buoyancy each end carries. -e times the buoyancy of
-the whole segment is the energy. w1 + w2 is the submerged share of the length of an inclined segment, and a smooth step over the
-diameter for a level one. The integrals are known where the segment is under water. Where it goes through the surface, the integrand
-is a polynomial of degree four, which three Gauss points integrate exactly.
+By virtual work, w1 and w2 are the shares of the segment's volume whose buoyancy each end carries. The energy is -e times the
+buoyancy of the whole segment. w1 + w2 is the submerged share of the length of an inclined segment; for a level segment it is a
+smooth step over the diameter. Where the segment is wholly under water, the integrals are known in closed form. Where it goes
+through the surface, the integrand is a polynomial of degree four, which three Gauss points integrate exactly.
 
-All functions are plain arithmetic and `select`, as in `axial`.
+All functions are written in plain arithmetic and `select`, as in `axial`.
 Source: Archimedes, On Floating Bodies and On the Sphere and Cylinder (volume of a cap); the weights by virtual work.
 """
 
@@ -25,11 +26,11 @@ from anet_lumped.compiled.jit import njit
 from .axial import select
 
 GAUSS_POINT = 0.7745966692414834  # Gauss-Legendre, three points: 0 and +-sqrt(3/5), of weights 4/9 and 5/18 on [0, 1]
-SMALL_CHANGE = 1e-4  # of the diameter: of a smaller change of height the middle gives the secant, to a relative SMALL_CHANGE^2/24
+SMALL_CHANGE = 1e-4  # of the diameter: over a smaller change of height the slope in the middle is the secant, to SMALL_CHANGE^2/24
 
 
 def sphere_diameter(point):
-    """Diameter of the sphere with the volume of a point [m]; for a point with drag alone, of a disc of area CdA."""
+    """Diameter of the sphere that has the volume of a point [m]; for a point without volume, of the disc that has the area CdA."""
     if point.volume > 0.0:
         return (6.0 * point.volume / math.pi) ** (1.0 / 3.0)
     return math.sqrt(4.0 * point.CdA / math.pi)
@@ -43,7 +44,7 @@ def limited(x):
 
 @njit(cache=True, forceinline=True)
 def submerged_share(z, d):
-    """Submerged share at a height z, its slope [1/m], and its integral H [m], which is 0 above the water.
+    """Submerged share h at a height z, its slope in z [1/m], and its integral H [m], which is 0 above the water.
 
     Parameters
     ----------
@@ -57,7 +58,7 @@ def submerged_share(z, d):
 
 @njit(cache=True, forceinline=True)
 def immersed(z1, z2, d):
-    """The integrals of the module over a segment.
+    """The integrals e, w1 and w2 of the module over a segment, and the slopes of w1 and w2.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def immersed(z1, z2, d):
 
 @njit(cache=True)
 def wetted(z1, z2, d):
-    """`immersed`, without the integrals for a segment that is all under water or all out of it."""
+    """`immersed`, in closed form for a segment that is wholly under water or wholly out of it."""
     if max(z1, z2) <= -0.5 * d:
         return 0.5 * (z1 + z2), 0.5, 0.5, 0.0, 0.0, 0.0
     if min(z1, z2) >= 0.5 * d:
@@ -114,11 +115,13 @@ def wetted(z1, z2, d):
 
 @njit(cache=True)
 def wetted_between(z1a, z2a, z1b, z2b, d):
-    """Weights that act over a step from heights a to heights b, so that their work is the change of e.
+    """Weights g that act over a step from heights a to heights b, such that their work g.(z_b - z_a) is the change of e.
 
-    g = w(mean) + c (z_b - z_a),   c = (e_b - e_a - w(mean).(z_b - z_a))/|z_b - z_a|^2 ,
+    They are the discrete gradient
 
-    the discrete gradient. For changes of height below `SMALL_CHANGE` it is replaced by the weights at the mean heights.
+        g = w(mean) + c (z_b - z_a),   c = (e_b - e_a - w(mean).(z_b - z_a))/|z_b - z_a|^2 ,
+
+    with the weights w at the mean heights. For changes of height below `SMALL_CHANGE` the diameter they are w(mean).
 
     Parameters
     ----------
@@ -144,16 +147,16 @@ def wetted_between(z1a, z2a, z1b, z2b, d):
     if square < (SMALL_CHANGE * d) ** 2:
         return w1, w2, 0.5 * k11, 0.5 * k12, 0.5 * k12, 0.5 * k22
     before, after = wetted(z1a, z2a, d), wetted(z1b, z2b, d)
-    per = 1.0 / square
-    c = (after[0] - before[0] - w1 * x - w2 * y) * per
-    cx = (after[1] - w1 - 0.5 * (k11 * x + k12 * y) - 2.0 * c * x) * per
-    cy = (after[2] - w2 - 0.5 * (k12 * x + k22 * y) - 2.0 * c * y) * per
+    per_square = 1.0 / square
+    c = (after[0] - before[0] - w1 * x - w2 * y) * per_square
+    cx = (after[1] - w1 - 0.5 * (k11 * x + k12 * y) - 2.0 * c * x) * per_square
+    cy = (after[2] - w2 - 0.5 * (k12 * x + k22 * y) - 2.0 * c * y) * per_square
     return w1 + c * x, w2 + c * y, 0.5 * k11 + c + x * cx, 0.5 * k12 + x * cy, 0.5 * k12 + y * cx, 0.5 * k22 + c + y * cy
 
 
 @njit(cache=True)
 def submerged_share_between(z_a, z_b, d):
-    """Submerged share of a sphere that acts over a step, (H_b - H_a)/(z_b - z_a), and its slope in z_b [1/m]."""
+    """Submerged share of a sphere that acts over a step, the secant (H_b - H_a)/(z_b - z_a), and its slope in z_b [1/m]."""
     rise = z_b - z_a
     if abs(rise) < SMALL_CHANGE * d:
         h, slope, _ = submerged_share(0.5 * (z_a + z_b), d)

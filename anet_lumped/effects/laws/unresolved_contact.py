@@ -1,19 +1,20 @@
 """The numerical damper of a contact that a step does not resolve.
 
-A body that rests on a spring which is over within a step swings on it from step to step for ever, as the midpoint rule has it. The
-damper takes the part
+A body rests on a spring. If it swings on the spring faster than the step resolves, the midpoint rule lets it swing from step to
+step for ever. The damper adds the part 2 alpha of the change of depth over the step to the depth at which the contact force is
+taken,
 
-    2 alpha ,   alpha = damper s^4/(1 + s^4) ,   s = omega h/2 ,   omega^2 = k/m ,
+    alpha = damper s^4/(1 + s^4) ,   s = omega h/2 ,   omega^2 = k/m .
 
-of the change of depth over a step for an additional depth, so that with ``damper`` = 1/2 and a step that is too long the force is
-that of the depth at the end of the step. It sets in with the fourth power of the step and is not felt where the step resolves the
-contact: of a body that swings on it, it takes 2 pi s^5 of the energy in a period. It acts on contacts that last, whose body is in
-touch at the start of the step: what touches down within a step keeps its energy.
+With ``damper`` = 1/2 and a very long step, 2 alpha = 1 and the force is the force at the depth at the end of the step. alpha is of
+fourth order in the step: where the step resolves the contact, a body that swings on it loses 2 pi s^5 of its energy in a period.
+The damper acts on contacts that last, whose body is in touch at the start of the step. A body that touches down within a step keeps
+its energy.
 
-The depth is then at rest, and yet v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for ever. As with cables
-(`mechanics.settle`), an impulse along the contact takes the same part, 2 alpha, of what the rate of the depth differs from that
-over the step; it only takes energy.
-Source: after Armero & Petocz, Comput. Methods Appl. Mech. Engrg. 158 (1998) 269, who damp all of a contact.
+Then the depth is at rest, and yet the velocity v_b = 2 (q_b - q_a)/h - v_a changes its sign from step to step for ever. As with
+cables (`mechanics.settle`), an impulse along the contact takes the part 2 alpha of the difference between the rate of the depth at
+the end of the step and its mean rate over the step. The impulse can only take energy. Source: after Armero & Petocz, Comput.
+Methods Appl. Mech. Engrg. 158 (1998) 269, who damp all of a contact.
 """
 
 from anet_lumped.compiled.jit import njit
@@ -28,7 +29,7 @@ def numerical_share(damper, square):
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def settled_rate(damper, square, rate, mean):
-    """Rate of a depth at the end of a step without what rings about ``mean``, its rate over the step."""
+    """Rate of a depth at the end of a step, without the part of it that rings about ``mean``, the mean rate over the step."""
     wanted = 2.0 * numerical_share(damper, square) * (rate - mean)
     if wanted * rate <= 0.0:
         return rate

@@ -1,20 +1,20 @@
-"""Linear algebra of a net: each cable's interior is eliminated in O(n), then the free points.
+"""The elimination of the interior nodes of each cable, in O(n), and the substitution back along it.
 
 One Newton step solves, for the displacements d of all moving nodes and the tensions T of all segments,
 
     D_i d_i + sum over segments at i of -+ [ a (d_j - d_i) + e T ] = r_i ,      T = T_0 + k g . (d_j - d_i) ,
 
-where D_i holds inertia and external stiffness, a the geometric stiffness of the segment, e the direction in which its
-tension acts, and k = dT/dl, 0 for a slack segment. Keeping the tension as an unknown until its node is eliminated makes every
-number that occurs as large as inertia and tension, not as large as the stiffness: with M = D + a I,
+where D_i holds inertia and external stiffness, a is the geometric stiffness of the segment, e the direction in which its tension
+acts, g the gradient of its length, and k = dT/dl, 0 for a slack segment. The tension stays an unknown until its node is eliminated.
+So all numbers that occur are as large as inertia and tension, and none is as large as the stiffness. With M = D + S_behind + a I,
 
     y = M^-1 e,   z = M^-T g,   rho = 1/(1 + k g . y),   T = rho [T_0 + k (g - a z) . d_next - k z . r_i]
     S = a I - a^2 M^-1 + rho k (e - a y)(g - a z)^T .
 
-S is the stiffness of all that lies behind, as the next node feels it: (G^-1 + D^-1)^-1 for the segment stiffness G = a I + k e g^T,
-after Sherman and Morrison. Effects that join neighbours along a cable, or next-but-one neighbours, add their blocks
-``net.near_blocks`` and ``net.far_blocks``; `node_elimination` has the formulas. "Behind" a node is the side of the cable's start,
-"ahead" that of its end.
+S is the stiffness that the next node feels of the eliminated node and all that lies behind it: (G^-1 + (M - a I)^-1)^-1 for the
+segment stiffness G = a I + k e g^T, after Sherman and Morrison. "Behind" a node is the side of the cable's start, "ahead" the side
+of its end. Effects that join neighbours along a cable, or next-but-one neighbours, add the blocks ``net.near_blocks`` and
+``net.far_blocks``; `node_elimination` has the formulas.
 """
 
 import numpy as np
@@ -22,6 +22,7 @@ import numpy as np
 from anet_lumped.compiled.jit import inlined, internal, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, lane, load, load_four, max_of_lanes, shifted, store, store_four
 from anet_lumped.mechanics.linear.node_elimination import (
+    SegmentTangent,
     difference,
     eliminate,
     eliminate_far,
@@ -50,10 +51,10 @@ from integrators.flat_view import flat
 
 @inlined
 def segment_stiffness(row):
-    """Stiffness a I + k e g^T of a segment, by rows."""
-    a, k = row[SEGMENT_GEOMETRIC], row[SEGMENT_STIFFNESS]
-    ex, ey, ez = k * row[0], k * row[1], k * row[2]
-    gx, gy, gz = row[3], row[4], row[5]
+    """Stiffness a I + k e g^T (9,) of a segment, from its row of ``Net.segment``."""
+    a, k, e, g = row[SEGMENT_GEOMETRIC], row[SEGMENT_STIFFNESS], SEGMENT_DIRECTION, SEGMENT_GRADIENT
+    ex, ey, ez = k * row[e], k * row[e + 1], k * row[e + 2]
+    gx, gy, gz = row[g], row[g + 1], row[g + 2]
     return (
         a + ex * gx, ex * gy, ex * gz, ey * gx, a + ey * gy, ey * gz, ez * gx, ez * gy, a + ez * gz,
     )  # fmt: skip
@@ -61,15 +62,15 @@ def segment_stiffness(row):
 
 @inlined
 def _linearised(segment, first, j):
-    """e, g, a, k, T_0 of a segment, as `eliminate` takes them."""
+    """`SegmentTangent` of segment ``first + j``."""
     ex, ey, ez, gx = load_four(segment, shifted(first, j, SEGMENT_COLUMNS, SEGMENT_DIRECTION))
     gy, gz, a, k = load_four(segment, shifted(first, j, SEGMENT_COLUMNS, SEGMENT_GRADIENT + 1))
-    return ex, ey, ez, gx, gy, gz, a, k, load(segment, shifted(first, j, SEGMENT_COLUMNS, SEGMENT_TENSION))
+    return SegmentTangent(ex, ey, ez, gx, gy, gz, a, k, load(segment, shifted(first, j, SEGMENT_COLUMNS, SEGMENT_TENSION)))
 
 
 @inlined
 def _blocks_of_segment(numbers, s):
-    """The two blocks of a segment, by rows, 18 numbers."""
+    """The two blocks (18,) of segment s in the flat array ``Net.near_blocks`` or ``Net.far_blocks``."""
     row = shifted(s, 0, 18, 0)
     first, second = load_four(numbers, row) + load_four(numbers, shifted(row, 0, 1, 4)), load_four(numbers, shifted(row, 0, 1, 8))
     return (
@@ -81,21 +82,25 @@ def _blocks_of_segment(numbers, s):
 
 
 @inlined
-def _eliminate_node(state, flat_arrays, blocks, node, first, j):
-    """Eliminate interior node j through segment j + 1, see `eliminate`; write ``net.factor`` and return the other results."""
+def _eliminate_node(behind, flat_arrays, blocks, node, first, j):
+    """Eliminate interior node j of a cable through its segment j + 1; write ``net.factor`` and ``net.far_factor``.
+
+    ``flat_arrays`` are those of `_flat_arrays`, ``blocks`` those of `eliminate_all_groups`. Returns the `EliminatedNode`.
+    """
     diagonal, right, segment, factor, far_factor = flat_arrays
     index_D, index_r, index_factor = shifted(node, j, 9, 0), shifted(node, j, 3, 0), shifted(first, j + 1, 16, 0)
     D = (*load_four(diagonal, index_D), *load_four(diagonal, shifted(index_D, 0, 1, 4)), load(diagonal, shifted(index_D, 0, 1, 8)))
     r = (load(right, index_r), load(right, shifted(index_r, 0, 1, 1)), load(right, shifted(index_r, 0, 1, 2)))
-    row, s = _linearised(segment, first, j + 1), shifted(first, j, 1, 1)
+    tangent, s = _linearised(segment, first, j + 1), shifted(first, j, 1, 1)
     if len(blocks) == 0:
-        ahead, follows, M, y, z, rho = eliminate(state, D, r, row)
+        eliminated = eliminate(behind, D, r, tangent)
     elif len(blocks) == 1:
-        ahead, follows, M, y, z, rho = eliminate_near(state, D, r, row, _blocks_of_segment(blocks[0], s))
+        eliminated = eliminate_near(behind, D, r, tangent, _blocks_of_segment(blocks[0], s))
     else:
-        ahead, follows, M, y, z, rho = eliminate_far(
-            state, D, r, row, _blocks_of_segment(blocks[0], s), _blocks_of_segment(blocks[1], s)
-        )
+        near, far = _blocks_of_segment(blocks[0], s), _blocks_of_segment(blocks[1], s)
+        eliminated = eliminate_far(behind, D, r, tangent, near, far)
+    follows = eliminated.follows
+    if len(blocks) > 1:
         index_far = shifted(s, 0, 12, 0)
         store_four(far_factor, index_far, follows[16:20])
         store_four(far_factor, shifted(index_far, 0, 1, 4), follows[20:24])
@@ -104,17 +109,18 @@ def _eliminate_node(state, flat_arrays, blocks, node, first, j):
     store_four(factor, shifted(index_factor, 0, 1, 4), follows[4:8])
     store_four(factor, shifted(index_factor, 0, 1, 8), follows[8:12])
     store_four(factor, shifted(index_factor, 0, 1, 12), follows[12:16])
-    return ahead, M, y, z, rho
+    return eliminated
 
 
 @inlined
 def _flat_arrays(net):
+    """Arrays that `_eliminate_node` reads and writes."""
     return flat(net.diagonal), flat(net.right_side), flat(net.segment), flat(net.factor), flat(net.far_factor)
 
 
 @inlined
 def _eliminate(net, blocks, c, members):
-    """Eliminate the interior of a cable with a prescribed start, or of the cables of a group of which ``members`` count."""
+    """Eliminate the interior of a cable with a prescribed start, or of the ``members`` cables of a group."""
     first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
     ex, ey, ez, gx, gy, gz, a, k, T = _linearised(flat(net.segment), first, 0)
     kx, ky, kz = k * ex, k * ey, k * ez
@@ -129,7 +135,7 @@ def _eliminate(net, blocks, c, members):
         behind = state + six_zeros + six_zeros + six_zeros + six_zeros + six_zeros
     flat_arrays = _flat_arrays(net)
     for j in range(lane(column(net.cable, c, CABLE_SEGMENTS), 0) - 1):
-        behind = _eliminate_node(behind, flat_arrays, blocks, node, first, j)[0]
+        behind = _eliminate_node(behind, flat_arrays, blocks, node, first, j).ahead
     _finish(net, c, members, behind)
 
 
@@ -149,10 +155,10 @@ def _finish(net, c, members, state):
 
 @inlined
 def eliminate_all_groups(net_address, blocks):
-    """Eliminate the interior of the cables that are taken by fours, see `eliminate_cables`.
+    """Eliminate the interior of the cables that are taken by fours, see `solve.eliminate_cables`.
 
-    ``blocks`` is (), (`Net.near_blocks`,) or (`Net.near_blocks`, `Net.far_blocks`), flat: the blocks that the scene's effects have.
-    The compiler knows its length.
+    ``blocks`` holds the blocks that the effects of the scene have, as flat arrays: none, ``Net.near_blocks``, or this and
+    ``Net.far_blocks``. The compiler knows how many.
     """
     net = view_net(net_address)
     for g in range(net.cable_groups.shape[0]):
@@ -195,6 +201,7 @@ def eliminate_bordered(net_address):
 
 @inlined
 def _subtract_block(table, m):
+    """Subtract a 3x3 block from the first three columns of a table of three rows."""
     for x in range(3):
         for y in range(3):
             table[x, y] -= m[x, y]
@@ -202,18 +209,22 @@ def _subtract_block(table, m):
 
 @internal
 def _eliminate_bordered(net_address, blocks, c):
-    """Eliminate a cable whose start is a free point too.
+    """Eliminate a cable between two free points.
 
-    The displacement of the start and the tension T of the first segment are carried along as four unknowns u = (d_start, T).
-    The force on the first node from behind is A_0 d_start - a_0 d - e_0 T, so that no stiffness enters before T is eliminated, last
-    of all. C (3, 4) times u is added to the right-hand side of the node that is eliminated, and C_next times u to that of the next
-    one. The interior enters the equations of the start and of T by (B_0 d_first - F_0 d_second, g_0 . d_first); this vector is
-    written as Y d + Y_next d_next + p + P u, with the displacements of the next two nodes to be eliminated.
+    The elimination begins at the start, whose displacement is not known yet. So the displacement of the start and the tension T of
+    the first segment are kept as four unknowns u = (d_start, T). The force on the first node from behind is
+    A_0 d_start - a_0 d - e_0 T. So no stiffness enters before T is eliminated, last of all.
+
+    C (3, 4) times u is added to the right-hand side of the node that is eliminated, and C_next times u to that of the next node.
+    The interior nodes enter the equations of the start and of T by the vector (B_0 d_first - F_0 d_second, g_0 . d_first). The
+    elimination of node after node writes this vector as Y d + Y_next d_next + p + P u, with the displacements d and d_next of the
+    next two nodes to be eliminated.
     """
     net = view_net(net_address)
     start, end, s = net.cable[c, CABLE_START], net.cable[c, CABLE_END], net.cable[c, CABLE_FIRST_SEGMENT]
     block, first = net.points.block, net.segment[s]
-    a0, k0, e0, g0 = first[SEGMENT_GEOMETRIC], first[SEGMENT_STIFFNESS], first[:3], first[3:6]
+    a0, k0 = first[SEGMENT_GEOMETRIC], first[SEGMENT_STIFFNESS]
+    e0, g0 = first[SEGMENT_DIRECTION : SEGMENT_DIRECTION + 3], first[SEGMENT_GRADIENT : SEGMENT_GRADIENT + 3]
     work = flat(net.border_work)
     for i in range(work.shape[0]):
         work[i] = 0.0
@@ -241,11 +252,12 @@ def _eliminate_bordered(net_address, blocks, c):
             B = identity_multiple_minus(a, _blocks_of_segment(blocks[0], s)[9:])
             if len(blocks) > 1:
                 B = difference(B, state[21:30])
-        state, M, y, z, rho = _eliminate_node(
+        eliminated = _eliminate_node(
             state, flat_arrays, blocks, net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_FIRST_SEGMENT], j
         )
+        state, M, y, z, rho_k = eliminated.ahead, eliminated.M_inverse, eliminated.y, eliminated.z, eliminated.rho_k
         for u in range(4):
-            T_share = rho * (z[0] * C[0, u] + z[1] * C[1, u] + z[2] * C[2, u])
+            T_share = rho_k * (z[0] * C[0, u] + z[1] * C[1, u] + z[2] * C[2, u])
             b = times(M, C[0, u], C[1, u], C[2, u])
             bx, by, bz = b[0] - y[0] * T_share, b[1] - y[1] * T_share, b[2] - y[2] * T_share
             border[u], border[4 + u], border[8 + u], border[12 + u] = bx, by, bz, -T_share
@@ -254,7 +266,7 @@ def _eliminate_bordered(net_address, blocks, c):
             else:
                 ahead = times(B, bx, by, bz)
             for x in range(3):
-                C[x, u] = ahead[x] + row[x] * T_share + C_next[x, u]
+                C[x, u] = ahead[x] + row[SEGMENT_DIRECTION + x] * T_share + C_next[x, u]
             if len(blocks) > 1:
                 for x in range(3):
                     C_next[x, u] = -(
@@ -271,7 +283,7 @@ def _eliminate_bordered(net_address, blocks, c):
                 J = net.far_factor[s, :9]
                 for i in range(3):
                     Y_next[x, i] = Yx * J[i] + Yy * J[3 + i] + Yz * J[6 + i]
-    # T = T_0 + k_0 g_0 . (d_first - d_start), solved for T: = tie . (d_end, d_start) + constant
+    # T = T_0 + k_0 g_0 . (d_first - d_start), solved for T: T = (seven numbers of ``first_tension``) . (d_end, d_start, 1)
     first_tension = net.factor[net.cable[c, CABLE_FIRST_SEGMENT]]
     rho = 1.0 / (1.0 - k0 * P[3, 3])
     for i in range(3):
@@ -282,7 +294,7 @@ def _eliminate_bordered(net_address, blocks, c):
     of_start, of_end, right = block[start - net.n_interior], block[end - net.n_interior], net.right_side
     to_end, to_start = block[net.cable[c, CABLE_BLOCK_START_END]], block[net.cable[c, CABLE_BLOCK_END_START]]
     for x in range(3):
-        # force on the start: that of the interior, e_0 T and -a_0 d_start; on the end: that of `_finish`, and C u
+        # force on the start: the force of the interior, e_0 T and -a_0 d_start; on the end: the force of `_finish`, and C u
         T_share = P[x, 3] + e0[x]
         right[start, x] += p[x] + T_share * first_tension[6]
         right[end, x] += C[x, 3] * first_tension[6]
@@ -296,9 +308,10 @@ def _eliminate_bordered(net_address, blocks, c):
 
 @inlined
 def _displacement_behind(factor, far_factors, s, x, y, z, second_ahead):
-    """Displacement of the node behind segment s and tension of that segment, from the displacement (x, y, z) of the node ahead.
+    """Displacement of the node behind segment s and tension of the segment, from the displacement (x, y, z) of the node ahead.
 
-    ``far_factors`` is (`Net.far_factor`,) where both also depend on the displacement of the second node ahead; else ().
+    ``far_factors`` is (``Net.far_factor``,) where both also depend on ``second_ahead``, the displacement of the second node ahead;
+    else it is empty.
     """
     row = shifted(s, 0, 16, 0)
     h00, h01, h02, h10 = load_four(factor, row)
@@ -323,7 +336,7 @@ def _displacement_behind(factor, far_factors, s, x, y, z, second_ahead):
 
 @inlined
 def _substitute(net, far_factors, c):
-    """`substitute_cables` of a cable, or of a group, that has a prescribed start or no interior."""
+    """`solve.substitute_cables` of a cable, or of a group, that has a prescribed start or no interior."""
     first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
     end = column(net.cable, c, CABLE_END)
     step, factor, segment = flat(net.newton_step), flat(net.factor), flat(net.segment)
@@ -352,7 +365,7 @@ def _substitute(net, far_factors, c):
 
 @inlined
 def _substitute_bordered(net, far_factors, c):
-    """`substitute_cables` of a cable whose start is a free point too."""
+    """`solve.substitute_cables` of a cable whose start is a free point too."""
     first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
     step, factor, tension, start, end = net.newton_step, net.factor, net.tension, net.cable[c, CABLE_START], net.cable[c, CABLE_END]
     x, y, z = step[end, 0], step[end, 1], step[end, 2]
@@ -382,7 +395,7 @@ def _substitute_bordered(net, far_factors, c):
 
 @inlined
 def substitute_all_groups(net_address, far_factors):
-    """`substitute_cables` of the cables that are taken by fours; returns their smallest tension [N]."""
+    """`solve.substitute_cables` of the cables that are taken by fours; returns their smallest tension [N]."""
     net, smallest = view_net(net_address), np.inf
     for g in range(net.cable_groups.shape[0]):
         smallest = min(smallest, _substitute(net, far_factors, group_members(net.cable_groups, g)))
@@ -391,7 +404,7 @@ def substitute_all_groups(net_address, far_factors):
 
 @inlined
 def substitute_all_singles(net_address, far_factors):
-    """`substitute_cables` of the cables in no group, but for those between two free points; returns their smallest tension [N]."""
+    """`solve.substitute_cables` of the cables in no group that are not between two free points; returns their smallest tension."""
     net, smallest = view_net(net_address), np.inf
     for i in range(net.single_cables.shape[0]):
         if i < net.single_kinds[0] or i >= net.single_kinds[1]:
@@ -401,7 +414,7 @@ def substitute_all_singles(net_address, far_factors):
 
 @inlined
 def substitute_all_bordered(net_address, far_factors):
-    """`substitute_cables` of the cables between two free points; returns their smallest tension [N]."""
+    """`solve.substitute_cables` of the cables between two free points; returns their smallest tension [N]."""
     net, smallest = view_net(net_address), np.inf
     for i in range(net.single_kinds[0], net.single_kinds[1]):
         smallest = min(smallest, _substitute_bordered(net, far_factors, net.single_cables[i]))

@@ -6,6 +6,7 @@ from anet_lumped.model.net import view_net
 
 @inlined
 def add_block(block, m, sign):
+    """Add ``sign`` times a matrix (9,) to a 3x3 block."""
     for x in range(3):
         for y in range(3):
             block[x, y] += sign * m[3 * x + y]
@@ -13,7 +14,7 @@ def add_block(block, m, sign):
 
 @inlined
 def _factor(M):
-    """Overwrite a 3x3 block by its LU factors: L with a unit diagonal, U with the inverse of its diagonal."""
+    """Overwrite a 3x3 block by its LU factors. The diagonal of L is 1 and not stored; that of U is stored as its inverse."""
     M[0, 0] = 1.0 / M[0, 0]
     M[1, 0] *= M[0, 0]
     M[2, 0] *= M[0, 0]
@@ -35,10 +36,10 @@ def _solved(M, x, y, z):
 
 @internal
 def solve_points(net_address):
-    """Block LU of the free points in their elimination order; their displacements go to ``net.newton_step``.
+    """Solve the system over the free points by block LU in their elimination order; write ``net.newton_step``.
 
-    The blocks are factored and never inverted: where a stiff cable joins two points, the condition number of their block is the
-    ratio of stiffness to inertia, and an inverse would lose three times as many digits.
+    `model.net.Points` describes the blocks. They are factored and never inverted: where a stiff cable joins two points, the
+    condition number of their block is the ratio of stiffness to inertia, and an inverse would lose three times as many digits.
     """
     net = view_net(net_address)
     points, right_side, step, base = net.points, net.right_side, net.newton_step, net.n_interior

@@ -1,4 +1,4 @@
-"""The linear system of a Newton step: cables eliminated one after the other, then the free points, and back."""
+"""The linear system of a Newton step: eliminate the cables, solve for the free points, substitute back along the cables."""
 
 import numpy as np
 from numba import float64, int64
@@ -21,6 +21,7 @@ from anet_lumped.model.tables import (
     KERNEL_SUBSTITUTE_BORDERED,
     KERNEL_SUBSTITUTE_GROUPS,
     KERNEL_SUBSTITUTE_SINGLES,
+    SEGMENT_DIRECTION,
     SEGMENT_TENSION,
 )
 from integrators.flat_view import flat
@@ -28,10 +29,11 @@ from integrators.flat_view import flat
 
 @internal
 def eliminate_cables(net_address):
-    """Eliminate the interior of every cable; add what is left of it at its ends to ``net.points.block`` and ``net.right_side``.
+    """Eliminate the interior of every cable; add the stiffness and force that remain to its free ends.
 
-    Reads ``net.segment``, ``net.diagonal`` and ``net.right_side``; writes ``net.factor``, ``net.far_factor`` and ``net.border``. A
-    node has to wait for the node behind it; therefore four cables of one length are eliminated side by side.
+    Reads ``net.segment``, ``net.diagonal`` and ``net.right_side``. Adds to ``net.points.block`` and ``net.right_side`` of the free
+    points. Writes ``net.factor``, ``net.far_factor`` and ``net.border``, from which `substitute_cables` finds the interior nodes.
+    The elimination of a node waits for the node behind it. Therefore four cables of one number of segments are eliminated at once.
     """
     net = view_net(net_address)
     diagonal, block, kinds = net.diagonal, net.points.block, net.single_kinds
@@ -59,11 +61,11 @@ def _eliminate_short(net, c):
     if start < net.n_free:
         add_block(block[start - net.n_interior], G, 1.0)
         for x in range(3):
-            net.right_side[start, x] += row[x] * T
+            net.right_side[start, x] += row[SEGMENT_DIRECTION + x] * T
     if end < net.n_free:
         add_block(block[end - net.n_interior], G, 1.0)
         for x in range(3):
-            net.right_side[end, x] -= row[x] * T
+            net.right_side[end, x] -= row[SEGMENT_DIRECTION + x] * T
     if net.cable[c, CABLE_JOINS_FREE_POINTS] == 1:
         add_block(block[net.cable[c, CABLE_BLOCK_START_END]], G, -1.0)
         add_block(block[net.cable[c, CABLE_BLOCK_END_START]], G, -1.0)
@@ -75,9 +77,9 @@ def _eliminate_short(net, c):
 
 @internal
 def substitute_cables(net_address):
-    """Write displacements to ``net.newton_step`` and tensions to ``net.tension``, back from the free points along each cable.
+    """Write the displacements of the interior nodes to ``net.newton_step`` and the tensions to ``net.tension``.
 
-    Returns the smallest tension [N].
+    Goes along each cable from its end, whose displacement is known, to its start. Returns the smallest tension [N].
     """
     net, smallest = view_net(net_address), np.inf
     count, kinds = net.single_cables.shape[0], net.single_kinds
@@ -92,7 +94,7 @@ def substitute_cables(net_address):
 
 @kernel(float64(int64))
 def solve(net_address):
-    """Solve the linear system of the module's docstring for ``net.newton_step`` and ``net.tension``; overwrites ``net.right_side``.
+    """Solve the linear system of `chain` for ``net.newton_step`` and ``net.tension``; overwrites ``net.right_side``.
 
     Returns the smallest tension [N].
     """

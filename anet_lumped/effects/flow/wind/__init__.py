@@ -1,4 +1,4 @@
-"""Winds and currents: how fast the air or the water moves, by time and place. Several of them add up."""
+"""Winds and currents: the velocity of air or water as a function of time and place. The velocities of several winds add up."""
 
 from .base import Wind
 from .dryden import Dryden

@@ -1,4 +1,4 @@
-"""What every wind is."""
+"""The base class of all winds and currents."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -10,23 +10,23 @@ from anet_lumped.checks import SceneError, Vector, check_direction, shown
 
 
 class Wind(ABC):
-    """A velocity of air or water by time and place, or a part of one; the parts that a scene has add up.
+    """A velocity of air or water as a function of time and place. The velocities of a scene's winds add up.
 
     A wind is a frozen dataclass in a file of its own, with the two methods below, and a line in `KINDS` of this package.
     """
 
     same_at_each_height: ClassVar[bool] = False
-    """Whether it is the same at all places of one height."""
+    """Whether the velocity is the same at all places of one height."""
 
     @abstractmethod
     def numbers(self) -> np.ndarray:
-        """What its compiled function reads of it, (k,) float64."""
+        """Numbers that its compiled function reads, (k,) float64."""
 
     @abstractmethod
     def kernel(self) -> Callable:
-        """Compiled function (t, x, y, z, numbers) -> velocity, gradient of the wind alone, as `kernel.wind_at` describes them.
+        """Compiled function (t, x, y, z, numbers) -> velocity, gradient of this wind alone; `kernel.wind_at` describes both.
 
-        It is decorated with `compiled.jit.on_demand`: it is compiled when a scene first has such a wind.
+        It is decorated with `compiled.jit.on_demand`, and so compiled when a scene first has such a wind.
         """
 
 
@@ -35,7 +35,7 @@ UNIFORM_IN_PLACE = (0.0,) * 9
 
 
 def as_winds(value: Any) -> tuple[Wind, ...]:
-    """Return the winds that add up, of None, of one or of several."""
+    """Return the tuple of winds of an argument that may be None, one wind, or several."""
     if value is None:
         return ()
     return tuple(value) if isinstance(value, tuple | list) else (value,)

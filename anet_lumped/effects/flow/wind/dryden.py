@@ -22,10 +22,11 @@ class Dryden(Wind):
 
         Phi_u = sigma^2 (2 L/pi)/(1 + (L W)^2),  Phi_v = Phi_w = sigma^2 (L/pi) (1 + 3 (L W)^2)/(1 + (L W)^2)^2
 
-    over the spatial frequency W [rad/m], and the energy spectrum is E(k) = (8 sigma^2 L/pi) (L k)^4/(1 + (L k)^2)^3. The wave
-    vectors k_m share that energy equally: their sizes are drawn one from each of equal shares of it, their directions spread
-    evenly over the sphere. Each carries two waves across k_m, at right angles and of random phases, so that the field has no
-    divergence. A finite number of modes gives the spectra as an average over seeds.
+    over the spatial frequency W [rad/m], and the energy spectrum is E(k) = (8 sigma^2 L/pi) (L k)^4/(1 + (L k)^2)^3. Each wave
+    vector k_m has the same share of that energy: the spectrum is cut into parts of equal energy, and the size of one k_m is drawn
+    from each part. Their directions spread evenly over the sphere. Each k_m has two waves whose velocities are across k_m and at
+    right angles to each other, with random phases, so that the field has no divergence. With a finite number of modes the spectra
+    hold as an average over seeds.
 
     Parameters
     ----------
@@ -75,15 +76,15 @@ class Dryden(Wind):
 
 
 def energy_below(x: float) -> float:
-    """Share of the energy of wave numbers k below x/L, (16/(3 pi)) int_0^x y^4/(1 + y^2)^3 dy."""
+    """Share of the energy that wave numbers k below x/L have, (16/(3 pi)) int_0^x y^4/(1 + y^2)^3 dy."""
     return (2.0 * math.atan(x) - 2.0 * x * (5.0 * x * x + 3.0) / (3.0 * (1.0 + x * x) ** 2)) / math.pi
 
 
 def wave_number(share: float) -> float:
-    """Wave number times L below which a share of the energy is, the inverse of `energy_below`."""
+    """Wave number times L below which a given share of the energy lies; the inverse of `energy_below`."""
     from scipy.optimize import brentq
 
-    # what is above x is about (16/(3 pi))/x, and below it (16/(15 pi)) x^5
+    # the share above x is about (16/(3 pi))/x, which bounds x from above
     high = 2.0 + 2.0 / max(1.0 - share, 1e-12)
     return brentq(lambda x: energy_below(x) - share, 0.0, high, xtol=1e-12)
 

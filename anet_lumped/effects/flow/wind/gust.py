@@ -56,10 +56,11 @@ class Gust(Wind):
 
 @on_demand
 def _velocity(t, x, y, z, numbers):
-    s = (t - numbers[3]) / numbers[4]
+    start, rise, stays = numbers[3], numbers[4], numbers[5] != 0.0
+    s = (t - start) / rise
     share = 0.5 - 0.5 * math.cos(math.pi * s)
-    if s <= 0.0 or (s >= 2.0 and numbers[5] == 0.0):
+    if s <= 0.0 or (s >= 2.0 and not stays):
         share = 0.0
-    elif s >= 1.0 and numbers[5] != 0.0:
+    elif s >= 1.0 and stays:
         share = 1.0
     return (share * numbers[0], share * numbers[1], share * numbers[2]), UNIFORM_IN_PLACE

@@ -13,13 +13,14 @@ from .base import Wind, as_winds
 _f1 = types.Array(types.float64, 1, "C")
 VELOCITY = types.Tuple((types.UniTuple(types.float64, 3), types.UniTuple(types.float64, 9)))(*(types.float64,) * 4, _f1)
 as_velocity = callable_at(VELOCITY)
-HEADER = 2  # numbers in front of those of a wind
+HEADER = 2  # numbers in front of the numbers of each wind: the address of its function, and how many numbers it has
 
 
 def pack(winds: Wind | Sequence[Wind] | None) -> np.ndarray:
-    """(k,) float64: of each of None, one or several winds the address of its function, how many numbers follow, and those.
+    """Numbers of None, one or several winds, (k,) float64.
 
-    An address is a whole number below 2^48 and keeps all its digits as a float64.
+    For each wind they are the address of its function, how many numbers it has, and these numbers. An address is a whole number
+    below 2^48, so that it keeps all its digits as a float64.
     """
     parts = [[address_of(wind.kernel(), VELOCITY), len(own := wind.numbers()), *own] for wind in as_winds(winds)]
     return np.concatenate([np.zeros(0), *parts])
@@ -40,7 +41,7 @@ def wind_at(t, x, y, z, winds):
     -------
     velocity : 3 float64 [m/s]
     gradient : 9 float64 [1/s]
-        Slope of the first component in x, y, z, then of the second and the third.
+        Slopes of the first component in x, y, z, then of the second and of the third.
     """
     u, v, w = 0.0, 0.0, 0.0
     ux, uy, uz, vx, vy, vz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

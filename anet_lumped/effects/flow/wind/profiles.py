@@ -13,7 +13,7 @@ from anet_lumped.compiled.jit import inlined, on_demand
 
 from .base import UNIFORM_IN_PLACE, Wind, check_unit_direction
 
-LOWEST = 1e-6  # of the height of a power law; below, its slope, which has no bound at the ground, is that at it
+LOWEST = 1e-6  # of the height of a power law: its slope grows without bound towards the ground, and is constant below LOWEST
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Uniform(Wind):
 
 @dataclass(frozen=True)
 class PowerLaw(Wind):
-    """U(z) = speed ((z - ground)/height)^exponent along `direction`; none at the ground and below.
+    """U(z) = speed ((z - ground)/height)^exponent along `direction`; no wind at the ground and below.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class PowerLaw(Wind):
 
 @dataclass(frozen=True)
 class Logarithmic(Wind):
-    """U(z) = speed ln((z - ground)/roughness)/ln(height/roughness) along `direction`; none below the roughness length.
+    """U(z) = speed ln((z - ground)/roughness)/ln(height/roughness) along `direction`; no wind below the roughness length.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class Logarithmic(Wind):
             )
 
     def numbers(self) -> np.ndarray:
-        """Velocity a factor e above the roughness length [m/s], ground and roughness [m]."""
+        """Velocity at e times the roughness length above the ground [m/s], ground and roughness [m]."""
         per_e = self.speed / math.log(self.height / self.roughness)
         return np.array([*(per_e * np.array(self.direction)), self.ground, self.roughness])
 
@@ -172,25 +172,27 @@ def _uniform(t, x, y, z, numbers):
 
 @on_demand
 def _power_law(t, x, y, z, numbers):
-    ratio = (z - numbers[3]) / numbers[4]
+    ground, height, exponent = numbers[3], numbers[4], numbers[5]
+    ratio = (z - ground) / height
     share, slope = 0.0, 0.0
     if ratio > 0.0:
-        share, slope = ratio ** numbers[5], numbers[5] * max(ratio, LOWEST) ** (numbers[5] - 1.0) / numbers[4]
+        share, slope = ratio**exponent, exponent * max(ratio, LOWEST) ** (exponent - 1.0) / height
     return _along(share, slope, numbers)
 
 
 @on_demand
 def _logarithmic(t, x, y, z, numbers):
-    ratio = (z - numbers[3]) / numbers[4]
+    ground, roughness = numbers[3], numbers[4]
+    ratio = (z - ground) / roughness
     share, slope = 0.0, 0.0
     if ratio > 1.0:
-        share, slope = math.log(ratio), 1.0 / (z - numbers[3])
+        share, slope = math.log(ratio), 1.0 / (z - ground)
     return _along(share, slope, numbers)
 
 
 @inlined
 def _along(share, slope, numbers):
-    """Velocity and gradient of a profile, of its speed over that of its reference and the slope of that in height [1/m]."""
+    """Velocity and gradient of a profile, the velocity ``numbers[:3]`` times ``share``; ``slope`` [1/m] is that of ``share``."""
     return (
         (share * numbers[0], share * numbers[1], share * numbers[2]),
         (0.0, 0.0, slope * numbers[0], 0.0, 0.0, slope * numbers[1], 0.0, 0.0, slope * numbers[2]),
@@ -199,14 +201,14 @@ def _along(share, slope, numbers):
 
 @on_demand
 def _sampled(t, x, y, z, numbers):
-    last = len(numbers) - 3
+    last = len(numbers) - 3  # position of the last row (z, u, v)
     u, v, uz, vz = numbers[1], numbers[2], 0.0, 0.0
     if z > numbers[0]:
         u, v = numbers[last + 1], numbers[last + 2]
         for i in range(0, last, 3):
             if z < numbers[i + 3]:
-                per, up = 1.0 / (numbers[i + 3] - numbers[i]), z - numbers[i]
-                uz, vz = per * (numbers[i + 4] - numbers[i + 1]), per * (numbers[i + 5] - numbers[i + 2])
-                u, v = numbers[i + 1] + up * uz, numbers[i + 2] + up * vz
+                per_height, above_row = 1.0 / (numbers[i + 3] - numbers[i]), z - numbers[i]
+                uz, vz = per_height * (numbers[i + 4] - numbers[i + 1]), per_height * (numbers[i + 5] - numbers[i + 2])
+                u, v = numbers[i + 1] + above_row * uz, numbers[i + 2] + above_row * vz
                 break
     return (u, v, 0.0), (0.0, 0.0, uz, 0.0, 0.0, vz, 0.0, 0.0, 0.0)

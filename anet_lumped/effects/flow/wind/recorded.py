@@ -1,4 +1,4 @@
-"""A wind as it was measured."""
+"""A measured wind, read from a file."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -103,8 +103,8 @@ def _velocity(t, x, y, z, numbers):
             low = middle
         else:
             high = middle
-    tau, c = max(t - numbers[low], 0.0), 1 + count + 12 * (low - 1)
-    if low == count:
+    tau, c = max(t - numbers[low], 0.0), 1 + count + 12 * (low - 1)  # time since the sample, position of the piece's polynomial
+    if low == count:  # after the last sample
         tau = 0.0
     velocity = (
         numbers[c] + tau * (numbers[c + 3] + tau * (numbers[c + 6] + tau * numbers[c + 9])),
