@@ -99,7 +99,6 @@ def attempt(kind: str, pick: Any, folder: Path) -> Outcome:
     return found
 
 
-@cache
 def _compile(folder):
     """Run what cases are made of once, so that none of them waits for a compiler."""
     with warnings.catch_warnings():

@@ -15,6 +15,7 @@ from studies.catalogue.hostile_trials import (
     SAID,
     try_many,
 )
+from studies.shown.palette import look
 from studies.shown.sentences import counted, listed
 from studies.study import Drawing, Part, Record
 from studies.sweeping.rows import run_rows
@@ -77,8 +78,8 @@ def _plot(counts):
     table = table.reindex([kind for kind in KINDS if kind in table.index])
     figure = Figure(figsize=(8.0, 3.2), layout="constrained")
     panel, left = figure.subplots(), 0.0 * table.iloc[:, 0]
-    for outcome in [*(one for one in OUTCOMES if one in table), *(one for one in table if one not in OUTCOMES)]:
-        panel.barh(table.index, table[outcome], left=left, label=outcome, height=0.7)
+    for k, outcome in enumerate([*(one for one in OUTCOMES if one in table), *(one for one in table if one not in OUTCOMES)]):
+        panel.barh(table.index, table[outcome], left=left, label=outcome, height=0.7, color=look(k)["color"])
         left = left + table[outcome]
     panel.invert_yaxis()
     panel.set_xlabel("cases [-]")
