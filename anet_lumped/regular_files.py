@@ -77,6 +77,33 @@ def read_text(
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
+def check_target(path: Any, what: str) -> None:
+    """Refuse a place that a file cannot be written to: no path, or a folder, a pipe or a device.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+    what : str
+        What is to be written, for messages: "A run".
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(path, str | PathLike) or not os.fspath(path):
+        raise InputError(f"{what} must be given the path of the file to write, but it is {shown(path)}.")
+    named = one_line(os.fsdecode(path), NAMED)
+    try:
+        mode = os.stat(path).st_mode
+    except OSError:  # there is nothing yet; what else is wrong shows when the file is opened
+        return
+    except ValueError as error:  # a path with a character that no path may have
+        raise InputError(f"{what} must be given the path of the file to write, but {named}: {error}.") from None
+    if not stat.S_ISREG(mode):
+        kind = "a folder" if stat.S_ISDIR(mode) else "a pipe or a device"
+        raise InputError(f"{what} must be written to a regular file, but {named} is {kind}.")
+
+
 def _open_at_once(path: Any, flags: int) -> int:
     """Open a file; if it is a pipe, without waiting for another process to write into it."""
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))

@@ -411,11 +411,13 @@ def _give(result, as_json=False, out=None, stem="", save=lambda: None):
 
     In this order nothing is lost where stdout is closed or full.
     """
+    from anet_lumped.regular_files import check_target
     from studies.shown.show import as_json as to_json
     from studies.shown.show import show
 
     if out:
         try:
+            check_target(out / f"{stem}.json", "A result")
             (out / f"{stem}.json").write_text(to_json(result), encoding="utf-8")
             save()
         except OSError as error:  # that of a full disk names no file

@@ -8,8 +8,9 @@ from anet_lumped.advice.markers import MarkerError, read_markers
 from anet_lumped.checks import InputError, SceneError
 from anet_lumped.effects.flow.wind.recorded import Recorded
 from anet_lumped.files.moordyn_file import deck_from_text, read_moordyn
-from anet_lumped.files.scene_file import load_scene
+from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.limits import BYTES, TEXT
+from anet_lumped.motion.simulate import simulate
 from anet_lumped.regular_files import read_bytes, read_text
 from anet_lumped.results.loading import load_run
 
@@ -171,3 +172,33 @@ def test_a_deck_names_tables_in_its_folder_alone(tmp_path, name):
     with pytest.raises(SceneError, match=r'deck.txt, line 4, .*: a table must be in the folder of its deck, but "(.*it|link).tab"'):
         read_moordyn(deck)
     assert read_moordyn(deck, outside=True).scene.cables[0].tension_strain == ((0.1, 1e5), (0.2, 3e5))
+
+
+@pytest.fixture(scope="module")
+def run():
+    return simulate(SCENE, 0.02, method="edmc", dt=0.01)
+
+
+@pytest.mark.parametrize(
+    "write", [lambda run, path: run.save(path), lambda run, path: save_scene(run.scene, path)], ids=["run", "scene"]
+)
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        (None, "must be given the path of the file to write, but it is None"),
+        ("", "must be given the path of the file to write, but it is ''"),
+        (5, "must be given the path of the file to write, but it is 5"),
+        ("a\0b", "must be given the path of the file to write, but a.*b: embedded null byte"),
+        (".", "must be written to a regular file, but . is a folder"),
+        ("/dev/null", "must be written to a regular file, but /dev/null is a pipe or a device"),
+    ],
+)
+def test_nothing_is_written_to_what_is_no_file(write, path, message, run):
+    with pytest.raises(InputError, match=message):
+        write(run, path)
+
+
+def test_nothing_waits_for_a_pipe_to_be_read(tmp_path, run):
+    os.mkfifo(tmp_path / "run.nc")
+    with pytest.raises(InputError, match=r"must be written to a regular file, but .*run.nc is a pipe or a device"):
+        run.save(tmp_path / "run.nc")

@@ -154,6 +154,10 @@ class Effect:
         """
         return self
 
+    def at_rest(self) -> "Effect":
+        """The effect for the search for a rest: without friction, which holds nodes that creep wherever they are."""
+        return self
+
     def seen_from(self, origin: Vector, scene: Any) -> "Effect | None":
         """The effect of a scene, in coordinates whose origin lies at ``origin`` (3,) [m] of today's; None if it cannot say.
 

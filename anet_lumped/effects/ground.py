@@ -72,6 +72,9 @@ class Ground(Effect):
         """Of the mass of a segment on the springs under it, sqrt(k d/mu)."""
         return max(math.sqrt(self.stiffness * (cable.diameter or 0.0) / cable.mass_per_length) for cable in scene.cables)
 
+    def at_rest(self) -> Effect:
+        return replace(self, friction=0.0)
+
     def seen_from(self, origin: Vector, scene: Any) -> Effect:
         normal = np.array(self.normal) / np.linalg.norm(self.normal)
         return replace(self, height=self.height - float(normal @ origin))

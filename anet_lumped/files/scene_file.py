@@ -56,7 +56,7 @@ import tomllib
 from os import PathLike
 
 from anet_lumped.checks import NAMED, SceneError, nearest, one_line, quoted, shown
-from anet_lumped.regular_files import read_text
+from anet_lumped.regular_files import check_target, read_text
 from anet_lumped.scene.as_dict import DEEPEST, scene_from_dict, scene_to_dict
 from anet_lumped.scene.scene import Scene
 
@@ -105,6 +105,7 @@ def load_scene(path: str | PathLike[str]) -> Scene:
 
 def save_scene(scene: Scene, path: str | PathLike[str]) -> None:
     """Write a scene as a TOML file that `load_scene` reads back as an equal scene, or as a MoorDyn input file by its ending."""
+    check_target(path, "A scene")
     if pathlib.Path(path).suffix.lower() in MOORDYN:
         from .moordyn_writer import save_moordyn
 

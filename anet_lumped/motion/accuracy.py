@@ -210,4 +210,6 @@ def _told(run: Run, known: Known, wanted: Wanted) -> Run:
             "it jumps faster than the steps resolve"
         )
     text = f"{run.method} with dt={run.dt:.3g} s: {'; '.join(found)}."
-    return replace(run, reason=f"{run.reason}; {'; '.join(found)}", warnings=(*run.warnings, text), kept=False)
+    return replace(
+        run, reason=f"{run.reason}; with dt={run.dt:.3g} s {'; '.join(found)}", warnings=(*run.warnings, text), kept=False
+    )

@@ -258,10 +258,10 @@ def _check_keeps_error(scheme: Scheme, dt: float | None, adaptive: bool, extrapo
 
 
 def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: Any, rho_inf: Any, audit: Any, *errors: Any) -> None:
-    sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=None if isinstance(audit, bool) else audit)
+    sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=1.0 if isinstance(audit, bool) else audit)
     sizes |= dict(zip(("error", "tension_error"), errors, strict=True))
     for name, value in sizes.items():
-        if (value is not None or name == "t_end") and not (0 < number(value) < math.inf):
+        if (value is not None or name in ("t_end", "audit")) and not (0 < number(value) < math.inf):
             unit = "" if name in ("rtol", "tension_error") else " [m]" if name in ("atol", "audit", "error") else " [s]"
             raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {shown(value)}.")
     if dt is not None and number(dt) > number(t_end) * (1 + 1e-9):

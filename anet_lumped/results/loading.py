@@ -23,7 +23,7 @@ from .run import FINISHED, STATUSES, Run, Work
 from .run_file import DamagedError
 
 OF_VERSION_0_1 = ("error_estimate",)  # attributes that are not written any more
-NOT_OF_VERSION_0_1 = ("extrapolated", "kept", "format")
+NOT_OF_VERSION_0_1 = ("extrapolated", "kept", "error_factor", "format")
 
 
 def load_run(path: str | PathLike[str]) -> Run:
@@ -54,9 +54,10 @@ def _run(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Run:
     ):
         if name not in among:
             raise DamagedError(f"its {what} {shown(name)} is unknown")
-    for name in ("dt", "wall_time"):
-        if not 0 <= number(account.get(name)) < math.inf:
-            raise DamagedError(f"its `{name}` is {shown(account.get(name))}")
+    numbers = {"error_factor": 1.0} | dict(account)
+    for name in ("dt", "wall_time", "error_factor"):
+        if not 0 <= number(numbers.get(name)) < math.inf:
+            raise DamagedError(f"its `{name}` is {shown(numbers.get(name))}")
     scene = _scene(arrays, account)
     _check_finite(arrays, texts["status"] in FINISHED)
     events = tuple(_records(Event, "events", account))
@@ -72,7 +73,8 @@ def _run(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Run:
     return Run(
         model, arrays["t"], arrays["q"], arrays["v"], arrays["energy"], **texts,
         dt=float(account["dt"]), wall_time=float(account["wall_time"]), segment_tension=arrays["tension"],
-        error_growth=arrays.get("error"), work=work, audit=_record(Audit, "audit", account), events=events,
+        error_growth=arrays.get("error"), error_factor=float(numbers["error_factor"]),
+        work=work, audit=_record(Audit, "audit", account), events=events,
         warnings=_read(tuple[str, ...], "warnings", _typed(str, "warnings", account)),
         extrapolated=bool(account.get("extrapolated", 0)),
         kept=_read(bool | None, "kept", _typed(str, "kept", {"kept": "null"} | dict(account))),

@@ -16,7 +16,7 @@ import numpy as np
 
 from anet_lumped.checks import shown
 from anet_lumped.limits import BYTES
-from anet_lumped.regular_files import read_bytes
+from anet_lumped.regular_files import check_target, read_bytes
 from anet_lumped.results.energy_balance import COLUMNS, UNDIVIDED
 from anet_lumped.scene.as_dict import scene_to_dict
 
@@ -37,6 +37,7 @@ def write(run: Any, path: str | PathLike[str]) -> None:
     """Write a run, its scene and its account."""
     import xarray as xr
 
+    check_target(path, "A run")
     columns = list(COLUMNS if run.energy.shape[1] == len(COLUMNS) else UNDIVIDED)
     account = {
         "format": FORMAT,
@@ -53,6 +54,7 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         "events": json.dumps([asdict(event) for event in run.events]),
         "extrapolated": int(run.extrapolated),
         "kept": json.dumps(run.kept),
+        "error_factor": float(run.error_factor),
     }
     arrays = {"t": run.t, "q": run.q, "v": run.v, "tension": run.segment_tension, "energy": run.energy}
     if run.error_growth is not None:

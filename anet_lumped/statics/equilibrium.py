@@ -1,6 +1,7 @@
 """Static shape of a scene: first the exact equilibrium of its hanging chains, then the loads that depend on the shape."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,6 +59,18 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
     """
     check_scene(scene)
     tolerance = check_number("tolerance", tolerance, "", "`equilibrium`", sign="positive")
+    effects = tuple(effect.at_rest() for effect in scene.effects if not effect.no_force_at_rest)
+    if effects == scene.effects:
+        return _rest(scene, tolerance, start)
+    try:
+        return replace(_rest(replace(scene, effects=effects), tolerance, start), model=build(scene))
+    except EquilibriumError as error:
+        error.state = None if error.state is None else replace(error.state, model=build(scene))
+        raise
+
+
+def _rest(scene: Scene, tolerance: float, start: Start | None) -> State:
+    """Static shape of a scene whose effects are `at_rest`."""
     model = build(scene)
     _check_supports(scene)
     given = None if start is None or (isinstance(start, str) and start == "equilibrium") else start_state(model, start)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anet_lumped.mechanics import newton_step, residual
-from anet_lumped.model.tables import AXIAL_L0, AXIAL_L0_BEFORE, AXIAL_L0_RATE, AXIAL_PUSH_SHARE, AXIAL_TWO_WAY_DAMPER
+from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_L0, AXIAL_L0_BEFORE, AXIAL_L0_RATE, AXIAL_PUSH_SHARE, AXIAL_TWO_WAY_DAMPER
 from integrators.stage import LAW_BACKWARD, Stage
 
 SHORT = 0.1  # first tau over sqrt(L/g)
@@ -57,7 +57,7 @@ def net_at_rest(model, net, load, eased=False):
     Net
     """
     axial = net.axial.copy()
-    axial[:, AXIAL_L0_RATE], axial[:, AXIAL_L0_BEFORE] = 0.0, axial[:, AXIAL_L0]
+    axial[:, AXIAL_L0_RATE], axial[:, AXIAL_L0_BEFORE], axial[:, AXIAL_DAMPER] = 0.0, axial[:, AXIAL_L0], 0.0
     if eased:
         axial[:, AXIAL_PUSH_SHARE] = axial[:, AXIAL_TWO_WAY_DAMPER] = 0.0
     mass = np.where(np.arange(model.n) < model.n_free, load / max(model.n_free, 1), 0.0)
@@ -123,7 +123,17 @@ def relaxed(model, net, q, load, pace=QUICK):
         if tau < longest:
             tau *= growth if iterations < ITERATIONS // 2 else 1.0
             growth = min(pace.growth, 1.2 * growth)
-    return best
+    return max(best, _unbalanced(net, q) / load)
+
+
+def _unbalanced(net, q):
+    """Out-of-balance force of a shape without velocity [N].
+
+    What resists velocities may hold a pseudo-step that has not come to rest.
+    """
+    stage = Stage(LAW_BACKWARD, 0.0, 1.0, 1.0, 1.0, 0.0)
+    norm, _, noise, predicted = residual.residual(stage, q.copy(), q.copy(), q, net.address)
+    return min(predicted, max(norm - noise, 0.0))
 
 
 def _step(net, q, tau, load):

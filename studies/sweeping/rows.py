@@ -14,6 +14,7 @@ from concurrent.futures import Executor
 from pathlib import Path
 
 from anet_lumped.limits import ROWS, check_most
+from anet_lumped.regular_files import check_target
 from studies.sweeping.folder_lock import locked
 from studies.sweeping.row_log import LARGE, RowsError, key, kind, open_log, plain
 from studies.sweeping.workers import check_workers, through_executor, through_own_pool
@@ -97,6 +98,8 @@ def run_rows(
 def save_table(table, stem: Path) -> None:
     """Write a DataFrame as `stem`.parquet and `stem`.csv."""
     stem.parent.mkdir(parents=True, exist_ok=True)
+    for ending in (".csv", ".parquet"):
+        check_target(stem.with_name(stem.name + ending), "A table")
     table.to_csv(stem.with_name(stem.name + ".csv"), index=False)
     table.to_parquet(stem.with_name(stem.name + ".parquet"), index=False)
 
