@@ -37,11 +37,11 @@ NAMES = [
     "length_error",
     "stability_map",
     "energy_rise",
-    "hostile_input",
     "speed",
     "work_precision",
     "hard_cases",
     "effects_cost",
+    "hostile_input",
     "error_estimate",
 ]
 """Names of the studies in the order in which the report runs them: what is soon there and tells most comes first."""
