@@ -41,7 +41,7 @@ class Effect:
     4. It says of itself what is true, by the members below. The defaults claim nothing, so that no result depends on them; a claim
        saves work. Claims are compared with the compiled functions at random states whenever a model is built.
     5. If its parameters name cables or points, `after_break` returns the same effect on what is left of broken cables.
-    6. `seen_from` returns the same effect in coordinates with another origin, if it can.
+    6. `seen_from` returns the same effect in coordinates with another origin, if it can; `at_rest` the effect without its friction.
     7. `example` returns an instance that acts on a given scene, for studies and documentation.
 
     It knows neither the scene's other effects nor the integrator, and an effect that a scene lacks costs that scene nothing.
