@@ -24,6 +24,8 @@ import numpy as np
 from anet_lumped.results.energy_balance import BY_DAMPERS, BY_EFFECTS, BY_METHOD, KINETIC, POTENTIAL, WORK, energy_in_play
 from anet_lumped.scene.scene import Cable, Driven, Free, Scene
 
+from .events import BREAK
+
 MISSED = 0.25  # of the second difference of a tension: twice what a parabola hides between its samples
 RINGS = 0.5  # of a jump of the tension, which an axial vibration that the steps do not resolve would add to it
 LOST = 0.25  # of the share of the energy that the method took: what a peak tension lacks
@@ -94,6 +96,9 @@ def tension_error(run: Any) -> float:
         if len(T) < 3 or peak <= 0.0:
             continue
         jump = np.abs(np.diff(T, 2, axis=0))
+        for event in run.events:
+            if event.kind == BREAK:  # where a cable breaks, tensions are lost in truth
+                jump[(run.t[:-2] <= event.t) & (run.t[2:] >= event.t)] = 0.0
         omega, zeta = lowest_axial_mode(run.scene, cable)
         unresolved = _unresolved(omega, run.dt)
         ringing = _forgetting(jump, zeta * omega * np.diff(run.t)[1:]) if unresolved > 1e-3 else jump

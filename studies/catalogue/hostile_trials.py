@@ -44,15 +44,21 @@ from anet_lumped import (
 from anet_lumped.effects import Air, AxialDamping, Gravity, Ground, Load, Temperature, ViscousDamping, Water
 
 from .hostile_files import SCENE, VALUES, changed_bytes, changed_moordyn_file, changed_scene_file, mooring
+from .hostile_outcomes import (
+    ACCEPTED,
+    BAD,
+    HANG,
+    LONG_LINE,
+    LONGEST_LINE,
+    LONGEST_TIME,
+    NOT_A_NUMBER,
+    OTHER_NUMBERS,
+    REFUSED,
+    SAID,
+    TRACEBACK,
+)
 from .random_trials import Random
 
-ACCEPTED, REFUSED, SAID = "accepted", "refused", "ended with a message"
-TRACEBACK, HANG, LONG_LINE, OTHER_NUMBERS, NOT_A_NUMBER = (
-    "traceback", "longer than 10 s", "long or strange line", "other numbers", "not a number",
-)  # fmt: skip
-BAD = (TRACEBACK, HANG, LONG_LINE, OTHER_NUMBERS, NOT_A_NUMBER)
-OUTCOMES = (ACCEPTED, REFUSED, SAID, *BAD)
-LONGEST_LINE, LONGEST_TIME = 300, 10.0  # characters; [s]
 SIZES = tuple(10.0**power for power in (-320, -300, -150, -99, -60, -30, -12, 12, 30, 60, 99, 150, 300))
 
 

@@ -4,17 +4,7 @@ import json
 
 import pandas as pd
 
-from studies.catalogue.hostile_trials import (
-    ACCEPTED,
-    BAD,
-    KINDS,
-    LONGEST_LINE,
-    LONGEST_TIME,
-    OUTCOMES,
-    REFUSED,
-    SAID,
-    try_many,
-)
+from studies.catalogue.hostile_outcomes import ACCEPTED, BAD, LONGEST_LINE, LONGEST_TIME, OUTCOMES, REFUSED, SAID
 from studies.shown.palette import look
 from studies.shown.sentences import counted, listed
 from studies.study import Drawing, Part, Record
@@ -37,6 +27,8 @@ SEED = 5
 
 def attempt_batch(row):
     """What became of some cases."""
+    from studies.catalogue.hostile_trials import try_many  # with the kernels of effects
+
     found = try_many(row["kind"], SEED, row["first"], row["cases"])
     return {"found": json.dumps(found)}
 
@@ -44,8 +36,8 @@ def attempt_batch(row):
 def compute(quick=False, executor=None, out=None):
     """What became of all cases."""
     rows = []
-    for kind in KINDS:
-        cases = QUICK_CASES if quick else CASES[kind]
+    for kind, all_cases in CASES.items():
+        cases = QUICK_CASES if quick else all_cases
         rows += [{"kind": kind, "first": first, "cases": min(BATCH, cases - first)} for first in range(0, cases, BATCH)]
     found = run_rows(attempt_batch, rows, executor=executor, out=out and out / "batches")
     cases = []
@@ -75,7 +67,7 @@ def _plot(counts):
     from matplotlib.figure import Figure
 
     table = counts.pivot(index="kind", columns="outcome", values="cases").fillna(0.0)
-    table = table.reindex([kind for kind in KINDS if kind in table.index])
+    table = table.reindex([kind for kind in CASES if kind in table.index])
     figure = Figure(figsize=(8.0, 3.2), layout="constrained")
     panel, left = figure.subplots(), 0.0 * table.iloc[:, 0]
     for k, outcome in enumerate([*(one for one in OUTCOMES if one in table), *(one for one in table if one not in OUTCOMES)]):

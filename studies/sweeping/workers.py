@@ -75,6 +75,7 @@ def through_own_pool(function: Callable[[dict], dict], rows: Iterable[dict], wor
                 else:
                     yield row, result
             while lost:
+                _terminate(started)  # one that started as the pool broke would be waited for for ever
                 pool.executor.shutdown()
                 pool = _start_pool(1, function, started)
                 for row, result in _results(pool.executor, function, lost, window=1):
@@ -82,11 +83,15 @@ def through_own_pool(function: Callable[[dict], dict], rows: Iterable[dict], wor
         if pool:
             pool.executor.shutdown()
     finally:
-        for process in started:
-            if process.is_alive():
-                process.terminate()
+        _terminate(started)
         if pool:  # waits for its thread, which else may find its pipe closed as the interpreter ends
             pool.executor.shutdown(cancel_futures=True)
+
+
+def _terminate(processes):
+    for process in processes:
+        if process.is_alive():
+            process.terminate()
 
 
 def start_early() -> None:

@@ -10,21 +10,18 @@ from hypothesis import strategies as st
 
 from anet_lumped import InputError
 from studies.catalogue import hostile_trials
-from studies.catalogue.hostile_trials import (
+from studies.catalogue.hostile_outcomes import (
     ACCEPTED,
     BAD,
     HANG,
-    KINDS,
     LONG_LINE,
     NOT_A_NUMBER,
     OTHER_NUMBERS,
     REFUSED,
     SAID,
     TRACEBACK,
-    Outcome,
-    attempt,
-    try_many,
 )
+from studies.catalogue.hostile_trials import KINDS, Outcome, attempt, try_many
 from studies.questions import hostile_input
 
 
@@ -88,6 +85,10 @@ class FirstOfAll:
 
     def one_of(self, choices):
         return choices[0]
+
+
+def test_the_study_tries_all_kinds():
+    assert list(hostile_input.CASES) == list(KINDS) and sum(hostile_input.CASES.values()) == 10_000
 
 
 def test_the_study_counts_and_names_what_is_bad():
