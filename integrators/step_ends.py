@@ -17,10 +17,11 @@ from .system import (
 
 @internal
 def evaluate_start(system_address, data_address, t, state, counts):
-    """Prescribed rows, the force in ``state.memory[0]``, and its powers."""
+    """Prescribed rows, what constraints ask for, the force in ``state.memory[0]``, and its powers."""
     system, balance = system_at(system_address), state.balance
     power = balance[SCRATCH:]
     system.prescribe(t, data_address, state.q, state.v)
+    balance[PUT_IN] += system.project(t, data_address, state.q, state.v)
     system.force(t, state.q, state.v, data_address, state.memory[0], power)
     counts[FORCES] += 1
     for k in range(3):

@@ -76,6 +76,9 @@ class System(NamedTuple):
     margin(q, v, data_address) -> margin
         How far a state is beyond an event, by any continuous measure that is positive beyond the event; `NO_EVENTS` if there is
         none. A march stops where it turns positive.
+    project(t, data_address, q, v) -> work
+        Change a state whose prescribed rows are those of time t by as little as its constraints ask for; returns the work put in by
+        that [J]. Embedded pairs call it after each step, before the force there.
     """
 
     prescribe: object
@@ -91,6 +94,7 @@ class System(NamedTuple):
     observe: object
     energy: object
     margin: object
+    project: object
     per_mass: np.ndarray
     n_free: int
     largest: float
@@ -149,6 +153,7 @@ _FUNCTIONS = (
     types.void(_f2, _f2, _i8, _f1),
     types.void(_f8, _f2, _f2, _i8, _f1),
     _f8(_f2, _f2, _i8),
+    _f8(_f8, _i8, _f2, _f2),
 )
 SYSTEM = types.NamedTuple((*map(types.FunctionType, _FUNCTIONS), _f2, _i8, _f8), System)
 system_at = view_at(SYSTEM)

@@ -21,7 +21,7 @@ class _Absent(types.WrapperAddressProtocol):
         raise TypeError("The function of a system that its method does not ask for has no signature.")
 
 
-def system(model, force=True, newton=True, mean=True):
+def system(model, force=True, newton=True, mean=True, links=False):
     """`System` of a model.
 
     Parameters
@@ -33,25 +33,29 @@ def system(model, force=True, newton=True, mean=True):
         Whether the method has implicit stages. Else the functions in `NEWTON` are absent.
     mean : bool
         Whether the method needs the mean of tensions over stages.
+    links : bool
+        Whether the cables do not stretch and forces are to keep their lengths.
 
     Returns
     -------
     System
     """
-    if force:
+    if force and not links:
         from anet_lumped.mechanics.force import force as of_forces
     else:
         from anet_lumped.mechanics.no_force import no_force as of_forces
     events = len(model.breaking_tension) > 0
+    own = _of_links() if links else {}
     return System(
-        prescribe=first_class(prescribe.prescribe),
-        force=first_class(of_forces),
+        prescribe=own.get("prescribe") or first_class(prescribe.prescribe),
+        force=own.get("force") or first_class(of_forces),
         **(_newton() if newton else dict.fromkeys(NEWTON, _Absent())),
         average=_average() if newton and mean else _Absent(),
-        remember=_remember() if events else _Absent(),
-        observe=first_class(observe.observe),
+        remember=own.get("remember") or (_remember() if events else _Absent()),
+        observe=own.get("observe") or first_class(observe.observe),
         energy=first_class(observe.energies),
-        margin=_margin() if events else first_class(observe.no_margin),
+        margin=own.get("margin") or (_margin() if events else first_class(observe.no_margin)),
+        project=own.get("project") or first_class(prescribe.keep),
         per_mass=np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(
             -1, 3
         ),  # a point without a cable has no mass
@@ -70,6 +74,21 @@ def _newton():
         "settle": settle.settle,
         "adopt": newton_step.adopt,
         "forget": newton_step.forget,
+    }
+    return {name: first_class(function) for name, function in functions.items()}
+
+
+def _of_links():
+    """Functions of a system whose cables do not stretch, by their names in `System`."""
+    from anet_lumped.mechanics.links import motion, project
+
+    functions = {
+        "prescribe": motion.prescribe_ends,
+        "force": motion.force,
+        "observe": motion.observe,
+        "margin": motion.margin,
+        "remember": motion.remember,
+        "project": project.project,
     }
     return {name: first_class(function) for name, function in functions.items()}
 

@@ -19,7 +19,9 @@ from anet_lumped.mechanics.segment_law import SHORTEST, spring_of
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
+    AXIAL_INEXTENSIBLE,
     AXIAL_L0,
+    AXIAL_L0_ACCELERATION,
     AXIAL_L0_BEFORE,
     AXIAL_L0_RATE,
     AXIAL_OMEGA_SQUARED,
@@ -86,12 +88,18 @@ def set_lengths(net_address, t_start, t_middle, t_end):
     """
     net = view_net(net_address)
     lengths, axial = net.lengths, net.axial
-    times, paid, x, rate = lengths.times, lengths.paid, lengths.path_values[0], lengths.path_values[1]
+    times, paid, x, rate, change = (
+        lengths.times,
+        lengths.paid,
+        lengths.path_values[0],
+        lengths.path_values[1],
+        lengths.path_values[2],
+    )
     if times[0] == t_start and times[1] == t_middle and times[2] == t_end:
         return
     times[0], times[1], times[2] = t_start, t_middle, t_end
     for k in range(3):
-        evaluate(times[k], lengths.paths, x, rate, lengths.path_values[2])
+        evaluate(times[k], lengths.paths, x, rate, change)
         for r in range(lengths.cable.shape[0]):
             c, length, p, e = lengths.cable[r], lengths.material[r, MATERIAL_LENGTH], x[2 * r, 0], x[2 * r + 1, 0]
             count, paid[k, r] = net.cable[c, CABLE_SEGMENTS], p
@@ -106,6 +114,9 @@ def set_lengths(net_address, t_start, t_middle, t_end):
                 paid[PAID_RATE, r] = rate[2 * r, 0]
                 axial[c, AXIAL_L0] = L * (1.0 + e)
                 axial[c, AXIAL_L0_RATE] = rate[2 * r, 0] / count * (1.0 + e) + L * rate[2 * r + 1, 0]
+                axial[c, AXIAL_L0_ACCELERATION] = (
+                    change[2 * r, 0] * (1.0 + e) + 2.0 * rate[2 * r, 0] * rate[2 * r + 1, 0]
+                ) / count + L * change[2 * r + 1, 0]
     _set_masses(net, paid[PAID_MIDDLE])
     for c in range(net.cable.shape[0]):  # of all cables: the mass of an end point changes with each cable that it holds
         axial[c, AXIAL_OMEGA_SQUARED] = _omega_squared(net, c)
@@ -171,6 +182,8 @@ def power_of_lengths(net_address, t, q, v, f):
             l = math.sqrt(dx * dx + dy * dy + dz * dz)
             rate = (dx * (v1[0] - v0[0]) + dy * (v1[1] - v0[1]) + dz * (v1[2] - v0[2])) / max(l, SHORTEST * L0) - L0_rate
             T, _ = tension_parts(l - L0, rate, spring, row[AXIAL_DAMPER], row[AXIAL_TWO_WAY_DAMPER])
+            if row[AXIAL_INEXTENSIBLE] > 0.0:
+                T = net.tension[net.cable[c, CABLE_FIRST_SEGMENT] + j]
             power += (
                 elastic_energy(l - L0, _with_stiffness(spring, stiffness_rate)) + (energy_of_length(l - L0, spring) - T) * L0_rate
             )

@@ -4,7 +4,7 @@ import numpy as np
 
 from anet_lumped.mechanics.required_kernels import require
 from anet_lumped.model import rest_lengths
-from anet_lumped.model.net import Net
+from anet_lumped.model.net import NO_LINKS, Net
 from anet_lumped.model.tables import (
     KERNELS,
     LINEARISED_BEGINNING,
@@ -20,7 +20,7 @@ from anet_lumped.prescribed.paths import pack
 from anet_lumped.scene.scene import Driven
 
 
-def fresh_net(model, force=True, newton=True):
+def fresh_net(model, force=True, newton=True, links=False):
     """Make the arrays that compiled code works on, with fresh scratch space. Each run needs its own.
 
     Parameters
@@ -28,6 +28,8 @@ def fresh_net(model, force=True, newton=True):
     model : Model
     force, newton : bool
         Whether the run needs forces at one time, and whether it needs the stages of an implicit method.
+    links : bool
+        Whether its forces are those of links, cables that do not stretch.
 
     Returns
     -------
@@ -75,9 +77,10 @@ def fresh_net(model, force=True, newton=True):
         breaking_tension=model.breaking_tension,
         observed_tension=np.zeros(len(model.breaking_tension)),
         remembered=np.zeros(16 * len(model.breaking_tension) + 5),
+        links=model.links.of_a_run() if links else NO_LINKS,
         kernels=np.zeros(KERNELS, np.int64),
     ).addressed()
-    require(net, model, force, newton)
+    require(net, model, force and not links, newton)
     if changing:
         from anet_lumped.mechanics.changing_lengths import set_lengths  # compiled for those scenes alone
 

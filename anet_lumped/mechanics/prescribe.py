@@ -21,3 +21,9 @@ def prescribe(t, net_address, q, v):
         as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)
     if net.n_driven < q.shape[0]:
         as_drive(net.kernels[KERNEL_DRIVE])(t, net_address, q, v)
+
+
+@kernel(types.float64(float64, int64, _f2, _f2))
+def keep(t, net_address, q, v):
+    """`System.project` of cables that stretch, of which no state has to be changed."""
+    return 0.0

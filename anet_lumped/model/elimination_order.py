@@ -1,24 +1,36 @@
 """The order in which free points are eliminated, and the pattern of blocks that this fills."""
 
+from heapq import heapify, heappop, heappush
+
 import numpy as np
 
 from anet_lumped.model.net import Points
 
 
 def minimum_degree(names, links):
-    """Elimination order of the free points by least fill, and each one's later neighbours (fill included)."""
+    """Elimination order of the free points by least fill, and each one's later neighbours (fill included).
+
+    Of points with equally many neighbours the first of ``names`` comes first. A heap holds for each point how many neighbours it
+    had at any time; entries that have been overtaken are passed over.
+    """
     neighbours = {name: set() for name in names}
     for a, b in links:
         if a in neighbours and b in neighbours:
             neighbours[a].add(b)
             neighbours[b].add(a)
+    rank = {name: i for i, name in enumerate(neighbours)}
+    entries = [(len(others), rank[name], name) for name, others in neighbours.items()]
+    heapify(entries)
     order, later = [], {}
     while neighbours:
-        name = min(neighbours, key=lambda p: len(neighbours[p]))
+        degree, _, name = heappop(entries)
+        if name not in neighbours or len(neighbours[name]) != degree:
+            continue
         later[name] = neighbours.pop(name)
         for p in later[name]:
             neighbours[p] |= later[name]
             neighbours[p] -= {p, name}
+            heappush(entries, (len(neighbours[p]), rank[p], p))
         order.append(name)
     return order, later
 

@@ -16,6 +16,7 @@ from anet_lumped.model.tables import (
 )
 from anet_lumped.scene.scene import Scene
 
+from .link_order import link_tables
 from .net import Effects, Lengths, Points
 
 
@@ -93,6 +94,11 @@ class Model:
         """(n_segments,) float64: tension at which each segment breaks [N], inf for never; empty if no cable breaks."""
         limits = [np.inf if cable.breaking_tension is None else cable.breaking_tension for cable in self.scene.cables]
         return np.array(limits)[self.cable_of] if np.isfinite(limits).any() else np.empty(0)
+
+    @cached_property
+    def links(self):
+        """`Links` of a model whose cables do not stretch."""
+        return link_tables(self)
 
     @cached_property
     def springs_of_cables(self):

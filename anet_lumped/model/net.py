@@ -80,6 +80,41 @@ class Points(NamedTuple):
     block: np.ndarray
 
 
+class Links(NamedTuple):
+    """The system of the tensions of links, segments that do not stretch, see `link_order`; all empty for a run without links.
+
+    End link u is segment ``segment[u]`` and is eliminated u-th. Its later neighbours are ``later[later_at[u]:later_at[u+1]]``, whose
+    positions there are those of the entries that join both. ``target`` holds the entry that each pair of later neighbours updates,
+    in row order, from ``target_at[u]`` on. `tables` names the columns of ``unknown``, ``meeting`` and ``state``.
+    """
+
+    unknown: np.ndarray  # (n_cables, 3)
+    segment: np.ndarray
+    later_at: np.ndarray
+    later: np.ndarray
+    target_at: np.ndarray
+    target: np.ndarray
+    meeting: np.ndarray  # (pairs, 5)
+    mobility: np.ndarray  # (n,) [1/kg] inverse of the masses, 0 for prescribed nodes
+    fluid_mobility: np.ndarray  # (n_free, 3, 3) the same with added mass, empty where no effect has any
+    vector: np.ndarray  # (n_segments, 3) [m]
+    size: np.ndarray  # (n_segments,) diagonal of the system
+    pivot: np.ndarray  # (n_segments,) inverse of the pivot
+    to_next: np.ndarray  # (n_segments,) factor towards the next link of the cable
+    to_start: np.ndarray  # (n_segments,) factor towards the first link of the cable, which is an end link
+    diagonal: np.ndarray  # (end links,) inverse of the pivot
+    entry: np.ndarray  # (entries,) of the system of the end links, and its factors
+    right_side: np.ndarray  # (n_segments,) and the solution
+    tau: np.ndarray  # (n_segments,) [N/m] tension over length
+    acceleration: np.ndarray  # (n, 3) [m/s2]
+    driven: np.ndarray  # (3, driven nodes, 3) scratch of places and velocities, and the velocities before an impulse
+    state: np.ndarray  # (4,)
+
+    def of_a_run(self):
+        """The same with numbers of its own."""
+        return self._replace(**{name: getattr(self, name).copy() for name in self._fields[7:]})
+
+
 class Net(NamedTuple):
     """A model as compiled code sees it, with the scratch arrays of one run.
 
@@ -122,6 +157,7 @@ class Net(NamedTuple):
     breaking_tension: np.ndarray  # (n_segments,) [N] tension at which each breaks, inf for never; empty where no cable does
     observed_tension: np.ndarray  # (n_segments,) scratch, likewise
     remembered: np.ndarray  # scratch of `memory.remember`, likewise
+    links: Links
     kernels: np.ndarray = np.empty(0, np.int64)  # (KERNELS,) addresses of kernels that only some scenes need, 0 for none
     address: int = 0  # address of ``words``
     words: np.ndarray = np.empty(0, np.int64)  # this tuple as compiled code lays it out in memory, for `view_net`
@@ -137,13 +173,15 @@ class Net(NamedTuple):
 EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1, types.int64), Effects)
 LENGTHS = types.NamedTuple((_i1, _f2, TABLE, _f1, _i1, _i1, _f1, _f1, _i1, _i1, _f1, _f1, _f2, _f2, _f3), Lengths)
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
+LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f1), Links)
+NO_LINKS = Links(*(np.zeros((0,) * kind.ndim, np.int64 if kind.dtype == types.int64 else float) for kind in LINKS.types))
 NET = types.NamedTuple(
     (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, TABLE, types.int64, EFFECTS, LENGTHS, POINTS)
     + (_f2, _f1, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f2, _f3)
     + (_f2,) * 3
     + (_f4, _f4, _f3)
     + (_f1,) * 3
-    + (_i1, types.int64, _i1),
+    + (LINKS, _i1, types.int64, _i1),
     Net,
 )
 

@@ -9,10 +9,11 @@ CABLE_COLUMNS = 10
 
 # `Net.axial`, one row a cable, the law of its segments: L0 [m], k [N/m], c [N s/m], the share of k that pushes, 1 for a damper that
 # acts on slack segments too, the square of the highest frequency of a segment between the masses at its ends,
-# k (1/m_a + 1/m_b) [1/s2]; 1 where the cable does not stretch (k and c are then 0); dL0/dt [m/s]; L0 at the start of a stage [m].
+# k (1/m_a + 1/m_b) [1/s2]; 1 where the cable does not stretch (k and c are then 0); dL0/dt [m/s]; L0 at the start of a stage [m]; d2L0/dt2 [m/s2].
 AXIAL_L0, AXIAL_STIFFNESS, AXIAL_DAMPER, AXIAL_PUSH_SHARE, AXIAL_TWO_WAY_DAMPER = 0, 1, 2, 3, 4
 AXIAL_OMEGA_SQUARED, AXIAL_INEXTENSIBLE, AXIAL_L0_RATE, AXIAL_L0_BEFORE = 5, 6, 7, 8
-AXIAL_COLUMNS = 9
+AXIAL_L0_ACCELERATION = 9
+AXIAL_COLUMNS = 10
 
 # `Net.springs`, one row a piece of a tension-strain curve: the strain that it acts from, and its share of k.
 CURVE_STRAIN, CURVE_SHARE = 0, 1
@@ -54,3 +55,16 @@ KERNEL_SUBSTITUTE_SINGLES, KERNEL_SUBSTITUTE_GROUPS, KERNEL_SUBSTITUTE_BORDERED 
 KERNEL_DRIVE, KERNEL_SET_LENGTHS, KERNEL_POWER_OF_LENGTHS, KERNEL_WORK_OF_LENGTHS, KERNEL_ENERGY_OF_PAID_OUT = 14, 15, 16, 17, 18
 KERNEL_SETTLE_EFFECTS = 19
 KERNELS = 20
+
+# `Links.unknown`, one row a cable: numbers of the first and of the last of its links among the end links, -1 for one that is not
+# among them, and the entry of their system that joins both, -1 for none.
+END_LINK_FIRST, END_LINK_LAST, END_LINKS_ENTRY = range(3)
+
+# `Links.meeting`, one row for two end links that meet at a free point: its node, the two segments, the product of their signs there
+# and the entry of the system that joins them.
+MEETING_NODE, MEETING_FIRST, MEETING_SECOND, MEETING_SIGN, MEETING_ENTRY = range(5)
+
+# `Links.state`: time that was prescribed last [s]; 1 if ``Net.tension`` belongs to it and to the state whose force was asked for last;
+# largest component of an external force on a node then [N]; most redundant lengths found so far in a run.
+LINKS_TIME, LINKS_CURRENT, LINKS_FORCE, LINKS_REDUNDANT = range(4)
+LINKS_COLUMNS = 4

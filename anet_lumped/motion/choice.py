@@ -92,6 +92,12 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0):
         raise InputError(
             f"A cable that does not stretch needs {needed}, but cable {quoted(rigid)} has EA=inf and the method is {method}."
         )
+    elastic = next((cable.name for cable in scene.cables if not cable.inextensible), None)
+    if elastic is not None and method is not None and schemes.scheme(method).keeps_constraints:
+        raise InputError(
+            f'Method "{method}" needs cables that do not stretch, EA=inf, but cable {quoted(elastic)} has '
+            f"EA={scene.cable(elastic).EA:g} N."
+        )
     chosen_by_user = method is not None
     prediction = _predict(scene, tuple(sorted({DEFAULT_EXPLICIT, method if chosen_by_user else DEFAULT_IMPLICIT})))
     limit = prediction.limits[DEFAULT_EXPLICIT].step

@@ -18,8 +18,10 @@ from anet_lumped.model.tables import CABLE_SEGMENTS
 from anet_lumped.results.energy_balance import BY_EFFECTS, POTENTIAL, WORK
 from anet_lumped.results.events import BREAK, PAYLOAD, Event, broken
 from anet_lumped.results.run import STATUS, RunInterrupt, Work
+from integrators import schemes
 from integrators.system import BALANCE, DONE, ENERGIES, EVENT, SAME_TIME, UNCONVERGED
 
+from .link_legs import Handover
 from .times import Leg
 
 NEARLY_TAUT = 10.0  # steps before cables would not reach any more, within which that is why no step converges
@@ -72,15 +74,19 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
     if overloaded or due[:1] == [start.t]:
         made.add_row()
         made.break_segments(overloaded)
+    handover = Handover(choice, settings.adaptive) if schemes.scheme(choice.method).keeps_constraints else None
     while True:
         if due and due[0] == made.t:
             made.change_payloads(due.pop(0))
         end, own = due[0] if due else t_end, made.left
         short = first_shortfall(own.model.scene, made.t, end)
         leg = made.leg._replace(begin=made.t, end=end if short is None else short.t)
-        begin = Start(made.q[own.node], made.v[own.node], made.tension[own.segment])
+        begin, taken = Start(made.q[own.node], made.v[own.node], made.tension[own.segment]), choice
+        if handover is not None:
+            taken, begin, until = handover.next_leg(made, own.model, begin, leg.end)
+            leg = leg._replace(end=until)
         try:
-            run = march(own.model, choice, leg, begin, settings)
+            run = march(own.model, taken, leg, begin, settings)
         except RunInterrupt as stopped:
             made.add(stopped.run)
             raise RunInterrupt(made.joined()) from None
@@ -88,11 +94,11 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
         if short is not None and (run.ok or (run.status == STATUS[UNCONVERGED] and short.t - made.t <= NEARLY_TAUT * run.dt)):
             return replace(made.joined(), status=STATUS[UNCONVERGED], message=f"The run stopped at t={made.t:.4g} s. {short.words}")
         if run.status == STATUS[EVENT]:
-            made.break_segments(made.overloaded(at_least=1))
+            made.break_segments(made.overloaded(at_least=1 if handover is None or handover.slack else 0))
         elif not run.ok:
             return made.joined()
         if made.t >= t_end:
-            return made.joined()
+            return made.joined() if handover is None else handover.told(made.joined())
 
 
 class _Rows(NamedTuple):
@@ -154,6 +160,15 @@ class _Legs:
         own, net, energy = self.left, fresh_net(self.left.model, force=False, newton=False), np.zeros(BALANCE)
         system(own.model, force=False, newton=False).energy(self.t, self.q[own.node], self.v[own.node], net.address, energy)
         return energy[:ENERGIES] + self.carried
+
+    def tell(self, kind, where, lost):
+        """Tell an event of cables that went slack or were taut again."""
+        self.events.append(Event(self.t, kind, where, lost))
+
+    def book(self, work, lost):
+        """Add the work [J] of an impulse, and the energy that it took, to the account."""
+        self.carried[WORK] += work
+        self.carried[BY_EFFECTS] += lost
 
     def change_payloads(self, t):
         """Change the payloads whose events are at t."""

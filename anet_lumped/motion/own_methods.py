@@ -34,7 +34,7 @@ def march(model, choice, leg, start, settings):
     from anet_lumped.mechanics.bindings import system  # compiled on first use: a scene or its equilibrium need none of it
 
     scheme = schemes.scheme(choice.method)
-    needs = {"force": scheme.evaluates_force, "newton": not scheme.explicit}
+    needs = {"force": scheme.evaluates_force, "newton": not scheme.explicit, "links": scheme.keeps_constraints}
     net, bound = fresh_net(model, **needs), system(model, **needs, mean=scheme.observes_mean_over_stages)
     net.tension[:] = start.tension
     if settings.adaptive:

@@ -6,6 +6,10 @@ from dataclasses import dataclass
 from anet_lumped.checks import quoted
 
 PAYLOAD, BREAK = "payload changed", "broke"
+SLACK, TAUT = (
+    "went slack",
+    "was taut again",
+)  # of cables that do not stretch, where `links` leaves them to `edmc` and takes them back
 
 
 @dataclass(frozen=True)
@@ -15,8 +19,8 @@ class Event:
     Parameters
     ----------
     t : float [s]
-    kind : "payload changed" or "broke"
-    where : name of the point, or of the cable
+    kind : "payload changed", "broke", "went slack" or "was taut again"
+    where : name of the point, or of the cable; "" where all cables are taut again
     lost : float [J], energy that it dissipated
     mass : float or None [kg], of the payload from then on
     segment : int or None, that broke, counted from the cable's start as in ``Run.tension``
@@ -34,6 +38,10 @@ class Event:
     def __str__(self) -> str:
         if self.kind == BREAK:
             return f"t={self.t:.6g} s: segment {self.segment} of cable {quoted(self.where)} broke at {self.tension:.4g} N"
+        if self.kind == SLACK:
+            return f"t={self.t:.6g} s: cable {quoted(self.where)} went slack"
+        if self.kind == TAUT:
+            return f"t={self.t:.6g} s: all cables were taut again"
         return f"t={self.t:.6g} s: the payload at point {quoted(self.where)} became {self.mass:.4g} kg"
 
 

@@ -100,6 +100,7 @@ def save_within(stepper, t, h, end, total_error, scratch, state, rows, saved):
                 balance[k] = start.balance[k]
             dense_output((t_saved - t) / h, h, start, memory, parameters, system.n_free, state_saved)
         system.prescribe(t_saved, data_address, state_saved.q, state_saved.v)
+        system.project(t_saved, data_address, state_saved.q, state_saved.v)
         system.observe(state_saved.q, state_saved.v, data_address, saved.observed[rows])
         system.energy(t_saved, state_saved.q, state_saved.v, data_address, balance)
         copy(balance[:ENERGIES], saved.energy[rows])
@@ -187,6 +188,7 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
         h = max(h * factor, h_wanted if h < h_wanted and error < 0.5 else 0.0)
         error_before, rejections = error, 0
     if status != DONE and saved.t[rows - 1] < t and rows < saved.t.shape[0]:  # the state that was reached
+        system.prescribe(t, data_address, state.q, state.v)
         rows = save(system_address, data_address, rows, t, total_error, state, saved)
     return status, rows, t, node if status == DIVERGED else -1, total_error, stiffness.held, stiffness.held_for
 

@@ -12,6 +12,8 @@ MODULES = {  # name of a scheme: module that holds its record, imported when the
     "verlet": "integrators.schemes.verlet",
     "rk4": "integrators.schemes.rk4",
     "dop853": "integrators.schemes.dop853",
+    "links": "integrators.schemes.links",
+    "links5": "integrators.schemes.links",
     "edmc": "integrators.schemes.edmc",
     "backward_euler": "integrators.schemes.backward_euler",
     "midpoint": "integrators.schemes.midpoint",

@@ -131,6 +131,8 @@ def _stage(call, s, q_s, v_s, f):
         V_s[i] = call.V[i] + h * dV[i]
     power = memory[1 + S + s, 0]
     system.prescribe(call.t + c * h, call.data_address, q_s, v_s)
+    if s == int(parameters[END]):
+        system.project(call.t + c * h, call.data_address, q_s, v_s)
     system.force(call.t + c * h, q_s, v_s, call.data_address, f, power)
     call.counts[FORCES] += 1
     a = part(numbers, (1 + s) * width, n)

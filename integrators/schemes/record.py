@@ -34,6 +34,7 @@ class Family(Enum):
     COLLOCATION = "collocation"
     ALPHA = "alpha method"
     MULTISTEP = "multistep"
+    CONSTRAINED = "explicit, with constraints"
 
 
 class EnergyPromise(Enum):
@@ -95,6 +96,8 @@ class Scheme:
     books_its_losses : bool
         Its steps find out what they take from the motion themselves. Of other schemes that is what no force accounts for.
     takes_rigid_springs : bool, springs that do not stretch, whose forces are unknowns of the step
+    keeps_constraints : bool
+        For systems whose springs all are rigid: forces are what keeps their lengths, which each step gives back (`System.project`).
     takes_changing_rest_lengths : bool, springs whose rest lengths change in time
     stops_at_events : bool, a march that ends within a step where a margin of the system turns positive
 
@@ -130,6 +133,7 @@ class Scheme:
     options: Mapping[str, float] = field(default_factory=dict)
     books_its_losses: bool = False
     takes_rigid_springs: bool = False
+    keeps_constraints: bool = False
     takes_changing_rest_lengths: bool = False
     stops_at_events: bool = True
     step: Callable | None = None

@@ -223,6 +223,11 @@ def margin(q, v, address):
     return q[1, 0] - data.level if data.level < 1e9 else NO_EVENTS
 
 
+@njit(cache=True)
+def project(t, address, q, v):
+    return 0.0
+
+
 _FUNCTIONS = {
     "prescribe": (prescribe, (_f8, _i8, _f2, _f2)),
     "force": (force, (_f8, _f2, _f2, _i8, _f2, _f1)),
@@ -237,6 +242,7 @@ _FUNCTIONS = {
     "observe": (observe, (_f2, _f2, _i8, _f1)),
     "energy": (energy, (_f8, _f2, _f2, _i8, _f1)),
     "margin": (margin, (_f2, _f2, _i8)),
+    "project": (project, (_f8, _i8, _f2, _f2)),
 }
 
 
