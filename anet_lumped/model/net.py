@@ -81,7 +81,7 @@ class Points(NamedTuple):
 
 
 class Links(NamedTuple):
-    """The system of the tensions of links, segments that do not stretch, see `link_order`; all empty for a run without links.
+    """The system of the tensions of links, segments that do not stretch, see `link_order`; empty for a run without links.
 
     End link u is segment ``segment[u]`` and is eliminated u-th. Its later neighbours are ``later[later_at[u]:later_at[u+1]]``, whose
     positions there are those of the entries that join both. ``target`` holds the entry that each pair of later neighbours updates,

@@ -48,7 +48,7 @@ class Shortfall(NamedTuple):
         )
 
 
-def shortfall(scene, t, free=None):
+def shortfall(scene, t, free=None, straight=False):
     """The cables of a scene that do not reach at a time, or None.
 
     Parameters
@@ -57,6 +57,8 @@ def shortfall(scene, t, free=None):
     t : float [s]
     free : dict of str and (3,) [m], or None
         Where free points are, if they count as held.
+    straight : bool
+        Whether cables may be straight between held points.
 
     Returns
     -------
@@ -81,7 +83,7 @@ def shortfall(scene, t, free=None):
         farthest = float(np.abs(places - at[begin]).sum(axis=1).max())
         for end, (length, segments, names) in _shortest_ways(ways, begin, at, farthest).items():
             distance = float(np.linalg.norm(at[end] - at[begin]))
-            least = 1.0 + ROUNDED if segments == 1 or free is not None else 1.0 - 1e-12
+            least = 1.0 + ROUNDED if segments == 1 or free is not None or straight else 1.0 - 1e-12
             if distance > length * least:
                 return Shortfall(names, length, distance, (begin, end), t)
     return None

@@ -57,6 +57,11 @@ def _path(terms):
     return dataclasses.replace(path, coefficients=factor * path.coefficients, sine=sine)
 
 
+def paths(scene):
+    """Lengths paid out and strains at rest of the cables whose length changes, as a list of Path in x."""
+    return [_path(terms) for pair in changes(scene).values() for terms in pair if terms]
+
+
 def table(scene, model, cut):
     """`Lengths` of a model, which is complete but for them.
 

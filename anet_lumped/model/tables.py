@@ -9,7 +9,8 @@ CABLE_COLUMNS = 10
 
 # `Net.axial`, one row a cable, the law of its segments: L0 [m], k [N/m], c [N s/m], the share of k that pushes, 1 for a damper that
 # acts on slack segments too, the square of the highest frequency of a segment between the masses at its ends,
-# k (1/m_a + 1/m_b) [1/s2]; 1 where the cable does not stretch (k and c are then 0); dL0/dt [m/s]; L0 at the start of a stage [m]; d2L0/dt2 [m/s2].
+# k (1/m_a + 1/m_b) [1/s2]; 1 where the cable does not stretch (k and c are then 0); dL0/dt [m/s]; L0 at the start of a stage [m];
+# d2L0/dt2 [m/s2].
 AXIAL_L0, AXIAL_STIFFNESS, AXIAL_DAMPER, AXIAL_PUSH_SHARE, AXIAL_TWO_WAY_DAMPER = 0, 1, 2, 3, 4
 AXIAL_OMEGA_SQUARED, AXIAL_INEXTENSIBLE, AXIAL_L0_RATE, AXIAL_L0_BEFORE = 5, 6, 7, 8
 AXIAL_L0_ACCELERATION = 9
@@ -64,7 +65,7 @@ END_LINK_FIRST, END_LINK_LAST, END_LINKS_ENTRY = range(3)
 # and the entry of the system that joins them.
 MEETING_NODE, MEETING_FIRST, MEETING_SECOND, MEETING_SIGN, MEETING_ENTRY = range(5)
 
-# `Links.state`: time that was prescribed last [s]; 1 if ``Net.tension`` belongs to it and to the state whose force was asked for last;
-# largest component of an external force on a node then [N]; most redundant lengths found so far in a run.
+# `Links.state`: time that was prescribed last [s]; 1 if ``Links.tau`` belongs to it and to the state whose force was asked for
+# last; largest component of an external force on a node then [N]; most redundant lengths found so far in a run.
 LINKS_TIME, LINKS_CURRENT, LINKS_FORCE, LINKS_REDUNDANT = range(4)
 LINKS_COLUMNS = 4

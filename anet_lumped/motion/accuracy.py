@@ -78,7 +78,14 @@ class Known(NamedTuple):
     apart: float = math.inf
 
 
-def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wanted, duration: float, span: float) -> Run:
+def keep_error(
+    march: Callable[[Choice, float], Run],
+    choice: Choice,
+    wanted: Wanted,
+    duration: float,
+    span: float,
+    instead: Callable[[Run, float], Run | None] | None = None,
+) -> Run:
     """March with steps short enough for the errors that are wanted.
 
     Parameters
@@ -89,6 +96,9 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
     wanted : Wanted
     duration : float [s]
     span : float [s], between saved states, or the duration: it holds a whole number of steps
+    instead : callable(run, parts) -> Run or None
+        Asked before steps are taken in ``parts``, of which a run over some time says that they are needed: a run by another method,
+        if that is cheaper and keeps the error.
 
     Returns
     -------
@@ -100,6 +110,9 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
         pilot = march(choice, span * max(1.0, math.floor(PILOT * duration / span)) if span < duration else PILOT * duration)
         if pilot.ok:
             share = (pilot.t[-1] - pilot.t[0]) / duration
+            other = instead(pilot, _wish(pilot, wanted, share)) if instead is not None else None
+            if other is not None:
+                return other
             choice = _finer(choice, _parts(pilot, wanted, share), span)
     run, in_vain, as_far_before = march(choice, duration), (False, False), False
     known = Known(run.error_estimate or 0.0, run.tension_error)
@@ -108,6 +121,9 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
         parts = min(parts, int(most_of(STEPS) * choice.dt / duration))
         if parts < 2:
             break
+        other = instead(run, _wish(run, wanted, 1.0, known.of_told)) if instead is not None and known.apart == math.inf else None
+        if other is not None:
+            return other
         coarser, before, choice = run, known, _finer(choice, parts, span)
         took = parts * run.wall_time
         LOG.info("with dt=%.3g s places are known to %.2g m, the largest tension to %.2g", run.dt, known.error, known.tension_error)
@@ -116,7 +132,7 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
         if not run.ok:
             return run
         if (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0) and run.tension_error > before.tension_error:
-            return _told(coarser, before, wanted)  # such short steps show rounding and Newton's tolerance
+            return told(coarser, before, wanted)  # such short steps show rounding and Newton's tolerance
         known = _compared(run, coarser, wanted, before.apart)
         # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
         loses = run.energy_balance.lost_to_method > ALLOWED_LOSS * run.energy_balance.in_play
@@ -126,7 +142,7 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
             as_far and as_far_before,
         )  # peaks come nearer by fits and starts
         as_far_before = as_far
-    return _told(run, known, wanted) if run.ok else run
+    return told(run, known, wanted) if run.ok else run
 
 
 def _finer(choice: Choice, parts: int, span: float) -> Choice:
@@ -154,6 +170,13 @@ def _parts(
     if tensions > 1.0 and not in_vain[1]:
         wishes.append(min(math.ceil((tensions / AIM) ** 0.5), int(MOST_FOR_TENSIONS * of_first)))
     return min(max(wishes), MOST_AT_ONCE)
+
+
+def _wish(run: Run, wanted: Wanted, share: float, of_told: float = 1.0) -> float:
+    """Number of steps that each step of a run should be replaced by for its places, however many; see `_parts`."""
+    scheme = schemes.scheme(run.method)
+    order = scheme.error_order or scheme.order or 1
+    return float((of_told * (run.error_estimate or 0.0) / share / wanted.of_places(run) / AIM) ** (1.0 / order))
 
 
 def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Known:
@@ -185,13 +208,14 @@ def _kept(run: Run, known: Known, wanted: Wanted) -> bool:
     return known.error <= wanted.of_places(run) and known.tension_error <= wanted.tension_error
 
 
-def _told(run: Run, known: Known, wanted: Wanted) -> Run:
-    """The run with what was kept in its reason, and what was not in its warnings."""
+def told(run: Run, known: Known, wanted: Wanted, how: str = "") -> Run:
+    """The run with what was kept in its reason, and what was not in its warnings; ``how`` says with which step or tolerance."""
+    how = how or f"dt={run.dt:.3g} s"
     allowed = wanted.of_places(run)
     if run.error is not None:
         run = replace(run, error_factor=known.of_told)
     reason = (
-        f"{run.reason}; dt={run.dt:.3g} s keeps places to {allowed:.2g} m (estimated {known.error:.2g} m) "
+        f"{run.reason}; {how} keeps places to {allowed:.2g} m (estimated {known.error:.2g} m) "
         f"and peak tensions to {wanted.tension_error:.2g} (estimated {known.tension_error:.2g})"
     )
     if _kept(run, known, wanted):
@@ -209,7 +233,5 @@ def _told(run: Run, known: Known, wanted: Wanted) -> Run:
             f"the largest tension is known to {known.tension_error:.1%} where {wanted.tension_error:.1%} are wanted: "
             "it jumps faster than the steps resolve"
         )
-    text = f"{run.method} with dt={run.dt:.3g} s: {'; '.join(found)}."
-    return replace(
-        run, reason=f"{run.reason}; with dt={run.dt:.3g} s {'; '.join(found)}", warnings=(*run.warnings, text), kept=False
-    )
+    text = f"{run.method} with {how}: {'; '.join(found)}."
+    return replace(run, reason=f"{run.reason}; with {how} {'; '.join(found)}", warnings=(*run.warnings, text), kept=False)

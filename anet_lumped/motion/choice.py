@@ -1,7 +1,7 @@
 """Which method and which step: from the predicted limits and the motion's own time scale, with the reason in words."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -15,6 +15,8 @@ from . import stability
 # Cost of a node and step, measured on the four-cable net (study `speed`): an explicit step, and an implicit one of one Newton
 # iteration.
 EXPLICIT_COST, IMPLICIT_COST = 14e-9, 130e-9  # [s]
+LINK_COST = 600e-9  # [s] of a node and step of links, 13 stages of 45 ns
+LINK_STEPS = 2.0  # fixed steps of the motion's time scale in one of links, where no transverse vibration holds it
 DEFAULT_IMPLICIT, DEFAULT_EXPLICIT = "edmc", "verlet"
 SHARE_OF_LIMIT = 0.5  # of the predicted limit for an explicit step
 # Of the limit for the schemes whose energy swings about one that they keep, where a cable may go slack undamped. In free flight,
@@ -74,12 +76,13 @@ def _predict(scene, schemes):
     return stability.predict(scene, schemes=schemes)
 
 
-def choose(scene, method=None, dt=None, adaptive=False, tension=0.0):
+def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=0.0):
     """Fill in what the user left open.
 
     An explicit step is cheap but tied to the top axial frequency; an implicit one is tied to the motion. Whichever needs less
     time for a second of motion is taken; a step that is given decides by its stability. An effect that is ``stiff``, so that
-    axial frequencies do not tell the limit, asks for the implicit one. At the start each cable is drawn by ``tension`` [N] or more.
+    axial frequencies do not tell the limit, asks for the implicit one. At the start each cable is drawn by ``tension`` [N] or more,
+    and no transverse vibration is faster than ``transverse`` [rad/s], which bounds the explicit steps of links.
 
     Returns
     -------
@@ -99,6 +102,8 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0):
             f"EA={scene.cable(elastic).EA:g} N."
         )
     chosen_by_user = method is not None
+    if method is not None and dt is not None and not adaptive:
+        method = schemes.scheme(method).with_given_steps or method
     prediction = _predict(scene, tuple(sorted({DEFAULT_EXPLICIT, method if chosen_by_user else DEFAULT_IMPLICIT})))
     limit = prediction.limits[DEFAULT_EXPLICIT].step
     motion = SHARE_OF_TIME_SCALE * time_scale(scene, tension)
@@ -132,6 +137,8 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0):
     if stiff_effect is not None and not chosen_by_user and rigid is None:
         why += f"; no limit of an explicit step is known before the run for the forces of {stiff_effect}"
     scheme, limit = schemes.scheme(method), prediction.limits[method].step
+    if scheme.keeps_constraints:
+        return _of_links(scheme, dt, motion, adaptive, transverse)
     if dt is None and scheme.explicit and scheme.own:
         pumps = undamped_slack_cable is not None and scheme.energy is EnergyPromise.SWINGS_ABOUT
         dt = min((SHARE_OF_LIMIT_SLACK if pumps else SHARE_OF_LIMIT) * limit, motion) if limit > 0 else motion / 32.0
@@ -141,3 +148,47 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0):
         why += f"; dt={dt:.3g} s from the time scale of the motion"
     warning = "" if adaptive else prediction.warning(method, dt)
     return Choice(method, dt, f"{method}: {why}", limit, (warning,) if warning else ())
+
+
+def _of_links(scheme, dt, motion, adaptive, transverse):
+    """Choice for cables that do not stretch, with the time in which the motion changes [s], see `choose`."""
+    limit, warning = float(scheme.limit.largest_step(np.array(transverse), np.array(0.0))), ""
+    if not adaptive and dt > limit:
+        warning = (
+            f'Step dt={dt:g} s is beyond the largest stable step of "{scheme.name}", {limit:.3g} s, set by transverse vibrations of '
+            f'{transverse:.4g} rad/s under the tensions at the start; take a smaller step, leave it out, or method="edmc".'
+        )
+    why = "asked for"
+    if dt is None:
+        dt = min(motion / FIRST_CHOSEN, SHARE_OF_LIMIT * limit)
+    return Choice(scheme.name, dt, f"{scheme.name}: {why}", limit, (warning,) if warning else ())
+
+
+def by_links(choice, transverse):
+    """Method, first step and limit for marching by links what `choose` chose an implicit method for.
+
+    Parameters
+    ----------
+    choice : Choice
+    transverse : float [rad/s], see `choose`
+
+    Returns
+    -------
+    Choice
+    """
+    made = _of_links(schemes.scheme("links"), None, choice.dt, True, transverse)
+    return replace(made, reason="links: no cable stretches")
+
+
+def links_are_cheaper(choice, limit, parts, iterations):
+    """Whether two runs with links cost less than one with an implicit method whose steps are taken in parts.
+
+    Parameters
+    ----------
+    choice : Choice, of the implicit method
+    limit : float [s], largest stable step of links
+    parts : float, number of steps that each of its steps is to be replaced by
+    iterations : float, Newton iterations a step
+    """
+    step = min(limit, LINK_STEPS * choice.dt)
+    return 2.0 * LINK_COST / step < parts * max(iterations, 1.0) * IMPLICIT_COST / choice.dt

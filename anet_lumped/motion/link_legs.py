@@ -20,6 +20,7 @@ from .choice import FIRST_CHOSEN
 
 SLACK_METHOD = "edmc"
 SHORTEST_SLACK = 8.0  # steps that it marches at least
+SLACK_ALLOWED = 0.1  # of a run, in which cables may be slack for links to be chosen
 STRAIGHT = 1e-6  # of its length: a link that is nearer to it than that is straight
 REDUNDANT = (
     "The lengths of some segments follow from those of others, as in a cable that is straight between two points: of the tensions that "
@@ -143,3 +144,9 @@ class Handover:
     def told(self, run):
         """The run, which is that of the method asked for, with what is to be said of it."""
         return replace(run, method=self.choice.method, reason=self.choice.reason, warnings=(*run.warnings, *sorted(self.warnings)))
+
+
+def slack_time(run):
+    """Time of a run of links in which a cable was slack [s]."""
+    ends = [(event.t, event.kind) for event in run.events if event.kind in (SLACK, TAUT)] + [(float(run.t[-1]), TAUT)]
+    return sum(b - a for (a, kind), (b, _) in zip(ends[:-1], ends[1:], strict=True) if kind == SLACK)

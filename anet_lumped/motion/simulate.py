@@ -26,13 +26,16 @@ from integrators.schemes.record import Origin, Scheme
 from integrators.system import DIVERGED, UNCONVERGED
 
 from .accuracy import TENSION_ERROR, Wanted, keep_error
-from .choice import LONGEST_CHOSEN, Choice, choose
+from .choice import LONGEST_CHOSEN, Choice, by_links, choose, links_are_cheaper
 from .energy_gain import GAINED, flag_energy_gain
 from .extrapolation import extrapolated, method_to_extrapolate
 from .failure_messages import with_cause
 from .legs import Settings, march_legs
+from .link_legs import SLACK_ALLOWED, slack_time
 from .run_warnings import warnings_of
+from .stability import transverse_frequency
 from .times import check_counts
+from .tolerance import keep_error_by_tolerance
 
 MEANT_STRAIN = 0.2  # of a straight start: cords break before
 DEFAULT_RTOL, DEFAULT_ATOL = 1e-6, 1e-9  # [m]; of the largest coordinate where no tolerance is given
@@ -114,14 +117,17 @@ def simulate(
     save_every = None if save_every is None else min(save_every, t_end)
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
-    begin = equilibrium(scene) if isinstance(start, str) and start == "equilibrium" else start_state(build(scene), start)
+    scheme = None if method is None else schemes.scheme(method)
+    if isinstance(start, str) and start == "equilibrium":
+        begin = equilibrium(scene)
+    else:
+        begin = start_state(build(scene), start, scheme is not None and scheme.keeps_constraints)
     apart, most = float(np.ptp(begin.q, axis=0).max()), largest_distance(scene)
     if not apart < most:
         raise InputError(
             f"Nodes must start within {most:.3g} m of each other, beyond which a motion counts as diverged, but they are "
             f"{apart:.3g} m apart."
         )
-    scheme = None if method is None else schemes.scheme(method)
     adaptive = rtol is not None or atol is not None or (scheme is not None and scheme.chooses_steps(dt))
     if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
         able = ", ".join(schemes.names(takes_changing_rest_lengths=True))
@@ -131,7 +137,8 @@ def simulate(
             f"Solvers of other packages need a node that moves freely, but the scene has none and the method is {method}."
         )
     lightest_scene = lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end))
-    choice = choose(lightest_scene, method, dt, adaptive, begin.least_tension)
+    transverse = transverse_frequency(begin)
+    choice = choose(lightest_scene, method, dt, adaptive, begin.least_tension, transverse)
     scheme = schemes.scheme(choice.method)
     _check_breaks(scene, scheme, extrapolate)
     if adaptive:
@@ -151,17 +158,41 @@ def simulate(
     settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
     whole = partial(march_legs, _march_of(scheme), scene, start=begin, t_end=begin.t + t_end, settings=settings)
     asked = error is not None or tension_error is not None
-    if asked or (method is None and dt is None and not adaptive and not extrapolate):
+    by_default = method is None and dt is None and not adaptive and not extrapolate
+    wanted = Wanted(error, TENSION_ERROR if tension_error is None else tension_error)
+    length = max(cable.length for cable in scene.cables)
+
+    def by_tolerance(choice: Choice) -> Run:
+        def march(tolerance: float) -> Run:
+            nonlocal settings
+            settings = Settings(True, (0.0, tolerance), rho_inf)
+            return whole(choice, save_every=save_every, settings=settings)
+
+        return keep_error_by_tolerance(march, wanted, length)
+
+    def by_links_instead(run: Run, parts: float) -> Run | None:
+        other = by_links(choice, transverse)
+        iterations = run.work.newton_iterations / max(run.work.steps, 1)
+        if not links_are_cheaper(replace(choice, dt=run.dt), other.limit, parts, iterations):
+            return None
+        found = by_tolerance(other)
+        return found if found.kept and slack_time(found) <= SLACK_ALLOWED * t_end else None
+
+    if asked and scheme.embedded and rtol is None and atol is None:
+        run = by_tolerance(choice)
+    elif asked or by_default:
         _check_keeps_error(scheme, dt, adaptive, extrapolate)
 
         def march(choice: Choice, duration: float) -> Run:
             return whole(choice, save_every=save_every, t_end=begin.t + duration)
 
-        wanted = Wanted(error, TENSION_ERROR if tension_error is None else tension_error)
-        run = keep_error(march, choice, wanted, t_end, save_every or t_end)
-        choice = replace(choice, dt=run.dt)
+        rigid = by_default and all(cable.inextensible for cable in scene.cables)
+        run = keep_error(march, choice, wanted, t_end, save_every or t_end, by_links_instead if rigid else None)
     else:
         run = whole(choice, save_every=save_every)
+    if run.method != choice.method:
+        adaptive, scheme = True, schemes.scheme(run.method)
+    choice = replace(choice, dt=run.dt)
     if extrapolate:
         every = run.t[1] - run.t[0] if len(run.t) > 2 else t_end
         run = extrapolated(run, whole(replace(choice, dt=0.5 * choice.dt), save_every=every))

@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 from anet_lumped.checks import InputError, nearest, quoted
+from anet_lumped.model.tables import AXIAL_L0
+from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Cable, Scene, check_scene
 from integrators.schemes import MODULES, names
 from integrators.schemes import scheme as record_of
@@ -193,6 +195,20 @@ def top_modes(scene: Scene) -> dict[str, TopMode]:
     share = {name: mass[name] / stiffness[name] for name in mass if stiffness[name]}
     modes = {c.name: TopMode(c.name, np.inf, 0.0) for c in scene.cables}  # of those that do not stretch
     return modes | {c.name: top_mode(c, c.stiffness * share[c.start], c.stiffness * share[c.end]) for c in elastic}
+
+
+def transverse_frequency(state: State) -> float:
+    """Bound of the frequencies of transverse vibrations under the tensions of a state [rad/s], by Gershgorin's circles.
+
+    omega^2 <= max 2 W_i sum T/l over the segments at node i, with the mobility W_i; in a uniform cable it is the highest frequency
+    of a chain, 2 sqrt(T/(m l)).
+    """
+    model = state.model
+    pull = np.maximum(state.segment_tension, 0.0) / model.axial[model.cable_of, AXIAL_L0]
+    at_node = np.bincount(model.ends[:, 0], pull, model.n) + np.bincount(model.ends[:, 1], pull, model.n)
+    mass = model.mass[: model.n_free]
+    moves = mass > 0.0
+    return float(np.sqrt(2.0 * np.max(at_node[: model.n_free][moves] / mass[moves], initial=0.0)))
 
 
 def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None = None) -> Prediction:

@@ -7,6 +7,7 @@ import numpy as np
 
 from anet_lumped.checks import InputError
 from anet_lumped.limits import BYTES, STEPS, check_most
+from anet_lumped.model import rest_lengths
 from integrators.system import ENERGIES, SAME_TIME
 
 SAVES = 400  # states that come back when nothing else is asked for
@@ -104,7 +105,7 @@ def save_times(t0, t_end, save_every):
 
 
 def stops(scene):
-    """Times that no step may cross: where the velocity of a driven point jumps, and where it sets out after a rest.
+    """Times that no step may cross: where the velocity of a driven point or the rate of a length jumps, and where one sets out.
 
     During a rest a chosen step grows without bound and could pass over a short motion; a solver that starts anew where
     the motion sets out cannot.
@@ -114,7 +115,7 @@ def stops(scene):
     stops : increasing (k,) float64 [s]
     """
     found = [np.zeros(0)]
-    for path in scene.motions:
+    for path in [*scene.motions, *rest_lengths.paths(scene)]:
         lasting = np.diff(path.breaks)[:, None] ** np.arange(1, path.coefficients.shape[1])
         way = np.einsum("kix,ki->k", np.abs(path.coefficients[:-1, 1:]), lasting)  # at least the way of each piece
         moves = np.append(way > RESTING * way.sum(), True)

@@ -19,7 +19,7 @@ CONVEX = 1e-9  # of the largest curvature of an effect's energy: a smaller negat
 OBSTACLE = 10.0  # an obstacle exerts so many times the force on cables that go through it than on cables above it
 
 
-def start_state(model: Model, start: Start) -> State:
+def start_state(model: Model, start: Start, straight_between: bool = False) -> State:
     """State to start from, with arrays of its own.
 
     Parameters
@@ -28,6 +28,8 @@ def start_state(model: Model, start: Start) -> State:
     start : "straight", State or dict
         "straight" has the nodes evenly spaced between the places of the points, at rest; a dict holds the places of each cable's
         nodes by the cable's name, (segments + 1, 3) [m], at rest.
+    straight_between : bool
+        Whether cables that do not stretch may be straight between points that do not move freely.
 
     Raises
     ------
@@ -37,7 +39,7 @@ def start_state(model: Model, start: Start) -> State:
     state = _adopt(model, start) if isinstance(start, State) else _at_rest(model, start)
     scene = model.scene
     free = {point.name: state.position(point.name) for point in scene.points if isinstance(point, Free)}
-    short = shortfall(scene, state.t) or shortfall(scene, state.t, free)
+    short = shortfall(scene, state.t, straight=straight_between) or shortfall(scene, state.t, free)
     if short is not None:
         raise InputError(short.words)
     return state

@@ -36,6 +36,7 @@ from .stepper import STEPPER, take_step
 MOST_WORK = 1_000_000  # steps tried in a run; a bound on what is otherwise unbounded
 SUSTAINED, RELIEVED = 15, 6  # steps in a row after which a march counts as held by stability, and as free again (Hairer & Wanner)
 MOST_GROWTH = 5.0  # of a step after another
+UNSOLVED = 1e30  # error of a step that does not satisfy constraints: the next try is a fifth as long
 
 
 class PairLimits(NamedTuple):
@@ -154,10 +155,12 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
         copy_state(state, start)
         if has_events:
             remember(stepper)
-        take_step(stepper, t, h, state)
+        taken = take_step(stepper, t, h, state)
         error, of_places, size, h_lambda = judge_step(system.n_free, system.largest, h, state, stepper.parameters)
         error_allowed = times.atol + times.rtol * size
         error = error / error_allowed if error_allowed > 0.0 or error == np.inf else (0.0 if error == 0.0 else np.inf)
+        if taken != DONE and error < np.inf:
+            error = UNSOLVED
         if not error <= 1.0:
             counts[REJECTED] += 1
             rejections += 1

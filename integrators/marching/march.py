@@ -105,7 +105,9 @@ def march(
         loop, loop_argument = compiled_adaptive_steps(), scheme.order
     else:
         loop = compiled_fixed_steps()
-        loop_argument = StepError(scheme.explicit, scheme.error_order or scheme.order, scheme.error_constant)
+        loop_argument = StepError(
+            scheme.explicit and not scheme.keeps_constraints, scheme.error_order or scheme.order, scheme.error_constant
+        )
     scratch = scratch_for(state, scheme.carried_rows, observed)
     room = () if adaptive else (Growth(np.empty((n, 3)), np.zeros((n, 3))),)
     started = time.perf_counter()

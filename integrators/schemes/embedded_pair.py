@@ -27,6 +27,7 @@ from integrators.system import (
     PUT_IN,
     TAKEN_INSIDE,
     TAKEN_OUTSIDE,
+    UNCONVERGED,
     system_at,
 )
 
@@ -119,7 +120,10 @@ class Call(NamedTuple):
 
 @inlined
 def _stage(call, s, q_s, v_s, f):
-    """Places and velocities of stage s in q_s and v_s from Q and V; its force in f; its acceleration and powers in memory."""
+    """Places and velocities of stage s in q_s and v_s from Q and V; its force in f; its acceleration and powers in memory.
+
+    Returns UNCONVERGED if the end of the step cannot be made to satisfy constraints.
+    """
     system, h, parameters, memory = system_at(call.system_address), call.h, call.parameters, call.memory
     S, n, width, numbers = int(parameters[STAGES]), 3 * system.n_free, call.Q.shape[0], flat(memory)
     c, row = parameters[TABLEAU + s], TABLEAU + S + s * S
@@ -131,13 +135,15 @@ def _stage(call, s, q_s, v_s, f):
         V_s[i] = call.V[i] + h * dV[i]
     power = memory[1 + S + s, 0]
     system.prescribe(call.t + c * h, call.data_address, q_s, v_s)
-    if s == int(parameters[END]):
-        system.project(call.t + c * h, call.data_address, q_s, v_s)
+    status = DONE
+    if s == int(parameters[END]) and np.isnan(system.project(call.t + c * h, call.data_address, q_s, v_s)):
+        status = UNCONVERGED
     system.force(call.t + c * h, q_s, v_s, call.data_address, f, power)
     call.counts[FORCES] += 1
     a = part(numbers, (1 + s) * width, n)
     for i in range(n):
         a[i] = per_m[i] * F[i]
+    return status
 
 
 @inlined
@@ -165,13 +171,13 @@ def step(system_address, data_address, t, h, state, parameters, counts):
     call = Call(system_address, data_address, t, h, flat(q), flat(v), memory, parameters, counts)
     for s in range(1, end):
         _stage(call, s, q_s, v_s, memory[2 * S + 3])
-    _stage(call, end, q, v, memory[0])
+    status = _stage(call, end, q, v, memory[0])
     row = TABLEAU + S + end * S
     for j in range(end):
         _add_work(balance, h * parameters[row + j], memory[1 + S + j, 0])
     for k in range(3):
         balance[POWERS + k] = memory[1 + S + end, 0, k]
-    return DONE
+    return status
 
 
 @internal

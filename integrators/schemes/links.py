@@ -1,11 +1,12 @@
 """Two explicit pairs for springs that do not stretch: order 8 with steps of its own, order 5 for steps that are given.
 
-A system with constraints gives the accelerations that keep lengths as they are, so that what is left to integrate is not stiff;
-after each step lengths and their rates are given back (`System.project`), before the force at its end is asked for, which begins the
-next step. The order of a pair stays, because the projection changes no more than the step was wrong by.
+A system with constraints gives the accelerations that keep lengths as they are, so that what is left to integrate is not stiff.
+After each step lengths and their rates are given back (`System.project`), before the force at its end is asked for, which begins
+the next step. The order of a pair stays, because the projection changes no more than the step was wrong by.
 
-Source: `dop853` for the pair of order 8; Dormand & Prince, J. Comp. Appl. Math. 6 (1980) 19, and Shampine, Math. Comp. 46 (1986) 135,
-for that of order 5 and its dense output; Hairer & Wanner, Solving Ordinary Differential Equations II (1996), VII.2, for the projection.
+Source: `dop853` for the pair of order 8; Dormand & Prince, J. Comp. Appl. Math. 6 (1980) 19, and Shampine, Math. Comp. 46 (1986)
+135, for that of order 5 and its dense output; Hairer & Wanner, Solving Ordinary Differential Equations II (1996), VII.2, for the
+projection.
 """
 
 from functools import cache
@@ -53,6 +54,7 @@ LINKS = own_scheme(
     error_constant=dop853.DOP853.error_constant,
     keeps_constraints=True,
     takes_rigid_springs=True,
+    with_given_steps="links5",
     step=embedded_pair.step,
     memory_rows=dop853.DOP853.memory_rows,
     force_evaluations=dop853.STAGES,

@@ -98,6 +98,7 @@ class Scheme:
     takes_rigid_springs : bool, springs that do not stretch, whose forces are unknowns of the step
     keeps_constraints : bool
         For systems whose springs all are rigid: forces are what keeps their lengths, which each step gives back (`System.project`).
+    with_given_steps : str, name of the scheme that takes its place where steps are given; "" for itself
     takes_changing_rest_lengths : bool, springs whose rest lengths change in time
     stops_at_events : bool, a march that ends within a step where a margin of the system turns positive
 
@@ -134,6 +135,7 @@ class Scheme:
     books_its_losses: bool = False
     takes_rigid_springs: bool = False
     keeps_constraints: bool = False
+    with_given_steps: str = ""
     takes_changing_rest_lengths: bool = False
     stops_at_events: bool = True
     step: Callable | None = None

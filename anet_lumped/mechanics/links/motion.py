@@ -1,11 +1,6 @@
-"""What an integrator needs of cables that do not stretch: their force at one time, lengths given back after a step, tensions.
+"""What an integrator asks of cables that do not stretch: force and tensions at one time, and how far they are beyond an event.
 
-The tensions at a time follow from `motion`, see the room's first lines; `project` changes a state so that it keeps
-
-    |q_b - q_a| = L    and    (q_b - q_a) . (v_b - v_a) = L L'
-
-by the smallest change, measured by the masses. A change of the velocities is an impulse of the links: cables that are caught when they
-are straight, or whose end sets off at once, get it without bounce.
+The equation is that of the package. Tensions that are not asked for are kept as tau, tension over length.
 """
 
 import math
@@ -16,8 +11,8 @@ from anet_lumped.compiled.jit import internal, kernel
 from anet_lumped.effects.signatures import as_force
 from anet_lumped.mechanics.effect_forces import add_masses, numbers_of
 from anet_lumped.mechanics.linear.node_elimination import inverse
-from anet_lumped.mechanics.prescribe import prescribe
 from anet_lumped.mechanics.optional import as_power_of_lengths, as_set_lengths
+from anet_lumped.mechanics.prescribe import prescribe
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_L0,

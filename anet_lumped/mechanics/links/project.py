@@ -2,12 +2,13 @@
 
     |q_b - q_a| = L    and    (q_b - q_a) . (v_b - v_a) = L L' .
 
-A change of the velocities is an impulse of the links. A cable that is caught when it is straight, or whose end sets off at once, gets
-it without bounce.
+A change of the velocities is an impulse of the links. A cable that is caught when it is straight, or whose end sets off at once,
+gets it without bounce.
 """
 
 import math
 
+import numpy as np
 from numba import float64, int64
 
 from anet_lumped.compiled.jit import internal, kernel
@@ -28,12 +29,19 @@ from .motion import factored, set_masses, write_wanted
 _f2 = float64[:, ::1]
 NEAR = 4e-16  # of a length, about: the nearest that rounding lets it be kept
 FAR = 1e-6  # of a length: beyond, the system is factored anew for the next sweep
+KEPT = 1e-11  # of a length: what rounding may leave where constraints are redundant
 SWEEPS = 8  # at most
 
 
 @internal
 def _lack_of_length(net, q):
-    """Write the vectors of the links to ``links.vector`` and (L^2 - l^2)/2 to ``links.right_side``; returns the largest, over L^2."""
+    """Write the vectors of the links to ``links.vector`` and (L^2 - l^2)/2 to ``links.right_side``.
+
+    Returns
+    -------
+    worst : float64
+        The largest of these over L^2, among links that have a moving node.
+    """
     links, worst = net.links, 0.0
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
@@ -87,28 +95,26 @@ def project(t, net_address, q, v):
     -------
     work : float64 [J]
         Of driven nodes and of lengths that change against the impulse: the impulse times the mean of the velocities before and
-        after it. Lengths count as if they had not changed before.
+        after it. Lengths count as if they had not changed before. NaN if no change of this state gives all links their lengths.
     """
     net = view_net(net_address)
-    links = net.links
-    change = links.acceleration
+    change = net.links.acceleration  # scratch
     set_masses(net, t, q)
-    passes, before = factored(net, q), 1e300
+    passes, before, worst = factored(net, q), 1e300, _lack_of_length(net, q)
     for _ in range(SWEEPS):
-        worst = _lack_of_length(net, q)
         if worst <= NEAR or worst >= 0.5 * before:
             break
-        if worst > FAR and before < 1e300:
-            passes = factored(net, q)
-            _lack_of_length(net, q)
-        before = worst
-        for i in range(net.n_free):
-            change[i, 0], change[i, 1], change[i, 2] = 0.0, 0.0, 0.0
-        for i in range(net.n_free, q.shape[0]):
+        for i in range(q.shape[0]):
             change[i, 0], change[i, 1], change[i, 2] = 0.0, 0.0, 0.0
         solve(net, change)
         for i in range(net.n_free):
             q[i, 0], q[i, 1], q[i, 2] = q[i, 0] + change[i, 0], q[i, 1] + change[i, 1], q[i, 2] + change[i, 2]
+        before, worst = worst, _lack_of_length(net, q)
+        if worst > FAR:
+            passes = factored(net, q)
+            worst = _lack_of_length(net, q)
+    if not worst <= KEPT:
+        return np.nan
     work = 0.0
     for _ in range(passes):
         write_wanted(net, v, 1)

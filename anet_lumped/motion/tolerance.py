@@ -1,0 +1,64 @@
+"""Keep an error by the tolerance of a method that chooses its steps: two runs, and finer ones until both agree.
+
+What two runs differ by is about the error of the one with the larger tolerance. The other one's error is smaller in proportion to
+what steps leave out of places, which each run adds up. So a motion that multiplies errors is found out: it does so in both runs.
+"""
+
+import logging
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from anet_lumped.results.audit import distances
+from anet_lumped.results.run import Run
+
+from .accuracy import AMPLIFIED, ERROR_OF_LENGTH, Known, Wanted, told
+
+LOG = logging.getLogger(__name__)
+FIRST = 0.1  # of the error wanted, the tolerance of the first run
+FINER = 0.1  # of a tolerance, the next one: a third more steps for a pair of order 8
+SMALLEST = 1e-14  # of the longest cable: what rounding leaves of a step
+LEAST_SHARE = 0.05  # of the distance of two runs, which is left of it as the error of the finer one
+
+
+def keep_error_by_tolerance(march: Callable[[float], Run], wanted: Wanted, length: float) -> Run:
+    """March with tolerances small enough for the errors that are wanted.
+
+    Parameters
+    ----------
+    march : callable(tolerance [m]) -> Run
+    wanted : Wanted
+    length : float [m], of the longest cable
+
+    Returns
+    -------
+    Run
+        The last one; `Run.reason` says what was kept. If it is not "done", nothing more was tried.
+    """
+    tolerance = FIRST * (wanted.error or ERROR_OF_LENGTH * length)
+    run = march(tolerance)
+    if run.ok:
+        tolerance = min(tolerance, FIRST * wanted.of_places(run))
+    while run.ok:
+        coarser, tolerance = run, max(FINER * tolerance, SMALLEST * length)
+        run = march(tolerance)
+        if not run.ok:
+            return run
+        known = _compared(run, coarser, wanted)
+        LOG.info("with a tolerance of %.2g m places are known to %.2g m", tolerance, known.error)
+        if known.error <= wanted.of_places(run) or tolerance <= SMALLEST * length:
+            return told(run, known, wanted, f"a tolerance of {tolerance:.2g} m")
+    return run
+
+
+def _compared(run: Run, coarser: Run, wanted: Wanted) -> Known:
+    """Errors of a run, by what it and a coarser one saved at the same times and by what their steps left out."""
+    rows = min(len(run.t), len(coarser.t))
+    apart = np.maximum.accumulate(distances(run.q[:rows], coarser.q[:rows]).max(axis=1))
+    own, theirs = (max(one.error_estimate or 0.0, 1e-300) for one in (run, coarser))
+    error = float(apart[-1]) * min(max(own / theirs, LEAST_SHARE), 1.0)
+    beyond = apart > np.maximum(AMPLIFIED * coarser.error[:rows], wanted.of_places(run))
+    of_told = max(error / own, 1.0)
+    since = float(run.t[np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf
+    return Known(error, run.tension_error, of_told, since, float(apart[-1]))
