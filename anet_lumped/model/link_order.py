@@ -1,9 +1,9 @@
 """The order in which the tensions of links are eliminated: along the cables first, then at the free points.
 
-A link is a segment that does not stretch. The equations for the tensions join each link with those that share a moving node with it.
-So the links of one cable form a chain. Links inside a cable, and those at a prescribed end of it, are eliminated along the chain. What
-is left are the links at free points, the end links. All that meet at one point are joined with each other, and both end links of a
-cable between two free points are joined by the chain between them.
+A link is a segment that does not stretch. The equations for the tensions join each link with those that share a moving node with
+it. So the links of one cable form a chain. Links inside a cable, and those at a prescribed end of it, are eliminated along the
+chain. What is left are the links at free points, the end links. All that meet at one point are joined with each other, and both end
+links of a cable between two free points are joined by the chain between them.
 """
 
 import numpy as np

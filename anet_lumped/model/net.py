@@ -83,9 +83,9 @@ class Points(NamedTuple):
 class Links(NamedTuple):
     """The system of the tensions of links, segments that do not stretch, see `link_order`; empty for a run without links.
 
-    End link u is segment ``segment[u]`` and is eliminated u-th. Its later neighbours are ``later[later_at[u]:later_at[u+1]]``, whose
-    positions there are those of the entries that join both. ``target`` holds the entry that each pair of later neighbours updates,
-    in row order, from ``target_at[u]`` on. `tables` names the columns of ``unknown``, ``meeting`` and ``state``.
+    End link u is segment ``segment[u]`` and is eliminated u-th. Its later neighbours are ``later[later_at[u]:later_at[u+1]]``;
+    their positions there are those of the entries that join both. ``target`` holds the entry that each pair of later neighbours
+    updates, in row order, from ``target_at[u]`` on. `tables` names the columns of ``unknown``, ``meeting`` and ``state``.
     """
 
     unknown: np.ndarray  # (n_cables, 3)

@@ -89,7 +89,7 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
     Choice
     """
     rigid = next((cable.name for cable in scene.cables if cable.inextensible), None)
-    able = schemes.names(takes_rigid_springs=True)
+    able = schemes.names(takes_rigid_springs=True) + schemes.names(keeps_constraints=True)
     if rigid is not None and method not in (None, *able):
         needed = " or ".join(f'method="{name}"' for name in able)
         raise InputError(
@@ -155,8 +155,8 @@ def _of_links(scheme, dt, motion, adaptive, transverse):
     limit, warning = float(scheme.limit.largest_step(np.array(transverse), np.array(0.0))), ""
     if not adaptive and dt > limit:
         warning = (
-            f'Step dt={dt:g} s is beyond the largest stable step of "{scheme.name}", {limit:.3g} s, set by transverse vibrations of '
-            f'{transverse:.4g} rad/s under the tensions at the start; take a smaller step, leave it out, or method="edmc".'
+            f'Step dt={dt:g} s is beyond the largest stable step of "{scheme.name}", {limit:.3g} s, set by transverse vibrations '
+            f'of {transverse:.4g} rad/s under the tensions at the start; take a smaller step, leave it out, or method="edmc".'
         )
     why = "asked for"
     if dt is None:

@@ -1,8 +1,8 @@
 """Links that would have to push: when a run of `links` leaves a cable that cannot push to `edmc`, and when it takes it back.
 
-A cable that cannot push has T >= 0 and l <= L on every segment, and T = 0 where l < L. As long as all tensions are positive, that is
-what links do. Where one would turn negative the run goes on with `edmc` at EA = inf, which solves slack and taut together in each
-step, and comes back as soon as everything is straight and pulls. What is then left of the rates of lengths is taken out by impulses
+A cable that cannot push has T >= 0 and l <= L on every segment, and T = 0 where l < L. As long as all tensions are positive, that
+is what links do. Where one would turn negative the run goes on with `edmc` at EA = inf, which solves slack and taut together in
+each step, and comes back when everything is straight and pulls. What is then left of the rates of lengths is taken out by impulses
 without bounce; the energy that they take is told with the event.
 """
 
@@ -23,8 +23,8 @@ SHORTEST_SLACK = 8.0  # steps that it marches at least
 SLACK_ALLOWED = 0.1  # of a run, in which cables may be slack for links to be chosen
 STRAIGHT = 1e-6  # of its length: a link that is nearer to it than that is straight
 REDUNDANT = (
-    "The lengths of some segments follow from those of others, as in a cable that is straight between two points: of the tensions that "
-    "are possible there, links take the smallest."
+    "The lengths of some segments follow from those of others, as in a cable that is straight between two points: of the tensions "
+    "that are possible there, links take the smallest."
 )
 
 

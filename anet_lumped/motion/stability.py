@@ -10,16 +10,18 @@ linear statement leaves open.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from anet_lumped.checks import InputError, nearest, quoted
 from anet_lumped.model.tables import AXIAL_L0
-from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Cable, Scene, check_scene
 from integrators.schemes import MODULES, names
 from integrators.schemes import scheme as record_of
+
+if TYPE_CHECKING:
+    from anet_lumped.results.run import State
 
 
 @dataclass(frozen=True)
@@ -197,7 +199,7 @@ def top_modes(scene: Scene) -> dict[str, TopMode]:
     return modes | {c.name: top_mode(c, c.stiffness * share[c.start], c.stiffness * share[c.end]) for c in elastic}
 
 
-def transverse_frequency(state: State) -> float:
+def transverse_frequency(state: "State") -> float:
     """Bound of the frequencies of transverse vibrations under the tensions of a state [rad/s], by Gershgorin's circles.
 
     omega^2 <= max 2 W_i sum T/l over the segments at node i, with the mobility W_i; in a uniform cable it is the highest frequency
@@ -222,8 +224,8 @@ def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None =
     modes, limits = top_modes(scene), {}
     rigid = next((mode.cable for mode in modes.values() if mode.omega == np.inf), None)
     if rigid is not None:
-        able = " and ".join(names(takes_rigid_springs=True))
-        note = f"only {able} takes a cable that does not stretch, such as {quoted(rigid)} with EA=inf"
+        able = " and ".join(names(takes_rigid_springs=True) + names(keeps_constraints=True))
+        note = f"only {able} take a cable that does not stretch, such as {quoted(rigid)} with EA=inf"
         none = SchemeLimit(0.0, 0.0, 0.0, rigid, note)
         for one in map(record_of, wanted):
             limits[one.name] = SchemeLimit(np.inf, np.inf, np.inf, "", one.note) if one.takes_rigid_springs else none

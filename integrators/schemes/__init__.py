@@ -41,6 +41,8 @@ def scheme(name: str) -> Scheme:
 def names(**wanted: Any) -> tuple[str, ...]:
     """Names of the schemes, in the order of the registry, whose records have all the values wanted.
 
-    ``names(own=True, explicit=False)`` are the implicit schemes of this package.
+    ``names(own=True, explicit=False)`` are the implicit schemes of this package. Schemes for systems with constraints, which march
+    no others, are among them only if ``keeps_constraints=True`` is wanted.
     """
+    wanted = {"keeps_constraints": False} | wanted
     return tuple(name for name in MODULES if all(getattr(scheme(name), key) == value for key, value in wanted.items()))

@@ -18,6 +18,7 @@ PALETTES = {  # colours of a family, of one hue; taken again from the first one 
     Family.COLLOCATION: ("#117733",),
     Family.ALPHA: (GREEN,),
     Family.MULTISTEP: ("#999933", "#666600"),
+    Family.CONSTRAINED: ("#CC3311", "#EE7733"),
 }
 MARKS = "><v^8osDpPX1234+xdhH*|_"
 EXPLICIT_LINE, IMPLICIT_LINE = "--", "-"
@@ -38,7 +39,7 @@ class Style(NamedTuple):
 
 def style(name: str) -> Style:
     """The style of a scheme."""
-    scheme, known = schemes.scheme(name), schemes.names()
-    relatives, palette = schemes.names(family=scheme.family), PALETTES[scheme.family]
+    scheme, known = schemes.scheme(name), list(schemes.MODULES)
+    relatives, palette = [other for other in known if schemes.scheme(other).family is scheme.family], PALETTES[scheme.family]
     color, marker = palette[relatives.index(name) % len(palette)], MARKS[known.index(name) % len(MARKS)]
     return Style(scheme.label, color, marker, EXPLICIT_LINE if scheme.explicit else IMPLICIT_LINE)

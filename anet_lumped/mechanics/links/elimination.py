@@ -1,8 +1,8 @@
 """The system of the links of a net, S tau = r: symmetric elimination along the cables, then over the end links.
 
-With the signs c_la = -1 at the first node of a link and c_lb = +1 at its second, S_lk is the sum of c_li c_ki d_l . W_i d_k over the
-nodes i that both links have. `model.link_order` says in which order links are eliminated. Every entry is a number: there are no
-blocks.
+With the signs c_la = -1 at the first node of a link and c_lb = +1 at its second, S_lk is the sum of c_li c_ki d_l . W_i d_k over
+the nodes i that both links have. `model.link_order` says in which order links are eliminated. Every entry is a number: there are
+no blocks.
 """
 
 from anet_lumped.compiled.jit import inlined, internal
