@@ -2,8 +2,8 @@
 
 `links` takes tensions from the constraint on accelerations and steps by accuracy alone; `edmc` solves for them in each step. Both
 run the same motions of cables with EA = inf, whose segments push as they pull. Errors are those of the position of one point, the
-largest over the saved times, against links at a far smaller tolerance. Elastic cables, run by another method, say whether that is the
-right motion.
+largest over the saved times, against links at a far smaller tolerance. Elastic cables, run by another method, say whether that is
+the right motion.
 """
 
 import warnings
