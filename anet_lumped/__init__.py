@@ -26,6 +26,7 @@ from anet_lumped.effects.flow import waves, wind
 from anet_lumped.files.moordyn_file import read_moordyn
 from anet_lumped.files.moordyn_writer import save_moordyn
 from anet_lumped.files.scene_file import load_scene, save_scene
+from anet_lumped.motion.session import Session, SessionError
 from anet_lumped.motion.simulate import RunError, RunInterrupt, simulate
 from anet_lumped.prescribed import paths, signals
 from anet_lumped.results.loading import load_run
@@ -50,6 +51,8 @@ __all__ = [
     "RunInterrupt",
     "Scene",
     "SceneError",
+    "Session",
+    "SessionError",
     "State",
     "catenary",
     "equilibrium",

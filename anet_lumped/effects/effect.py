@@ -53,6 +53,9 @@ class Effect:
     stiff: ClassVar[bool] = False
     """Whether it brings motions faster than the cables' axial ones, so that no stable explicit step is known before a run."""
 
+    from_outside: ClassVar[bool] = False
+    """Whether a `Session` brings it and gives it its numbers, so that no registry and no scene file has it."""
+
     jax_traceable: ClassVar[bool] = False
     """Whether JAX can trace the lines of its `force` on arrays, and `table` reads no more of a model than `mass` and `n_free`."""
 

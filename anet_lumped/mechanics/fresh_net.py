@@ -38,8 +38,8 @@ def fresh_net(model, force=True, newton=True, links=False):
     n, segments = model.n, model.n_segments
     couples = model.coupled_neighbours
     has_added_mass = any("inertia" in effect.kernels() for effect in model.forces)
-    changing = len(model.lengths.cable) > 0  # rest lengths change: then masses, laws and effects' numbers belong to the run
-    effects = model.effects._replace(params=model.effects.params.copy()) if changing else model.effects
+    changing = len(model.lengths.cable) > 0  # rest lengths change: then masses and laws belong to the run
+    effects = model.effects._replace(params=model.effects.params.copy())
     net = Net(
         n_free=model.n_free,
         n_interior=model.n_interior,

@@ -68,7 +68,7 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
     -------
     Run
     """
-    made = _Legs(scene, start, Leg(start.t, t_end, start.t, t_end, save_every), None if settings.adaptive else choice.dt)
+    made = Legs(scene, start, Leg(start.t, t_end, start.t, t_end, save_every), None if settings.adaptive else choice.dt)
     due = sorted({event.t for event in scene.events if start.t <= event.t < t_end})
     overloaded = made.overloaded()
     if overloaded or due[:1] == [start.t]:
@@ -116,7 +116,7 @@ class _Rows(NamedTuple):
     error: np.ndarray | None
 
 
-class _Legs:
+class Legs:
     """A run in the making: the state that it has reached, what is left of the scene, and the rows saved so far."""
 
     def __init__(self, scene, start, leg, dt):

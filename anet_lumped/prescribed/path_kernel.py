@@ -55,3 +55,31 @@ def evaluate(t, table, q, v, a):
             q[p, axis] += amplitude * e * sine
             v[p, axis] += amplitude * (de * sine + e * omega * cosine)
             a[p, axis] += amplitude * (dde * sine + 2.0 * de * omega * cosine - e * omega * omega * sine)
+
+
+@njit(void(int64[::1], float64[::1], float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], float64, float64), cache=True)
+def lead(pieces, breaks, coefficients, before, after, t, t_end):
+    """Lead paths that are driven from outside through a step: the cubic that has both positions and both velocities.
+
+    At the end of the step, and beyond, such a path has the position and the velocity that were given, to the last bit.
+
+    Parameters
+    ----------
+    pieces : (m,) int64
+        First of the two pieces of each path.
+    breaks, coefficients : of the `PathTable`, written
+    before, after : (m, 2, 3) float64 [m], [m/s]
+        Position and velocity at the start and at the end of the step.
+    t, t_end : float64 [s]
+    """
+    h = t_end - t
+    for k in range(pieces.shape[0]):
+        piece = pieces[k]
+        breaks[piece], breaks[piece + 1] = t, t_end
+        for x in range(3):
+            p0, v0, p1, v1 = before[k, 0, x], before[k, 1, x], after[k, 0, x], after[k, 1, x]
+            mean = (p1 - p0) / h
+            coefficients[piece, 0, x], coefficients[piece, 1, x] = p0, v0
+            coefficients[piece, 2, x] = (3.0 * mean - 2.0 * v0 - v1) / h
+            coefficients[piece, 3, x] = (v0 + v1 - 2.0 * mean) / (h * h)
+            coefficients[piece + 1, 0, x], coefficients[piece + 1, 1, x] = p1, v1

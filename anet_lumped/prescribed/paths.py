@@ -31,14 +31,14 @@ class Harmonic(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Path:
-    """A prescribed motion; make one with `line`, `samples` or `harmonic`.
+    """A prescribed motion; make one with `line`, `samples`, `harmonic` or `external`.
 
     From breaks[k] to breaks[k + 1] (the last one without end) the position is Σ coefficients[k, i]·(t − breaks[k])^i,
     plus the harmonic if there is one. Before breaks[0] the polynomial part is held.
 
     Parameters
     ----------
-    kind : "line", "samples" or "harmonic"
+    kind : "line", "samples", "harmonic" or "external"
     parameters : pairs (name, value) of that function's arguments; they alone decide equality
     breaks : (k,) float64 [s]
     coefficients : (k, 7, 3) float64 [m/s^i]
@@ -85,7 +85,7 @@ class Path:
 def seen_from(path: Path, origin: Vector) -> Path:
     """Return the same motion in coordinates whose origin lies at ``origin`` (3,) [m] of today's."""
     parameters: dict[str, Any] = dict(path.parameters)
-    place = {"line": "start", "samples": "xyz", "harmonic": "center"}[path.kind]
+    place = {"line": "start", "samples": "xyz", "harmonic": "center", "external": "start"}[path.kind]
     parameters[place] = (np.array(parameters[place]) - origin).tolist()
     return KINDS[path.kind](**parameters)
 
@@ -205,7 +205,24 @@ def harmonic(center: Vector, amplitude: Vector, frequency: float, phase: float =
     return Path("harmonic", parameters, np.zeros(1), coefficients, np.zeros(0), sine)
 
 
-KINDS: dict[str, Callable[..., Path]] = {"line": line, "samples": samples, "harmonic": harmonic}
+def external(start: Vector) -> Path:
+    """Return the motion of a point that a `Session` drives from outside, step by step; at rest at `start` until it does.
+
+    Parameters
+    ----------
+    start : (3,) array_like [m]
+
+    Raises
+    ------
+    SceneError : not three finite numbers
+    """
+    start = check_vector("start", start, "m", "external")
+    coefficients = np.zeros((2, DEGREE + 1, 3))  # the piece of a step, and its end
+    coefficients[:, 0] = start
+    return Path("external", (("start", start),), np.zeros(2), coefficients, np.zeros(0))
+
+
+KINDS: dict[str, Callable[..., Path]] = {"line": line, "samples": samples, "harmonic": harmonic, "external": external}
 
 
 class PathTable(NamedTuple):

@@ -353,7 +353,7 @@ class Scene:
 
         seen = set()
         for effect in self.effects:
-            if not isinstance(effect, Effect) or REGISTRY.name_of(effect) is None:
+            if not isinstance(effect, Effect) or (REGISTRY.name_of(effect) is None and not effect.from_outside):
                 raise SceneError(
                     f"Argument `effects` of a scene must hold effects ({', '.join(REGISTRY.class_names)}), but holds "
                     + shown(effect)

@@ -7,28 +7,24 @@ from numba import types
 
 from integrators.compile_once import compile_for
 from integrators.jit import march_loop
-from integrators.states import NONE, ONE, SAVED, SCRATCH, copy_state, save, worst_node
+from integrators.states import NONE, SAVED, SCRATCH, save, worst_node
 from integrators.step_ends import evaluate_start
 from integrators.system import (
     DIVERGED,
     DONE,
-    EVENT,
-    HALVINGS,
     INTERRUPTED,
     NO_EVENTS,
     SAME_TIME,
     STEP_STATE,
-    STEPS,
-    UNCONVERGED,
     system_at,
 )
 
 from .error_growth import GROWTH, STEP_ERROR, begin, follow, largest_error
-from .events import locate, margin_of, remember
-from .stepper import STEPPER, take_step
+from .events import margin_of
+from .one_step import one_step
+from .stepper import STEPPER
 
 CHECK_EVERY = 16  # steps between two checks for a divergence
-SMALLEST_PART = 2.0**-12  # of a step: a march ends where Newton's method fails for a shorter one
 
 
 class FixedSteps(NamedTuple):
@@ -81,35 +77,15 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
     evaluate_start(system_address, data_address, t, state, counts)
     rows = save(system_address, data_address, NONE, t, 0.0, state, saved)
     steps, weight = begin(growth, state.v, n_free), 1.0
-    start, margin, has_events = scratch.start, -1.0, margin_of(stepper, state) > NO_EVENTS
+    start, margin = scratch.start, -1.0 if margin_of(stepper, state) > NO_EVENTS else NO_EVENTS
     last = max(1, int(np.ceil((times.t_end - times.origin) / times.dt - SAME_TIME))) - 1
     for s in range(min(int(np.floor((times.t0 - times.origin) / times.dt + SAME_TIME)), last), last + 1):
         goal = times.t_end if s == last else times.origin + (s + 1) * times.dt
-        length, taken, part = goal - t, 0.0, 1.0
-        while taken < 1.0:
-            if has_events or not explicit:
-                copy_state(state, start)
-            if has_events:
-                remember(stepper)
-            t_part, h = t + taken * length, part * length
-            if take_step(stepper, t_part, h, state) != DONE:
-                copy_state(start, state)
-                counts[HALVINGS] += 1
-                part *= 0.5
-                if part < SMALLEST_PART:
-                    rows = save(system_address, data_address, rows, t_part, largest_error(growth, n_free), state, saved)
-                    return UNCONVERGED, rows, t_part, -1
-                continue
-            counts[STEPS] += 1
-            if has_events:
-                margin_before, margin = margin, margin_of(stepper, state)
-                if margin > 0.0 and worst_node(state.q, state.v, largest) < 0:
-                    t_part += locate(stepper, t_part, h, ONE, margin_before, margin, start, state)
-                    rows = save(system_address, data_address, rows, t_part, largest_error(growth, n_free), state, saved)
-                    return EVENT, rows, t_part, -1
-            taken += part
-            if taken % (2.0 * part) == 0.0:
-                part = min(2.0 * part, 1.0)
+        length = goal - t
+        status, t_reached, margin = one_step(stepper, t, length, not explicit, margin, start, state)
+        if status != DONE:
+            rows = save(system_address, data_address, rows, t_reached, largest_error(growth, n_free), state, saved)
+            return status, rows, t_reached, -1
         t = goal
         steps, weight = follow(growth, step_error, steps, weight, length, state.v, n_free)
         is_last = s == last or stop[0] != 0

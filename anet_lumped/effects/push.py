@@ -1,0 +1,57 @@
+"""Forces on points that are given from outside, step by step: those of `Session.push`.
+
+f_i += F_i, with what F_i does in a second counted as taken with the opposite sign.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from anet_lumped.compiled.jit import njit
+
+from .effect import Effect
+from .load import tangent
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE
+
+
+@dataclass(frozen=True)
+class Push(Effect):
+    """A force on each free point, none to begin with. A session adds it to its scene and writes the forces into its table.
+
+    `table` has the node of each free point, in the order of ``scene.free_points``, and its force (3,) [N].
+    """
+
+    same_everywhere: ClassVar[bool] = True
+    from_outside: ClassVar[bool] = True
+
+    @property
+    def linear_in_node_state(self) -> bool:
+        """A force that is held over a step does not depend on the state."""
+        return True
+
+    def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes, and zeros for the forces on them [N]."""
+        nodes = [model.node_of[point.name] for point in model.scene.free_points]
+        return np.array(nodes, np.int64), np.zeros(3 * len(nodes))
+
+    def kernels(self) -> Mapping[str, Callable[..., Any]]:
+        return {"force": force, "energy": energy, "tangent": tangent}
+
+
+@njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
+def force(t, q, v, index, params, f):
+    """f_i += F_i; returns -sum F_i . v_i [W]."""
+    power = 0.0
+    for k in range(index.shape[0]):
+        for x in range(3):
+            f[index[k], x] += params[3 * k + x]
+            power -= params[3 * k + x] * v[index[k], x]
+    return power
+
+
+@njit(ENERGY_SIGNATURE, cache=True)
+def energy(t, q, index, params):
+    """A force that is given step by step has no energy, 0 [J]."""
+    return 0.0

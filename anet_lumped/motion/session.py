@@ -1,0 +1,436 @@
+"""A scene marched from outside, step by step: under a controller, or coupled to another simulator."""
+
+import math
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from anet_lumped.checks import InputError, check_vector, nearest, number, quoted, shown
+from anet_lumped.effects.push import Push
+from anet_lumped.mechanics.fresh_net import fresh_net
+from anet_lumped.model.build import build
+from anet_lumped.model.tables import AXIAL_TWO_WAY_DAMPER, SEGMENT_DIRECTION
+from anet_lumped.prescribed.path_kernel import lead
+from anet_lumped.results.energy_balance import BY_EFFECTS, WORK, book_remainder
+from anet_lumped.results.events import Event
+from anet_lumped.results.run import State, Work
+from anet_lumped.scene.origin import near_origin
+from anet_lumped.scene.scene import Driven, Scene, check_scene
+from anet_lumped.statics.equilibrium import equilibrium
+from anet_lumped.statics.starts import Start, start_state
+from integrators import schemes
+from integrators.compile_once import compile_for
+from integrators.marching import held_march
+from integrators.schemes.record import Origin
+from integrators.system import BALANCE, COUNTS, DONE, ENERGIES, EVENT, SAME_TIME, STEP, StepState, entry_point, first_class
+from integrators.system import words_in_memory as system_words
+
+from .choice import choose
+from .failure_messages import why_it_stopped
+from .legs import Legs
+from .simulate import StabilityWarning
+from .stability import transverse_frequency
+from .times import Leg
+
+_NO_ADDRESSES = np.empty(0, np.int64)
+
+
+class SessionError(RuntimeError):
+    """A step that failed; the session stands where it failed, and may be restored to what was saved before."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mark:
+    """What `Session.save` has kept; only `Session.restore` of the same session reads it."""
+
+    session: int
+    t: float
+    steps: int
+    structure: tuple
+    legs: tuple[np.ndarray, ...]
+    arrays: tuple[np.ndarray, ...]
+    events: tuple[Event, ...]
+    due: tuple[float, ...]
+
+
+class Session:
+    """A scene marched from outside in steps of equal length.
+
+    Positions and velocities given are those at the end of the step, forces given act throughout it, tensions returned are those
+    that acted in it.
+
+    Parameters
+    ----------
+    scene : Scene
+        Points that are driven from outside are `Driven` with a path `paths.external`; other paths move their points as ever.
+    dt : float [s]
+    method : str or None
+        A method of this package with fixed steps; None picks one, as `simulate` does with a step.
+    start : "equilibrium", "straight", State or dict
+        As `simulate` takes it.
+    rho_inf : float or None
+        As `simulate` takes it.
+
+    Raises
+    ------
+    InputError : an argument out of its range
+
+    Notes
+    -----
+    Without `drive` and `push`, the states are those of ``simulate(scene, t_end, method=method, dt=dt)``, bit for bit. A session is
+    used by one thread at a time; several sessions do not disturb each other.
+    """
+
+    def __init__(
+        self, scene: Scene, dt: float, *, method: str | None = None, start: Start = "equilibrium", rho_inf: float | None = None
+    ) -> None:
+        check_scene(scene)
+        if not 0 < number(dt) < math.inf:
+            raise InputError(f"Argument `dt` must be positive and finite [s], but it is {shown(dt)}.")
+        if method is not None and not (isinstance(method, str) and method in schemes.MODULES):
+            near = nearest(method, schemes.MODULES) or "."
+            raise InputError(f"Argument `method` must be one of {', '.join(schemes.MODULES)}, but it is {shown(method)}{near}")
+        if method is not None and schemes.scheme(method).origin is not Origin.OWN:
+            raise InputError(f"A session needs a method of this package, but the method is {method}.")
+        self.scene, self.dt = scene, number(dt)
+        near = near_origin(scene)
+        self._origin = np.array(near.origin, float)
+        pushed = replace(near.scene, effects=(*near.scene.effects, Push()))
+        begin = self._start(near.scene, start)
+        choice = choose(near.scene, method, self.dt, False, begin.least_tension, transverse_frequency(begin))
+        self.method, self.reason, self._choice = choice.method, choice.reason, choice
+        self._scheme = schemes.scheme(choice.method)
+        for text in choice.warnings:
+            warnings.warn(text, StabilityWarning, stacklevel=2)
+        if self._scheme.keeps_constraints and any(cable.compression != "linear" for cable in scene.cables):
+            raise InputError(f'Links in a session need cables with compression="linear", but the method is {self.method}.')
+        self._parameters = self._scheme.parameters(rho_inf=rho_inf)
+        self._begin, self._step_to = map(entry_point, held_march.compiled())
+        self._step = first_class(compile_for(self._scheme.step, STEP))
+        self._external = [p.name for p in scene.points if isinstance(p, Driven) and p.path.kind == "external"]
+        self._given = np.zeros((2, len(self._external), 2, 3))  # at the start and at the end of a step
+        for k, name in enumerate(self._external):
+            self._given[:, k, 0] = near.scene.point(name).path.at(0.0)[0]
+        self._forces = {point.name: np.zeros(3) for point in scene.free_points}
+        self._counts, self._first_t, self._steps = np.zeros(COUNTS, np.int64), begin.t, 0
+        state = State(build(pushed), begin.t, begin.q, begin.v, begin.segment_tension, events=begin.events)
+        self._legs = Legs(pushed, state, Leg(begin.t, math.inf, begin.t, math.inf, None), self.dt)
+        self._due = sorted({event.t for event in pushed.events if event.t >= begin.t})
+        self._new_march()
+        self._first_energy = np.zeros(ENERGIES)  # for the next line
+        self._first_energy = self.energy
+        self._first = self.save()
+
+    def _start(self, scene: Scene, start: Start) -> State:
+        if isinstance(start, str) and start == "equilibrium":
+            return equilibrium(scene)
+        if isinstance(start, State):
+            start = replace(start, q=start.q - self._origin)
+        elif isinstance(start, dict):
+            start = {name: np.asarray(shape) - self._origin for name, shape in start.items()}
+        return start_state(build(scene), start)
+
+    def _new_march(self) -> None:
+        """Make what the next steps work on, from the state that the legs hold."""
+        from anet_lumped.mechanics.bindings import system  # compiled on first use
+
+        legs, scheme = self._legs, self._scheme
+        own, model = legs.left, legs.left.model
+        needs = {"force": scheme.evaluates_force, "newton": not scheme.explicit, "links": scheme.keeps_constraints}
+        self._net = fresh_net(model, **needs)
+        self._system = system(model, **needs, mean=scheme.observes_mean_over_stages)
+        self._net.tension[:] = legs.tension[own.segment]
+        n = model.n
+        memory = np.zeros((scheme.memory_rows, n, 3))
+        q, v = (np.array(x[own.node], float, order="C") for x in (legs.q, legs.v))
+        self._state = StepState(q, v, memory, np.zeros(BALANCE))
+        start = StepState(np.empty_like(q), np.empty_like(v), np.empty_like(memory[: scheme.carried_rows]), np.zeros(BALANCE))
+        self._words = system_words(self._system)
+        self._numbers = np.array([legs.t, 0.0])
+        can_fail = not scheme.explicit or scheme.keeps_constraints
+        addresses = self._words.ctypes.data, self._net.address
+        self._march = held_march.HeldMarch(
+            self._step, *addresses, int(can_fail), self._parameters, self._counts, self._state, start, self._numbers
+        )
+        self._march_words = held_march.words_in_memory(self._march)
+        self._address = self._march_words.ctypes.data
+        self._observed, self._whole = np.zeros(model.n_segments), own.model is legs.model or len(own.node) == legs.model.n
+        names = [point.name for point in model.scene.points if isinstance(point, Driven)]
+        self._pieces = np.array([self._net.paths.first[names.index(name)] for name in self._external], np.int64)
+        at = self._net.effects.params_at[len(model.forces) - 1]
+        self._push = {point.name: at + 3 * k for k, point in enumerate(model.scene.free_points)}
+        self._write_forces()
+        if self._external:
+            self._lead()
+        self._begin(self._address)
+
+    def _lead(self) -> None:
+        """Write the paths of the points that are driven from outside through the next step."""
+        t = self._first_t + self._steps * self.dt
+        lead(self._pieces, self._net.paths.breaks, self._net.paths.coefficients, self._given[0], self._given[1], t, self._goal)
+
+    @property
+    def _goal(self) -> float:
+        return self._first_t + (self._steps + 1) * self.dt
+
+    # What is given -------------------------------------------------------------------------------------------------------
+
+    def drive(self, point: str, position: Any, velocity: Any = (0.0, 0.0, 0.0)) -> None:
+        """Give a driven point's position [m] and velocity [m/s] at the end of the next step.
+
+        Within the step it moves along the cubic that has both positions and both velocities. A point that is not driven anew goes
+        on with the velocity that was given last.
+
+        Raises
+        ------
+        InputError : not a point whose path is `paths.external`, or not three finite numbers
+        """
+        if point not in self._external:
+            self.scene.point(point)
+            raise InputError(
+                f"A point is driven from outside if its path is paths.external, but {quoted(point)} is not; "
+                f"{', '.join(map(quoted, self._external)) or 'no point'} is."
+            )
+        k = self._external.index(point)
+        self._given[1, k, 0] = _vector("position", position, "m", "drive") - self._origin
+        self._given[1, k, 1] = _vector("velocity", velocity, "m/s", "drive")
+
+    def push(self, point: str, force: Any) -> None:
+        """Give the force on a free point [N] that acts throughout the next step, and on until another one is given.
+
+        Raises
+        ------
+        InputError : not a free point, or not three finite numbers
+        """
+        if point not in self._forces:
+            self.scene.point(point)
+            raise InputError(f"A force is given to a free point, but {quoted(point)} is not free.")
+        self._forces[point][:] = _vector("force", force, "N", "push")
+        self._write_forces()
+
+    def _write_forces(self) -> None:
+        """Write the forces that are given into the table of the effect that exerts them."""
+        self._pushed = [name for name, force in self._forces.items() if force.any()]
+        for name, at in self._push.items():
+            if name in self._forces:
+                self._net.effects.params[at : at + 3] = self._forces[name]
+
+    # Steps ---------------------------------------------------------------------------------------------------------------
+
+    def step(self) -> None:
+        """March one step.
+
+        Raises
+        ------
+        SessionError : the step failed; its message says when, where, why and what to try
+        """
+        goal, same = self._goal, SAME_TIME * self.dt
+        if self._external:
+            self._lead()
+        before = [self._state.q[self._legs.left.model.node_of[name]].copy() for name in self._pushed]
+        while True:
+            while self._due and self._due[0] <= self._numbers[0]:
+                self._change(self._due.pop(0))
+            end = self._due[0] if self._due and self._due[0] <= goal + same else goal
+            status, node = self._step_to(self._address, end)
+            if status == EVENT:
+                self._sync()
+                self._legs.break_segments(self._legs.overloaded(at_least=1))
+                self._new_march()
+            elif status != DONE:
+                raise SessionError(why_it_stopped(self._legs.left.model, self._choice, status, self.t, node, None, self._counts))
+            elif end >= goal - same:
+                break
+        for name, q in zip(self._pushed, before, strict=True):
+            work = float(self._forces[name] @ (self._state.q[self._legs.left.model.node_of[name]] - q))
+            self._legs.carried[WORK] += work
+            self._legs.carried[BY_EFFECTS] += work
+        self._steps += 1
+        if self._external:
+            self._given[0] = self._given[1]
+            self._given[1, :, 0] += self.dt * self._given[1, :, 1]
+
+    def _change(self, t: float) -> None:
+        """Change the payloads whose events are at t."""
+        self._sync()
+        self._legs.change_payloads(t)
+        self._new_march()
+
+    def _sync(self) -> None:
+        """Give the legs the state that was reached, and what was taken so far."""
+        legs, own = self._legs, self._legs.left
+        legs.t = float(self._numbers[0])
+        legs.q[own.node], legs.v[own.node] = self._state.q, self._state.v
+        legs.tension[own.segment] = self._end_tension()
+        legs.carried[WORK:] += self._state.balance[WORK:ENERGIES]
+
+    # What is read --------------------------------------------------------------------------------------------------------
+
+    @property
+    def t(self) -> float:
+        """Time reached [s]."""
+        return float(self._numbers[0])
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What has happened so far."""
+        return tuple(self._legs.events)
+
+    @property
+    def work(self) -> Work:
+        """What the steps did so far."""
+        return Work(*map(int, self._counts))
+
+    @property
+    def energy(self) -> np.ndarray:
+        """Kinetic, elastic, potential energy, work and what was taken so far (7,) [J], as a row of ``Run.energy``."""
+        balance = self._state.balance
+        self._system.energy(self.t, self._state.q, self._state.v, self._net.address, balance)
+        row = balance[:ENERGIES] + self._legs.carried
+        if self._scheme.books_its_losses:
+            return row
+        rows = np.array([self._first_energy, row])
+        book_remainder(rows)
+        return rows[1]
+
+    @property
+    def state(self) -> State:
+        """State at the time reached, from which `simulate` and another session go on."""
+        model, own = build(self.scene), self._legs.left
+        q, v, tension = self._legs.q.copy(), self._legs.v.copy(), self._legs.tension.copy()
+        q[own.node], v[own.node], tension[own.segment] = self._state.q, self._state.v, self._end_tension()
+        return State(model, self.t, q + self._origin, v, tension, events=self.events)
+
+    def position(self, point: str) -> np.ndarray:
+        """(3,) place of a point [m]."""
+        return self._state.q[self._node(point)] + self._origin
+
+    def velocity(self, point: str) -> np.ndarray:
+        """(3,) velocity of a point [m/s]."""
+        return self._state.v[self._node(point)].copy()
+
+    def shape(self, cable: str) -> np.ndarray:
+        """(segments + 1, 3) places of a cable's nodes from its start to its end [m]."""
+        return self.state.shape(cable)
+
+    def tension(self, cable: str) -> np.ndarray:
+        """(segments,) tension of a cable's segments from its start to its end that acted in the last step [N]."""
+        acted, own, whole = self._acted(), self._legs.left, self._legs.model
+        if not self._whole:
+            every = np.zeros(whole.n_segments)
+            every[own.segment] = acted
+            acted = every
+        return acted[whole.segments(cable)].copy()
+
+    def pull(self, point: str) -> np.ndarray:
+        """(3,) force of the cables on a point that acted in the last step [N]."""
+        model, node, acted, total = self._legs.left.model, self._node(point), self._acted(), np.zeros(3)
+        for s in np.flatnonzero((model.ends == node).any(axis=1)):
+            a, b = model.ends[s]
+            if self._scheme.explicit or self._steps == 0:
+                d = self._state.q[b] - self._state.q[a]
+                direction = d / np.linalg.norm(d)
+            else:
+                direction = self._net.segment[s, SEGMENT_DIRECTION : SEGMENT_DIRECTION + 3]
+            total += (acted[s] if a == node else -acted[s]) * direction
+        return total
+
+    def _node(self, point: str) -> int:
+        try:
+            return self._legs.left.model.node_of[point]
+        except (KeyError, TypeError):
+            self.scene.point(point)
+            raise
+
+    def _acted(self) -> np.ndarray:
+        """Tension of every segment that acted in the last step, of what is left of the scene."""
+        if self._scheme.explicit or self._steps == 0:
+            return self._end_tension()
+        model = self._legs.left.model
+        two_way = model.axial[model.cable_of, AXIAL_TWO_WAY_DAMPER] > 0.0
+        return np.where(two_way, self._net.tension, np.maximum(self._net.tension, 0.0))
+
+    def _end_tension(self) -> np.ndarray:
+        """Tension of every segment at the time reached, as a run saves it."""
+        self._system.observe(self._state.q, self._state.v, self._net.address, self._observed)
+        return self._observed
+
+    # Going back ----------------------------------------------------------------------------------------------------------
+
+    def _arrays(self) -> Iterator[np.ndarray]:
+        """Everything that a step changes, besides what the legs hold."""
+        net = self._net._replace(words=_NO_ADDRESSES, kernels=_NO_ADDRESSES)
+        yield from (self._numbers, self._counts, self._given, *self._state, *_own_arrays(net, self._legs.left.model))
+
+    def save(self) -> Mark:
+        """Keep the whole state of the session, to go back to."""
+        legs = self._legs
+        kept = legs.q, legs.v, legs.tension, legs.carried
+        forces = np.array([*self._forces.values()]).reshape(-1, 3)
+        return Mark(
+            id(self), self.t, self._steps, (dict(legs.masses), dict(legs.broken)), tuple(x.copy() for x in (*kept, forces)),
+            tuple(x.copy() for x in self._arrays()), self.events, tuple(self._due),
+        )  # fmt: skip
+
+    def restore(self, mark: Mark) -> None:
+        """Go back to what was saved; what follows is what followed then, bit for bit.
+
+        Raises
+        ------
+        InputError : not a mark of this session
+        """
+        if not isinstance(mark, Mark) or mark.session != id(self):
+            raise InputError(f"Argument `mark` must be what `save` of the same session returned, but it is {shown(mark)}.")
+        legs, (masses, broken) = self._legs, mark.structure
+        other = (masses, broken) != (legs.masses, legs.broken)
+        legs.masses, legs.broken, legs.events, self._due = dict(masses), dict(broken), list(mark.events), list(mark.due)
+        legs.t, self._steps = mark.t, mark.steps
+        *kept, forces = mark.legs
+        for own, saved in zip((legs.q, legs.v, legs.tension, legs.carried), kept, strict=True):
+            own[:] = saved
+        for own, saved in zip(self._forces.values(), forces, strict=True):
+            own[:] = saved
+        if other:
+            legs._reduce()
+            self._new_march()
+        for own, saved in zip(self._arrays(), mark.arrays, strict=True):
+            own[...] = saved
+        self._write_forces()
+
+    def reset(self) -> None:
+        """Go back to the start."""
+        self.restore(self._first)
+
+    def __enter__(self) -> "Session":
+        return self
+
+    def __exit__(self, *raised: Any) -> None:
+        """Nothing has to be closed; a session holds memory alone."""
+
+    def __repr__(self) -> str:
+        return f"<Session at t={self.t:g} s: {self.method} with dt={self.dt:g} s, {self._legs.model.n} nodes>"
+
+
+def _vector(name: str, value: Any, unit: str, owner: str) -> np.ndarray:
+    """Three finite numbers; `check_vector` says what is wrong with others, and takes ten times as long."""
+    if isinstance(value, np.ndarray) and value.shape == (3,) and value.dtype == float and np.isfinite(value).all():
+        return value
+    return np.array(check_vector(name, value, unit, owner))
+
+
+def _own_arrays(value: Any, model: Any) -> list[np.ndarray]:
+    """Arrays in a nested tuple that no model holds."""
+    held = {id(array) for array in _flat(tuple(vars(model).values()))}
+    return [array for array in _flat(value) if array.size and id(array) not in held]
+
+
+def _flat(value: Any) -> Iterator[np.ndarray]:
+    """The arrays in a nested tuple."""
+    if isinstance(value, np.ndarray):
+        yield value
+    elif isinstance(value, tuple):
+        for part in value:
+            yield from _flat(part)
