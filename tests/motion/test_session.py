@@ -142,7 +142,7 @@ def test_a_point_goes_on_with_the_velocity_that_was_given_last():
 
 @pytest.mark.parametrize("method", ["edmc", "backward_euler"])
 def test_pulls_and_pushes_are_what_acted_in_the_step(method):
-    """m (v_b - v_a)/h is gravity, the push and the pull of the cables, to Newton's tolerance: 1e-6 of some 5 N of tensions, twice."""
+    """m (v_b - v_a)/h is gravity, the push and the pull of the cables, to Newton's tolerance: 1e-6 of 5 N of tensions, twice."""
     session = Session(NET, DT, method=method)
     mass = session.state.model.mass[session.state.model.node("p0")]
     push = np.array([0.3, -0.1, 0.2])
