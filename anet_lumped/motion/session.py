@@ -91,8 +91,8 @@ class Session:
         if not 0 < number(dt) < math.inf:
             raise InputError(f"Argument `dt` must be positive and finite [s], but it is {shown(dt)}.")
         if method is not None and not (isinstance(method, str) and method in schemes.MODULES):
-            near = nearest(method, schemes.MODULES) or "."
-            raise InputError(f"Argument `method` must be one of {', '.join(schemes.MODULES)}, but it is {shown(method)}{near}")
+            hint = nearest(method, schemes.MODULES) or "."
+            raise InputError(f"Argument `method` must be one of {', '.join(schemes.MODULES)}, but it is {shown(method)}{hint}")
         if method is not None and schemes.scheme(method).origin is not Origin.OWN:
             raise InputError(f"A session needs a method of this package, but the method is {method}.")
         self.scene, self.dt = scene, number(dt)
@@ -113,7 +113,7 @@ class Session:
         self._external = [p.name for p in scene.points if isinstance(p, Driven) and p.path.kind == "external"]
         self._given = np.zeros((2, len(self._external), 2, 3))  # at the start and at the end of a step
         for k, name in enumerate(self._external):
-            self._given[:, k, 0] = near.scene.point(name).path.at(0.0)[0]
+            self._given[:, k, 0] = dict(near.scene.point(name).path.parameters)["start"]  # type: ignore[union-attr]
         self._forces = {point.name: np.zeros(3) for point in scene.free_points}
         self._counts, self._first_t, self._steps = np.zeros(COUNTS, np.int64), begin.t, 0
         state = State(build(pushed), begin.t, begin.q, begin.v, begin.segment_tension, events=begin.events)

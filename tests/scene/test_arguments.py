@@ -49,6 +49,7 @@ MAKERS = {
     "paths.line": (paths.line, {"start": (0, 0, 0), "velocity": (1, 0, 0), "ramp": 1.0}),
     "paths.samples": (paths.samples, {"t": [0.0, 1.0], "xyz": [(0, 0, 0), (1, 0, 0)]}),
     "paths.harmonic": (paths.harmonic, {"center": (0, 0, 0), "amplitude": (1, 0, 0), "frequency": 1.0}),
+    "paths.external": (paths.external, {"start": (0, 0, 0)}),
     "signals.line": (signals.line, {"start": 0.0, "rate": 1.0, "ramp": 1.0}),
     "signals.samples": (signals.samples, {"t": [0.0, 1.0], "values": [0.0, 1.0]}),
     "signals.harmonic": (signals.harmonic, {"center": 0.0, "amplitude": 1.0, "frequency": 1.0}),

@@ -15,6 +15,7 @@ PATHS = {
     "line": paths.line((0.5, 0.25, 0.0), (0.2, 0.0, 0.1), 0.5),
     "samples": paths.samples([0.0, 0.5, 1.0], [(0.5, 0.25, 0.0), (0.75, 0.25, 0.0), (0.75, 0.5, 0.25)]),
     "harmonic": paths.harmonic((0.5, 0.25, 0.0), (0.1, 0.0, 0.2), 2.0, ramp=0.5),
+    "external": paths.external((0.5, 0.25, 0.0)),
 }
 
 

@@ -1,0 +1,1 @@
+"""What flies: shells over a `Session` for those who control the points that carry a net."""
