@@ -7,6 +7,7 @@ ANET_LUMPED_QUIET of the environment is set.
 import multiprocessing
 import os
 import sys
+from importlib.metadata import PackageNotFoundError, version
 
 from integrators.compiling import NOTICE
 from integrators.ctrl_c import ctrl_c_later
@@ -36,6 +37,11 @@ from anet_lumped.scene.ropes import rope
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, Scene, SceneError
 from anet_lumped.statics.catenary import catenary
 from anet_lumped.statics.equilibrium import EquilibriumError, NoRestError, equilibrium
+
+try:
+    __version__ = version("anet-lumped")
+except PackageNotFoundError:  # the source beside no installation
+    __version__ = "unknown"
 
 __all__ = [
     "Cable",

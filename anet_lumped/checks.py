@@ -13,6 +13,7 @@ Vector = Sequence[float]  # three numbers; a tuple once it is checked
 
 SMALLEST, LARGEST = 1e-100, 1e100  # sizes of numbers: beyond them, products of a few are no floats any more
 LONGEST, SHOWN, NAMED, LISTED = 280, 120, 120, 12  # characters of a message, a value and a name; names in a message
+EQUALLY_NEAR = 3  # names at most that a suggestion has
 
 
 class InputError(ValueError):
@@ -162,14 +163,23 @@ def check_name(value: Any, what: str) -> str:
 
 
 def nearest(name: Any, known: Iterable[str], quote: str = '"') -> str:
-    """Return ', did you mean "p0"?' for the known name nearest to `name`, or '' if none is near; `Ea` is `EA` and not `EI`."""
+    """Return ', did you mean "p0"?' for the known name nearest to `name`, or '' if none is near; `Ea` is `EA` and not `EI`.
+
+    Names that are equally near are all named: `Cd` may be `Cdn` or `Cdt`. A cable may be named from its other end.
+    """
     if not isinstance(name, str):
         return ""
     cutoff = 0.5 if len(name) <= 2 else 0.6  # "p1" and "p0" share half their letters
     in_lower_case = {other.lower(): other for other in known}
     # a name far longer than all known ones is near to none, and would take long to compare
-    near = difflib.get_close_matches(name[:LONGEST].lower(), in_lower_case, n=1, cutoff=cutoff)
-    return f", did you mean {quoted(in_lower_case[near[0]], quote)}?" if near else ""
+    asked = name[:LONGEST].lower()
+    turned = "-".join(reversed(asked.split("-", 1)))
+    if turned != asked and turned in in_lower_case:
+        return f", did you mean {quoted(in_lower_case[turned], quote)}?"
+    near = difflib.get_close_matches(asked, in_lower_case, n=EQUALLY_NEAR, cutoff=cutoff)
+    ratios = [difflib.SequenceMatcher(None, other, asked).ratio() for other in near]
+    best = sorted(in_lower_case[other] for other, ratio in zip(near, ratios, strict=True) if ratio == ratios[0])
+    return f", did you mean {' or '.join(quoted(other, quote) for other in best)}?" if best else ""
 
 
 def look_up(what: str, name: Any, known: Mapping[str, Any]) -> Any:

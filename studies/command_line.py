@@ -4,6 +4,7 @@ Exit status 0: done; 1: a run failed; 2: bad input; 128 and the signal's number:
 SIGTERM. What a command needs it imports itself, so that `--help` answers at once.
 """
 
+import importlib.metadata
 import logging
 import sys
 import tempfile
@@ -18,7 +19,7 @@ from studies.stop_signals import stop_signals
 from studies.streams import PrintError, standard_streams
 from studies.telling import announce_compiling, tell, tell_what_takes_long
 
-app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+app = typer.Typer(no_args_is_help=True, add_completion=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
@@ -106,8 +107,19 @@ def _status(arguments):
         return 2 if isinstance(error, ValueError) else 1
 
 
+def _tell_version(asked: bool):
+    """Print the version and exit, if it is asked for."""
+    if asked:
+        print(importlib.metadata.version("anet-lumped"))
+        raise typer.Exit
+
+
 @app.callback(epilog="Example: anet-lumped simulate net_carried --t-end 4 --out results/carried   (4 s of motion)")
-def _about():
+def _about(
+    version: Annotated[
+        bool, typer.Option("--version", help="Show the version and exit.", callback=_tell_version, is_eager=True)
+    ] = False,
+):
     """Elastic cables and nets as lumped masses: rest, motion, stability, and their distance from the catenary."""
 
 

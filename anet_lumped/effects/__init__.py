@@ -78,6 +78,10 @@ OWN = ("node_energy", "node_force", "segment_energy", "segment_force")  # make a
 __all__ = ["REGISTRY", "Effect", *OWN, *REGISTRY.class_names]
 
 
+def __dir__() -> list[str]:
+    return sorted({*globals(), *OWN, *REGISTRY.class_names})
+
+
 def __getattr__(attribute: str) -> Any:
     if attribute in OWN:
         return getattr(import_module("anet_lumped.effects.own.decorators"), attribute)

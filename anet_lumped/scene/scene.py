@@ -354,6 +354,11 @@ class Scene:
         seen = set()
         for effect in self.effects:
             if not isinstance(effect, Effect) or (REGISTRY.name_of(effect) is None and not effect.from_outside):
+                if isinstance(effect, type) and issubclass(effect, Effect):
+                    name = effect.__name__
+                    raise SceneError(
+                        f"Argument `effects` of a scene must hold effects, such as {name}(...), but holds the class {name}."
+                    )
                 raise SceneError(
                     f"Argument `effects` of a scene must hold effects ({', '.join(REGISTRY.class_names)}), but holds "
                     + shown(effect)
