@@ -7,6 +7,7 @@ without bounce; the energy that they take is told with the event.
 """
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -149,4 +150,4 @@ class Handover:
 def slack_time(run):
     """Time of a run of links in which a cable was slack [s]."""
     ends = [(event.t, event.kind) for event in run.events if event.kind in (SLACK, TAUT)] + [(float(run.t[-1]), TAUT)]
-    return sum(b - a for (a, kind), (b, _) in zip(ends[:-1], ends[1:], strict=True) if kind == SLACK)
+    return sum(b - a for (a, kind), (b, _) in pairwise(ends) if kind == SLACK)

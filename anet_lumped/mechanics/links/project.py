@@ -27,7 +27,7 @@ from .elimination import solve
 from .motion import factored, set_masses, write_wanted
 
 _f2 = float64[:, ::1]
-NEAR = 4e-16  # of a length, about: the nearest that rounding lets it be kept
+NEAR = 1e-14  # of a length: near enough, some roundings
 FAR = 1e-6  # of a length: beyond, the system is factored anew for the next sweep
 KEPT = 1e-11  # of a length: what rounding may leave where constraints are redundant
 SWEEPS = 8  # at most
