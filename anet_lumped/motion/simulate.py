@@ -138,7 +138,8 @@ def simulate(
         )
     lightest_scene = lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end))
     transverse = transverse_frequency(begin)
-    choice = choose(lightest_scene, method, dt, adaptive, begin.least_tension, transverse)
+    speed = float(np.ptp(begin.v, axis=0).max())
+    choice = choose(lightest_scene, method, dt, adaptive, begin.least_tension, transverse, speed)
     scheme = schemes.scheme(choice.method)
     _check_breaks(scene, scheme, extrapolate)
     if adaptive:
