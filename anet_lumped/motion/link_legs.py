@@ -96,8 +96,8 @@ class Handover:
         if caught.blocked >= 0:
             raise InputError(
                 f'Method "{method}" needs cables that can give way to what pushes them sideways, but cable '
-                f"{quoted(cable_of[caught.blocked].name)} is as long as the distance between points that hold it, so that no tension "
-                "is large enough; make it longer, or give EA to let it stretch."
+                f"{quoted(cable_of[caught.blocked].name)} is as long as the distance between points that hold it, so that no "
+                "tension is large enough; make it longer, or give EA to let it stretch."
             )
 
     def told(self, run):
