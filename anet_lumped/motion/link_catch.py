@@ -17,6 +17,7 @@ from anet_lumped.model.tables import (
 
 STRAIGHT = 1e-6  # of its length: a link that is nearer to it than that is straight
 BLOW = 1e-6  # of the kinetic energy, that of a blow which pushes cables that cannot push, from which on they are slack
+ROUNDED = 1e-12  # of the largest force times the length of a link: less energy of a blow is of roundings
 AHEAD = 1.0  # [s], of which the present accelerations make the velocities that show whether a motion can begin
 AT_REST = 1e-6  # of the largest force over the largest mass: smaller accelerations are roundings
 UNSOLVABLE = 1e-3  # of what is wanted, what no tensions bring about
@@ -81,11 +82,11 @@ def catch(model, t, q, v):
         return untaken._replace(pushed=int(np.abs(off).argmax()))
     after, impulse, d = _kinetic_energy(net, v), net.links.tau.copy(), np.diff(q[model.ends], axis=1)[:, 0]
     rate = (np.diff(v_before[model.ends], axis=1)[:, 0] * d).sum(axis=1) - L * net.axial[model.cable_of, AXIAL_L0_RATE]
-    energy = np.where(slack & (impulse < 0.0), 0.5 * impulse * rate, 0.0)  # given or taken by a blow that pushes
-    if np.abs(energy).max(initial=0.0) > BLOW * max(before, after):
-        return untaken._replace(pushed=int(np.abs(energy).argmax()))
-    lost = before + work - after
     own.force(t, q, v, net.address, f, power)
+    energy = np.abs(np.where(slack & (impulse < 0.0), 0.5 * impulse * rate, 0.0))  # given or taken by a blow that pushes
+    if energy.max(initial=0.0) > BLOW * max(before, after) + ROUNDED * net.links.state[LINKS_FORCE] * L.max():
+        return untaken._replace(pushed=int(energy.argmax()))
+    lost = before + work - after
     pushed = -1
     if own.margin(q, v, net.address) > 0.0 and slack.any():
         candidates = np.where(slack, net.tension, np.inf)
