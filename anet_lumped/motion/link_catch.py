@@ -19,7 +19,7 @@ STRAIGHT = 1e-6  # of its length: a link that is nearer to it than that is strai
 BLOW = 1e-6  # of the kinetic energy, that of a blow which pushes cables that cannot push, from which on they are slack
 ROUNDED = 1e-12  # of the largest force times the length of a link: less energy of a blow is of roundings
 AHEAD = 1.0  # [s], of which the present accelerations make the velocities that show whether a motion can begin
-AT_REST = 1e-6  # of the largest force over the largest mass: smaller accelerations are roundings
+AT_REST = 1e-6  # of the largest force over the largest mass: smaller accelerations between nodes are roundings
 UNSOLVABLE = 1e-3  # of what is wanted, what no tensions bring about
 
 
@@ -93,7 +93,8 @@ def catch(model, t, q, v):
         pushed = int(candidates.argmin()) if candidates.min() < 0.0 else -1
     tension, redundant = net.tension.copy(), bool(net.links.state[LINKS_REDUNDANT] > 0.0)
     a, heaviest = net.links.acceleration, float(net.mass[: model.n_free].max(initial=0.0))
-    moves_off = redundant and np.abs(a).max() * heaviest > AT_REST * net.links.state[LINKS_FORCE]
+    apart = np.abs(np.diff(a[model.ends], axis=1)).max(initial=0.0)
+    moves_off = redundant and apart * heaviest > AT_REST * net.links.state[LINKS_FORCE]
     blocked = _blocked(model, t, q, v + AHEAD * a, own, net) if moves_off else -1
     return Caught(q, v, tension, work, lost, off, pushed, redundant, blocked)
 
