@@ -239,7 +239,7 @@ class _Legs:
     def joined(self):
         """All legs as one Run."""
         last = self.runs[-1]
-        if len(self.rows) == 1 and not self.events and last.model is self.model:
+        if len(self.rows) == 1 and not self.events and last.model is self.model and not self.carried.any():
             return last
         t = np.concatenate([leg.t for leg in self.rows])
         q, v = np.empty((2, len(t), self.model.n, 3))

@@ -84,7 +84,7 @@ def catch(model, t, q, v):
     rate = (np.diff(v_before[model.ends], axis=1)[:, 0] * d).sum(axis=1) - L * net.axial[model.cable_of, AXIAL_L0_RATE]
     own.force(t, q, v, net.address, f, power)
     energy = np.abs(np.where(slack & (impulse < 0.0), 0.5 * impulse * rate, 0.0))  # given or taken by a blow that pushes
-    if energy.max(initial=0.0) > BLOW * max(before, after) + ROUNDED * net.links.state[LINKS_FORCE] * L.max():
+    if energy.max(initial=0.0) > BLOW * max(before, after) + ROUNDED * net.links.state[LINKS_FORCE] * L.max(initial=0.0):
         return untaken._replace(pushed=int(energy.argmax()))
     lost = before + work - after
     pushed = -1

@@ -82,8 +82,8 @@ class Handover:
         cable_of, off, method = [model.scene.cables[c] for c in model.cable_of], caught.off, self.choice.method
         pushes = np.array([cable.compression == "linear" for cable in cable_of])
         beyond = np.maximum(off / MOST_STRETCHED, np.where(pushes, np.abs(off) / STRAIGHT, 0.0))
-        worst = int(beyond.argmax())
-        if beyond[worst] > 1.0:
+        if beyond.max(initial=0.0) > 1.0:
+            worst = int(beyond.argmax())
             length, which, advice = (
                 ("of their own length", ", which can push,", ' or take compression="none"')
                 if pushes[worst]
