@@ -164,7 +164,7 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
 def _of_links(scheme, dt, motion, adaptive, transverse):
     """Choice for cables that do not stretch, with the time in which the motion changes [s], see `choose`."""
     limit, warning = float(scheme.limit.largest_step(np.array(transverse), np.array(0.0))), ""
-    if not adaptive and dt > limit:
+    if not adaptive and dt is not None and dt > limit:
         warning = (
             f'Step dt={dt:g} s is beyond the largest stable step of "{scheme.name}", {limit:.3g} s, set by transverse vibrations '
             f'of {transverse:.4g} rad/s under the tensions at the start; take a smaller step, leave it out, or method="edmc".'
