@@ -276,6 +276,7 @@ def _audit(trial, run):
     rounding = kept * weighty + 1e-15 * float(model.axial[:, AXIAL_STIFFNESS].max()) * np.abs(run.q).max() ** 2
     own, taken = rows[:, :3].sum(axis=1) - rows[:, 3], rows[:, 4:].sum(axis=1)
     in_play = max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max(), taken.max()) + rounding
+    in_play = max(in_play, 1e-300)  # of a net that nothing moves
     rise = float((own - np.minimum.accumulate(own)).max() / in_play)
     driven = any(isinstance(point, Driven) for point in scene.points)
     if run.method == "edmc":

@@ -100,7 +100,7 @@ def test_masses_of_points(mass):
     made = dict(mass_per_length=0.1, EA=math.inf, length=1.0)
     cables = [Cable(name, "x", segments=n, **made) for n, name in enumerate("abcd", 1)]
     points = [Fixed("a", (0.1, 0, 0)), Fixed("b", (-0.3, 0.2, 0)), Free("c"), Free("d", mass), Free("x", mass)]
-    model, q, _, found = check_net(Scene(points, cables, EFFECTS), 2, speed=0.1)
+    model, _, _, found = check_net(Scene(points, cables, EFFECTS), 2, speed=0.1)
     assert found.a[model.node("x")] @ found.a[model.node("x")] > 0.0
 
 
