@@ -76,7 +76,8 @@ def build(scene):
                 block_of[rank[end], rank[start]],
             )
         spring = (0.0, 0.0) if one.inextensible else (one.stiffness, one.dashpot)
-        axial[c, :AXIAL_OMEGA_SQUARED] = one.L0, *spring, *SWITCHES[one.compression]
+        without_damper = one.inextensible and one.compression == "damped"  # then nothing acts where it is slack
+        axial[c, :AXIAL_OMEGA_SQUARED] = one.L0, *spring, *SWITCHES["none" if without_damper else one.compression]
         axial[c, AXIAL_PUSH_SHARE] = max(axial[c, AXIAL_PUSH_SHARE], one.EA_compression / one.EA_first)
         axial[c, AXIAL_INEXTENSIBLE] = one.inextensible
         axial[c, AXIAL_L0_BEFORE] = one.L0

@@ -24,6 +24,7 @@ SHARE_OF_LIMIT = 0.5  # of the predicted limit for an explicit step
 # 1/4, 0.11 at 0.18 and 0.06 at 1/8; with rk4, which damps the fastest motion, by 0.01 at any.
 SHARE_OF_LIMIT_SLACK = 0.125
 CALM_DAMPING_RATIO = 0.01  # from which on a cable that goes slack and snaps taut gains no energy in explicit steps
+STANDARD_GRAVITY = 9.80665  # [m/s2]
 DRAWN = 10.0  # times the weight of all, beyond which the tension of a cable is that of a string
 SHARE_OF_TIME_SCALE = 1.0 / 32.0  # of the motion's time scale for an implicit one: 10 ms for a metre of hanging cable
 FIRST_CHOSEN = 8.0  # the first of chosen steps is that part of a fixed one
@@ -41,15 +42,16 @@ class Choice:
     warnings: tuple[str, ...]
 
 
-def time_scale(scene, tension=0.0):
+def time_scale(scene, tension=0.0, speed=0.0):
     """Time in which the motion changes [s]: the shortest of
 
     sqrt(L/g) of a cable that swings, the ramps of the driven points, 2/omega of those that shake, what an effect
-    says of itself, and without gravity L sqrt(mu/EA) times ten. Where the ``tension`` [N] of each cable is beyond `DRAWN` times the
+    says of itself, and without gravity L sqrt(mu/EA) times ten, or of a cable that does not stretch L over the ``speed`` [m/s]
+    between nodes, but no more than under gravity. Where the ``tension`` [N] of each cable is beyond `DRAWN` times the
     weight of all, they are like one string with all their length and mass, sqrt(m L/T)/pi.
     """
     g = float(np.linalg.norm(scene.gravity))
-    scales = [math.sqrt(c.length / g) if g > 0 else 10.0 * c.length * math.sqrt(c.mass_per_length / c.EA) for c in scene.cables]
+    scales = [_cable_scale(cable, g, speed) for cable in scene.cables]
     for path in scene.motions:
         scales += _path_scales(path)
     for effect in scene.effects:
@@ -59,6 +61,14 @@ def time_scale(scene, tension=0.0):
     if tension > DRAWN * mass * g:
         scales.append(math.sqrt(mass * sum(cable.length for cable in scene.cables) / tension) / math.pi)
     return min(scales)
+
+
+def _cable_scale(cable, g, speed):
+    if g > 0.0:
+        return math.sqrt(cable.length / g)
+    if cable.inextensible:
+        return min(math.sqrt(cable.length / STANDARD_GRAVITY), cable.length / speed if speed > 0.0 else math.inf)
+    return 10.0 * cable.length * math.sqrt(cable.mass_per_length / cable.EA)
 
 
 def _path_scales(path):
@@ -76,13 +86,14 @@ def _predict(scene, schemes):
     return stability.predict(scene, schemes=schemes)
 
 
-def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=0.0):
+def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=0.0, speed=0.0):
     """Fill in what the user left open.
 
     An explicit step is cheap but tied to the top axial frequency; an implicit one is tied to the motion. Whichever needs less
     time for a second of motion is taken; a step that is given decides by its stability. An effect that is ``stiff``, so that
     axial frequencies do not tell the limit, asks for the implicit one. At the start each cable is drawn by ``tension`` [N] or more,
-    and no transverse vibration is faster than ``transverse`` [rad/s], which bounds the explicit steps of links.
+    no transverse vibration is faster than ``transverse`` [rad/s], which bounds the explicit steps of links, and nodes differ
+    by ``speed`` [m/s].
 
     Returns
     -------
@@ -106,7 +117,7 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
         method = schemes.scheme(method).with_given_steps or method
     prediction = _predict(scene, tuple(sorted({DEFAULT_EXPLICIT, method if chosen_by_user else DEFAULT_IMPLICIT})))
     limit = prediction.limits[DEFAULT_EXPLICIT].step
-    motion = SHARE_OF_TIME_SCALE * time_scale(scene, tension)
+    motion = SHARE_OF_TIME_SCALE * time_scale(scene, tension, speed)
     explicit_step = SHARE_OF_LIMIT * limit
     undamped_slack_cable = next(
         (c.name for c in scene.cables if c.compression != "linear" and c.damping_ratio < CALM_DAMPING_RATIO), None
@@ -153,7 +164,7 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
 def _of_links(scheme, dt, motion, adaptive, transverse):
     """Choice for cables that do not stretch, with the time in which the motion changes [s], see `choose`."""
     limit, warning = float(scheme.limit.largest_step(np.array(transverse), np.array(0.0))), ""
-    if not adaptive and dt > limit:
+    if not adaptive and dt is not None and dt > limit:
         warning = (
             f'Step dt={dt:g} s is beyond the largest stable step of "{scheme.name}", {limit:.3g} s, set by transverse vibrations '
             f'of {transverse:.4g} rad/s under the tensions at the start; take a smaller step, leave it out, or method="edmc".'

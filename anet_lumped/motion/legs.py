@@ -89,16 +89,21 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
             run = march(own.model, taken, leg, begin, settings)
         except RunInterrupt as stopped:
             made.add(stopped.run)
-            raise RunInterrupt(made.joined()) from None
+            raise RunInterrupt(joined(made, handover)) from None
         made.add(run)
-        if short is not None and (run.ok or (run.status == STATUS[UNCONVERGED] and short.t - made.t <= NEARLY_TAUT * run.dt)):
-            return replace(made.joined(), status=STATUS[UNCONVERGED], message=f"The run stopped at t={made.t:.4g} s. {short.words}")
+        nearly_taut = short is not None and run.status == STATUS[UNCONVERGED] and short.t - made.t <= NEARLY_TAUT * run.dt
+        if nearly_taut or (short is not None and run.ok and leg.end >= short.t):
+            text = f"The run stopped at t={made.t:.4g} s. {short.words}"
+            return replace(joined(made, handover), status=STATUS[UNCONVERGED], message=text)
         if run.status == STATUS[EVENT]:
             made.break_segments(made.overloaded(at_least=1 if handover is None or handover.slack else 0))
-        elif not run.ok:
-            return made.joined()
-        if made.t >= t_end:
-            return made.joined() if handover is None else handover.told(made.joined())
+        if made.t >= t_end or run.status not in (STATUS[DONE], STATUS[EVENT]):
+            return joined(made, handover)
+
+
+def joined(made, handover):
+    """All legs so far as one Run, by the method that was asked for."""
+    return made.joined() if handover is None else handover.told(made.joined())
 
 
 class _Rows(NamedTuple):
@@ -234,7 +239,7 @@ class Legs:
     def joined(self):
         """All legs as one Run."""
         last = self.runs[-1]
-        if len(self.rows) == 1 and not self.events and last.model is self.model:
+        if len(self.rows) == 1 and not self.events and last.model is self.model and not self.carried.any():
             return last
         t = np.concatenate([leg.t for leg in self.rows])
         q, v = np.empty((2, len(t), self.model.n, 3))

@@ -8,84 +8,23 @@ without bounce; the energy that they take is told with the event.
 
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
 from anet_lumped.checks import InputError, quoted
-from anet_lumped.mechanics.fresh_net import fresh_net
-from anet_lumped.model.tables import AXIAL_PUSH_SHARE, LINKS_REDUNDANT
 from anet_lumped.results.events import SLACK, TAUT
 
 from .choice import FIRST_CHOSEN
+from .link_catch import STRAIGHT, catch, first_jump
 
 SLACK_METHOD = "edmc"
 SHORTEST_SLACK = 8.0  # steps that it marches at least
 SLACK_ALLOWED = 0.1  # of a run, in which cables may be slack for links to be chosen
-STRAIGHT = 1e-6  # of its length: a link that is nearer to it than that is straight
+MOST_STRETCHED = 1e-4  # of its length, a segment at the start of a run: more than what `edmc` leaves at coarse steps
 REDUNDANT = (
     "The lengths of some segments follow from those of others, as in a cable that is straight between two points: of the tensions "
     "that are possible there, links take the smallest."
 )
-
-
-class Caught(NamedTuple):
-    """A state whose links have been given their lengths back, and how far it was from that.
-
-    Parameters
-    ----------
-    q, v : (n, 3) float64 [m], [m/s]
-    tension : (n_segments,) float64 [N]
-    work : float [J], of driven nodes against the impulse
-    lost : float [J], energy that the impulse took
-    pushed : int, the segment that would be pushed most or that is the farthest from straight; -1 for none
-    off : float, the largest (l - L)/L before, by its size
-    redundant : bool, whether lengths follow from other lengths
-    """
-
-    q: np.ndarray
-    v: np.ndarray
-    tension: np.ndarray
-    work: float
-    lost: float
-    pushed: int
-    off: float
-    redundant: bool
-
-
-def catch(model, t, q, v):
-    """Give the links of a state at t [s] their lengths back and find their tensions.
-
-    Parameters
-    ----------
-    model : Model, whose cables do not stretch
-    t : float [s]
-    q, v : (n, 3) float64 [m], [m/s], not changed
-
-    Returns
-    -------
-    Caught
-    """
-    from anet_lumped.mechanics.bindings import system  # compiled on first use
-
-    net, own = fresh_net(model, newton=False, links=True), system(model, newton=False, links=True)
-    q, v, f, power = q.copy(), v.copy(), np.zeros_like(q), np.zeros(3)
-    own.prescribe(t, net.address, q, v)
-    L = net.axial[model.cable_of, 0]
-    moves = model.ends.min(axis=1) < model.n_free
-    off = np.where(moves, np.linalg.norm(np.diff(q[model.ends], axis=1)[:, 0], axis=1) / L - 1.0, 0.0)
-    slack = model.axial[model.cable_of, AXIAL_PUSH_SHARE] == 0.0
-    if np.abs(off).max(initial=0.0) > STRAIGHT:
-        return Caught(q, v, np.zeros(len(L)), 0.0, 0.0, int(np.abs(off).argmax()), float(off[np.abs(off).argmax()]), False)
-    before = 0.5 * float(net.mass[: model.n_free] @ (v[: model.n_free] ** 2).sum(axis=1))
-    work = own.project(t, net.address, q, v)
-    lost = before + work - 0.5 * float(net.mass[: model.n_free] @ (v[: model.n_free] ** 2).sum(axis=1))
-    own.force(t, q, v, net.address, f, power)
-    pushed = -1
-    if own.margin(q, v, net.address) > 0.0 and slack.any():
-        candidates = np.where(slack, net.tension, np.inf)
-        pushed = int(candidates.argmin()) if candidates.min() < 0.0 else -1
-    return Caught(q, v, net.tension.copy(), work, lost, pushed, 0.0, bool(net.links.state[LINKS_REDUNDANT] > 0.0))
 
 
 class Handover:
@@ -118,21 +57,17 @@ class Handover:
         choice, begin, end
         """
         caught = catch(model, legs.t, begin.q, begin.v)
-        if caught.off != 0.0 or caught.pushed >= 0:
+        if not legs.runs:
+            self._check_start(model, caught)
+        if caught.pushed >= 0:
             where = model.scene.cables[model.cable_of[caught.pushed]]
-            if caught.off != 0.0 and where.compression == "linear":
-                raise InputError(
-                    f'Method "{self.choice.method}" needs segments of their own length at the start, but one of cable '
-                    f"{quoted(where.name)}, which can push, is {abs(caught.off):.2g} of its length too "
-                    f'{"long" if caught.off > 0.0 else "short"}; start from a rest or take compression="none".'
-                )
             if not self.slack:
                 self.span = 2.0 * self.span if legs.t - self.since < self.span else self.shortest
                 legs.tell(SLACK, where.name, 0.0)
             else:
                 self.span *= 2.0
             self.slack = True
-            return self.without, begin, min(end, legs.t + self.span)
+            return self.without, begin, min(first_jump(model.scene, legs.t, end), legs.t + self.span)
         if self.slack:
             legs.tell(TAUT, "", caught.lost)
             self.since = legs.t
@@ -140,7 +75,30 @@ class Handover:
         legs.book(caught.work, caught.lost)
         if caught.redundant:
             self.warnings.add(REDUNDANT)
-        return self.choice, type(begin)(caught.q, caught.v, caught.tension), end
+        return self.choice, type(begin)(caught.q, caught.v, caught.tension), first_jump(model.scene, legs.t, end)
+
+    def _check_start(self, model, caught):
+        """Refuse a state at the start of a run from which no motion of cables that do not stretch can go on."""
+        cable_of, off, method = [model.scene.cables[c] for c in model.cable_of], caught.off, self.choice.method
+        pushes = np.array([cable.compression == "linear" for cable in cable_of])
+        beyond = np.maximum(off / MOST_STRETCHED, np.where(pushes, np.abs(off) / STRAIGHT, 0.0))
+        if beyond.max(initial=0.0) > 1.0:
+            worst = int(beyond.argmax())
+            length, which, advice = (
+                ("of their own length", ", which can push,", ' or take compression="none"')
+                if pushes[worst]
+                else ("no longer than they are", "", "")
+            )
+            raise InputError(
+                f'Method "{method}" needs segments {length} at the start, but one of cable {quoted(cable_of[worst].name)}{which} '
+                f"is {abs(off[worst]):.2g} of its length too {'long' if off[worst] > 0.0 else 'short'}; start from a rest{advice}."
+            )
+        if caught.blocked >= 0:
+            raise InputError(
+                f'Method "{method}" needs cables that can give way to what pushes them sideways, but cable '
+                f"{quoted(cable_of[caught.blocked].name)} is as long as the distance between points that hold it, so that no "
+                "tension is large enough; make it longer, or give EA to let it stretch."
+            )
 
     def told(self, run):
         """The run, which is that of the method asked for, with what is to be said of it."""

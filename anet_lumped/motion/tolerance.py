@@ -7,6 +7,7 @@ what steps leave out of places, which each run adds up. So a motion that multipl
 import logging
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -34,17 +35,20 @@ def keep_error_by_tolerance(march: Callable[[float], Run], wanted: Wanted, lengt
     Returns
     -------
     Run
-        The last one; `Run.reason` says what was kept. If it is not "done", nothing more was tried.
+        The last one that is "done", or the first one; `Run.reason` says what was kept.
     """
     tolerance = FIRST * (wanted.error or ERROR_OF_LENGTH * length)
     run = march(tolerance)
+    known = Known(math.inf, run.tension_error)  # no other run has shown it yet
     if run.ok:
         tolerance = min(tolerance, FIRST * wanted.of_places(run))
     while run.ok:
-        coarser, tolerance = run, max(FINER * tolerance, SMALLEST * length)
+        coarser, before, tolerance = run, tolerance, max(FINER * tolerance, SMALLEST * length)
         run = march(tolerance)
         if not run.ok:
-            return run
+            words = f"a smaller tolerance stopped at t={run.t[-1]:.4g} s: {run.message}"
+            coarser = replace(coarser, warnings=(*coarser.warnings, f"{run.method} with {words}"))
+            return told(coarser, known, wanted, f"a tolerance of {before:.2g} m")
         known = _compared(run, coarser, wanted)
         LOG.info("with a tolerance of %.2g m places are known to %.2g m", tolerance, known.error)
         if known.error <= wanted.of_places(run) or tolerance <= SMALLEST * length:

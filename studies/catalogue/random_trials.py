@@ -8,7 +8,7 @@ import json
 import math
 import time
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -32,6 +32,8 @@ FAR_OFF = 10.0  # times the error that a run says it keeps: from there on it is 
 MOST_COMPARED = 20_000  # steps of a run that is compared with a finer one
 EVALUATIONS = 800  # of the force by one of scipy's solvers
 EXPLICIT_STEPS = 400
+RIGID_LENGTHS = 1e-7  # of the weight times its place, what is no energy in play where edmc keeps lengths to its tolerance
+SLACK_LENGTH = 1.05  # of the distance of its ends, that of a cable which does not stretch, at least
 ADAPTIVE_TURNS, SCIPY_TURNS = 300.0, 30.0  # of the fastest axial motion, as omega t
 
 
@@ -116,7 +118,26 @@ def draw(pick: Pick, surroundings: bool = True) -> Trial:
     error = 10.0 ** pick.number(-4.0, -1.0) if dt is None and rtol is None and not from_elsewhere and pick.integer(0, 1) else None
     if error is not None and method is not None and schemes.scheme(method).embedded:
         error = None
-    return Trial(scene, t_end, method, dt, rtol, start, speed, pick.integer(0, 10**6), error)
+    trial = Trial(scene, t_end, method, dt, rtol, start, speed, pick.integer(0, 10**6), error)
+    return _without_stretch(pick, trial) if pick.integer(0, 5) == 0 else trial
+
+
+def _without_stretch(pick, trial):
+    """The trial with cables that do not stretch and reach, some of them straight, which not all methods take."""
+    at = {point.name: np.array(point.path.at(0.0)[0] if isinstance(point, Driven) else point.at) for point in trial.scene.points}
+    are_straight, free = pick.integer(0, 1), {point.name for point in trial.scene.free_points}
+    cables = []
+    for cable in trial.scene.cables:
+        apart = float(np.linalg.norm(at[cable.end] - at[cable.start]))
+        straight = are_straight and apart > 0.0 and (cable.start in free or cable.end in free)
+        length = apart if straight else max(cable.length, SLACK_LENGTH * apart)
+        cables.append(replace(cable, length=length, EA=math.inf, zeta=0.0, tension_strain=None, EA_compression=0.0))
+    method, dt = pick.one_of(("links", "links", "links", None, "edmc")), pick.one_of((None, 10.0 ** pick.number(-4.0, -1.0)))
+    t_end = 10.0 ** pick.number(-2.0, 0.5) if dt is None else dt * pick.integer(1, EXPLICIT_STEPS)
+    rtol = pick.one_of((None, None, 10.0 ** pick.number(-10.0, -1.0))) if dt is None else None
+    error = trial.error if dt is None and rtol is None else None
+    scene = replace(trial.scene, cables=cables)
+    return replace(trial, scene=scene, method=method, dt=dt, t_end=t_end, rtol=rtol, error=error)
 
 
 def _scene(pick, surroundings):
@@ -238,7 +259,8 @@ def _start(trial):
     model, rng = build(trial.scene), np.random.default_rng(trial.seed)
     q = straight(model)
     free = slice(0, model.n_free)
-    q[free] += rng.normal(scale=0.05 * rng.uniform(), size=(model.n_free, 3))
+    moved = rng.normal(scale=0.05 * rng.uniform(), size=(model.n_free, 3))
+    q[free] += 0.0 if trial.scene.cables[0].inextensible else moved  # by which some segments would be too long
     v = np.zeros_like(q)
     v[free] = rng.uniform(-trial.speed, trial.speed, (model.n_free, 3))
     return State(model, 0.0, q, v, segment_tensions(model, q, v))
@@ -250,9 +272,11 @@ def _audit(trial, run):
     rows = run.energy
     m = model.mass[: model.n_free]
     weighty = m.sum() * (np.linalg.norm(scene.gravity) * np.abs(run.q).max() + (run.v**2).sum(axis=2).max())
-    rounding = 1e-9 * weighty + 1e-15 * float(model.axial[:, AXIAL_STIFFNESS].max()) * np.abs(run.q).max() ** 2
+    kept = RIGID_LENGTHS if scene.cables[0].inextensible else 1e-9
+    rounding = kept * weighty + 1e-15 * float(model.axial[:, AXIAL_STIFFNESS].max()) * np.abs(run.q).max() ** 2
     own, taken = rows[:, :3].sum(axis=1) - rows[:, 3], rows[:, 4:].sum(axis=1)
     in_play = max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max(), taken.max()) + rounding
+    in_play = max(in_play, 1e-300)  # of a net that nothing moves
     rise = float((own - np.minimum.accumulate(own)).max() / in_play)
     driven = any(isinstance(point, Driven) for point in scene.points)
     if run.method == "edmc":

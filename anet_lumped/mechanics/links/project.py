@@ -85,6 +85,8 @@ def _work_of_impulse(net, v):
 def project(t, net_address, q, v):
     """Change a state at time t, whose prescribed rows hold that time's, so that links keep their lengths and the rates of these.
 
+    ``links.tau`` holds the impulse of every link over its length [N s/m] afterwards.
+
     Parameters
     ----------
     t : float64 [s]
@@ -115,9 +117,11 @@ def project(t, net_address, q, v):
             worst = _lack_of_length(net, q)
     if not worst <= KEPT:
         return np.nan
-    work = 0.0
-    for _ in range(passes):
+    work, tau = 0.0, net.links.tau
+    for k in range(passes):
         write_wanted(net, v, 1)
         solve(net, v)
         work += _work_of_impulse(net, v)
+        for s in range(tau.shape[0]):
+            tau[s] = net.links.right_side[s] + (tau[s] if k > 0 else 0.0)
     return work

@@ -30,6 +30,8 @@ def test_random_trials_are_the_same_again_and_of_every_kind():
     scenes = [draw(Random((7, number))).scene for number in (0, 2, 4, 5, 6, 7, 8, 9, 10, 11, 12, 14, 15, 101, 523)]
     assert {"Bending", "Water", "Ground"} <= {type(effect).__name__ for scene in scenes for effect in scene.effects}
     assert any(cable.tension_strain for scene in scenes for cable in scene.cables)
+    rigid = [trial for trial in (draw(Random((7, number))) for number in range(30, 60)) if trial.scene.cables[0].inextensible]
+    assert {"links", "edmc"} <= {trial.method for trial in rigid}
     found = try_many(7, 50, 40)
     assert [one["number"] for one in found] == list(range(50, 90))
     assert {HELD, REFUSED} <= {one["outcome"] for one in found}
