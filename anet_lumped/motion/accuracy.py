@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anet_lumped.limits import STEPS, most_of
-from anet_lumped.results.audit import distances
+from anet_lumped.results.distances import distances
 from anet_lumped.results.run import Run
 from integrators import schemes
 
@@ -116,7 +116,7 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
         if not run.ok:
             return run
         if (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0) and run.tension_error > before.tension_error:
-            return _told(coarser, before, wanted)  # such short steps show rounding and Newton's tolerance
+            return _told(coarser, before, wanted, too_short=run.dt)
         known = _compared(run, coarser, wanted, before.apart)
         # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
         loses = run.energy_balance.lost_to_method > ALLOWED_LOSS * run.energy_balance.in_play
@@ -162,8 +162,8 @@ def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kn
     Where two runs are hardly nearer to each other than the two before them, which were ``apart_before`` [m], nothing says that the
     next will be: what a run differs by from its predecessor is then its error, else what is left of a geometric series.
     """
-    own, theirs = _same_times(run, coarser)
-    apart = np.maximum.accumulate(distances(run.q[own], coarser.q[theirs]).max(axis=1))
+    own, theirs, by_node = distances(run, coarser)
+    apart = np.maximum.accumulate(by_node.max(axis=1))
     told, last = np.maximum(coarser.error[theirs], 1e-300), float(apart[-1])
     ratio = min(last / apart_before, 0.5) if apart_before > 0.0 else 0.0
     own_told = max(run.error_estimate or 0.0, 1e-300)
@@ -174,25 +174,26 @@ def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kn
     return Known(error, run.tension_error, of_told, since, last)
 
 
-def _same_times(run: Run, other: Run) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of two runs that were saved at the same times."""
-    near = np.minimum(np.searchsorted(other.t, run.t - 1e-6 * run.dt), len(other.t) - 1)
-    same = np.abs(other.t[near] - run.t) < 1e-6 * run.dt
-    return np.flatnonzero(same), near[same]
-
-
 def _kept(run: Run, known: Known, wanted: Wanted) -> bool:
     return known.error <= wanted.of_places(run) and known.tension_error <= wanted.tension_error
 
 
-def _told(run: Run, known: Known, wanted: Wanted) -> Run:
-    """The run with what was kept in its reason, and what was not in its warnings."""
+def _told(run: Run, known: Known, wanted: Wanted, too_short: float | None = None) -> Run:
+    """The run with what was kept in its reason, and what was not in its warnings.
+
+    Steps of ``too_short`` [s] have told larger errors than those of the run.
+    """
     allowed = wanted.of_places(run)
+    tried = (
+        ""
+        if too_short is None
+        else f"; dt={too_short:.3g} s was tried too, and told larger errors, of rounding and of Newton's tolerance"
+    )
     if run.error is not None:
         run = replace(run, error_factor=known.of_told)
     reason = (
         f"{run.reason}; dt={run.dt:.3g} s keeps places to {allowed:.2g} m (estimated {known.error:.2g} m) "
-        f"and peak tensions to {wanted.tension_error:.2g} (estimated {known.tension_error:.2g})"
+        f"and peak tensions to {wanted.tension_error:.2g} (estimated {known.tension_error:.2g}){tried}"
     )
     if _kept(run, known, wanted):
         return replace(run, reason=reason, kept=True)
@@ -209,7 +210,6 @@ def _told(run: Run, known: Known, wanted: Wanted) -> Run:
             f"the largest tension is known to {known.tension_error:.1%} where {wanted.tension_error:.1%} are wanted: "
             "it jumps faster than the steps resolve"
         )
-    text = f"{run.method} with dt={run.dt:.3g} s: {'; '.join(found)}."
-    return replace(
-        run, reason=f"{run.reason}; with dt={run.dt:.3g} s {'; '.join(found)}", warnings=(*run.warnings, text), kept=False
-    )
+    said = "; ".join(found) + tried
+    text = f"{run.method} with dt={run.dt:.3g} s: {said}."
+    return replace(run, reason=f"{run.reason}; with dt={run.dt:.3g} s {said}", warnings=(*run.warnings, text), kept=False)
