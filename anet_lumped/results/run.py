@@ -15,7 +15,7 @@ from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
-from . import error_estimate, run_file
+from . import error_estimate, run_file, tension_error
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, Event, broken
@@ -240,8 +240,8 @@ class Run:
 
     @cached_property
     def tension_error(self) -> float:
-        """Error of the largest tension in the saved states over that tension, estimated."""
-        return error_estimate.tension_error(self)
+        """Error of the largest tension in the saved states, over what that tension may be, estimated; see `tension_error`."""
+        return tension_error.tension_error(self)
 
     @property
     def final(self) -> State:
