@@ -184,16 +184,11 @@ def _told(run: Run, known: Known, wanted: Wanted, too_short: float | None = None
     Steps of ``too_short`` [s] have told larger errors than those of the run.
     """
     allowed = wanted.of_places(run)
-    tried = (
-        ""
-        if too_short is None
-        else f"; dt={too_short:.3g} s was tried too, and told larger errors, of rounding and of Newton's tolerance"
-    )
     if run.error is not None:
         run = replace(run, error_factor=known.of_told)
     reason = (
         f"{run.reason}; dt={run.dt:.3g} s keeps places to {allowed:.2g} m (estimated {known.error:.2g} m) "
-        f"and peak tensions to {wanted.tension_error:.2g} (estimated {known.tension_error:.2g}){tried}"
+        f"and peak tensions to {wanted.tension_error:.2g} (estimated {known.tension_error:.2g})"
     )
     if _kept(run, known, wanted):
         return replace(run, reason=reason, kept=True)
@@ -210,6 +205,8 @@ def _told(run: Run, known: Known, wanted: Wanted, too_short: float | None = None
             f"the largest tension is known to {known.tension_error:.1%} where {wanted.tension_error:.1%} are wanted: "
             "it jumps faster than the steps resolve"
         )
-    said = "; ".join(found) + tried
+    if too_short is not None:
+        found.append(f"dt={too_short:.3g} s was tried too, and told larger errors, of rounding and of Newton's tolerance")
+    said = "; ".join(found)
     text = f"{run.method} with dt={run.dt:.3g} s: {said}."
     return replace(run, reason=f"{run.reason}; with dt={run.dt:.3g} s {said}", warnings=(*run.warnings, text), kept=False)

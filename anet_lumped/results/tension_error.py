@@ -8,9 +8,9 @@ Four parts of a tension may be missing in what a run shows of it. The largest of
   it that steps of h do not resolve, s^2/(1 + s^2) with s = omega h/2, is missing.
 * Of the vibration of a segment, which is over sooner, a quarter of the jump itself counts in the same way.
 * The numerical damper takes axial vibrations, and the account of the run has their energy: E, less what the dampers of the cable
-  would have taken since. Of a cable with the stiffness k = EA/L that is a tension of sqrt(2 k E) if it is in one vibration. A third
-  of that is taken, because many share it. A stiff cable whose tension changes slowly loses energy, too, and has no vibration to
-  lose: so no more counts than jumps have set off, J (1 + s^2)/s^2 as far as steps of h show them.
+  would have taken since. Of a cable with the stiffness k = EA/L that is a tension of sqrt(2 k E) if it is in one vibration. Two
+  fifths of that are taken, because many share it. A stiff cable whose tension changes slowly loses energy, too, and has no vibration
+  to lose: so no more counts than jumps have set off, J (1 + s^2)/s^2 as far as steps of h show them.
 
 A jump is half of a third difference, which is nearly nothing of a smooth peak. Besides, a quarter of the share of the energy that
 the method took counts as an error of the largest tension.
@@ -35,7 +35,8 @@ from .events import BREAK
 
 BETWEEN = 0.125  # of the second difference of a tension: what a parabola hides at most between its samples
 OF_SEGMENT = 0.25  # of a jump, which the vibration of a segment that the steps do not resolve would add
-SPREAD = 1.0 / 3.0  # of the tension of one vibration with all of the energy: what it makes where many share it
+SPREAD = 0.4  # of the tension of one vibration with all of the energy: what it makes where many share it
+OVERDAMPED = 1e3  # damping ratio beyond which a tension goes less than 1e-6 of a jump beyond its rest
 FORGOTTEN = 300.0  # exponent of decay between two saved times beyond which nothing is left
 LOST = 0.25  # of the share of the energy that the method took: what a peak tension lacks
 
@@ -55,8 +56,8 @@ class Mode(NamedTuple):
     @property
     def overshoot(self) -> float:
         """How far the tension goes beyond its rest after a jump, over the jump."""
-        if not 0.0 < self.zeta < math.inf:
-            return 1.0 if self.zeta <= 0.0 else 0.0
+        if self.zeta > OVERDAMPED:
+            return 0.0
         square = 1.0 - self.zeta**2
         if abs(square) < 1e-6:  # acos(zeta)/sqrt(1 - zeta^2) tends to 1
             return math.exp(-2.0)
