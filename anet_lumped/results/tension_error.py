@@ -9,8 +9,8 @@ Four parts of a tension may be missing in what a run shows of it. The largest of
 * Of the vibration of a segment, which is over sooner, a quarter of the jump itself counts in the same way.
 * The numerical damper takes axial vibrations, and the account of the run has their energy: E, less what the dampers of the cable
   would have taken since. Of a cable with the stiffness k = EA/L that is a tension of sqrt(2 k E) if it is in one vibration. Two
-  fifths of that are taken, because many share it. A stiff cable whose tension changes slowly loses energy, too, and has no vibration
-  to lose: so no more counts than jumps have set off, J (1 + s^2)/s^2 as far as steps of h show them.
+  fifths of that are taken, because many share it. A stiff cable whose tension changes slowly loses energy, too, and has no
+  vibration to lose: so no more counts than jumps have set off, J (1 + s^2)/s^2 as far as steps of h show them.
 
 A jump is half of a third difference, which is nearly nothing of a smooth peak. Besides, a quarter of the share of the energy that
 the method took counts as an error of the largest tension.
