@@ -34,8 +34,9 @@ AIM = 0.5  # of the error asked for, by an estimate that may be half of the trut
 MOST_AT_ONCE = 8  # steps that one is replaced by
 MOST_FOR_PLACES, MOST_FOR_TENSIONS = 512, 32  # steps in all that one of the first choice is replaced by; beyond, the run says so
 AMPLIFIED = 4.0  # times the error that a run tells of itself: from there on the motion has multiplied it
-NEARER = 0.7  # of an error, which shorter steps must leave at most: otherwise they are in vain
+NEARER, NEARER_TENSION = 0.7, 0.8  # of an error of places, and of a tension: what shorter steps must leave at most, or are in vain
 LEAST_OF_TOLD = 0.05  # of the error that a run tells of itself, which is left of it by a comparison
+LEAST_OF_TENSION = 0.5  # the same of the largest tension, of which two runs may agree by chance
 
 
 class Wanted(NamedTuple):
@@ -100,11 +101,11 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
         pilot = march(choice, span * max(1.0, math.floor(PILOT * duration / span)) if span < duration else PILOT * duration)
         if pilot.ok:
             share = (pilot.t[-1] - pilot.t[0]) / duration
-            choice = _finer(choice, _parts(pilot, wanted, share), span)
+            choice = _finer(choice, _parts(pilot, wanted, _alone(pilot), share), span)
     run, in_vain, as_far_before = march(choice, duration), (False, False), False
-    known = Known(run.error_estimate or 0.0, run.tension_error)
+    known = _alone(run)
     while run.ok:
-        parts = _parts(run, wanted, 1.0, known.of_told, choice.dt / first, in_vain)
+        parts = _parts(run, wanted, known, 1.0, choice.dt / first, in_vain)
         parts = min(parts, int(most_of(STEPS) * choice.dt / duration))
         if parts < 2:
             break
@@ -120,7 +121,7 @@ def keep_error(march: Callable[[Choice, float], Run], choice: Choice, wanted: Wa
         known = _compared(run, coarser, wanted, before.apart)
         # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
         loses = run.energy_balance.lost_to_method > ALLOWED_LOSS * run.energy_balance.in_play
-        as_far = known.tension_error > NEARER * before.tension_error
+        as_far = known.tension_error > NEARER_TENSION * before.tension_error
         in_vain = (
             known.error > NEARER * before.error and not loses,
             as_far and as_far_before,
@@ -134,20 +135,22 @@ def _finer(choice: Choice, parts: int, span: float) -> Choice:
     return replace(choice, dt=span / (parts * round(span / choice.dt))) if parts > 1 else choice
 
 
+def _alone(run: Run) -> Known:
+    """Errors of a run as it tells them by itself."""
+    return Known(run.error_estimate or 0.0, run.tension_error)
+
+
 def _parts(
-    run: Run, wanted: Wanted, share: float, of_told: float = 1.0, of_first: float = 1.0, in_vain: tuple[bool, bool] = (False, False)
+    run: Run, wanted: Wanted, known: Known, share: float, of_first: float = 1.0, in_vain: tuple[bool, bool] = (False, False)
 ) -> int:
     """Number of steps that each step of a run should be replaced by.
 
-    As its errors over a ``share`` of the whole time tell; its steps are ``of_first`` of those that were chosen first, and shorter
-    ones were ``in_vain`` for places, or for tensions.
+    As what is ``known`` of its errors over a ``share`` of the whole time asks for; its steps are ``of_first`` of those that were
+    chosen first, and shorter ones were ``in_vain`` for places, or for tensions.
     """
     scheme = schemes.scheme(run.method)
     order = scheme.error_order or scheme.order or 1
-    places, tensions = (
-        of_told * (run.error_estimate or 0.0) / share / wanted.of_places(run),
-        run.tension_error / wanted.tension_error,
-    )
+    places, tensions = known.error / share / wanted.of_places(run), known.tension_error / wanted.tension_error
     wishes = [1]
     if places > 1.0 and not in_vain[0]:
         wishes.append(min(math.ceil((places / AIM) ** (1.0 / order)), int(MOST_FOR_PLACES * of_first)))
@@ -160,7 +163,8 @@ def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kn
     """Errors of a run, as it tells them and as a coarser one before it shows them.
 
     Where two runs are hardly nearer to each other than the two before them, which were ``apart_before`` [m], nothing says that the
-    next will be: what a run differs by from its predecessor is then its error, else what is left of a geometric series.
+    next will be: what a run differs by from its predecessor is then its error, else what is left of a geometric series. The error
+    of the largest tension is what the run tells, times what the largest tensions differ by over what the coarser run told.
     """
     own, theirs, by_node = distances(run, coarser)
     apart = np.maximum.accumulate(by_node.max(axis=1))
@@ -171,7 +175,10 @@ def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kn
     of_told = error / own_told
     beyond = apart > np.maximum(AMPLIFIED * told, wanted.of_places(run))
     since = float(run.t[own][np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf
-    return Known(error, run.tension_error, of_told, since, last)
+    peak, peak_of_coarser = float(run.segment_tension.max(initial=0.0)), float(coarser.segment_tension.max(initial=0.0))
+    changed = abs(peak - peak_of_coarser) / max(peak, peak_of_coarser, 1e-300)
+    tension_error = run.tension_error * max(changed / max(coarser.tension_error, 1e-300), LEAST_OF_TENSION)
+    return Known(error, min(tension_error, 1.0), of_told, since, last)
 
 
 def _kept(run: Run, known: Known, wanted: Wanted) -> bool:

@@ -8,7 +8,7 @@ import pytest
 
 from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, equilibrium, paths, simulate
 from anet_lumped.effects import Gravity
-from anet_lumped.motion.accuracy import ERROR_OF_LENGTH, PILOT, Wanted, keep_error
+from anet_lumped.motion.accuracy import ERROR_OF_LENGTH, PILOT, Wanted, _compared, keep_error
 from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE, Choice, time_scale
 
 
@@ -165,3 +165,14 @@ def test_at_rest_nothing_is_refined():
 def test_messages(options, message):
     with pytest.raises(ValueError, match=message):
         simulate(swing(), 0.1, start="straight", **options)
+
+
+@pytest.mark.parametrize(("factor", "share"), [(1.3, None), (1.0, 0.5)])
+def test_two_runs_correct_what_the_finer_one_tells_of_its_largest_tension(factor, share):
+    """By what their largest tensions differ over what the coarser one told; where they agree, which may be chance, half is left."""
+    coarse, fine = (simulate(swing(), 1.0, start="straight", method="edmc", dt=dt, save_every=0.02) for dt in (0.02, 0.01))
+    alike = replace(fine, segment_tension=factor * coarse.segment_tension)  # tells as much of itself, but for lost energy
+    known = _compared(alike, coarse, Wanted(None, 0.02), math.inf)
+    expected = (1.0 - 1.0 / factor) / coarse.tension_error if share is None else share
+    assert known.tension_error == pytest.approx(alike.tension_error * max(expected, 0.5), rel=1e-12)
+    assert share is not None or expected > 0.5
