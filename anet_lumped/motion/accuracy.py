@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anet_lumped.limits import STEPS, most_of
-from anet_lumped.results.audit import distances
+from anet_lumped.results.distances import distances
 from anet_lumped.results.run import Run
 from integrators import schemes
 
@@ -34,8 +34,9 @@ AIM = 0.5  # of the error asked for, by an estimate that may be half of the trut
 MOST_AT_ONCE = 8  # steps that one is replaced by
 MOST_FOR_PLACES, MOST_FOR_TENSIONS = 512, 32  # steps in all that one of the first choice is replaced by; beyond, the run says so
 AMPLIFIED = 4.0  # times the error that a run tells of itself: from there on the motion has multiplied it
-NEARER = 0.7  # of an error, which shorter steps must leave at most: otherwise they are in vain
+NEARER, NEARER_TENSION = 0.7, 0.8  # of an error of places, and of a tension: what shorter steps must leave at most, or are in vain
 LEAST_OF_TOLD = 0.05  # of the error that a run tells of itself, which is left of it by a comparison
+LEAST_OF_TENSION = 0.5  # the same of the largest tension, of which two runs may agree by chance
 
 
 class Wanted(NamedTuple):
@@ -113,11 +114,11 @@ def keep_error(
             other = instead(pilot, _wish(pilot, wanted, share)) if instead is not None else None
             if other is not None:
                 return other
-            choice = _finer(choice, _parts(pilot, wanted, share), span)
+            choice = _finer(choice, _parts(pilot, wanted, _alone(pilot), share), span)
     run, in_vain, as_far_before = march(choice, duration), (False, False), False
-    known = Known(run.error_estimate or 0.0, run.tension_error)
+    known = _alone(run)
     while run.ok:
-        parts = _parts(run, wanted, 1.0, known.of_told, choice.dt / first, in_vain)
+        parts = _parts(run, wanted, known, 1.0, choice.dt / first, in_vain)
         parts = min(parts, int(most_of(STEPS) * choice.dt / duration))
         if parts < 2:
             break
@@ -132,11 +133,11 @@ def keep_error(
         if not run.ok:
             return run
         if (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0) and run.tension_error > before.tension_error:
-            return told(coarser, before, wanted)  # such short steps show rounding and Newton's tolerance
+            return told(coarser, before, wanted, too_short=run.dt)
         known = _compared(run, coarser, wanted, before.apart)
         # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
         loses = run.energy_balance.lost_to_method > ALLOWED_LOSS * run.energy_balance.in_play
-        as_far = known.tension_error > NEARER * before.tension_error
+        as_far = known.tension_error > NEARER_TENSION * before.tension_error
         in_vain = (
             known.error > NEARER * before.error and not loses,
             as_far and as_far_before,
@@ -150,20 +151,22 @@ def _finer(choice: Choice, parts: int, span: float) -> Choice:
     return replace(choice, dt=span / (parts * round(span / choice.dt))) if parts > 1 else choice
 
 
+def _alone(run: Run) -> Known:
+    """Errors of a run as it tells them by itself."""
+    return Known(run.error_estimate or 0.0, run.tension_error)
+
+
 def _parts(
-    run: Run, wanted: Wanted, share: float, of_told: float = 1.0, of_first: float = 1.0, in_vain: tuple[bool, bool] = (False, False)
+    run: Run, wanted: Wanted, known: Known, share: float, of_first: float = 1.0, in_vain: tuple[bool, bool] = (False, False)
 ) -> int:
     """Number of steps that each step of a run should be replaced by.
 
-    As its errors over a ``share`` of the whole time tell; its steps are ``of_first`` of those that were chosen first, and shorter
-    ones were ``in_vain`` for places, or for tensions.
+    As what is ``known`` of its errors over a ``share`` of the whole time asks for; its steps are ``of_first`` of those that were
+    chosen first, and shorter ones were ``in_vain`` for places, or for tensions.
     """
     scheme = schemes.scheme(run.method)
     order = scheme.error_order or scheme.order or 1
-    places, tensions = (
-        of_told * (run.error_estimate or 0.0) / share / wanted.of_places(run),
-        run.tension_error / wanted.tension_error,
-    )
+    places, tensions = known.error / share / wanted.of_places(run), known.tension_error / wanted.tension_error
     wishes = [1]
     if places > 1.0 and not in_vain[0]:
         wishes.append(min(math.ceil((places / AIM) ** (1.0 / order)), int(MOST_FOR_PLACES * of_first)))
@@ -183,10 +186,11 @@ def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kn
     """Errors of a run, as it tells them and as a coarser one before it shows them.
 
     Where two runs are hardly nearer to each other than the two before them, which were ``apart_before`` [m], nothing says that the
-    next will be: what a run differs by from its predecessor is then its error, else what is left of a geometric series.
+    next will be: what a run differs by from its predecessor is then its error, else what is left of a geometric series. The error
+    of the largest tension is what the run tells, times what the largest tensions differ by over what the coarser run told.
     """
-    own, theirs = _same_times(run, coarser)
-    apart = np.maximum.accumulate(distances(run.q[own], coarser.q[theirs]).max(axis=1))
+    own, theirs, by_node = distances(run, coarser)
+    apart = np.maximum.accumulate(by_node.max(axis=1))
     told, last = np.maximum(coarser.error[theirs], 1e-300), float(apart[-1])
     ratio = min(last / apart_before, 0.5) if apart_before > 0.0 else 0.0
     own_told = max(run.error_estimate or 0.0, 1e-300)
@@ -194,22 +198,21 @@ def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kn
     of_told = error / own_told
     beyond = apart > np.maximum(AMPLIFIED * told, wanted.of_places(run))
     since = float(run.t[own][np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf
-    return Known(error, run.tension_error, of_told, since, last)
-
-
-def _same_times(run: Run, other: Run) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of two runs that were saved at the same times."""
-    near = np.minimum(np.searchsorted(other.t, run.t - 1e-6 * run.dt), len(other.t) - 1)
-    same = np.abs(other.t[near] - run.t) < 1e-6 * run.dt
-    return np.flatnonzero(same), near[same]
+    peak, peak_of_coarser = float(run.segment_tension.max(initial=0.0)), float(coarser.segment_tension.max(initial=0.0))
+    changed = abs(peak - peak_of_coarser) / max(peak, peak_of_coarser, 1e-300)
+    tension_error = run.tension_error * max(changed / max(coarser.tension_error, 1e-300), LEAST_OF_TENSION)
+    return Known(error, min(tension_error, 1.0), of_told, since, last)
 
 
 def _kept(run: Run, known: Known, wanted: Wanted) -> bool:
     return known.error <= wanted.of_places(run) and known.tension_error <= wanted.tension_error
 
 
-def told(run: Run, known: Known, wanted: Wanted, how: str = "") -> Run:
-    """The run with what was kept in its reason, and what was not in its warnings; ``how`` says with which step or tolerance."""
+def told(run: Run, known: Known, wanted: Wanted, how: str = "", too_short: float | None = None) -> Run:
+    """The run with what was kept in its reason, and what was not in its warnings.
+
+    ``how`` says with which step or tolerance. Steps of ``too_short`` [s] have told larger errors than those of the run.
+    """
     how = how or f"dt={run.dt:.3g} s"
     allowed = wanted.of_places(run)
     if run.error is not None:
@@ -233,5 +236,8 @@ def told(run: Run, known: Known, wanted: Wanted, how: str = "") -> Run:
             f"the largest tension is known to {known.tension_error:.1%} where {wanted.tension_error:.1%} are wanted: "
             "it jumps faster than the steps resolve"
         )
-    text = f"{run.method} with {how}: {'; '.join(found)}."
-    return replace(run, reason=f"{run.reason}; with {how} {'; '.join(found)}", warnings=(*run.warnings, text), kept=False)
+    if too_short is not None:
+        found.append(f"dt={too_short:.3g} s was tried too, and told larger errors, of rounding and of Newton's tolerance")
+    said = "; ".join(found)
+    text = f"{run.method} with {how}: {said}."
+    return replace(run, reason=f"{run.reason}; with {how} {said}", warnings=(*run.warnings, text), kept=False)

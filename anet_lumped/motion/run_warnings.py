@@ -12,7 +12,7 @@ import numpy as np
 from anet_lumped.checks import quoted
 from anet_lumped.results.audit import SHARE
 from anet_lumped.results.energy_balance import error_of_steps
-from anet_lumped.results.error_estimate import lowest_axial_mode
+from anet_lumped.results.tension_error import lowest_axial_mode
 from anet_lumped.scene.scene import Driven
 from integrators import schemes
 
@@ -100,7 +100,7 @@ def _halving_step(run):
     scheme, dt = schemes.scheme(run.method), run.dt
     order = 3 if run.method == "edmc" else scheme.order or 1
     if run.method == "edmc":
-        slowest = min((lowest_axial_mode(run.scene, c)[0] for c in run.scene.cables if not c.inextensible), default=0.0)
+        slowest = min((lowest_axial_mode(run.scene, c).omega for c in run.scene.cables if not c.inextensible), default=0.0)
         dt = min(dt, 2.0 / slowest) if slowest > 0.0 else dt
     return dt * 0.5 ** (1.0 / order)
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from .distances import distances
 from .energy_balance import error_of_steps
 
 IMBALANCE = 1e-2  # of the energy in play: more than this is not accounted for
@@ -79,20 +80,22 @@ def audited(run: Any, finer: Callable[[int], Any], order: float | None, allowed:
     allowed = SHARE * max(cable.length for cable in run.scene.cables) if allowed is None else allowed
     began = time.perf_counter()
     other = finer(2)
-    apart = distances(run.q, other.q)
+    rows, _, apart = distances(run, other)
     row, node = np.unravel_index(np.argmax(apart), apart.shape)
     # q_h - q_(h/2) = (1 - 2^-p) of the error of q_h; a tenth of the tolerance leaves next to nothing of it
     left = 1.0 if order is None else 1.0 - 2.0**-order
     error, told = float(apart[row, node]) / left, run.error_estimate
     disagree = bool(told) and not run.extrapolated and not 1.0 / DISAGREE < error / told < DISAGREE
     if other.ok and order is not None and disagree and error > 0.1 * allowed:
-        nearer = float(apart[row, node]) / max(float(distances(other.q, finer(4).q)[row, node]), 1e-300)
-        error = float(apart[row, node]) / (1.0 - 1.0 / nearer) if nearer > SLOWEST else np.inf
+        third = finer(4)
+        if third.ok:
+            nearer = float(apart[row, node]) / max(float(distances(other, third).apart[row, node]), 1e-300)
+            error = float(apart[row, node]) / (1.0 - 1.0 / nearer) if nearer > SLOWEST else np.inf
     took, imbalance = time.perf_counter() - began, error_of_steps(run)
     largest = float(other.segment_tension.max(initial=0.0))
     off = abs(float(run.segment_tension.max(initial=0.0)) - largest) / left
     tension_error = off / largest if largest > 0.0 else 0.0
-    where, t = run.model.where(int(node)), float(run.t[row])
+    where, t = run.model.where(int(node)), float(run.t[rows[row]])
     reasons = []
     if not other.ok:
         reasons.append(f'the finer run ended as "{other.status}" at t={other.t[-1]:.4g} s')
@@ -107,9 +110,3 @@ def audited(run: Any, finer: Callable[[int], Any], order: float | None, allowed:
     reason = f"The audit failed: {', and '.join(reasons)}; try a smaller step or tolerance." if reasons else ""
     found = Audit(error, where, t, allowed, imbalance, took, reason, tension_error)
     return replace(run, audit=found, **({"status": "audit failed", "message": reason} if reasons else {}))
-
-
-def distances(q: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Distances (k, n) [m] of places (k, n, 3) of two runs at the times that both have saved, one after the other."""
-    k = min(len(q), len(other))
-    return np.linalg.norm(q[:k] - other[:k], axis=2)

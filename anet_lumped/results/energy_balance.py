@@ -105,6 +105,15 @@ def energy_in_play(rows: np.ndarray) -> np.ndarray:
     return np.maximum.accumulate(np.max(forms, axis=0))
 
 
+def lost_share(energy: np.ndarray) -> np.ndarray:
+    """Share of the energy in play that the method took and that nothing accounts for, up to each saved time, (k,)."""
+    change = energy - energy[0]
+    taken = change[:, BY_DAMPERS:].sum(axis=1)
+    unaccounted = change[:, : POTENTIAL + 1].sum(axis=1) - change[:, WORK] + taken
+    lost = np.maximum(change[:, BY_METHOD], 0.0) + np.maximum(-unaccounted, 0.0)
+    return np.where(lost > 0.0, np.minimum(lost / np.maximum(energy_in_play(energy), 1e-300), 1.0), 0.0)
+
+
 def book_remainder(rows: np.ndarray) -> None:
     """Book to the method what neither work nor forces account for since the first row; ``rows`` (k, 7) [J] are changed."""
     rows[:, BY_METHOD] = 0.0

@@ -6,6 +6,7 @@ from os import PathLike
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from anet_lumped.effects.laws.axial import tension_parts, with_select
 from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_TWO_WAY_DAMPER
@@ -14,9 +15,9 @@ from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
-from . import error_estimate, run_file
+from . import error_estimate, run_file, tension_error
 from .audit import Audit
-from .energy_balance import EnergyBalance
+from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, Event, broken
 
 STATUS = {
@@ -239,8 +240,8 @@ class Run:
 
     @cached_property
     def tension_error(self) -> float:
-        """Error of the largest tension in the saved states over that tension, estimated."""
-        return error_estimate.tension_error(self)
+        """Error of the largest tension in the saved states, over what that tension may be, estimated; see `tension_error`."""
+        return tension_error.tension_error(self)
 
     @property
     def final(self) -> State:
@@ -251,6 +252,17 @@ class Run:
         if self.segment_tension is None:
             with np.errstate(over="ignore", invalid="ignore"):  # the last state of a run that diverged
                 object.__setattr__(self, "segment_tension", segment_tensions(self.model, self.q, self.v))
+        self._check_shapes()
+
+    def _check_shapes(self) -> None:
+        """A row of each array for each saved time, of the nodes and segments that the model has."""
+        rows, places = self.t.shape, (*self.t.shape, self.model.n, 3)
+        columns = self.energy.shape[1:] if self.energy.shape[1:] in ((len(COLUMNS),), (len(UNDIVIDED),)) else (len(COLUMNS),)
+        shapes = {"q": places, "v": places, "q_near": places, "segment_tension": (*rows, self.model.n_segments)}
+        for name, shape in (shapes | {"error_growth": rows, "energy": (*rows, *columns)}).items():
+            found = getattr(self, name)
+            if found is not None and found.shape != shape:
+                raise InputError(f"Argument `{name}` of a Run must be of the shape {shape}, but its shape is {found.shape}.")
 
     def state(self, k: int) -> State:
         """State at the k-th saved time."""

@@ -24,7 +24,8 @@ from integrators.states import copy
 
 SWING = 0.5 * np.pi  # largest of |cos| over its mean: the sum of what a swing leaves out is so much less than its error of phase
 # Steps after p in a row that are taken to be like these, so that what is added costs some per cent of a step.
-UNSEEN_EXPLICIT, UNSEEN_IMPLICIT = 13, 2
+UNSEEN_EXPLICIT, UNSEEN_IMPLICIT = 29, 2
+WAITS = -1  # steps that a difference has, before which the next step is not one of it
 
 
 class StepError(NamedTuple):
@@ -78,7 +79,7 @@ def follow(growth, step_error, steps, weight, h, v, n_free):
     growth : Growth
     step_error : StepError
     steps : int64
-        Steps that the difference has; below zero it waits.
+        Steps that the difference has, at least `WAITS`: then this one is its first.
     weight : float64
         Of the velocities that were added last.
     h : float64 [s]
@@ -91,8 +92,6 @@ def follow(growth, step_error, steps, weight, h, v, n_free):
     """
     p, V, difference, error = step_error.order, flat(v), flat(growth.difference), growth.error
     steps += 1
-    if steps < 0:
-        return steps, 1.0
     if steps == 0:
         copy(V, difference)
         return steps, 1.0

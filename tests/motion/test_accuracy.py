@@ -1,14 +1,15 @@
 """The default keeps an error, a step is chosen for the error that is asked for, and what cannot be kept is said."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, equilibrium, paths, simulate
 from anet_lumped.effects import Gravity
-from anet_lumped.motion.accuracy import ERROR_OF_LENGTH, PILOT
-from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE, time_scale
+from anet_lumped.motion.accuracy import ERROR_OF_LENGTH, PILOT, Wanted, _compared, keep_error
+from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE, Choice, time_scale
 
 
 def string(T=70.0, mu=5e-4, L=0.65, EA=2e4, pull=1e-3):
@@ -108,6 +109,25 @@ def test_a_scene_that_is_right_at_its_first_step_costs_a_pilot_more():
     assert run.error_estimate < ERROR_OF_LENGTH
 
 
+def test_a_run_that_is_gone_back_to_says_which_shorter_step_was_tried():
+    """Where the shorter steps tell larger errors, of places and of tensions, the run before them is what comes back."""
+    tried = []
+
+    def march(choice, duration):
+        run = simulate(swing(), duration, start="straight", method="edmc", dt=choice.dt)
+        tried.append(choice.dt)
+        if len(tried) == 1:
+            return run
+        jumps = 1.0 + 9.0 * (np.arange(len(run.t)) % 2)[:, None]
+        return replace(run, error_growth=1e6 * run.error_growth, segment_tension=jumps * run.segment_tension)
+
+    choice = Choice("edmc", 0.02, "", math.inf, ())
+    run = keep_error(march, choice, Wanted(1e-12, 1e-12), 1.0, 1.0)
+    assert run.dt == tried[0] == 0.02 and len(tried) == 2 and not run.kept
+    words = f"; dt={tried[1]:.3g} s was tried too, and told larger errors, of rounding and of Newton's tolerance"
+    assert run.reason.endswith(words) and run.warnings[-1].endswith(words + ".")
+
+
 def test_past_a_whip_no_step_keeps_an_error_and_the_run_says_so():
     run = simulate(loose(), 1.5, start="straight")
     (said,) = [text for text in run.warnings if "places are known" in text]
@@ -145,3 +165,14 @@ def test_at_rest_nothing_is_refined():
 def test_messages(options, message):
     with pytest.raises(ValueError, match=message):
         simulate(swing(), 0.1, start="straight", **options)
+
+
+@pytest.mark.parametrize(("factor", "share"), [(1.3, None), (1.0, 0.5)])
+def test_two_runs_correct_what_the_finer_one_tells_of_its_largest_tension(factor, share):
+    """By what their largest tensions differ over what the coarser one told; where they agree, which may be chance, half is left."""
+    coarse, fine = (simulate(swing(), 1.0, start="straight", method="edmc", dt=dt, save_every=0.02) for dt in (0.02, 0.01))
+    alike = replace(fine, segment_tension=factor * coarse.segment_tension)  # tells as much of itself, but for lost energy
+    known = _compared(alike, coarse, Wanted(None, 0.02), math.inf)
+    expected = (1.0 - 1.0 / factor) / coarse.tension_error if share is None else share
+    assert known.tension_error == pytest.approx(alike.tension_error * max(expected, 0.5), rel=1e-12)
+    assert share is not None or expected > 0.5

@@ -28,7 +28,7 @@ def test_a_motion_beside_its_reference(number):
 def rows(told, kept=True):
     runs = pd.DataFrame(
         {"judged": [True, True, False], "told_m": [told, 1e-3, 1.0], "true_m": [1e-3, 1e-3, 2.0],
-         "told_tension": [told, 0.01, 0.01], "true_tension": [1e-3, 1e-5, 0.01]}
+         "told_tension": [told, 0.01, 0.01], "true_tension": [1.1e-3, 1e-5, 0.01], "judged_tension": [True, False, False]}
     )  # fmt: skip
     default = {"status": "done", "kept": kept, "judged": True, "true_m": 1e-3, "allowed_m": 2e-3}
     return {"runs": runs, "defaults": pd.DataFrame([default, default | {"status": "unconverged"}])}
@@ -38,7 +38,8 @@ def test_the_answer():
     text = error_estimate.answer(rows(2e-3))
     assert "Of 2 runs of edmc at a given step, 100 % tell" in text and "and 0 % tell less than a tenth" in text
     assert "1 of 1 runs say that they keep 0.1 % of the longest cable" in text and "100 % keep it" in text
-    assert "Left out: 1 run " in text
+    assert "Left out: 1 run " in text and "and 1 run of which the same is true of the largest tension" in text
+    assert "Of 1 error of the largest tension beyond 0.1 % of it, 100 % are told within that factor" in text
     text = error_estimate.answer(rows(5e-5, kept=False))
     assert "50 % tell their error" in text and "and 50 % tell less than a tenth" in text and "0 of 1 runs say" in text
     assert "keep it" not in text

@@ -1,0 +1,105 @@
+"""What a run tells of the error of its largest tension: overshoot and memory against plain formulas, runs against finer ones."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from anet_lumped import Cable, Fixed, Free, Scene, simulate
+from anet_lumped.effects import Gravity
+from anet_lumped.results.tension_error import Mode, _remembered, _vibration_lost
+
+
+@pytest.mark.parametrize("zeta", [0.0, 0.05, 0.5, 1.0, 3.0])
+def test_the_overshoot_of_a_spring_and_a_damper(zeta):
+    """y'' + 2 zeta y' + y = 2 zeta u' + u for a u that jumps from 0 to 1, by small steps of Heun's method."""
+    h, y, v, largest = 1e-3, 0.0, 2.0 * zeta, 0.0  # the jump of u sets off y' = 2 zeta
+    for _ in range(8000):
+        a = 1.0 - y - 2.0 * zeta * v
+        y_next, v_next = y + h * v, v + h * a
+        y, v = y + 0.5 * h * (v + v_next), v + 0.5 * h * (a + 1.0 - y_next - 2.0 * zeta * v_next)
+        largest = max(largest, y)
+    assert Mode(1.0, zeta).overshoot == pytest.approx(largest - 1.0, abs=1e-5)  # h^2
+
+
+def test_the_overshoot_has_no_gap_at_the_aperiodic_limit_and_ends():
+    near = [Mode(1.0, 1.0 + x).overshoot for x in (-1e-5, -1e-8, 0.0, 1e-8, 1e-5)]
+    assert np.ptp(near) < 1e-5 and near == sorted(near, reverse=True)
+    assert Mode(1.0, 999.0).overshoot < 1e-6 and Mode(1.0, 1e200).overshoot == 0.0
+
+
+def test_jumps_and_energies_fade():
+    rng = np.random.default_rng(0)
+    jump, decay = rng.random((30, 2)) * (rng.random((30, 2)) > 0.5), 0.2 * rng.random(29)
+    energy = np.zeros((30, 7))
+    energy[:, -1] = np.cumsum(rng.random(30))
+    kept, left = [jump[0]], [0.0]
+    for k in range(29):
+        kept.append(np.maximum(jump[k + 1], kept[-1] * math.exp(-decay[k])))
+        left.append((left[-1] + energy[k + 1, -1] - energy[k, -1]) * math.exp(-decay[k]))
+    np.testing.assert_allclose(_remembered(jump, decay), kept, rtol=1e-13)
+    np.testing.assert_allclose(_vibration_lost(energy, decay), left, rtol=1e-13)
+    still = np.full(29, 300.0)  # the most that is handed over
+    np.testing.assert_allclose(_remembered(jump, still)[jump > 0.0], jump[jump > 0.0], rtol=1e-10)
+
+
+def hung(segments, EA, zeta, mass, stretched=False):
+    """A pendulum of 1 m let go at 0.8 rad: unstretched, so that its tension jumps at once, or stretched by its tension."""
+    length = 1.0 + (mass * 9.81 * math.cos(0.8) / EA if stretched else 0.0)
+    cable = Cable("a", "b", length=1.0, mass_per_length=0.02, EA=EA, zeta=zeta, segments=segments)
+    end = Free("b", mass=mass, at=(length * math.sin(0.8), 0.0, -length * math.cos(0.8)))
+    return Scene([Fixed("a", (0.0, 0.0, 0.0)), end], [cable], [Gravity(9.81)])
+
+
+def told_and_true(scene, dt, fine, method="edmc", t_end=1.0):
+    """Of a run with a step, and from one with a fine step and no numerical damper, which would take the vibration."""
+    run = simulate(scene, t_end, method=method, dt=dt, save_every=dt, start="straight")
+    reference = simulate(scene, t_end, method="edmc", dt=fine, save_every=fine, start="straight", rho_inf=1.0)
+    assert run.ok and reference.ok
+    largest, true = run.segment_tension.max(), reference.segment_tension.max()
+    return run.tension_error, abs(true - largest) / max(true, largest)
+
+
+@pytest.mark.parametrize("method", ["edmc", "sdirk2"])  # sdirk2 has no account of what it took from vibrations alone
+@pytest.mark.parametrize("dt", [0.05, 0.02])  # omega h/2 = 7.9 and 3.2
+def test_a_jump_that_the_steps_do_not_resolve_rings_through_the_swing(method, dt):
+    told, true = told_and_true(hung(1, 1e5, 0.0, 1.0), dt, 1e-4, method)
+    assert true > 0.1 and 0.25 < told / true < 4.0
+
+
+def test_a_stiff_pendulum_that_does_not_jump_has_no_such_error():
+    told, true = told_and_true(hung(1, 1e5, 0.0, 1.0, stretched=True), 0.02, 1e-4)
+    assert true < 0.005 and told < 0.01
+
+
+@pytest.mark.parametrize("dt", [0.004, 0.002])  # omega h/2 = 0.1 and 0.05 of the lowest vibration, 6 and 3 of a segment's
+def test_vibrations_that_the_numerical_damper_took_are_missing(dt):
+    """What jumps show is next to nothing here, as the lowest vibration is resolved; the account of energy knows more."""
+    told, true = told_and_true(hung(20, 100.0, 0.0, 0.0), dt, 2e-5)
+    assert true > 0.01 and 0.25 < told / true < 4.0
+
+
+@pytest.mark.parametrize("dt", [0.03, 0.02, 0.0123])
+def test_a_peak_between_two_saved_states(dt):
+    """A weight on a spring, T = m g (1 - cos(omega t)): an eighth of the second difference at the peak, and no less than is missed.
+
+    The steps of Verlet are a tenth of what is saved, so that they make next to no error.
+    """
+    cable = Cable("a", "b", length=1.0, mass_per_length=1e-6, EA=100.0, zeta=0.0, segments=1)
+    scene = Scene([Fixed("a", (0.0, 0.0, 0.0)), Free("b", mass=1.0, at=(0.0, 0.0, -1.0))], [cable], [Gravity(9.81)])
+    run = simulate(scene, 60 * dt, method="verlet", dt=0.1 * dt, save_every=dt, start="straight")
+    hidden = 0.125 * 2.0 * 9.81 * (1.0 - math.cos(10.0 * dt)) / (2.0 * 9.81)  # the second difference of a cosine at its top
+    missed = 1.0 - run.segment_tension.max() / (2.0 * 9.81)
+    assert missed < run.tension_error < 1.05 * hidden
+
+
+def test_a_jump_sets_off_the_vibration_of_a_segment():
+    """The lowest vibration is resolved, omega h/2 = 0.1, so that a quarter of the share of a segment's is what counts."""
+    scene, dt = hung(20, 100.0, 0.0, 0.0), 0.004
+    run = simulate(scene, 20 * dt, method="edmc", dt=dt, save_every=dt, start="straight")
+    tension = np.where(np.arange(21)[:, None] < 10, 1.0, 2.0) * np.ones(20)
+    jumped = replace(run, segment_tension=tension, energy=np.zeros_like(run.energy))
+    square = (0.5 * dt * scene.cables[0].omega_max) ** 2
+    assert jumped.tension_error == pytest.approx(1.0 - 2.0 / (2.0 + 0.25 * square / (1.0 + square)), rel=1e-12)
+    assert replace(jumped, segment_tension=np.full((21, 20), 2.0)).tension_error == 0.0
