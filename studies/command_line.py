@@ -340,12 +340,12 @@ def report(
     announce_compiling("report")
     for log in map(logging.getLogger, ("anet_lumped", "studies")):  # a report tells its studies
         log.setLevel(logging.WARNING)
-    from studies.report import PAGE, ReportInterrupt, write_report
+    from studies.report import PAGE, ReportInterrupt, most_at_once, write_report
     from studies.shown.progress import report_progress
 
     try:
         with report_progress(tell) as tell_study:
-            failed = write_report(out, full=full, tell=tell_study)
+            failed = write_report(out, full=full, at_once=most_at_once(), tell=tell_study)
     except ReportInterrupt as stopped:
         tell(str(stopped))
         raise typer.Exit(130) from None
