@@ -5,6 +5,7 @@ SIGTERM. What a command needs it imports itself, so that `--help` answers at onc
 """
 
 import logging
+import os
 import sys
 import tempfile
 import warnings
@@ -60,6 +61,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the program; whatever the user can put right is one sentence on stderr."""
     with stop_signals() as came, standard_streams():
         try:
+            os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever windows a user's setting asks for
             warnings.showwarning = lambda message, *where: tell(f"warning: {message}")
             tell_what_takes_long()
             status = _status(arguments)
