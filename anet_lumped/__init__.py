@@ -9,10 +9,12 @@ import os
 import sys
 from importlib.metadata import PackageNotFoundError, version
 
+from anet_lumped.environment import check_environment
 from integrators.compiling import NOTICE
 from integrators.ctrl_c import ctrl_c_later
 
 with ctrl_c_later():  # once their import is interrupted, a process cannot import NumPy or Numba again
+    check_environment()
     import numba  # noqa: F401
 
 if not NOTICE.watched and multiprocessing.parent_process() is None and "ANET_LUMPED_QUIET" not in os.environ:

@@ -76,6 +76,24 @@ def check_count(argument: str, value: Any, owner: str) -> int:
     return count
 
 
+def check_index(argument: str, value: Any, count: int, what: str) -> int:
+    """Return `value` as an integer by which one of `count` things is found, from the end where it is negative, as Python does.
+
+    Raises
+    ------
+    InputError : `value` is no such integer
+    """
+    try:
+        index = count if isinstance(value, bool) else operator.index(value)
+    except TypeError:
+        index = count
+    if not -count <= index < count:
+        raise InputError(
+            f"Argument `{argument}` must be an integer from {-count} to {count - 1}, {what}, but it is {shown(value)}."
+        )
+    return index
+
+
 def check_vector(argument: str, value: Any, unit: str, owner: str) -> Vector:
     """Return `value` as a tuple of three finite floats."""
     numbers = [number(x) for x in as_entries(value) or ()]

@@ -6,6 +6,7 @@ SIGTERM. What a command needs it imports itself, so that `--help` answers at onc
 
 import importlib.metadata
 import logging
+import os
 import sys
 import tempfile
 import warnings
@@ -61,6 +62,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the program; whatever the user can put right is one sentence on stderr."""
     with stop_signals() as came, standard_streams():
         try:
+            os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever windows a user's setting asks for
             warnings.showwarning = lambda message, *where: tell(f"warning: {message}")
             tell_what_takes_long()
             status = _status(arguments)
@@ -352,12 +354,12 @@ def report(
     announce_compiling("report")
     for log in map(logging.getLogger, ("anet_lumped", "studies")):  # a report tells its studies
         log.setLevel(logging.WARNING)
-    from studies.report import PAGE, ReportInterrupt, write_report
+    from studies.report import PAGE, ReportInterrupt, most_at_once, write_report
     from studies.shown.progress import report_progress
 
     try:
         with report_progress(tell) as tell_study:
-            failed = write_report(out, full=full, tell=tell_study)
+            failed = write_report(out, full=full, at_once=most_at_once(), tell=tell_study)
     except ReportInterrupt as stopped:
         tell(str(stopped))
         raise typer.Exit(130) from None

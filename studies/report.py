@@ -1,5 +1,10 @@
-"""The report: runs the studies, cheap and telling ones first, and writes the page after each of them."""
+"""The report: runs the studies, cheap and telling ones first, and writes the page after each of them.
 
+Studies that compare times run alone, in this process. Of the others two run at once, each in a process beside this one: one
+compiles, draws or waits for its last rows while the other has rows to run.
+"""
+
+import contextlib
 import time
 import traceback
 from collections.abc import Callable, Iterable
@@ -8,9 +13,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from studies.shown.page import Entry, State, write_page
+from studies.shown.sentences import listed
 from studies.study import NAMES, Part, module_of, run_study
 from studies.sweeping.folder_lock import locked
 from studies.sweeping.provenance import provenance
+from studies.sweeping.side_processes import SideProcesses
+from studies.sweeping.workers import available_cores
 
 PAGE = "report.html"
 
@@ -25,7 +33,7 @@ class Progress:
 
     Parameters
     ----------
-    number, total : of the study among all of them, from 1
+    number, total : of the study among all of them, from 1, in the order in which they start
     name : of the study
     state : RUNNING, DONE or FAILED
     seconds : that the study took, 0 while it runs
@@ -46,6 +54,7 @@ def write_report(
     full: bool = False,
     executor: Executor | None = None,
     names: Iterable[str] = NAMES,
+    at_once: int = 1,
     tell: Callable[[Progress], None] = lambda progress: None,
 ) -> list[str]:
     """Run the studies and write `out/report.html` after each of them, with each study's data in a folder beside it.
@@ -54,8 +63,9 @@ def write_report(
     ----------
     out : folder
     full : all of every study; otherwise there is a first look of the long ones, and the page says what it leaves out
-    executor : where the studies' rows run
-    names : of the studies, in the order in which they run
+    executor : where the studies' rows run; only with `at_once` of 1
+    names : of the studies, in the order in which they are on the page and, but for those that wait for their turn, run
+    at_once : studies that run at the same time, but for those that compare times; with 1 all run in this process
     tell : is told when a study starts and when it ends
 
     Returns
@@ -69,32 +79,81 @@ def write_report(
     """
     out, names = Path(out), list(names)
     with locked(out):
-        return _write(out, names, full, executor, tell)
+        return _write(out, names, full, executor, at_once, tell)
 
 
-def _write(out, names, full, executor, tell):
+def most_at_once() -> int:
+    """Studies that this machine runs at once: two, unless there is one core only."""
+    return min(2, available_cores())
+
+
+def _write(out, names, full, executor, at_once, tell):
     """`write_report` in a folder that nobody else writes to."""
     entries = {name: _entry(name, full) for name in names}
     command = "anet-lumped report" + " --full" * full
+    began, done = {}, []
 
     def write(stopped=""):
         write_page(out / PAGE, entries.values(), Part, made=provenance(), command=command, stopped=stopped)
 
-    for number, name in enumerate(names, 1):
+    def say(name, seconds=0.0):
+        number = list(began).index(name) + 1
+        tell(Progress(number, len(names), name, entries[name].state, seconds, entries[name].reason))
+
+    def begin(name):
+        began[name] = time.perf_counter()
         entries[name] = replace(entries[name], state=State.RUNNING)
         write()
-        tell(Progress(number, len(names), name, State.RUNNING))
-        began = time.perf_counter()
-        try:
-            entries[name] = _run(entries[name], out / name, executor)
-        except KeyboardInterrupt:
-            entries[name] = replace(entries[name], state=State.TO_COME)
-            said = f"The report was stopped after {number - 1} of {len(names)} studies, while {name} ran"
-            write(f"{said}; the others are still to come.")
-            raise ReportInterrupt(f"{said}; {out / PAGE} holds those that are done.") from None
-        tell(Progress(number, len(names), name, entries[name].state, time.perf_counter() - began, entries[name].reason))
-    write()
+        say(name)
+        return entries[name], out / name, executor
+
+    try:
+        with contextlib.closing(_run_all(names, at_once, begin)) as results:
+            for name, result in results:
+                entries[name] = result if isinstance(result, Entry) else _failed(entries[name], result)
+                done.append(name)
+                write()
+                say(name, time.perf_counter() - began[name])
+    except KeyboardInterrupt:
+        running = [name for name in began if name not in done]
+        entries |= {name: replace(entries[name], state=State.TO_COME) for name in running}
+        said = f"The report was stopped after {len(done)} of {len(names)} studies" + f", while {listed(running)} ran" * bool(
+            running
+        )
+        write(f"{said}; the others are still to come.")
+        raise ReportInterrupt(f"{said}; {out / PAGE} holds those that are done.") from None
     return [name for name, entry in entries.items() if entry.state is State.FAILED]
+
+
+def _run_all(names, at_once, begin):
+    """Yield the name of each study as it ends, and its entry, or the exception that the process beside this one was lost by.
+
+    When nothing runs, the next study in order begins. Beside one that does not compare times runs the next that does not either.
+
+    Parameters
+    ----------
+    names, at_once : as for `write_report`
+    begin : is called with the name of a study that begins now, and returns the arguments of `run_entry`
+    """
+    waiting, running = list(names), 0
+    with SideProcesses() as processes:
+        while waiting or running:
+            name = next((name for name in waiting if not running or not _alone(name, at_once)), None) if running < at_once else None
+            if name is None:
+                running -= 1
+                yield processes.next_result()
+                continue
+            waiting.remove(name)
+            arguments = begin(name)
+            if _alone(name, at_once):
+                yield name, run_entry(*arguments)
+            else:
+                running += 1
+                processes.start(name, run_entry, *arguments)
+
+
+def _alone(name, at_once):
+    return at_once == 1 or module_of(name).STUDY.compares_times
 
 
 def _entry(name, full):
@@ -102,10 +161,15 @@ def _entry(name, full):
     return Entry(name, record.question, record.part, first_look="" if full else record.first_look)
 
 
-def _run(entry, out, executor):
+def run_entry(entry: Entry, out: Path, executor: Executor | None = None) -> Entry:
+    """The entry of a study that has run, and is done or has failed."""
     try:
         study = run_study(entry.name, out, quick=bool(entry.first_look), executor=executor)
     except Exception as error:
-        reason = f"{type(error).__name__}: {error}"
-        return replace(entry, state=State.FAILED, reason=reason, traceback=traceback.format_exc())
+        return _failed(entry, error)
     return replace(entry, state=State.DONE, study=study)
+
+
+def _failed(entry, error):
+    reason = f"{type(error).__name__}: {error}"
+    return replace(entry, state=State.FAILED, reason=reason, traceback="".join(traceback.format_exception(error)))

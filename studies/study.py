@@ -69,11 +69,13 @@ class Record:
     part : of the report
     first_look : what a first look takes of the study, as the end of "A first look: ..."; empty for a study that is short, of
         which the report takes all
+    compares_times : whether its tables or its answer compare times that runs took, so that nothing else may run meanwhile
     """
 
     question: str
     part: Part
     first_look: str = ""
+    compares_times: bool = False
 
 
 class StudyError(InputError):

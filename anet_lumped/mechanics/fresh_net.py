@@ -6,6 +6,10 @@ from anet_lumped.mechanics.required_kernels import require
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.net import NO_LINKS, Net
 from anet_lumped.model.tables import (
+    BORDER_COLUMNS,
+    BORDER_UNKNOWNS,
+    FACTOR_COLUMNS,
+    FAR_FACTOR_COLUMNS,
     KERNELS,
     LINEARISED_BEGINNING,
     LINEARISED_COLUMNS,
@@ -64,10 +68,10 @@ def fresh_net(model, force=True, newton=True, links=False):
         predicted_force=np.zeros((n - model.n_interior, 3)),
         right_side=np.zeros((n, 3)),
         diagonal=np.zeros((model.n_free, 3, 3)),
-        factor=np.zeros((segments, 16)),
-        border=np.zeros((segments, 16)),
-        far_factor=np.zeros((segments if couples > 1 else 0, 12)),
-        border_work=np.zeros((6, 4, 4)),
+        factor=np.zeros((segments, FACTOR_COLUMNS)),
+        border=np.zeros((segments, BORDER_COLUMNS)),
+        far_factor=np.zeros((segments if couples > 1 else 0, FAR_FACTOR_COLUMNS)),
+        border_work=np.zeros((6, BORDER_UNKNOWNS, BORDER_UNKNOWNS)),
         newton_step=np.zeros((n, 3)),
         middle_q=np.zeros((n, 3)),
         middle_v=np.zeros((n, 3)),

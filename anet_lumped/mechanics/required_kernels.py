@@ -42,22 +42,24 @@ def require(net, model, force=False, newton=False):
 
 def require_elimination(net, reach):
     """`require` for the elimination, where effects join nodes that are up to ``reach`` segments apart."""
-    from anet_lumped.mechanics.linear import chain
+    from anet_lumped.mechanics.linear import bordered, chain
 
-    eliminating = substituting = chain
+    eliminating = substituting = {"groups": chain, "singles": chain, "bordered": bordered}
     if reach == 1:
-        from anet_lumped.mechanics.linear import coupled_near as eliminating
+        from anet_lumped.mechanics.linear import coupled_near
+
+        eliminating = dict.fromkeys(eliminating, coupled_near)
     elif reach == 2:
         from anet_lumped.mechanics.linear import coupled_far
 
-        eliminating = substituting = coupled_far
-    short, bordered = net.single_kinds
-    kinds = {"groups": len(net.cable_groups) > 0, "singles": len(net.single_cables) > bordered, "bordered": bordered > short}
+        eliminating = substituting = dict.fromkeys(eliminating, coupled_far)
+    short, first_held = net.single_kinds
+    kinds = {"groups": len(net.cable_groups) > 0, "singles": len(net.single_cables) > first_held, "bordered": first_held > short}
     for kind, present in kinds.items():
         if present:
-            _write(net, f"ELIMINATE_{kind.upper()}", "eliminate", getattr(eliminating, f"eliminate_{kind}"))
+            _write(net, f"ELIMINATE_{kind.upper()}", "eliminate", getattr(eliminating[kind], f"eliminate_{kind}"))
         if present or (kind == "singles" and short):
-            _write(net, f"SUBSTITUTE_{kind.upper()}", "substitute", getattr(substituting, f"substitute_{kind}"))
+            _write(net, f"SUBSTITUTE_{kind.upper()}", "substitute", getattr(substituting[kind], f"substitute_{kind}"))
 
 
 def _write_both(net, name, of_singles, of_groups):

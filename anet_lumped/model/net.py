@@ -144,10 +144,10 @@ class Net(NamedTuple):
     predicted_force: np.ndarray  # (points, 3) scratch
     right_side: np.ndarray  # (n, 3) right-hand side, overwritten by the elimination
     diagonal: np.ndarray  # (n_free, 3, 3)
-    factor: np.ndarray  # (n_segments, 16) scratch of the elimination, see `node_elimination`
-    border: np.ndarray  # (n_segments, 16) the same for cables between two free points
+    factor: np.ndarray  # (n_segments, 16) scratch of the elimination, columns in `tables`
+    border: np.ndarray  # (n_segments, 16) the same for cables between two free points, columns in `tables`
     far_factor: np.ndarray  # (n_segments, 12) the same where an effect couples next-but-one neighbours, empty where none does
-    border_work: np.ndarray  # (6, 4, 4) scratch of a cable between two free points
+    border_work: np.ndarray  # (6, 4, 4) scratch of a cable between two free points, see `bordered`
     newton_step: np.ndarray  # (n, 3) the Newton step; zero on prescribed nodes
     middle_q: np.ndarray  # (n, 3) place and
     middle_v: np.ndarray  # (n, 3) velocity at which external forces are taken

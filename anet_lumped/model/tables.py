@@ -26,6 +26,30 @@ SEGMENT_DIRECTION, SEGMENT_GRADIENT, SEGMENT_GEOMETRIC, SEGMENT_STIFFNESS, SEGME
 SEGMENT_STRETCH_BEFORE, SEGMENT_STRETCH, SEGMENT_CONSERVATIVE, SEGMENT_LAST_CHANGE, SEGMENT_NUMERICAL_DAMPER = 9, 10, 11, 12, 13
 SEGMENT_COLUMNS = 14
 
+# `Net.factor`, one row a segment, written by the elimination of the node behind it: the displacement of that node and the tension
+# of the segment by the displacement of the next node. H (nine columns by rows) and h, of d = H d_next + h; w and T_c, of
+# T = w . d_next + T_c.
+FACTOR_PER_NEXT, FACTOR_CONSTANT, FACTOR_TENSION_PER_NEXT, FACTOR_TENSION_CONSTANT = 0, 9, 12, 15
+FACTOR_COLUMNS = 16
+
+# The row of `Net.factor` of the first segment of a cable between two free points, behind which no node is eliminated: its tension
+# by the displacement of the cable's end, by that of its start, and the constant part.
+FIRST_TENSION_PER_END, FIRST_TENSION_PER_START, FIRST_TENSION_CONSTANT = 0, 3, 6
+
+# The columns of `Net.factor` that hold the direction of a segment while statics look for the forces of hanging chains.
+FACTOR_DIRECTION = 0
+
+# `Net.far_factor`, one row a segment, what is added to d and T above by the displacement of the next-but-one node: J (nine columns
+# by rows) and o.
+FAR_FACTOR_PER_SECOND, FAR_FACTOR_TENSION_PER_SECOND = 0, 9
+FAR_FACTOR_COLUMNS = 12
+
+# `Net.border`, one row a segment of a cable between two free points, what is added to d and T above by its BORDER_UNKNOWNS: the
+# displacement of the cable's start and the tension of its first segment. Three rows of them for d, one for T.
+BORDER_UNKNOWNS = 4
+BORDER_TENSION = 3 * BORDER_UNKNOWNS
+BORDER_COLUMNS = 4 * BORDER_UNKNOWNS
+
 # `Net.linearised`, of the stage that was linearised last: its law, or LINEARISED_NO_LAW; its tau [s]; where the next stage stands,
 # which is one of the three values below; the least share of the numerical damper in a step that begins; the step of
 # `Net.mean_tension` [s], 0 if no mean was taken.

@@ -6,7 +6,7 @@ from os import PathLike
 
 import numpy as np
 
-from anet_lumped.checks import InputError
+from anet_lumped.checks import InputError, check_index
 from anet_lumped.effects.laws.axial import tension_parts, with_select
 from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_TWO_WAY_DAMPER
@@ -265,7 +265,13 @@ class Run:
                 raise InputError(f"Argument `{name}` of a Run must be of the shape {shape}, but its shape is {found.shape}.")
 
     def state(self, k: int) -> State:
-        """State at the k-th saved time."""
+        """State at the k-th saved time; from the end where k is negative.
+
+        Raises
+        ------
+        InputError : there is no such time
+        """
+        k = check_index("k", k, len(self.t), "the number of a saved time")
         t = float(self.t[k])
         events = tuple(event for event in self.events if event.t < t or (event.t == t and event.kind == BREAK))
         near = None if self.q_near is None else self.q_near[k]

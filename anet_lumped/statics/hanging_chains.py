@@ -14,6 +14,8 @@ slack cable closes as exactly as a taut one (the primal-dual idea of Andersen, C
 22 (2000) 243).
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 from numba import float64, int64, types
 
@@ -31,6 +33,7 @@ from anet_lumped.model.tables import (
     CABLE_JOINS_FREE_POINTS,
     CABLE_SEGMENTS,
     CABLE_START,
+    FACTOR_DIRECTION,
 )
 
 _f1, _f2 = float64[::1], float64[:, ::1]
@@ -39,12 +42,34 @@ ROUNDINGS = 6  # of |F|, from 1e-2 of the load down to 1e-12 of it
 ITERATIONS = 200  # Newton iterations in each round
 
 
+class CableEnd(NamedTuple):
+    """Where a cable ends, relative to its start [m], and what its end is pulled by [N].
+
+    Parameters
+    ----------
+    x, y, z : by the directions of the segments that are unknowns
+    along_force_x, along_force_y, along_force_z : by the directions of the forces
+    pull_x, pull_y, pull_z : force at the end
+    misaligned : largest component of |F| u - F, for the force F and the direction u of a segment
+    """
+
+    x: Any
+    y: Any
+    z: Any
+    along_force_x: Any
+    along_force_y: Any
+    along_force_z: Any
+    pull_x: Any
+    pull_y: Any
+    pull_z: Any
+    misaligned: Any
+
+
 @inlined
 def _cable_end(net, load, EA, c, H, delta, u, C):
     """End of cable c relative to its start for a force H at its start, with the directions u of its segments.
 
-    Writes the flexibility (9,) of the linearised cable to C. Returns the position of the end by the directions u, the position of
-    the end by the directions of the forces that follow from H, the force at the end, and the largest difference of |F| u and F.
+    Writes the flexibility (9,) of the linearised cable to C. Returns the `CableEnd`.
     """
     count, node, L0, first = (
         net.cable[c, CABLE_SEGMENTS],
@@ -75,7 +100,7 @@ def _cable_end(net, load, EA, c, H, delta, u, C):
     C[0], C[1], C[2] = L0 * cxx, L0 * cxy, L0 * cxz
     C[3], C[4], C[5] = L0 * cxy, L0 * cyy, L0 * cyz
     C[6], C[7], C[8] = L0 * cxz, L0 * cyz, L0 * czz
-    return L0 * x, L0 * y, L0 * z, L0 * xf, L0 * yf, L0 * zf, fx, fy, fz, off
+    return CableEnd(L0 * x, L0 * y, L0 * z, L0 * xf, L0 * yf, L0 * zf, fx, fy, fz, off)
 
 
 @inlined
@@ -114,13 +139,15 @@ def _gather(net, load, EA, H, delta, q, u, stiffness, gap, flat):
     closing, off, force, reach = 0.0, 0.0, 0.0, 0.0
     for c in range(net.cable.shape[0]):
         start, end = net.cable[c, CABLE_START], net.cable[c, CABLE_END]
-        x, y, z, xf, yf, zf, fx, fy, fz, off_c = _cable_end(net, load, EA, c, H[c], delta, u, flat)
-        off = max(off, off_c)
+        reached = _cable_end(net, load, EA, c, H[c], delta, u, flat)
+        x, y, z, fx, fy, fz = reached.x, reached.y, reached.z, reached.pull_x, reached.pull_y, reached.pull_z
+        off = max(off, reached.misaligned)
         K = elimination.inverse((flat[0], flat[1], flat[2], flat[3], flat[4], flat[5], flat[6], flat[7], flat[8]))
         for i in range(9):
             stiffness[c, i] = K[i]
         rx, ry, rz = x - q[end, 0] + q[start, 0], y - q[end, 1] + q[start, 1], z - q[end, 2] + q[start, 2]
-        gap[c, 0], gap[c, 1], gap[c, 2] = rx + xf - x, ry + yf - y, rz + zf - z
+        gap[c, 0], gap[c, 1] = rx + reached.along_force_x - x, ry + reached.along_force_y - y
+        gap[c, 2] = rz + reached.along_force_z - z
         size = max(net.axial[c, AXIAL_L0] * net.cable[c, CABLE_SEGMENTS], abs(x), abs(y), abs(z))
         closing, reach = max(closing, max(abs(rx), abs(ry), abs(rz)) / size), max(reach, size)
         force = max(force, abs(fx), abs(fy), abs(fz), max(abs(H[c, 0]), abs(H[c, 1]), abs(H[c, 2])))
@@ -179,7 +206,7 @@ def solve(net_address, load, EA, scale, tolerance, H, q):
     net = view_net(net_address)
     cables = net.cable.shape[0]
     stiffness, gap, change, flat = np.zeros((cables, 9)), np.zeros((cables, 3)), np.zeros((cables, 3)), np.zeros(9)
-    trial, u = np.zeros(3), net.factor[:, :3]
+    trial, u = np.zeros(3), net.factor[:, FACTOR_DIRECTION : FACTOR_DIRECTION + 3]
     u[:] = 0.0
     iterations, closing, balance, noise = 0, np.inf, np.inf, 0.0
     delta = 1e-2 * scale
@@ -224,9 +251,10 @@ def solve(net_address, load, EA, scale, tolerance, H, q):
                         start, end = net.cable[c, CABLE_START], net.cable[c, CABLE_END]
                         for x in range(3):
                             trial[x] = H[c, x] + length * change[c, x]
-                        ends = _cable_end(net, load, EA, c, trial, delta, u, flat)
-                        for x in range(3):
-                            now += (ends[3 + x] - q[end, x] + q[start, x]) * change[c, x]
+                        reached = _cable_end(net, load, EA, c, trial, delta, u, flat)
+                        now += (reached.along_force_x - q[end, 0] + q[start, 0]) * change[c, 0]
+                        now += (reached.along_force_y - q[end, 1] + q[start, 1]) * change[c, 1]
+                        now += (reached.along_force_z - q[end, 2] + q[start, 2]) * change[c, 2]
                     if now <= 0.5 * slope + 8.0 * EPS * size * reach:
                         break
                     length *= 0.5
@@ -256,7 +284,7 @@ def unroll(net_address, load, EA, H, q, tension):
             F = (fx * fx + fy * fy + fz * fz) ** 0.5
             tension[first + j] = F
             if j < count - 1:
-                u, stretch = net.factor[first + j], L0 / EA[c]
+                u, stretch = net.factor[first + j, FACTOR_DIRECTION : FACTOR_DIRECTION + 3], L0 / EA[c]
                 x, y, z = x + L0 * u[0] + stretch * fx, y + L0 * u[1] + stretch * fy, z + L0 * u[2] + stretch * fz
                 i = node + j
                 q[i, 0], q[i, 1], q[i, 2] = x, y, z

@@ -28,6 +28,7 @@ STUDY = Record(
     part=Part.COST,
     first_look="air, temperature and viscous damping in place of all effects, each timed in 6 turns in place of 60, and the whole "
     "library against one without other effects in 6 pairs of processes in place of 12.",
+    compares_times=True,
 )
 TABLES = {
     "marginal": "A line for each effect: what it adds to a step, to an iteration and to the memory of a run, beside another scene.",

@@ -20,6 +20,7 @@ STUDY = Record(
     part=Part.CURE,
     first_look="the net has up to 800 segments in place of 100,000 and three stiffnesses in place of five, and all is "
     "timed in 6 turns in place of 12.",
+    compares_times=True,
 )
 TABLES = {
     "costs": "A line for each number of nodes and each thing that costs: the median of its times.",

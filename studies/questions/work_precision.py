@@ -30,6 +30,7 @@ STUDY = Record(
     question=__doc__.splitlines()[0],
     part=Part.COST,
     first_look="two motions in place of twelve, five of the methods here and none of other engines.",
+    compares_times=True,
 )
 TABLES = {
     "equal_error": "A line for each motion and error: the best method here and the best other engine at that error.",

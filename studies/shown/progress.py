@@ -20,15 +20,18 @@ def report_progress(tell):
     columns = SpinnerColumn(), "{task.description}", BarColumn(), MofNCompleteColumn(), "studies", TimeElapsedColumn()
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task("report", total=None)
+        running = []
 
         def told(now):
             number = f"{now.number} of {now.total}, {now.name}"
             if now.state is State.RUNNING:
-                progress.update(task, description=now.name, total=now.total, completed=now.number - 1)
+                running.append(now.name)
+                progress.update(task, description=", ".join(running), total=now.total)
                 if not console.is_terminal:
                     tell(f"{number} ...")
             else:
-                progress.update(task, completed=now.number)
+                running.remove(now.name)
+                progress.update(task, description=", ".join(running), advance=1)
                 tell(f"{number}: {now.seconds:.1f} s" if now.state is State.DONE else f"{number}: failed, {now.reason}")
 
         yield told

@@ -1,17 +1,11 @@
 """Where rows run: in an executor that is given, or in a pool of processes that survives the death of its workers."""
 
-import contextlib
-import logging
 import math
 import multiprocessing
 import os
 import pickle
-import signal
 import sys
-import threading
 import time
-import types
-import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, wait
@@ -23,6 +17,7 @@ from typing import NamedTuple
 
 from anet_lumped.checks import InputError, shown
 from integrators.compiling import NOTICE, NOTICED_AFTER, call_when_compiling
+from studies.sweeping.processes import held_back, prepare_process, script_untouched, without_script
 
 CRASHED = {
     "status": "crashed",
@@ -223,7 +218,6 @@ def _start_method():
 
 
 _Process = multiprocessing.get_context(_start_method()).Process
-_main_is_swapped = threading.Lock()
 
 
 class _ProcessWithScript(_Process):
@@ -231,7 +225,7 @@ class _ProcessWithScript(_Process):
 
     @staticmethod
     def _Popen(process):
-        with _main_is_swapped:  # by no other thread
+        with script_untouched():
             return _Process._Popen(process)
 
 
@@ -240,12 +234,8 @@ class _ProcessWithoutScript(_Process):
 
     @staticmethod
     def _Popen(process):
-        with _main_is_swapped:
-            script, sys.modules["__main__"] = sys.modules["__main__"], types.ModuleType("__main__")
-            try:
-                return _Process._Popen(process)
-            finally:
-                sys.modules["__main__"] = script
+        with without_script():
+            return _Process._Popen(process)
 
 
 class _Context(type(multiprocessing.get_context(_start_method()))):
@@ -258,28 +248,15 @@ class _Context(type(multiprocessing.get_context(_start_method()))):
             from multiprocessing import forkserver, resource_tracker  # which Windows does not import
 
             self.set_forkserver_preload([PRELOADED])
-            with _held_back("SIGHUP"):
+            with held_back("SIGHUP"):
                 resource_tracker.ensure_running()  # which takes care of SIGINT itself, and gives it back to this process
-            with _held_back("SIGINT", "SIGHUP"):  # which a terminal sends to all; this process ends the others in order
+            with held_back("SIGINT", "SIGHUP"):  # which a terminal sends to all; this process ends the others in order
                 forkserver.ensure_running()
 
     def Process(self, *arguments, **options):
         process = self.kind(*arguments, **options)
         self.started.append(process)
         return process
-
-
-@contextlib.contextmanager
-def _held_back(*names):
-    """Hold signals back from this thread; processes that start within never get them."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {getattr(signal, name) for name in names})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _start_pool(workers, function, started):
@@ -294,7 +271,7 @@ def _start_pool(workers, function, started):
     compiles = context.RawValue("b", 0)  # without a lock, which a worker that is killed could hold
     executor = ProcessPoolExecutor(workers, mp_context=context, initializer=_prepare_worker, initargs=(compiles,))
     try:
-        with _held_back("SIGINT", "SIGTERM", "SIGHUP"):  # a process that is lost as it starts would not be ended
+        with held_back("SIGINT", "SIGTERM", "SIGHUP"):  # a process that is lost as it starts would not be ended
             loaded = executor.submit(callable, function)
         loaded.result()
     except (BrokenExecutor, AttributeError, ImportError):
@@ -307,14 +284,5 @@ def _start_pool(workers, function, started):
 
 
 def _prepare_worker(compiles):
-    """Leave Ctrl-C to the parent, die with the parent, keep warnings off the progress bar (rows carry a status)."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    warnings.simplefilter("ignore")
-    logging.getLogger("integrators").setLevel(logging.ERROR)  # that code cannot be kept on the disk, the parent tells
-    threading.Thread(target=_die_with_parent, daemon=True).start()
+    prepare_process()
     call_when_compiling(lambda: setattr(compiles, "value", 1))
-
-
-def _die_with_parent():
-    multiprocessing.parent_process().join()
-    os._exit(1)

@@ -405,6 +405,7 @@ def test_study_lists_and_runs(monkeypatch, tmp_path, capsys):
 
 
 def test_report_writes_the_page_and_exits_with_1_if_a_study_failed(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr("studies.report.available_cores", lambda: 1)
     monkeypatch.setattr("studies.report.run_study", lambda name, *_, **__: {}[name])
     assert call("report", "--out", tmp_path) == 1
     said = capsys.readouterr()
@@ -417,6 +418,7 @@ def test_a_stopped_report_keeps_its_page_and_exits_with_130(monkeypatch, tmp_pat
     def stopped(name, *_, **__):
         raise KeyboardInterrupt
 
+    monkeypatch.setattr("studies.report.available_cores", lambda: 1)
     monkeypatch.setattr("studies.report.run_study", stopped)
     assert call("report", "--out", tmp_path) == 130
     assert f"stopped after 0 of {len(NAMES)} studies, while thesis_tables ran; " in capsys.readouterr().err

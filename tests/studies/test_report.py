@@ -2,9 +2,15 @@
 
 import importlib
 import json
+import os
 import re
+import signal
+import subprocess
 import sys
+import threading
+import time
 import types
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -165,7 +171,7 @@ def test_the_page_is_there_from_the_start_and_grows(monkeypatch, tmp_path):
     for name in ("order", "speed"):
         fake_study(monkeypatch, name)
     write_report(tmp_path, names=["order", "speed"], tell=lambda now: seen.append((tmp_path / PAGE).read_text()))
-    assert [page.count("It stretches by 10%.") for page in seen] == [0, 0, 2, 2]  # on disk when the next study starts
+    assert [page.count("It stretches by 10%.") for page in seen] == [0, 2, 2, 4]  # on disk when the study's end is told
     assert "This page is still being made: 2 studies are" in seen[0] and "1 study is" in seen[2]
     assert "It is running." in seen[0] and "It is still to come." in seen[0]
 
@@ -193,6 +199,87 @@ def test_ctrl_c_leaves_the_page_with_what_is_done(monkeypatch, tmp_path):
     page = (tmp_path / PAGE).read_text()
     assert "The report was stopped after 1 of 2 studies, while speed ran; the others are still to come." in page
     assert page.count("It stretches by 10%.") == 2 and "still being made" not in page and "It is running." not in page
+
+
+# --- two at once --------------------------------------------------------------------------------------------------------
+
+
+def quick_entry(entry, out, executor=None):
+    """In the place of `report.run_entry`, which other processes find by its name: how a study ends, its name says."""
+    seen = out.parent / "running"
+    seen.mkdir(exist_ok=True)
+    (seen / entry.name).touch()
+    if entry.name == "energy_rise":
+        os._exit(3)
+    began = time.monotonic()
+    while entry.name in ("order", "length_error") and len(list(seen.iterdir())) < 2:  # until the other runs too
+        assert time.monotonic() < began + 60.0
+        time.sleep(0.01)
+    about = f"{os.getpid()} {sorted(file.name for file in seen.iterdir())}"
+    (seen / entry.name).unlink()
+    if entry.name == "stability_map":
+        return replace(entry, state=State.FAILED, reason="no hope")
+    return replace(entry, state=State.FAILED, reason=about)
+
+
+def test_studies_run_two_at_once_and_those_that_compare_times_alone(monkeypatch, tmp_path):
+    """One that fails and one whose process dies take no other with them; that of times runs here, when nothing else does."""
+    monkeypatch.setattr(report, "run_entry", quick_entry)
+    names, told = ["order", "speed", "length_error", "stability_map", "energy_rise", "model_mismatch"], []
+    assert [module_of(name).STUDY.compares_times for name in names] == [False, True, False, False, False, False]
+    write_report(tmp_path, names=names, at_once=2, tell=told.append)
+    starts = [one.name for one in told if one.state is State.RUNNING]
+    assert starts == ["order", "length_error", "stability_map", "energy_rise", "model_mismatch", "speed"]
+    assert [one.number for one in told if one.state is State.RUNNING] == [1, 2, 3, 4, 5, 6]
+    reasons = {one.name: one.reason for one in told if one.state is State.FAILED}
+    assert "['length_error', 'order']" in reasons["order"] + reasons["length_error"]
+    assert reasons["energy_rise"].startswith("ProcessDiedError: the process died")
+    assert reasons["stability_map"] == "no hope" and "model_mismatch" in reasons["model_mismatch"]
+    pid, _, seen = reasons["speed"].partition(" ")
+    assert int(pid) == os.getpid() and seen == "['energy_rise', 'speed']"  # the former's, which it could not take away
+    assert not reasons["model_mismatch"].startswith(str(os.getpid()))
+
+
+def endless_entry(entry, out, executor=None):
+    """In the place of `report.run_entry`: a study that begins another process and never ends."""
+    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
+    try:
+        (out.parent / entry.name).with_suffix(".pid").write_text(f"{os.getpid()}")
+        time.sleep(600)
+    finally:  # in order
+        child.kill()
+        (out.parent / entry.name).with_suffix(".ended").touch()
+
+
+def test_ctrl_c_ends_both_studies_in_order(monkeypatch, tmp_path):
+    monkeypatch.setattr(report, "run_entry", endless_entry)
+
+    def stop():
+        while len(list(tmp_path.glob("*.pid"))) < 2:
+            time.sleep(0.05)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    threading.Thread(target=stop, daemon=True).start()
+    try:
+        with pytest.raises(ReportInterrupt, match=r"stopped after 0 of 3 studies, while order and length_error ran; "):
+            write_report(tmp_path, names=["order", "length_error", "stability_map"], at_once=2)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert {file.name for file in tmp_path.glob("*.ended")} == {"order.ended", "length_error.ended"}
+    for file in tmp_path.glob("*.pid"):
+        with pytest.raises(ProcessLookupError):
+            os.kill(int(file.read_text()), 0)
+    assert "It is running." not in (tmp_path / PAGE).read_text()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_study_that_looks_at_clocks_says_that_it_compares_times(name):
+    module = QUESTIONS / name
+    files = module.rglob("*.py") if module.is_dir() else [module.with_suffix(".py")]
+    clocks = re.compile(r"\bperf_counter\b|\bwall_time\b|\btake_turns\b|\btimes_real_time\b")
+    looks = any(clocks.search(file.read_text(encoding="utf-8")) for file in files)
+    assert looks == module_of(name).STUDY.compares_times
 
 
 # --- numbers ------------------------------------------------------------------------------------------------------------

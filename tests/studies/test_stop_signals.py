@@ -15,8 +15,8 @@ from integrators.marching import interruptible
 from studies import stop_signals as module
 from studies import telling
 from studies.stop_signals import stop_signals
+from studies.sweeping.processes import held_back
 from studies.sweeping.rows import run_rows
-from studies.sweeping.workers import _held_back
 
 
 @pytest.fixture(autouse=True)
@@ -118,7 +118,7 @@ def test_workers_leave_signals_of_the_terminal_to_who_began_them():
 
 def test_signals_are_held_back_while_workers_start():
     with stop_signals() as came, pytest.raises(KeyboardInterrupt):
-        with _held_back("SIGTERM"):
+        with held_back("SIGTERM"):
             os.kill(os.getpid(), signal.SIGTERM)
             time.sleep(0.05)
             assert came == []

@@ -24,12 +24,16 @@ AT_REST = ((0.0,) * 4, (0.0,) * 3, (0.0,) * 9, (0.0,) * 3, (0.0,) * 9)
 
 
 @njit(cache=True, forceinline=True)
-def _gradient(X, Y, u_s, u_z, w_s, w_z):
-    """Gradient (9,) of a velocity with the component u along the level unit vector (X, Y) and w upwards.
+def _gradient(along_x, along_y, u_s, u_z, w_s, w_z):
+    """Gradient (9,) of a velocity with the component u along the level unit vector (along_x, along_y) and w upwards.
 
-    Its slopes are those along (X, Y), with suffix s, and those in z.
+    Its slopes are those along it, with suffix s, and those in z.
     """
-    return (X * X * u_s, X * Y * u_s, X * u_z, X * Y * u_s, Y * Y * u_s, Y * u_z, X * w_s, Y * w_s, w_z)
+    return (
+        along_x * along_x * u_s, along_x * along_y * u_s, along_x * u_z,
+        along_x * along_y * u_s, along_y * along_y * u_s, along_y * u_z,
+        along_x * w_s, along_y * w_s, w_z,
+    )  # fmt: skip
 
 
 @njit(
@@ -62,13 +66,13 @@ def wave_at(t, x, y, z, wave):
     """
     if len(wave) == 0:
         return AT_REST
-    amplitude, k, omega, start_phase, X, Y = wave[0], wave[1], wave[2], wave[3], wave[4], wave[5]
+    amplitude, k, omega, start_phase, along_x, along_y = wave[0], wave[1], wave[2], wave[3], wave[4], wave[5]
     depth, ramp, still_level = wave[6], wave[7], wave[8]
-    theta = k * (X * x + Y * y) - omega * t + start_phase
-    c, s = math.cos(theta), math.sin(theta)
+    theta = k * (along_x * x + along_y * y) - omega * t + start_phase
+    cos, sin = math.cos(theta), math.sin(theta)
     growth, growth_rate, _ = ramped(t, ramp)
-    a, a_t = growth * amplitude, growth_rate * amplitude
-    eta, eta_s = a * c, -a * k * s
+    height, height_rate = growth * amplitude, growth_rate * amplitude
+    eta, eta_s = height * cos, -height * k * sin
     per_stretch = 1.0 / (1.0 + eta / depth)
     Z = (z - still_level - eta) * per_stretch
     Z_z, Z_eta = per_stretch, -per_stretch * (1.0 + Z / depth)
@@ -76,18 +80,29 @@ def wave_at(t, x, y, z, wave):
         Z, Z_z, Z_eta = 0.0, 0.0, 0.0
     elif Z < -depth:
         Z, Z_z, Z_eta = -depth, 0.0, 0.0
+    # cosh and sinh of k (Z + depth) over sinh(k depth), and their slopes; a suffix marks what a derivative is taken by
     up, down, bottom = math.exp(k * Z), math.exp(-k * (Z + 2.0 * depth)), 1.0 / (1.0 - math.exp(-2.0 * k * depth))
-    C, S = (up + down) * bottom, (up - down) * bottom  # cosh and sinh over sinh(k depth); dC/dZ = k S, dS/dZ = k C
-    Cz, Sz, Cs, Ss = k * S * Z_z, k * C * Z_z, k * S * Z_eta * eta_s, k * C * Z_eta * eta_s
-    o = omega
-    p, q = a * o * c, a * o * s  # u = p C, w = q S; below, the suffixes t, s and z mark their derivatives
-    pt, qt = a * o * o * s + a_t * o * c, -a * o * o * c + a_t * o * s
-    ps, qs, pts, qts = -k * q, k * p, k * (a * o * o * c - a_t * o * s), k * (a * o * o * s + a_t * o * c)
-    u, w, ut, wt = p * C, q * S, pt * C, qt * S
+    cosh, sinh = (up + down) * bottom, (up - down) * bottom
+    cosh_z, sinh_z, cosh_s, sinh_s = k * sinh * Z_z, k * cosh * Z_z, k * sinh * Z_eta * eta_s, k * cosh * Z_eta * eta_s
+    # the velocity along the wave is swing_u cosh, that upwards swing_w sinh
+    swing_u, swing_w = height * omega * cos, height * omega * sin
+    swing_u_t = height * omega * omega * sin + height_rate * omega * cos
+    swing_w_t = -height * omega * omega * cos + height_rate * omega * sin
+    swing_u_s, swing_w_s = -k * swing_w, k * swing_u
+    swing_u_ts = k * (height * omega * omega * cos - height_rate * omega * sin)
+    swing_w_ts = k * (height * omega * omega * sin + height_rate * omega * cos)
+    u, w, u_t, w_t = swing_u * cosh, swing_w * sinh, swing_u_t * cosh, swing_w_t * sinh
     return (
-        (eta, a_t * c + a * o * s, X * eta_s, Y * eta_s),
-        (X * u, Y * u, w),
-        _gradient(X, Y, ps * C + p * Cs, p * Cz, qs * S + q * Ss, q * Sz),
-        (X * ut, Y * ut, wt),
-        _gradient(X, Y, pts * C + pt * Cs, pt * Cz, qts * S + qt * Ss, qt * Sz),
-    )
+        (eta, height_rate * cos + height * omega * sin, along_x * eta_s, along_y * eta_s),
+        (along_x * u, along_y * u, w),
+        _gradient(
+            along_x, along_y,
+            swing_u_s * cosh + swing_u * cosh_s, swing_u * cosh_z, swing_w_s * sinh + swing_w * sinh_s, swing_w * sinh_z,
+        ),
+        (along_x * u_t, along_y * u_t, w_t),
+        _gradient(
+            along_x, along_y,
+            swing_u_ts * cosh + swing_u_t * cosh_s, swing_u_t * cosh_z,
+            swing_w_ts * sinh + swing_w_t * sinh_s, swing_w_t * sinh_z,
+        ),
+    )  # fmt: skip

@@ -19,26 +19,25 @@ of its end. Effects that join neighbours along a cable, or next-but-one neighbou
 
 import numpy as np
 
-from anet_lumped.compiled.jit import inlined, internal, on_demand
+from anet_lumped.compiled.jit import inlined, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, lane, load, load_four, max_of_lanes, shifted, store, store_four
 from anet_lumped.mechanics.linear.node_elimination import (
     SegmentTangent,
-    difference,
     eliminate,
     eliminate_far,
     eliminate_near,
-    identity_multiple_minus,
-    times,
 )
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
-    CABLE_BLOCK_END_START,
-    CABLE_BLOCK_START_END,
     CABLE_END,
     CABLE_FIRST_NODE,
     CABLE_FIRST_SEGMENT,
     CABLE_SEGMENTS,
     CABLE_START,
+    FACTOR_COLUMNS,
+    FACTOR_PER_NEXT,
+    FAR_FACTOR_COLUMNS,
+    FAR_FACTOR_PER_SECOND,
     SEGMENT_COLUMNS,
     SEGMENT_DIRECTION,
     SEGMENT_GEOMETRIC,
@@ -69,7 +68,7 @@ def _linearised(segment, first, j):
 
 
 @inlined
-def _blocks_of_segment(numbers, s):
+def blocks_of_segment(numbers, s):
     """The two blocks (18,) of segment s in the flat array ``Net.near_blocks`` or ``Net.far_blocks``."""
     row = shifted(s, 0, 18, 0)
     first, second = load_four(numbers, row) + load_four(numbers, shifted(row, 0, 1, 4)), load_four(numbers, shifted(row, 0, 1, 8))
@@ -82,26 +81,26 @@ def _blocks_of_segment(numbers, s):
 
 
 @inlined
-def _eliminate_node(behind, flat_arrays, blocks, node, first, j):
+def eliminate_node(behind, flat_arrays, blocks, node, first, j):
     """Eliminate interior node j of a cable through its segment j + 1; write ``net.factor`` and ``net.far_factor``.
 
-    ``flat_arrays`` are those of `_flat_arrays`, ``blocks`` those of `eliminate_all_groups`. Returns the `EliminatedNode`.
+    ``flat_arrays`` are those of `flat_arrays_of`, ``blocks`` those of `eliminate_all_groups`. Returns the `EliminatedNode`.
     """
     diagonal, right, segment, factor, far_factor = flat_arrays
-    index_D, index_r, index_factor = shifted(node, j, 9, 0), shifted(node, j, 3, 0), shifted(first, j + 1, 16, 0)
+    index_D, index_r, index_factor = shifted(node, j, 9, 0), shifted(node, j, 3, 0), shifted(first, j + 1, FACTOR_COLUMNS, 0)
     D = (*load_four(diagonal, index_D), *load_four(diagonal, shifted(index_D, 0, 1, 4)), load(diagonal, shifted(index_D, 0, 1, 8)))
     r = (load(right, index_r), load(right, shifted(index_r, 0, 1, 1)), load(right, shifted(index_r, 0, 1, 2)))
     tangent, s = _linearised(segment, first, j + 1), shifted(first, j, 1, 1)
     if len(blocks) == 0:
         eliminated = eliminate(behind, D, r, tangent)
     elif len(blocks) == 1:
-        eliminated = eliminate_near(behind, D, r, tangent, _blocks_of_segment(blocks[0], s))
+        eliminated = eliminate_near(behind, D, r, tangent, blocks_of_segment(blocks[0], s))
     else:
-        near, far = _blocks_of_segment(blocks[0], s), _blocks_of_segment(blocks[1], s)
+        near, far = blocks_of_segment(blocks[0], s), blocks_of_segment(blocks[1], s)
         eliminated = eliminate_far(behind, D, r, tangent, near, far)
     follows = eliminated.follows
     if len(blocks) > 1:
-        index_far = shifted(s, 0, 12, 0)
+        index_far = shifted(s, 0, FAR_FACTOR_COLUMNS, 0)
         store_four(far_factor, index_far, follows[16:20])
         store_four(far_factor, shifted(index_far, 0, 1, 4), follows[20:24])
         store_four(far_factor, shifted(index_far, 0, 1, 8), follows[24:])
@@ -113,8 +112,8 @@ def _eliminate_node(behind, flat_arrays, blocks, node, first, j):
 
 
 @inlined
-def _flat_arrays(net):
-    """Arrays that `_eliminate_node` reads and writes."""
+def flat_arrays_of(net):
+    """Arrays that `eliminate_node` reads and writes."""
     return flat(net.diagonal), flat(net.right_side), flat(net.segment), flat(net.factor), flat(net.far_factor)
 
 
@@ -133,14 +132,14 @@ def _eliminate(net, blocks, c, members):
         zero = 0.0 * a  # nothing behind acts beyond the first node
         six_zeros = (zero, zero, zero, zero, zero, zero)
         behind = state + six_zeros + six_zeros + six_zeros + six_zeros + six_zeros
-    flat_arrays = _flat_arrays(net)
+    flat_arrays = flat_arrays_of(net)
     for j in range(lane(column(net.cable, c, CABLE_SEGMENTS), 0) - 1):
-        behind = _eliminate_node(behind, flat_arrays, blocks, node, first, j).ahead
-    _finish(net, c, members, behind)
+        behind = eliminate_node(behind, flat_arrays, blocks, node, first, j).ahead
+    add_to_end_point(net, c, members, behind)
 
 
 @inlined
-def _finish(net, c, members, state):
+def add_to_end_point(net, c, members, state):
     """Add the block and the right-hand side that an eliminated cable leaves at its end to those of its end point, if free."""
     ends = column(net.cable, c, CABLE_END)
     for k in range(members):
@@ -173,14 +172,6 @@ def eliminate_all_singles(net_address, blocks):
         _eliminate(net, blocks, net.single_cables[i], 1)
 
 
-@inlined
-def eliminate_all_bordered(net_address, blocks):
-    """Eliminate the interior of the cables between two free points."""
-    net = view_net(net_address)
-    for i in range(net.single_kinds[0], net.single_kinds[1]):
-        _eliminate_bordered(net_address, blocks, net.single_cables[i])
-
-
 @on_demand
 def eliminate_groups(net_address):
     """`eliminate_all_groups` where effects join no neighbours."""
@@ -193,134 +184,21 @@ def eliminate_singles(net_address):
     eliminate_all_singles(net_address, ())
 
 
-@on_demand
-def eliminate_bordered(net_address):
-    """`eliminate_all_bordered` where effects join no neighbours."""
-    eliminate_all_bordered(net_address, ())
-
-
 @inlined
-def _subtract_block(table, m):
-    """Subtract a 3x3 block from the first three columns of a table of three rows."""
-    for x in range(3):
-        for y in range(3):
-            table[x, y] -= m[x, y]
-
-
-@internal
-def _eliminate_bordered(net_address, blocks, c):
-    """Eliminate a cable between two free points.
-
-    The elimination begins at the start, whose displacement is not known yet. So the displacement of the start and the tension T of
-    the first segment are kept as four unknowns u = (d_start, T). The force on the first node from behind is
-    A_0 d_start - a_0 d - e_0 T. So no stiffness enters before T is eliminated, last of all.
-
-    C (3, 4) times u is added to the right-hand side of the node that is eliminated, and C_next times u to that of the next node.
-    The interior nodes enter the equations of the start and of T by the vector (B_0 d_first - F_0 d_second, g_0 . d_first). The
-    elimination of node after node writes this vector as Y d + Y_next d_next + p + P u, with the displacements d and d_next of the
-    next two nodes to be eliminated.
-    """
-    net = view_net(net_address)
-    start, end, s = net.cable[c, CABLE_START], net.cable[c, CABLE_END], net.cable[c, CABLE_FIRST_SEGMENT]
-    block, first = net.points.block, net.segment[s]
-    a0, k0 = first[SEGMENT_GEOMETRIC], first[SEGMENT_STIFFNESS]
-    e0, g0 = first[SEGMENT_DIRECTION : SEGMENT_DIRECTION + 3], first[SEGMENT_GRADIENT : SEGMENT_GRADIENT + 3]
-    work = flat(net.border_work)
-    for i in range(work.shape[0]):
-        work[i] = 0.0
-    C, C_next, Y, Y_next, P = net.border_work[0], net.border_work[1], net.border_work[2], net.border_work[3], net.border_work[4]
-    p = net.border_work[5, 0]
-    for x in range(3):
-        C[x, x], C[x, 3], Y[x, x], Y[3, x] = a0, -e0[x], a0, g0[x]
-    if len(blocks) > 0:
-        _subtract_block(C, net.near_blocks[s, 1])
-        _subtract_block(Y, net.near_blocks[s, 0])
-    behind = (a0, 0.0, 0.0, 0.0, a0, 0.0, 0.0, 0.0, a0, 0.0, 0.0, 0.0)
-    if len(blocks) < 2:
-        state = behind
-    else:
-        six_zeros = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        state = behind + six_zeros + six_zeros + six_zeros + six_zeros + six_zeros
-        _subtract_block(C_next, net.far_blocks[s, 1])
-        _subtract_block(Y_next, net.far_blocks[s, 0])
-    flat_arrays = _flat_arrays(net)
-    for j in range(net.cable[c, CABLE_SEGMENTS] - 1):
-        s += 1
-        row, border, H, h = net.segment[s], net.border[s], net.factor[s, :9], net.factor[s, 9:12]
-        a = row[SEGMENT_GEOMETRIC]
-        if len(blocks) > 0:
-            B = identity_multiple_minus(a, _blocks_of_segment(blocks[0], s)[9:])
-            if len(blocks) > 1:
-                B = difference(B, state[21:30])
-        eliminated = _eliminate_node(
-            state, flat_arrays, blocks, net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_FIRST_SEGMENT], j
-        )
-        state, M, y, z, rho_k = eliminated.ahead, eliminated.M_inverse, eliminated.y, eliminated.z, eliminated.rho_k
-        for u in range(4):
-            T_share = rho_k * (z[0] * C[0, u] + z[1] * C[1, u] + z[2] * C[2, u])
-            b = times(M, C[0, u], C[1, u], C[2, u])
-            bx, by, bz = b[0] - y[0] * T_share, b[1] - y[1] * T_share, b[2] - y[2] * T_share
-            border[u], border[4 + u], border[8 + u], border[12 + u] = bx, by, bz, -T_share
-            if len(blocks) == 0:
-                ahead = a * bx, a * by, a * bz
-            else:
-                ahead = times(B, bx, by, bz)
-            for x in range(3):
-                C[x, u] = ahead[x] + row[SEGMENT_DIRECTION + x] * T_share + C_next[x, u]
-            if len(blocks) > 1:
-                for x in range(3):
-                    C_next[x, u] = -(
-                        net.far_blocks[s, 1, x, 0] * bx + net.far_blocks[s, 1, x, 1] * by + net.far_blocks[s, 1, x, 2] * bz
-                    )
-        for x in range(4):
-            Yx, Yy, Yz = Y[x, 0], Y[x, 1], Y[x, 2]
-            p[x] += Yx * h[0] + Yy * h[1] + Yz * h[2]
-            for u in range(4):
-                P[x, u] += Yx * border[u] + Yy * border[4 + u] + Yz * border[8 + u]
-            for i in range(3):
-                Y[x, i] = Yx * H[i] + Yy * H[3 + i] + Yz * H[6 + i] + Y_next[x, i]
-            if len(blocks) > 1:
-                J = net.far_factor[s, :9]
-                for i in range(3):
-                    Y_next[x, i] = Yx * J[i] + Yy * J[3 + i] + Yz * J[6 + i]
-    # T = T_0 + k_0 g_0 . (d_first - d_start), solved for T: T = (seven numbers of ``first_tension``) . (d_end, d_start, 1)
-    first_tension = net.factor[net.cable[c, CABLE_FIRST_SEGMENT]]
-    rho = 1.0 / (1.0 - k0 * P[3, 3])
-    for i in range(3):
-        first_tension[i] = rho * k0 * Y[3, i]
-        first_tension[3 + i] = rho * k0 * (P[3, i] - g0[i])
-    first_tension[6] = rho * (first[SEGMENT_TENSION] + k0 * p[3])
-    _finish(net, c, 1, state)
-    of_start, of_end, right = block[start - net.n_interior], block[end - net.n_interior], net.right_side
-    to_end, to_start = block[net.cable[c, CABLE_BLOCK_START_END]], block[net.cable[c, CABLE_BLOCK_END_START]]
-    for x in range(3):
-        # force on the start: the force of the interior, e_0 T and -a_0 d_start; on the end: the force of `_finish`, and C u
-        T_share = P[x, 3] + e0[x]
-        right[start, x] += p[x] + T_share * first_tension[6]
-        right[end, x] += C[x, 3] * first_tension[6]
-        of_start[x, x] += a0
-        for i in range(3):
-            of_start[x, i] -= P[x, i] + T_share * first_tension[3 + i]
-            to_end[x, i] -= Y[x, i] + T_share * first_tension[i]
-            to_start[x, i] -= C[x, i] + C[x, 3] * first_tension[3 + i]
-            of_end[x, i] -= C[x, 3] * first_tension[i]
-
-
-@inlined
-def _displacement_behind(factor, far_factors, s, x, y, z, second_ahead):
+def displacement_behind(factor, far_factors, s, x, y, z, second_ahead):
     """Displacement of the node behind segment s and tension of the segment, from the displacement (x, y, z) of the node ahead.
 
     ``far_factors`` is (``Net.far_factor``,) where both also depend on ``second_ahead``, the displacement of the second node ahead;
     else it is empty.
     """
-    row = shifted(s, 0, 16, 0)
+    row = shifted(s, 0, FACTOR_COLUMNS, FACTOR_PER_NEXT)
     h00, h01, h02, h10 = load_four(factor, row)
     h11, h12, h20, h21 = load_four(factor, shifted(row, 0, 1, 4))
     h22, hx, hy, hz = load_four(factor, shifted(row, 0, 1, 8))
     wx, wy, wz, T = load_four(factor, shifted(row, 0, 1, 12))
     if len(far_factors) == 1:
         u, v, w = second_ahead
-        row = shifted(s, 0, 12, 0)
+        row = shifted(s, 0, FAR_FACTOR_COLUMNS, FAR_FACTOR_PER_SECOND)
         j00, j01, j02, j10 = load_four(far_factors[0], row)
         j11, j12, j20, j21 = load_four(far_factors[0], shifted(row, 0, 1, 4))
         j22, ox, oy, oz = load_four(far_factors[0], shifted(row, 0, 1, 8))
@@ -345,7 +223,7 @@ def _substitute(net, far_factors, c):
     largest_push, second_ahead = -np.inf + 0.0 * x, (0.0 * x, 0.0 * x, 0.0 * x)
     for j in range(lane(column(net.cable, c, CABLE_SEGMENTS), 0) - 1, 0, -1):
         s = shifted(first, j, 1, 0)
-        (x, y, z, T), second_ahead = _displacement_behind(factor, far_factors, s, x, y, z, second_ahead), (x, y, z)
+        (x, y, z, T), second_ahead = displacement_behind(factor, far_factors, s, x, y, z, second_ahead), (x, y, z)
         store(net.tension, s, T)
         i = shifted(node, j - 1, 3, 0)
         store(step, i, x)
@@ -361,36 +239,6 @@ def _substitute(net, far_factors, c):
     T = T + k * (gx * x + gy * y + gz * z)
     store(net.tension, first, T)
     return -max_of_lanes(max(largest_push, -T))
-
-
-@inlined
-def _substitute_bordered(net, far_factors, c):
-    """`solve.substitute_cables` of a cable whose start is a free point too."""
-    first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
-    step, factor, tension, start, end = net.newton_step, net.factor, net.tension, net.cable[c, CABLE_START], net.cable[c, CABLE_END]
-    x, y, z = step[end, 0], step[end, 1], step[end, 2]
-    sx, sy, sz = step[start, 0], step[start, 1], step[start, 2]
-    first_tension = factor[first]
-    T0 = (
-        first_tension[6]
-        + first_tension[0] * x
-        + first_tension[1] * y
-        + first_tension[2] * z
-        + first_tension[3] * sx
-        + first_tension[4] * sy
-        + first_tension[5] * sz
-    )
-    tension[first], smallest, second_ahead = T0, T0, (0.0, 0.0, 0.0)
-    for j in range(count - 1, 0, -1):
-        b, i = net.border[first + j], node + j - 1
-        (x, y, z, T), second_ahead = _displacement_behind(flat(factor), far_factors, first + j, x, y, z, second_ahead), (x, y, z)
-        x += b[0] * sx + b[1] * sy + b[2] * sz + b[3] * T0
-        y += b[4] * sx + b[5] * sy + b[6] * sz + b[7] * T0
-        z += b[8] * sx + b[9] * sy + b[10] * sz + b[11] * T0
-        T += b[12] * sx + b[13] * sy + b[14] * sz + b[15] * T0
-        tension[first + j], smallest = T, min(smallest, T)
-        step[i, 0], step[i, 1], step[i, 2] = x, y, z
-    return smallest
 
 
 @inlined
@@ -412,15 +260,6 @@ def substitute_all_singles(net_address, far_factors):
     return smallest
 
 
-@inlined
-def substitute_all_bordered(net_address, far_factors):
-    """`solve.substitute_cables` of the cables between two free points; returns their smallest tension [N]."""
-    net, smallest = view_net(net_address), np.inf
-    for i in range(net.single_kinds[0], net.single_kinds[1]):
-        smallest = min(smallest, _substitute_bordered(net, far_factors, net.single_cables[i]))
-    return smallest
-
-
 @on_demand
 def substitute_groups(net_address):
     """`substitute_all_groups` where effects join no next-but-one neighbours."""
@@ -431,9 +270,3 @@ def substitute_groups(net_address):
 def substitute_singles(net_address):
     """`substitute_all_singles` where effects join no next-but-one neighbours."""
     return substitute_all_singles(net_address, ())
-
-
-@on_demand
-def substitute_bordered(net_address):
-    """`substitute_all_bordered` where effects join no next-but-one neighbours."""
-    return substitute_all_bordered(net_address, ())

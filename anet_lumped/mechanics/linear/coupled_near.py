@@ -7,11 +7,8 @@ from anet_lumped.compiled.jit import inlined, on_demand
 from anet_lumped.model.net import view_net
 from integrators.flat_view import flat
 
-from .chain import (
-    eliminate_all_bordered,
-    eliminate_all_groups,
-    eliminate_all_singles,
-)
+from .bordered import eliminate_all_bordered
+from .chain import eliminate_all_groups, eliminate_all_singles
 
 
 @inlined
