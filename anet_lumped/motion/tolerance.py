@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from anet_lumped.results.audit import distances
+from anet_lumped.results.distances import distances
 from anet_lumped.results.run import Run
 
 from .accuracy import AMPLIFIED, ERROR_OF_LENGTH, Known, Wanted, told
@@ -58,11 +58,11 @@ def keep_error_by_tolerance(march: Callable[[float], Run], wanted: Wanted, lengt
 
 def _compared(run: Run, coarser: Run, wanted: Wanted) -> Known:
     """Errors of a run, by what it and a coarser one saved at the same times and by what their steps left out."""
-    rows = min(len(run.t), len(coarser.t))
-    apart = np.maximum.accumulate(distances(run.q[:rows], coarser.q[:rows]).max(axis=1))
+    rows, rows_of_coarser, by_node = distances(run, coarser)
+    apart = np.maximum.accumulate(by_node.max(axis=1))
     own, theirs = (max(one.error_estimate or 0.0, 1e-300) for one in (run, coarser))
     error = float(apart[-1]) * min(max(own / theirs, LEAST_SHARE), 1.0)
-    beyond = apart > np.maximum(AMPLIFIED * coarser.error[:rows], wanted.of_places(run))
+    beyond = apart > np.maximum(AMPLIFIED * coarser.error[rows_of_coarser], wanted.of_places(run))
     of_told = max(error / own, 1.0)
-    since = float(run.t[np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf
+    since = float(run.t[rows][np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf
     return Known(error, run.tension_error, of_told, since, float(apart[-1]))
