@@ -39,6 +39,7 @@ NAMES = [
     "energy_rise",
     "speed",
     "work_precision",
+    "without_stretch",
     "hard_cases",
     "effects_cost",
     "hostile_input",

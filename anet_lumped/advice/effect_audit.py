@@ -218,6 +218,8 @@ def _verdict(
     change = runs.apart(reference, run)
     cost = runs.cost(having, other if present else scene, start)
     verdict, reason = _judged(change, known_to, runs.error, stiffness, "N" if runs.tension else "m")
+    if name == "elasticity" and present and verdict in (STIFF, NEGLIGIBLE):
+        reason += ' EA=inf with method="links" takes the stiffness out.'
     return Verdict(name, present, numbers, change, cost, stiffness, verdict, reason)
 
 

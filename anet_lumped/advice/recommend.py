@@ -69,6 +69,9 @@ class Recommendation:
     checked_error : float [m], against a run with twice the segments and half the step
     elasticity : float [m], how far the same net that does not stretch is from it
     fast_enough : bool, whether it reaches the pace asked for
+    rigid : Candidate or None
+        `links` for the same cables with EA = inf, where that changes places by less than the error allows and runs faster than the
+        best.
     """
 
     scene: Scene
@@ -83,6 +86,7 @@ class Recommendation:
     checked_error: float
     elasticity: float
     fast_enough: bool
+    rigid: Candidate | None = None
 
     @property
     def segments(self) -> dict[str, int]:
@@ -146,6 +150,10 @@ def recommend(
     else:
         raise RecommendError(f"An error of {error:g} m was not reached: a finer run is still {checked:.3g} m away.")
     best, runner_up = candidates[0], candidates[1] if len(candidates) > 1 else None
+    elasticity = search.elasticity(count, best)
+    rigid = None
+    if best.method != "links" and elasticity + checked <= error:
+        rigid = search.by_links(search.without_stretch(count), share)
     return Recommendation(
         scene=search.divided(count),
         best=best,
@@ -157,8 +165,9 @@ def recommend(
         segments_error=segments_error,
         time_error=best.error,
         checked_error=checked,
-        elasticity=search.elasticity(count, best),
+        elasticity=elasticity,
         fast_enough=realtime is None or best.times_real_time >= realtime,
+        rigid=rigid if rigid is not None and rigid.times_real_time > best.times_real_time else None,
     )
 
 
@@ -244,6 +253,8 @@ class _Search:
         found = [plain, self.adaptive(scene, share)]
         if all(cable.breaking_tension is None for cable in scene.cables):
             found.append(self.fixed(scene, share, extrapolate=True, least=cast(float, plain.dt)))
+        if all(cable.inextensible for cable in scene.cables):
+            found.append(self.by_links(scene, share))
         if not any(cable.inextensible for cable in scene.cables):
             limit = predict(scene, schemes=("verlet",)).limits["verlet"].step
             dt, implicit = self.step(SHARE_OF_LIMIT * limit), self.t_end / plain.times_real_time
@@ -283,6 +294,19 @@ class _Search:
             rtol *= 0.8 * (share / error) ** 1.5  # an error in a step of h^3 makes a whole error of rtol^(2/3)
         return None
 
+    def by_links(self, scene: Scene, share: float) -> Candidate | None:
+        """The largest tolerance of links whose error is within a share, or None."""
+        rtol = 1e-3
+        for _ in range(ATTEMPTS):
+            try:
+                error = self.apart((scene, {"method": "links", "rtol": rtol}), (scene, {"method": "links", "rtol": 0.1 * rtol}))
+            except (RunError, EquilibriumError, SceneError, InputError):
+                return None
+            if error <= share:
+                return self.candidate(scene, "links", error, rtol=rtol)
+            rtol *= max(0.5 * share / error, 1e-3)
+        return None
+
     def candidate(
         self, scene: Scene, method: str, error: float, dt: float | None = None, rtol: float | None = None, extrapolate: bool = False
     ) -> Candidate:
@@ -303,10 +327,14 @@ class _Search:
             finer["dt"] *= 0.5  # twice the segments halve its limit
         return self.apart((scene, best.stepping), (self.doubled(scene), finer)) / DOUBLED
 
+    def without_stretch(self, count: int) -> Scene:
+        """The scene with that many segments in its finest cable, all with EA = inf."""
+        scene = self.divided(count)
+        return replace(scene, cables=tuple(replace(cable, EA=math.inf, tension_strain=None) for cable in scene.cables))
+
     def elasticity(self, count: int, best: Candidate) -> float:
         """What stretching changes [m]: the same net with EA = inf; infinite if its cables are too short for that."""
-        scene = self.divided(count)
-        rigid = replace(scene, cables=tuple(replace(cable, EA=math.inf, tension_strain=None) for cable in scene.cables))
+        scene, rigid = self.divided(count), self.without_stretch(count)
         stepping = {"method": "edmc", "dt": best.dt if best.method == "edmc" and best.dt else self.step(0.5 * self.first_step)}
         try:
             return self.apart((scene, stepping), (rigid, stepping))

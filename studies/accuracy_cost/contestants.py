@@ -11,7 +11,7 @@ from anet_lumped import InputError, simulate
 from anet_lumped.motion.simulate import StabilityWarning
 from anet_lumped.motion.stability import predict
 from integrators import schemes
-from studies.accuracy_cost.motions import fitting
+from studies.accuracy_cost.motions import SHARED_LAW, fitting
 from studies.peers import installed
 from studies.shown.sentences import power
 
@@ -24,7 +24,11 @@ EDMC_RTOL = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 EMBEDDED_RTOL = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 RTOL = (1e-3, 1e-5, 1e-7)  # of solvers that choose their steps
 EXTRA_SETTINGS = {"MuJoCo": ({"dt": 0.04 / 3, "integrator": "discrete"},)}  # coarser than its own settings, and it holds
+LINK_RTOL = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
+STIFF = 1e6  # [N], from which on cables stretch so little that links are tried in their place
+RIGID = ", EA inf"  # added to a method's name, where the motion's own cables stretch
 ELASTIC = "Of nets it takes elastic ones only."
+PUSHED = "linear"  # law of links where a cable slackens, as that of other engines' rigid links
 LAW_OF_SETTING = {"both": "linear", "pull": "damped"}  # of compression, by what EXUDYN calls it
 LAW_OF_ENGINE = {"Drake": "linear"}  # rigid links push as they pull; other engines' springs only pull and their dampers always act
 
@@ -62,9 +66,24 @@ def of_another_package(method):
 def ours(motion, only=None):
     """Contestants of this package; ``only`` some methods."""
     found = [_own(motion, method, _settings(motion, method)) for method in schemes.names()]
+    found += _by_links(motion)
     found += [_own(motion, ADAPTIVE, [{"rtol": rtol} for rtol in EDMC_RTOL]), _own(motion, OWN_CHOICE, [{}])]
     found += [_own(motion, EXTRAPOLATED, [{"dt": dt, "extrapolate": True} for dt in motion.steps])]
     return [one for one in found if only is None or one.method in only]
+
+
+def _by_links(motion):
+    """Methods that take the stiffness out, on the same motion of cables that do not stretch."""
+    if motion.EA < STIFF or not motion.from_lengths:
+        return []
+    law = PUSHED if motion.law == SHARED_LAW else motion.law
+    rigid = motion.with_law(law).with_stiffness(np.inf)
+    settings = {"links": [{"rtol": rtol} for rtol in LINK_RTOL], "links5": [{"dt": dt} for dt in motion.steps]}
+    found = []
+    for method, own in settings.items():
+        name = method if np.isinf(motion.EA) else method + RIGID
+        found.append(Contestant(OURS, name, tuple(own), partial(_run_own, rigid, method), law))
+    return found
 
 
 def peers(motion):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from studies.accuracy_cost.contestants import ADAPTIVE, EXTRAPOLATED, OURS, OWN_CHOICE
+from studies.accuracy_cost.contestants import ADAPTIVE, EXTRAPOLATED, OURS, OWN_CHOICE, RIGID
 from studies.shown.palette import BLUE, COLOURS, GREEN, ORANGE, PURPLE, SKY, VERMILION, look
 from studies.shown.scheme_styles import style
 from studies.shown.sentences import power, stiffness
@@ -48,7 +48,7 @@ def own_look(method):
     """Colour and mark of one of our methods."""
     if method == OWN_CHOICE:
         return CHOSEN
-    scheme, mark = VARIANTS.get(method, (method, None))
+    scheme, mark = VARIANTS.get(method, (method.removesuffix(RIGID), None))
     return style(scheme).color, mark or style(scheme).marker
 
 

@@ -62,7 +62,7 @@ def all_motions(quick=False):
     if quick:
         return [loose(LOOSE_STIFFNESSES[0]), carried(STIFFNESSES[0], t_end=1.0)]
     found = [loose(EA) for EA in LOOSE_STIFFNESSES] + [loose(LOOSE_STIFFNESSES[-1], law="none")]
-    found += [loose(FINE_EA, segments) for segments in FINE_SEGMENTS]
+    found += [loose(FINE_EA, segments) for segments in FINE_SEGMENTS] + [loose(np.inf, law="linear")]
     found += [carried(EA) for EA in STIFFNESSES] + [carried(FINE_EA, segments) for segments in FINE_SEGMENTS]
     return [*found, stopped(SHOCK_EA), dropped(SHOCK_EA)]
 

@@ -77,18 +77,19 @@ def recommendation_summary(found, scene) -> dict:
     stepping = f"--dt {best.dt:.6g}" if best.rtol is None else f"--rtol {best.rtol:.2g}"
     stepping += " --extrapolate" if best.extrapolate else ""
     sets = " ".join(f"--set {name}={value}" for name, value in changes.items())
-    rows = [one for one in (best, found.runner_up) if one]
+    named = {"best": best, "runner-up": found.runner_up, "with EA=inf": found.rigid}
     return {
         "recommended": [
             {
-                "": "best" if one is best else "runner-up",
+                "": name,
                 "method": one.method + (", extrapolated" if one.extrapolate else ""),
                 "step_ms": None if one.dt is None else 1e3 * one.dt,
                 "rtol": one.rtol,
                 "time_error_mm": 1e3 * one.error,
                 "times_faster": one.times_real_time,
             }
-            for one in rows
+            for name, one in named.items()
+            if one
         ],
         "segments": [{"cable": name, "segments": n} for name, n in found.segments.items()],
         "error": [
