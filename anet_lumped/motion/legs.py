@@ -90,7 +90,7 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
         except RunInterrupt as stopped:
             made.add(stopped.run)
             raise RunInterrupt(joined(made, handover)) from None
-        made.add(run)
+        made.add(run if handover is None else handover.with_jump(run))
         nearly_taut = short is not None and run.status == STATUS[UNCONVERGED] and short.t - made.t <= NEARLY_TAUT * run.dt
         if nearly_taut or (short is not None and run.ok and leg.end >= short.t):
             text = f"The run stopped at t={made.t:.4g} s. {short.words}"

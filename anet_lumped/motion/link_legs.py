@@ -20,6 +20,7 @@ from .link_catch import STRAIGHT, catch, first_jump
 SLACK_METHOD = "edmc"
 SHORTEST_SLACK = 8.0  # steps that it marches at least
 SLACK_ALLOWED = 0.1  # of a run, in which cables may be slack for links to be chosen
+JUST_BEFORE = 1e-12  # of a leg, by which it ends before velocities jump
 MOST_STRETCHED = 1e-4  # of its length, a segment at the start of a run: more than what `edmc` leaves at coarse steps
 REDUNDANT = (
     "The lengths of some segments follow from those of others, as in a cable that is straight between two points: of the tensions "
@@ -40,7 +41,7 @@ class Handover:
         self.choice, self.slack, self.warnings = choice, False, set()
         self.without = replace(choice, method=SLACK_METHOD, warnings=())
         self.shortest = SHORTEST_SLACK * choice.dt * (FIRST_CHOSEN if adaptive else 1.0)
-        self.span, self.since = self.shortest, -np.inf
+        self.span, self.since, self.jump = self.shortest, -np.inf, np.inf
 
     def next_leg(self, legs, model, begin, end):
         """Method, start and latest end [s] of the leg that begins at the time that the legs have reached.
@@ -67,7 +68,7 @@ class Handover:
             else:
                 self.span *= 2.0
             self.slack = True
-            return self.without, begin, min(first_jump(model.scene, legs.t, end), legs.t + self.span)
+            return self.without, begin, self._end(model.scene, legs.t, min(end, legs.t + self.span))
         if self.slack:
             legs.tell(TAUT, "", caught.lost)
             self.since = legs.t
@@ -75,7 +76,22 @@ class Handover:
         legs.book(caught.work, caught.lost)
         if caught.redundant:
             self.warnings.add(REDUNDANT)
-        return self.choice, type(begin)(caught.q, caught.v, caught.tension), first_jump(model.scene, legs.t, end)
+        return self.choice, type(begin)(caught.q, caught.v, caught.tension), self._end(model.scene, legs.t, end)
+
+    def _end(self, scene, t, end):
+        """End of a leg from t [s]: ``end``, or just before velocities jump, so that nothing in it knows of the jump."""
+        self.jump = first_jump(scene, t, end)
+        return (
+            end
+            if self.jump == end
+            else self.jump - max(JUST_BEFORE * (self.jump - t), 8.0 * np.spacing(max(abs(t), abs(self.jump))))
+        )
+
+    def with_jump(self, run):
+        """The leg's run, whose last state counts as that at the jump which it was to end before."""
+        if run.ok and run.t[-1] < self.jump:
+            run.t[-1] = self.jump
+        return run
 
     def _check_start(self, model, caught):
         """Refuse a state at the start of a run from which no motion of cables that do not stretch can go on."""

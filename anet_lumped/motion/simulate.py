@@ -37,6 +37,7 @@ from .stability import transverse_frequency
 from .times import check_counts
 from .tolerance import keep_error_by_tolerance
 
+RUNS_INSTEAD = 4  # of links by default, in place of an implicit method: four powers of ten of the tolerance
 MEANT_STRAIN = 0.2  # of a straight start: cords break before
 DEFAULT_RTOL, DEFAULT_ATOL = 1e-6, 1e-9  # [m]; of the largest coordinate where no tolerance is given
 _audits = ContextVar("audits", default=False)  # whether this thread makes a run for an audit, which gives no warnings
@@ -163,20 +164,20 @@ def simulate(
     wanted = Wanted(error, TENSION_ERROR if tension_error is None else tension_error)
     length = max(cable.length for cable in scene.cables)
 
-    def by_tolerance(choice: Choice) -> Run:
+    def by_tolerance(choice: Choice, most: float = math.inf) -> Run:
         def march(tolerance: float) -> Run:
             nonlocal settings
             settings = Settings(True, (0.0, tolerance), rho_inf)
             return whole(choice, save_every=save_every, settings=settings)
 
-        return keep_error_by_tolerance(march, wanted, length)
+        return keep_error_by_tolerance(march, wanted, length, most)
 
     def by_links_instead(run: Run, parts: float) -> Run | None:
         other = by_links(choice, transverse)
         iterations = run.work.newton_iterations / max(run.work.steps, 1)
         if not links_are_cheaper(replace(choice, dt=run.dt), other.limit, parts, iterations):
             return None
-        found = by_tolerance(other)
+        found = by_tolerance(other, RUNS_INSTEAD)
         return found if found.kept and slack_time(found) <= SLACK_ALLOWED * t_end else None
 
     if asked and scheme.embedded and rtol is None and atol is None:

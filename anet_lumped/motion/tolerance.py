@@ -23,7 +23,7 @@ SMALLEST = 1e-14  # of the longest cable: what rounding leaves of a step
 LEAST_SHARE = 0.05  # of the distance of two runs, which is left of it as the error of the finer one
 
 
-def keep_error_by_tolerance(march: Callable[[float], Run], wanted: Wanted, length: float) -> Run:
+def keep_error_by_tolerance(march: Callable[[float], Run], wanted: Wanted, length: float, most: float = math.inf) -> Run:
     """March with tolerances small enough for the errors that are wanted.
 
     Parameters
@@ -31,6 +31,7 @@ def keep_error_by_tolerance(march: Callable[[float], Run], wanted: Wanted, lengt
     march : callable(tolerance [m]) -> Run
     wanted : Wanted
     length : float [m], of the longest cable
+    most : float, runs at most, of which there are two at least
 
     Returns
     -------
@@ -42,16 +43,17 @@ def keep_error_by_tolerance(march: Callable[[float], Run], wanted: Wanted, lengt
     known = Known(math.inf, run.tension_error)  # no other run has shown it yet
     if run.ok:
         tolerance = min(tolerance, FIRST * wanted.of_places(run))
+    runs = 1
     while run.ok:
         coarser, before, tolerance = run, tolerance, max(FINER * tolerance, SMALLEST * length)
-        run = march(tolerance)
+        run, runs = march(tolerance), runs + 1
         if not run.ok:
             words = f"a smaller tolerance stopped at t={run.t[-1]:.4g} s: {run.message}"
             coarser = replace(coarser, warnings=(*coarser.warnings, f"{run.method} with {words}"))
             return told(coarser, known, wanted, f"a tolerance of {before:.2g} m")
         known = _compared(run, coarser, wanted)
         LOG.info("with a tolerance of %.2g m places are known to %.2g m", tolerance, known.error)
-        if known.error <= wanted.of_places(run) or tolerance <= SMALLEST * length:
+        if known.error <= wanted.of_places(run) or tolerance <= SMALLEST * length or runs >= most:
             return told(run, known, wanted, f"a tolerance of {tolerance:.2g} m")
     return run
 

@@ -138,6 +138,19 @@ def test_a_finer_run_that_fails_leaves_the_coarser_one():
     assert any("links with a smaller tolerance stopped at t=0.1 s: It stuck." in text for text in run.warnings)
 
 
+@pytest.mark.parametrize("most", [2, 4])
+def test_runs_that_do_not_come_nearer_end(most):
+    """Chaos keeps no error: after so many runs the last one is told, with what they differ by."""
+    good, tried = simulate(loose(4), 0.1, method="links", rtol=1e-3, start="straight"), []
+
+    def march(tolerance) -> Run:
+        tried.append(tolerance)
+        return replace(good, q=good.q + 0.01 * (-1.0) ** len(tried))
+
+    run = keep_error_by_tolerance(march, Wanted(1e-4, 0.02), 1.0, most)
+    assert len(tried) == most and run.kept is False and f"with a tolerance of {tried[-1]:.2g} m" in run.reason
+
+
 def test_a_slack_cable_that_cannot_be_followed_so_finely():
     """Past its whip a cable that cannot push keeps no 1e-5 m; the run is done, and says until when it does."""
     run = simulate(loose_cable(INF, 0.0), 0.9, method="links", error=1e-5, start="straight", save_every=0.005)

@@ -80,15 +80,20 @@ def test_loads_that_are_caught_and_dropped(load, velocity):
         assert np.abs(run.position("p0") - fine.position("p0")).max() < 1e-3
 
 
+@pytest.mark.parametrize("begins", [0.0, -0.1])
 @pytest.mark.parametrize("law, pushes", [("none", False), ("damped", False), ("linear", True)])
-def test_a_point_that_sets_off_towards_its_cable(law, pushes):
-    """A hanging load whose support falls away at 1 m/s: free fall from rest until the line is straight, unless links push it."""
+def test_a_point_that_sets_off_towards_its_cable(law, pushes, begins):
+    """A hanging load whose support falls away at 1 m/s, at the start of a run and in its middle: free fall from rest until the
+    line is straight, unless links push it.
+    """
     cable = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=INF, segments=10, compression=law)
     scene = Scene([Driven("a", paths.line((0, 0, 0), (0, 0, -1.0), 0.0)), Free("b", 0.5)], [cable], [Gravity()])
-    run = simulate(scene, 0.15, method="links", save_every=0.05)
-    fallen = 1.0 * run.t if pushes else 0.5 * 9.81 * run.t**2
+    begin = replace(equilibrium(scene), t=begins)
+    run = simulate(scene, 0.15 - begins, method="links", start=begin, save_every=0.05)
+    t = np.maximum(run.t, 0.0)
+    fallen = 1.0 * t if pushes else 0.5 * 9.81 * t**2
     np.testing.assert_allclose(run.position("b")[:, 2], -1.0 - fallen, atol=1e-6)
-    assert kinds(run) == ([] if pushes else [SLACK])
+    assert [(event.kind, event.t) for event in run.events] == ([] if pushes else [(SLACK, 0.0)])
 
 
 def test_a_length_that_is_paid_out_at_once():
@@ -144,6 +149,17 @@ def test_crumpled_starts(name):
     run = simulate(scene, 1.0, method="links", dt=1e-3, start=start, save_every=0.01)
     assert run.ok and kinds(run)[0] == SLACK and run.events[0].t == 0.0 and len(run.q[0]) == model.n
     assert no_energy_gained(run, 1e-5) and pulls_alone(run)
+
+
+@pytest.mark.parametrize("options", [{}, dict(dt=0.002)])
+def test_a_cable_that_is_slack_now_and_pulled_straight_later(options):
+    """It goes on through every span of edmc, until there is no room left; and says which method was asked for."""
+    path = paths.line((0.2, 0, 0), (0.4, 0, 0), 0.2)
+    cable = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=INF, segments=6)
+    scene = Scene([Fixed("a", (0, 0, 0)), Driven("b", path)], [cable], [Gravity()])
+    run = simulate(scene, 5.0, method="links", start="straight", **options)
+    assert run.events[0].kind == SLACK and run.status == "unconverged" and run.method == ("links5" if options else "links")
+    assert 2.05 < run.t[-1] <= 2.1 + 1e-9 and "must be longer than the distance between its ends" in run.message
 
 
 LONGER = "needs segments no longer than they are at the start, but one of cable"
