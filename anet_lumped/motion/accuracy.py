@@ -30,7 +30,7 @@ SMALLEST_ERROR = 1e-6  # of the longest cable: a motion that is smaller than its
 TENSION_ERROR = 0.02  # of the largest tension: what the default keeps
 PILOT = 0.125  # of the time of a run; the pilot's cost is that share of the first run's
 FEWEST_STEPS = 400  # a shorter run costs so little that it is its own pilot
-AIM = 0.5  # of the error asked for, by an estimate that may be half of the truth
+AIM = 0.5  # of the error asked for, by an estimate that may be half of the truth; of tensions, where no second run corrects it, too
 MOST_AT_ONCE = 8  # steps that one is replaced by
 MOST_FOR_PLACES, MOST_FOR_TENSIONS = 512, 32  # steps in all that one of the first choice is replaced by; beyond, the run says so
 AMPLIFIED = 4.0  # times the error that a run tells of itself: from there on the motion has multiplied it
@@ -170,7 +170,7 @@ def _parts(
     wishes = [1]
     if places > 1.0 and not in_vain[0]:
         wishes.append(min(math.ceil((places / AIM) ** (1.0 / order)), int(MOST_FOR_PLACES * of_first)))
-    if tensions > 1.0 and not in_vain[1]:
+    if tensions > (AIM if known.apart == math.inf else 1.0) and not in_vain[1]:
         wishes.append(min(math.ceil((tensions / AIM) ** 0.5), int(MOST_FOR_TENSIONS * of_first)))
     return min(max(wishes), MOST_AT_ONCE)
 

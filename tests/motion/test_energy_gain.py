@@ -106,7 +106,7 @@ def test_work_put_in_is_no_gain():
 
 def test_gain_is_the_largest_rise_over_the_energy_in_play():
     """By hand: potential energy falls from 1 J, work of 2 J is put in, and 0.4 J come from nowhere."""
-    run = simulate(four_cables(), 0.02, method="edmc", dt=0.01)
+    run = simulate(four_cables(), 0.03, method="edmc", dt=0.01)
     rows = np.array([[0, 0, 1, 0, 0], [0.5, 0, 0.5, 0, 0], [0.5, 0, 0, 0, 0.5], [2.9, 0, 0, 2.0, 0.5]], float)
     pumped = replace(run, energy=rows)
     # 0.5 at the third state, 0.9 at the last; the largest energy in play is 2.9 J
