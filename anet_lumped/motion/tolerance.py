@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from anet_lumped.results.distances import distances
+from anet_lumped.results.events import SLACK
 from anet_lumped.results.run import Run
 
 from .accuracy import AMPLIFIED, ERROR_OF_LENGTH, Known, Wanted, told
@@ -59,11 +60,17 @@ def keep_error_by_tolerance(march: Callable[[float], Run], wanted: Wanted, lengt
 
 
 def _compared(run: Run, coarser: Run, wanted: Wanted) -> Known:
-    """Errors of a run, by what it and a coarser one saved at the same times and by what their steps left out."""
+    """Errors of a run, by what it and a coarser one saved at the same times and by what their steps left out.
+
+    Where cables went slack, what two runs differ by need not fall with the tolerance: all of it is then the error of the finer one,
+    and no less than the run tells of itself.
+    """
     rows, rows_of_coarser, by_node = distances(run, coarser)
     apart = np.maximum.accumulate(by_node.max(axis=1))
     own, theirs = (max(one.error_estimate or 0.0, 1e-300) for one in (run, coarser))
-    error = float(apart[-1]) * min(max(own / theirs, LEAST_SHARE), 1.0)
+    slack = any(event.kind == SLACK for event in run.events)
+    error = float(apart[-1]) * (1.0 if slack else min(max(own / theirs, LEAST_SHARE), 1.0))
+    error = max(error, own) if slack else error
     beyond = apart > np.maximum(AMPLIFIED * coarser.error[rows_of_coarser], wanted.of_places(run))
     of_told = max(error / own, 1.0)
     since = float(run.t[rows][np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf
