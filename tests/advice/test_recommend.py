@@ -93,3 +93,15 @@ def _between(scene):
     from dataclasses import replace
 
     return replace(scene.cables[0], start="s0", end="s1", name="span", length=1.3)
+
+
+def test_links_are_weighed_where_nothing_stretches():
+    """Their error is kept against a tolerance a thousand times smaller, and the elastic net is as near as its stretch."""
+    search = _Search(four_cables(1e6, carried=True), ("p0",), 1.0, "equilibrium", 0.3)
+    rigid = search.without_stretch(8)
+    assert all(np.isinf(cable.EA) for cable in rigid.cables)
+    found = search.by_links(rigid, 1e-6)
+    assert found.method == "links" and found.error <= 1e-6 and found.times_real_time > 0.0
+    exact = simulate(rigid, 1.0, method="links", rtol=1e-3 * found.rtol, save_every=0.025).position("p0")
+    run = simulate(rigid, 1.0, save_every=0.025, **found.stepping)
+    assert np.abs(run.position("p0") - exact).max() <= 1e-6
