@@ -18,7 +18,6 @@ from anet_lumped.results.run import State
 from anet_lumped.scene.scene import Fixed, Free, Scene, check_scene
 
 from .equilibrium_error import EquilibriumError, NoRestError
-from .hanging_chains import solve, unroll
 from .starts import Start, start_state
 
 UNSTRETCHED = 1e13  # EA over the load, in place of a cable that does not stretch: a strain of 1e-13
@@ -71,6 +70,8 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
 
 def _rest(scene: Scene, tolerance: float, start: Start | None) -> State:
     """Static shape of a scene whose effects are `at_rest`."""
+    from .hanging_chains import solve, unroll  # compiled when a first rest is asked for
+
     model = build(scene)
     _check_supports(scene)
     given = None if start is None or (isinstance(start, str) and start == "equilibrium") else start_state(model, start)

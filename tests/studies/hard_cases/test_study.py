@@ -15,6 +15,7 @@ from studies.questions import hard_cases
 def rows(tmp_path_factory):
     with ThreadPoolExecutor(1) as executor, pytest.MonkeyPatch.context() as patch:  # in this process: no workers to start
         patch.setattr(hard_cases, "BATCH", 15)  # random trials, of which `test_random_trials` tries more
+        patch.setattr(hard_cases, "QUICK_TRIALS", 30)
         return hard_cases.compute(quick=True, executor=executor, out=tmp_path_factory.mktemp("hard_cases"))
 
 
