@@ -365,17 +365,35 @@ def ropes(
     _give(ropes_summary(diameter), as_json)
 
 
+@app.command(epilog="Example: anet-lumped view results/carried --out carried.gif   (at its own pace, if it lasts 2 to 12 s)")
+def view(
+    run: Annotated[str, typer.Argument(metavar="RUN", help="A saved run (.nc), or a folder with a run.nc.")],
+    out: Annotated[Path | None, typer.Option(help="The file to write: .html (beside the run by default), .gif or .mp4.")] = None,
+):
+    """Look at a saved run. One page that turns and plays in any browser, without a network, or a film, by the ending of --out."""
+    announce_compiling("equilibrium")
+    from anet_lumped.files.saved_run import view_saved
+
+    print(view_saved(run, out))
+
+
 @app.command(epilog="Example: anet-lumped convert mooring.txt mooring.toml   (lengths in m, forces in N)")
 def convert(
-    scene: Scene,
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write: .toml, or MoorDyn's .txt, .dat, .moordyn.")],
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="A scene, as of the other commands, or a saved run (.nc).")],
+    out: Annotated[
+        Path, typer.Argument(metavar="OUT", help="The file to write: .toml, MoorDyn's .txt, .dat, .moordyn; of a run .pvd.")
+    ],
 ):
-    """Write a scene in another form. TOML or a MoorDyn input file, by the ending of OUT."""
+    """Write a scene as TOML or a MoorDyn input file, by the ending of OUT, or a saved run as a VTK series for ParaView."""
     from anet_lumped.checks import InputError
+    from anet_lumped.files.saved_run import ENDING, view_saved
     from anet_lumped.files.scene_file import MOORDYN, save_scene
 
+    if scene.lower().endswith(ENDING):
+        print(view_saved(scene, out))
+        return
     if out.suffix.lower() not in (".toml", *MOORDYN):
-        raise InputError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}.")
+        raise InputError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}; .pvd is for a saved run (.nc).")
     save_scene(_load(scene, "equilibrium"), out)
     print(out)
 
