@@ -139,7 +139,7 @@ def _set_box(axes: Any, motion: Motion) -> tuple[np.ndarray, Any]:
         axis.set_major_locator(MaxNLocator(5 if high - low > 0.5 * widest else 2))
         axis.set_tick_params(labelsize=7, pad=-1)
         getattr(axes, f"set_{name}lim")(low, high)
-    axes.set_box_aspect(extent, zoom=0.95)
+    axes.set_box_aspect(extent, zoom=0.9)
     axes.view_init(elev=18, azim=-20 if extent[1] > 1.5 * extent[0] else -65)
     return box, origin
 

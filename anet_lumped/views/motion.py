@@ -42,8 +42,8 @@ class Motion:
 
     @property
     def size(self) -> float:
-        """Extent of the structure itself [m]: largest over the first and the last state."""
-        return float(np.ptp(self.q[[0, -1]], axis=1).max()) or 1.0
+        """Extent of the structure itself [m], in the first state; of one that diverges, the last may be anywhere."""
+        return float(np.ptp(self.q[0], axis=0).max()) or 1.0
 
     @property
     def drifts(self) -> bool:

@@ -119,6 +119,7 @@ def _scene(run: Any, motion: Motion) -> dict[str, Any]:
         "broken_at": [float(t) if np.isfinite(t) else None for t in motion.broken_at],
         "points": [{"name": printable(p.name), "kind": kind_of(p), "node": model.node(p.name)} for p in run.scene.points],
         "events": [{"t": float(event.t), "text": printable(str(event))} for event in run.events],
+        "middle": motion.middle.tolist(),
         "box": motion.box.tolist(),
         "size": motion.size,
         "follow": motion.drifts,
