@@ -10,6 +10,7 @@
   } catch (error) {
     console.warn(error);
     $("nothing").hidden = false;
+    $("legend").hidden = true;
   }
   const times = stage.times, first = times[0], last = times[times.length - 1], span = last - first;
 

@@ -230,6 +230,11 @@ function makeStage(content, element) {
     return centre(q, 0);
   }
 
+  // Part of the width that the legend covers.
+  function legendShare() {
+    return Math.min(0.4, (document.getElementById("legend").offsetWidth + 12) / element.clientWidth);
+  }
+
   // As near as a box of corners, seen from before and above, is in the picture as a whole.
   function fit() {
     const far = high.y - low.y > 1.5 * (high.x - low.x), towards = new Vector3(far ? 1.7 : 0.6, far ? -0.6 : -1.7, 0.55).normalize();
@@ -248,7 +253,7 @@ function makeStage(content, element) {
     }
     controls.target.addVectors(a, b).multiplyScalar(0.5);
     const right = new Vector3().crossVectors(new Vector3(0, 0, 1), towards).normalize(), top = new Vector3().crossVectors(towards, right);
-    const y = Math.tan((camera.fov * Math.PI) / 360), x = y * camera.aspect;
+    const y = Math.tan((camera.fov * Math.PI) / 360), x = y * camera.aspect * (1 - legendShare());
     let distance = 0;
     for (let c = 0; c < 8; c++) {
       const d = new Vector3(c & 1 ? a.x : b.x, c & 2 ? a.y : b.y, c & 4 ? a.z : b.z).sub(controls.target);
@@ -330,6 +335,8 @@ function makeStage(content, element) {
   function resize() {
     renderer.setSize(element.clientWidth, element.clientHeight);
     camera.aspect = element.clientWidth / element.clientHeight;
+    const [w, h] = [element.clientWidth, element.clientHeight]; // the middle of the picture is that of what the legend leaves
+    camera.setViewOffset(w, h, 0.5 * legendShare() * w, 0, w, h);
     camera.updateProjectionMatrix();
   }
 
