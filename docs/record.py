@@ -6,7 +6,8 @@
 Parts of pages that are made of the source (`extensions/generated.py`) are made anew every time.
 
 The tests hold what is written against what is printed; run this where a change of the program is meant to change it. A new
-command needs a file `docs/recorded/NAME.txt` whose first line is `$ anet-lumped NAME ...`.
+command needs a file `docs/recorded/NAME.txt` with a line `$ anet-lumped NAME ...`. Commands whose files it needs may stand before
+it in the same way.
 """
 
 import shutil
@@ -20,16 +21,15 @@ sys.path.insert(0, str(HERE / "extensions"))
 
 from generated import filled  # noqa: E402
 
-from examples import examples, run, run_command  # noqa: E402
+from examples import examples, run, run_command, transcript  # noqa: E402
 
 
 def record_command(file):
-    """Run the command in the first line of a file, and write what it prints below."""
-    first = file.read_text(encoding="utf-8").partition("\n")[0]
+    """Run the commands of a file in order, in one folder, and write what each prints below it."""
+    commands = [command for command, _ in transcript(file.read_text(encoding="utf-8"))]
     with tempfile.TemporaryDirectory() as folder:
-        file.write_text(
-            f"{first}\n{run_command(first.removeprefix('$ '), folder)}", encoding="utf-8"
-        )
+        printed = [f"$ {command}\n{run_command(command, folder)}" for command in commands]
+    file.write_text("".join(printed), encoding="utf-8")
 
 
 def record_document(file):

@@ -16,6 +16,7 @@ from typing import Annotated
 import typer
 
 from studies.quantities import metres, newtons, seconds
+from studies.shown.given import give
 from studies.stop_signals import stop_signals
 from studies.streams import PrintError, standard_streams
 from studies.telling import announce_compiling, tell, tell_what_takes_long
@@ -132,7 +133,7 @@ def equilibrium(scene: Scene, out: Out = None, as_json: Json = False):
     from studies.shown.summary import rest_summary, write_nodes
 
     state = equilibrium(_load(scene, "equilibrium"))
-    _give(rest_summary(state), as_json, out, "equilibrium", lambda: write_nodes(state, out / "nodes.csv"))
+    give(rest_summary(state), as_json, out, "equilibrium", lambda: write_nodes(state, out / "nodes.csv"))
 
 
 @app.command(epilog="Example: anet-lumped simulate loose_cable --t-end 0.6 --start straight --method edmc --dt 0.01")
@@ -175,7 +176,7 @@ def simulate(
         run.save(out / "run.nc")
         plot(run).savefig(out / "run.png", dpi=110)
 
-    _give(run_summary(run), as_json, out, "run", save)
+    give(run_summary(run), as_json, out, "run", save)
     if not run.ok:
         raise typer.Exit(1)
 
@@ -195,7 +196,7 @@ def recommend(
     from studies.shown.summary import recommendation_summary
 
     found = recommend(_load(scene, "recommend"), error, at=at, t_end=t_end, start=start, realtime=realtime)
-    _give(recommendation_summary(found, scene), as_json)
+    give(recommendation_summary(found, scene), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
         tell(
@@ -227,7 +228,7 @@ def effects(
     limit = newtons(error) if tension else metres(error)
     loaded = _changed(_load(scene, "effects"), change)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
-    _give(effects_summary(found), as_json, out, "effects", lambda: write_effects(found, out / "effects.csv"))
+    give(effects_summary(found), as_json, out, "effects", lambda: write_effects(found, out / "effects.csv"))
 
 
 @app.command(epilog="Example: anet-lumped check net_held --dt 1ms")
@@ -239,7 +240,7 @@ def check(
     """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
     from studies.shown.summary import prediction_summary
 
-    _give(prediction_summary(_load(scene, "equilibrium"), dt), as_json)
+    give(prediction_summary(_load(scene, "equilibrium"), dt), as_json)
 
 
 @app.command(epilog="Example: anet-lumped sweep net_held --vary EA=1e2:1e6:9log --vary segments=5,10  (EA in N)")
@@ -286,7 +287,7 @@ def sweep(
     except KeyboardInterrupt as stopped:
         tell(f"{str(stopped) or 'Stopped.'} The same command with --resume does the rest.")
         raise typer.Exit(130) from None
-    _give({"rows": (table if as_json else table.head(SHOWN)).to_dict("records")}, as_json)
+    give({"rows": (table if as_json else table.head(SHOWN)).to_dict("records")}, as_json)
     bad = int((table["status"] != "done").sum())
     tell(f"{len(table)} rows in {out}/rows.parquet and .csv" + (f", {bad} of them not done." if bad else "."))
     if bad:
@@ -301,7 +302,7 @@ def measures():
     rows = [{"measure": name} | measure._asdict() for name, measure in MEASURES.items()]
     for row in rows:
         del row["function"]
-    _give({"measures": rows})
+    give({"measures": rows})
 
 
 @app.command(epilog="Example: anet-lumped study length_error --quick --out results/length_error")
@@ -338,7 +339,7 @@ def mismatch(
 
     loaded = _load(scene, "equilibrium")
     found = marker_comparison(loaded, markers) if markers else catenary_comparison(loaded)
-    _give(found, as_json, out, "mismatch")
+    give(found, as_json, out, "mismatch")
 
 
 @app.command(epilog="Example: anet-lumped report --out results/report")
@@ -376,20 +377,38 @@ def ropes(
     """List the ropes that a cable may be made of. Mass, stiffness, strength at one diameter, and where the numbers are from."""
     from studies.shown.summary import ropes_summary
 
-    _give(ropes_summary(diameter), as_json)
+    give(ropes_summary(diameter), as_json)
+
+
+@app.command(epilog="Example: anet-lumped view results/carried --out carried.gif   (at its own pace, if it lasts 2 to 12 s)")
+def view(
+    run: Annotated[str, typer.Argument(metavar="RUN", help="A saved run (.nc), or a folder with a run.nc.")],
+    out: Annotated[Path | None, typer.Option(help="The file to write: .html (beside the run by default), .gif or .mp4.")] = None,
+):
+    """Look at a saved run. One page that turns and plays in any browser, without a network, or a film, by the ending of --out."""
+    announce_compiling("equilibrium")
+    from anet_lumped.files.saved_run import view_saved
+
+    print(view_saved(run, out))
 
 
 @app.command(epilog="Example: anet-lumped convert mooring.txt mooring.toml   (lengths in m, forces in N)")
 def convert(
-    scene: Scene,
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write: .toml, or MoorDyn's .txt, .dat, .moordyn.")],
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="A scene, as of the other commands, or a saved run (.nc).")],
+    out: Annotated[
+        Path, typer.Argument(metavar="OUT", help="The file to write: .toml, MoorDyn's .txt, .dat, .moordyn; of a run .pvd.")
+    ],
 ):
-    """Write a scene in another form. TOML or a MoorDyn input file, by the ending of OUT."""
+    """Write a scene as TOML or a MoorDyn input file, by the ending of OUT, or a saved run as a VTK series for ParaView."""
     from anet_lumped.checks import InputError
+    from anet_lumped.files.saved_run import ENDING, view_saved
     from anet_lumped.files.scene_file import MOORDYN, save_scene
 
+    if scene.lower().endswith(ENDING):
+        print(view_saved(scene, out))
+        return
     if out.suffix.lower() not in (".toml", *MOORDYN):
-        raise InputError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}.")
+        raise InputError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}; .pvd is for a saved run (.nc).")
     save_scene(_load(scene, "equilibrium"), out)
     print(out)
 
@@ -418,25 +437,3 @@ def _changed(scene, texts):
         if name in SETTINGS or len(given) != 1:
             raise VaryError(f"What is set must be one value of a field of the scene, but `{name}` was given {given}.")
     return apply(scene, {name: given[0] for name, given in values.items()})[0]
-
-
-def _give(result, as_json=False, out=None, stem="", save=lambda: None):
-    """Save a result in the folder `out` if there is one, with what `save` writes there besides; then print it.
-
-    In this order nothing is lost where stdout is closed or full.
-    """
-    from anet_lumped.regular_files import check_target
-    from studies.shown.show import as_json as to_json
-    from studies.shown.show import show
-
-    if out:
-        try:
-            check_target(out / f"{stem}.json", "A result")
-            (out / f"{stem}.json").write_text(to_json(result), encoding="utf-8")
-            save()
-        except OSError as error:  # that of a full disk names no file
-            raise OSError(error.errno, error.strerror or str(error), error.filename or str(out)) from None
-    if as_json:
-        print(to_json(result))
-    else:
-        show(result)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
+from pathlib import Path
 
 import numpy as np
 
@@ -312,6 +313,18 @@ class Run:
     def save(self, path: str | PathLike[str]) -> None:
         """Write the run, its scene and its account to one netCDF file."""
         run_file.write(self, path)
+
+    def save_vtk(self, folder: str | PathLike[str]) -> Path:
+        """Write `run.pvd` and a `.vtp` for each saved state into a folder, for ParaView; see `views.vtk_writer`."""
+        from anet_lumped.views.vtk_writer import save_vtk
+
+        return save_vtk(self, folder)
+
+    def view(self, path: str | PathLike[str] | None = None) -> Path:
+        """Write the run as a page (.html), a film (.gif, .mp4) or a VTK series (.pvd); without a path, open a page in a browser."""
+        from anet_lumped.views.show import view
+
+        return view(self, path)
 
 
 __all__ = ["Audit", "EnergyBalance", "Run", "Scene", "State", "Work"]

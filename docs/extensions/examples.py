@@ -102,6 +102,15 @@ def examples(text):
     return made
 
 
+def transcript(text):
+    """Return the commands of a record in order, each with what the record says that it prints.
+
+    A command stands behind `$ ` at the start of a line.
+    """
+    parts = re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]
+    return [(command, said) for command, _, said in (part.partition("\n") for part in parts)]
+
+
 def run(example, names, folder, file="document"):
     """Run an example and return what it prints.
 

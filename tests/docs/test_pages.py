@@ -14,7 +14,7 @@ import anet_lumped
 from anet_lumped import Scene
 from anet_lumped.effects import REGISTRY
 from anet_lumped.scene.as_dict import scene_from_dict
-from examples import alike, examples, run
+from examples import alike, examples, run, run_command, transcript
 from studies.command_line import app
 from studies.study import NAMES, Part
 
@@ -62,13 +62,10 @@ def test_alike_tells_numbers_and_words_apart():
 
 @pytest.mark.parametrize("name", sorted(typer.main.get_command(app).commands))
 def test_command_prints_what_its_record_says(name, tmp_path):
-    first, _, said = text_of(DOCS / "recorded" / f"{name}.txt").partition("\n")
-    assert first.split()[:3] == ["$", "anet-lumped", name]
-    if name in LONG:
-        assert said.strip()
-        return
-    (example,) = examples(f"```console\n{first}\n{said}```\n")
-    assert alike(run(example, {}, tmp_path), said)
+    recorded = transcript(text_of(DOCS / "recorded" / f"{name}.txt"))
+    assert recorded[-1][0].split()[:2] == ["anet-lumped", name]
+    for command, said in recorded:
+        assert said.strip() if name in LONG else alike(run_command(command, tmp_path), said)
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if "<!-- end -->" in text_of(page)], ids=name_of)

@@ -22,7 +22,21 @@ from studies.command_line import main
 from studies.quantities import metres, newtons, seconds
 from studies.study import NAMES
 
-COMMANDS = ["equilibrium", "simulate", "check", "sweep", "measures", "study", "mismatch", "report", "convert", "ropes", "effects"]
+COMMANDS = [
+    "equilibrium",
+    "simulate",
+    "check",
+    "sweep",
+    "measures",
+    "study",
+    "mismatch",
+    "report",
+    "convert",
+    "ropes",
+    "effects",
+    "view",
+]
+OLD_RUN = Path(__file__).parents[1] / "files" / "run_of_version_0_1.nc"
 PROGRAM = ["-c", "from studies.command_line import main; main()"]
 
 
@@ -244,6 +258,37 @@ def test_convert_writes_what_every_command_reads(tmp_path, capsys):
 def test_convert_refuses_an_ending_it_does_not_know(tmp_path, capsys):
     assert call("convert", "net_held", tmp_path / "net.yaml") == 2
     assert "OUT must end in .toml, .txt, .dat, .moordyn, but is" in capsys.readouterr().err
+
+
+def test_view_and_convert_show_a_saved_run(tmp_path, capsys):
+    assert call(*"simulate loose_cable --t-end 0.05 --dt 0.01 --out".split(), tmp_path) == 0
+    capsys.readouterr()
+    for arguments, file in (
+        (["view", tmp_path], "run.html"),
+        (["view", tmp_path / "run.nc", "--out", tmp_path / "film.gif"], "film.gif"),
+        (["convert", tmp_path / "run.nc", tmp_path / "series.pvd"], "series.pvd"),
+    ):
+        assert call(*arguments) == 0
+        assert capsys.readouterr().out == f"{tmp_path / file}\n" and (tmp_path / file).stat().st_size > 500
+    assert len(list((tmp_path / "series").glob("*.vtp"))) == 6
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["view", "nowhere.nc"], "A saved run must be readable, but nowhere.nc: No such file or directory."),
+        (["view", "."], "A saved run must be readable, but run.nc: No such file or directory."),
+        (["view", SCENES / "net_held.toml"], "it is no netCDF-3 file, or is cut or damaged."),
+        (["view", OLD_RUN, "--out", "run.txt"], "A view of a run must end in .html, .pvd, .gif, .mp4, but it is 'run.txt'."),
+        (["view", OLD_RUN, "--out", "nowhere/run.html"], "nowhere/run.html: No such file or directory."),
+        (["convert", OLD_RUN, "run.toml"], "A view of a run must end in .html, .pvd, .gif, .mp4, but it is 'run.toml'."),
+        (["convert", "net_held", "net.pvd"], "but is net.pvd; .pvd is for a saved run (.nc)."),
+    ],
+)
+def test_what_cannot_be_shown_is_one_sentence(arguments, sentence, capsys):
+    assert call(*arguments) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("anet-lumped: ") and line.endswith(sentence)
 
 
 def test_a_run_that_fails_says_so_and_exits_with_1(capsys):

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from test_command_line import call
+from test_command_line import OLD_RUN, call
 
 from anet_lumped import Cable, Fixed, Free, Scene, save_scene
 from anet_lumped.effects import Gravity
@@ -57,6 +57,9 @@ def test_names(word, capsys, tmp_path):
     refused(capsys, "check", word)
     refused(capsys, "study", word, "--out", tmp_path)
     refused(capsys, "convert", "net_held", word)
+    refused(capsys, "view", word)
+    refused(capsys, "view", OLD_RUN, "--out", word)
+    refused(capsys, "convert", OLD_RUN, word)
     refused(capsys, "recommend", "net_held", "--error", "1mm", "--at", word)
     refused(capsys, "effects", "net_held", "--at", word)
     refused(capsys, "effects", "net_held", "--error", "1N", "--tension", word)

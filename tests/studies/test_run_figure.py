@@ -8,8 +8,9 @@ from matplotlib.figure import Figure
 from systems import four_cables, loose_cable
 
 from anet_lumped import simulate
+from anet_lumped.views.verdict import as_length, verdict
 from studies.shown import picture
-from studies.shown.run_figure import BAD, as_length, mark_failures, plot, verdict
+from studies.shown.run_figure import BAD, mark_failures, plot
 
 
 def words(figure):
