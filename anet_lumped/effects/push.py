@@ -12,8 +12,7 @@ import numpy as np
 from anet_lumped.compiled.jit import njit
 
 from .effect import Effect
-from .load import tangent
-from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
 
 @dataclass(frozen=True)
@@ -55,3 +54,8 @@ def force(t, q, v, index, params, f):
 def energy(t, q, index, params):
     """A force that is given step by step has no energy, 0 [J]."""
     return 0.0
+
+
+@njit(TANGENT_SIGNATURE, cache=True)
+def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
+    """Zero: a force that is given does not depend on position or velocity."""
