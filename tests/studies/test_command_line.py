@@ -332,7 +332,7 @@ def test_what_an_effect_lacks_is_told_with_the_file(tmp_path, capsys):
 
 def test_a_rest_that_is_not_found_is_one_sentence_and_exit_1(monkeypatch, capsys):
     """What a scene cannot have is a wrong input and exits with 2, see `test_hostile_commands`."""
-    monkeypatch.setattr("anet_lumped.statics.equilibrium.solve", lambda *arguments: (1.0, 1.0, 0.0, 7))
+    monkeypatch.setattr("anet_lumped.statics.hanging_chains.solve", lambda *arguments: (1.0, 1.0, 0.0, 7))
     assert call("equilibrium", "net_held") == 1
     assert "No equilibrium was found in 7 iterations" in capsys.readouterr().err
 
