@@ -1,24 +1,23 @@
 """Newton iterations of the search for a rest grow with nothing."""
 
-import sys
-
 import pytest
 from hanging import ENDS, STIFFNESSES, assorted, held_net, hung
 
 from anet_lumped import equilibrium
+from anet_lumped.statics import hanging_chains
 
 
 @pytest.fixture
 def iterations(monkeypatch):
     """Newton iterations of every search, as they come."""
-    module, counts = sys.modules["anet_lumped.statics.hanging_chains"], []
+    counts = []
 
-    def counted(*arguments, solve=module.solve):
+    def counted(*arguments, solve=hanging_chains.solve):
         result = solve(*arguments)
         counts.append(result[3])
         return result
 
-    monkeypatch.setattr(module, "solve", counted)
+    monkeypatch.setattr(hanging_chains, "solve", counted)
     return counts
 
 
