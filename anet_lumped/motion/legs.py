@@ -21,6 +21,7 @@ from anet_lumped.results.run import STATUS, RunInterrupt, Work
 from integrators import schemes
 from integrators.system import BALANCE, DONE, ENERGIES, EVENT, SAME_TIME, UNCONVERGED
 
+from .link_catch import blow
 from .link_legs import Handover
 from .times import Leg
 
@@ -81,6 +82,8 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
         end, own = due[0] if due else t_end, made.left
         short = first_shortfall(own.model.scene, made.t, end)
         leg = made.leg._replace(begin=made.t, end=end if short is None else short.t)
+        if handover is None:
+            made.take_blow()
         begin, taken = Start(made.q[own.node], made.v[own.node], made.tension[own.segment]), choice
         if handover is not None:
             taken, begin, until = handover.next_leg(made, own.model, begin, leg.end)
@@ -165,6 +168,14 @@ class Legs:
         own, net, energy = self.left, fresh_net(self.left.model, force=False, newton=False), np.zeros(BALANCE)
         system(own.model, force=False, newton=False).energy(self.t, self.q[own.node], self.v[own.node], net.address, energy)
         return energy[:ENERGIES] + self.carried
+
+    def take_blow(self):
+        """Give the velocities the impulse that cables which do not stretch need, see `link_catch.blow`."""
+        own = self.left
+        caught = blow(own.model, self.t, self.q[own.node], self.v[own.node])
+        if caught is not None:
+            self.v[own.node] = caught.v
+            self.book(caught.work, caught.lost)
 
     def tell(self, kind, where, lost):
         """Tell an event of cables that went slack or were taut again."""

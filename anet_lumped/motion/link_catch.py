@@ -14,9 +14,12 @@ from anet_lumped.model.tables import (
     LINKS_FORCE,
     LINKS_REDUNDANT,
 )
+from anet_lumped.scene.scene import Driven
 
 STRAIGHT = 1e-6  # of its length: a link that is nearer to it than that is straight
 BLOW = 1e-6  # of the kinetic energy, that of a blow which pushes cables that cannot push, from which on they are slack
+BLOW_RATE = 1e-3  # of the largest velocity between two nodes: slower changes of lengths are those that steps leave
+COMMON = 1e-3  # of the largest velocity: smaller ones between nodes that fly together are roundings
 ROUNDED = 1e-12  # of the largest force times the length of a link: less energy of a blow is of roundings
 AHEAD = 1.0  # [s], of which the present accelerations make the velocities that show whether a motion can begin
 AT_REST = 1e-6  # of the largest force over the largest mass: smaller accelerations between nodes are roundings
@@ -120,6 +123,34 @@ def _blocked(model, t, q, v, own, net):
 def _kinetic_energy(net, v):
     """Of the nodes that move [J], without that of a fluid."""
     return 0.5 * float(net.mass[: net.n_free] @ (v[: net.n_free] ** 2).sum(axis=1))
+
+
+def blow(model, t, q, v):
+    """The impulse that a start needs at which velocities would change the lengths of cables that do not stretch.
+
+    An implicit step would carry such velocities on, from one sign to the other at each step, with tensions as large as the step is
+    short. Nothing is done where an impulse would have to push cables that cannot push.
+
+    Returns
+    -------
+    Caught or None
+    """
+    if not model.n_segments or not all(cable.inextensible for cable in model.scene.cables):
+        return None
+    v = v.copy()
+    for point in model.scene.points:
+        if isinstance(point, Driven):
+            v[model.node_of[point.name]] = point.path.at(t)[1]
+    d, dv = (np.diff(x[model.ends], axis=1)[:, 0] for x in (q, v))
+    rate = np.abs((d * dv).sum(axis=1)) / model.axial[model.cable_of, AXIAL_L0]
+    moves = model.ends.min(axis=1) < model.n_free
+    scale = max(np.abs(dv).max(), COMMON * np.abs(v).max())
+    if rest_lengths.changes(model.scene) or not rate[moves].max(initial=0.0) > BLOW_RATE * scale:
+        return None
+    caught = catch(model, t, q, v)
+    before, after = (0.5 * float(model.mass[: model.n_free] @ (x[: model.n_free] ** 2).sum(axis=1)) for x in (v, caught.v))
+    small = abs(after - before) <= BLOW * max(before, after) and abs(caught.lost) <= BLOW * max(before, after)
+    return caught if caught.pushed < 0 and caught.blocked < 0 and not small else None
 
 
 def first_jump(scene, begin, end):

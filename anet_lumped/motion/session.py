@@ -138,6 +138,8 @@ class Session:
         from anet_lumped.mechanics.bindings import system  # compiled on first use
 
         legs, scheme = self._legs, self._scheme
+        if not scheme.keeps_constraints:
+            legs.take_blow()
         own, model = legs.left, legs.left.model
         needs = {"force": scheme.evaluates_force, "newton": not scheme.explicit, "links": scheme.keeps_constraints}
         self._net = fresh_net(model, **needs)
