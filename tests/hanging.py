@@ -132,7 +132,7 @@ def strain_excess(state):
     """Largest departure of a segment's length from the law, over L0, beyond what the search and rounding leave.
 
     l = L0 (1 + T/EA) where a segment is taut, l <= L0 where it is slack. The search ends when a cable closes to 1e-12 of
-    its length, which its last segment takes up, and when the force on each segment lies along it to 1e-12 of the load W, so
+    its stretched length, which its last segment takes up, and when the force on each segment lies along it to 1e-12 of the load W, so
     that its strain is known to 1e-12 W/T; below T = 1e-7 W it counts as slack.
     """
     weight, reach, worst = weight_carried(state.scene), np.abs(state.q).max(), -np.inf
@@ -140,7 +140,7 @@ def strain_excess(state):
         T = state.tension(one.name)
         l = np.linalg.norm(np.diff(state.shape(one.name), axis=0), axis=1)
         off = l / one.L0 - 1.0 - T / one.EA
-        allowed = 2e-12 * one.segments + (4 + one.segments) * EPS * max(reach, one.length) / one.L0
+        allowed = 2e-12 * one.segments * (1.0 + T / one.EA) + (4 + one.segments) * EPS * max(reach, one.length) / one.L0
         slack = T <= 1e-7 * weight
         allowed = allowed + np.where(slack, 0.0, 2e-12 * weight / np.maximum(T, 1e-300))
         worst = max(worst, float((np.where(slack, np.maximum(off, 0.0), np.abs(off)) - allowed).max()))
