@@ -131,9 +131,9 @@ def imbalance(state):
 def strain_excess(state):
     """Largest departure of a segment's length from the law, over L0, beyond what the search and rounding leave.
 
-    l = L0 (1 + T/EA) where a segment is taut, l <= L0 where it is slack. The search ends when a cable closes to 1e-12 of
-    its stretched length, which its last segment takes up, and when the force on each segment lies along it to 1e-12 of the load W, so
-    that its strain is known to 1e-12 W/T; below T = 1e-7 W it counts as slack.
+    l = L0 (1 + T/EA) where a segment is taut, l <= L0 where it is slack. The search ends when a cable closes to 1e-12 of its
+    length, or of the distance of its ends if that is longer, which its last segment takes up, and when the force on each
+    segment lies along it to 1e-12 of the load W, so that its strain is known to 1e-12 W/T; below T = 1e-7 W it counts as slack.
     """
     weight, reach, worst = weight_carried(state.scene), np.abs(state.q).max(), -np.inf
     for one in state.scene.cables:
