@@ -98,7 +98,7 @@ def test_paths_that_no_file_has(tmp_path, reader, name):
 
 
 def test_a_path_with_a_null_byte_is_named():
-    with pytest.raises(InputError, match=r"A file must be given by the path of a file, but a\\x00: embedded null byte"):
+    with pytest.raises(InputError, match=r"A file must be given by the path of a file, but a\\x00: embedded null"):
         read_bytes("a\0", "A file", BYTES)
     with pytest.raises(InputError, match=r"A file must be given by its path, but it is 3\."):
         read_bytes(3, "A file", BYTES)
@@ -188,7 +188,7 @@ def run():
         (None, "must be given the path of the file to write, but it is None"),
         ("", "must be given the path of the file to write, but it is ''"),
         (5, "must be given the path of the file to write, but it is 5"),
-        ("a\0b", "must be given the path of the file to write, but a.*b: embedded null byte"),
+        ("a\0b", "must be given the path of the file to write, but a.*b: embedded null"),
         (".", "must be written to a regular file, but . is a folder"),
         ("/dev/null", "must be written to a regular file, but /dev/null is a pipe or a device"),
     ],
