@@ -188,7 +188,7 @@ def run():
         (None, "must be given the path of the file to write, but it is None"),
         ("", "must be given the path of the file to write, but it is ''"),
         (5, "must be given the path of the file to write, but it is 5"),
-        ("a\0b", "must be given the path of the file to write, but a.*b: embedded null"),
+        ("a\0b", "must be given the path of the file to write, but a.*b: .*embedded null"),
         (".", "must be written to a regular file, but . is a folder"),
         ("/dev/null", "must be written to a regular file, but /dev/null is a pipe or a device"),
     ],
