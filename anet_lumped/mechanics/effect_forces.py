@@ -27,6 +27,12 @@ def add_masses(net, t, q):
             as_inertia(effects.address[e, SLOT_INERTIA])(t, q, index, params, added)
 
 
+@inlined
+def mobility_with_fluid(m, A):
+    """(m I + A)^-1 of a node with the added mass A, a matrix (9,)."""
+    return inverse((m + A[0, 0], A[0, 1], A[0, 2], A[1, 0], m + A[1, 1], A[1, 2], A[2, 0], A[2, 1], m + A[2, 2]))
+
+
 @internal
 def share_with_fluid(net, t, q, v, f):
     """Multiply the force f on each moving node by m (m I + A)^-1, so that f/m is its acceleration with the added mass A.
@@ -39,8 +45,8 @@ def share_with_fluid(net, t, q, v, f):
     add_masses(net, t, q)
     power = 0.0
     for i in range(net.n_free):
-        m, A = net.mass[i], net.added_mass[i]
-        mobility = inverse((m + A[0, 0], A[0, 1], A[0, 2], A[1, 0], m + A[1, 1], A[1, 2], A[2, 0], A[2, 1], m + A[2, 2]))
+        m = net.mass[i]
+        mobility = mobility_with_fluid(m, net.added_mass[i])
         own_force = times(mobility, m * f[i, 0], m * f[i, 1], m * f[i, 2])
         for x in range(3):
             power += (f[i, x] - own_force[x]) * v[i, x]

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from anet_lumped.checks import InputError, quoted
+from anet_lumped.checks import InputError, nearest, number, quoted, shown
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 
@@ -40,6 +40,29 @@ class Choice:
     reason: str
     limit: float
     warnings: tuple[str, ...]
+
+
+def check_method(method, rho_inf=None):
+    """Refuse a method that there is not, and a rho_inf that its scheme does not take.
+
+    Parameters
+    ----------
+    method : str or None
+    rho_inf : float or None
+
+    Raises
+    ------
+    InputError
+    """
+    if method is not None and not (isinstance(method, str) and method in schemes.MODULES):
+        known, near = ", ".join(schemes.MODULES), nearest(method, schemes.MODULES)
+        raise InputError(f"Argument `method` must be one of {known}, but it is {shown(method)}" + (near or "."))
+    if rho_inf is not None:
+        if method is not None and "rho_inf" not in schemes.scheme(method).options:
+            able = " and ".join(name for name in schemes.MODULES if "rho_inf" in schemes.scheme(name).options)
+            raise InputError(f"Argument `rho_inf` belongs to {able}, but the method is {method}.")
+        if not 0 <= number(rho_inf) <= 1:
+            raise InputError(f"Argument `rho_inf` must lie between 0 and 1, but it is {shown(rho_inf)}.")
 
 
 def time_scale(scene, tension=0.0, speed=0.0):

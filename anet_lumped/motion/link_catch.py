@@ -120,9 +120,9 @@ def _blocked(model, t, q, v, own, net):
     return int(off.argmax()) if off.max() > UNSOLVABLE * np.abs(wanted).max() else -1
 
 
-def _kinetic_energy(net, v):
-    """Of the nodes that move [J], without that of a fluid."""
-    return 0.5 * float(net.mass[: net.n_free] @ (v[: net.n_free] ** 2).sum(axis=1))
+def _kinetic_energy(of, v):
+    """Kinetic energy of the nodes of a net or of a model that move [J], without that of a fluid."""
+    return 0.5 * float(of.mass[: of.n_free] @ (v[: of.n_free] ** 2).sum(axis=1))
 
 
 def blow(model, t, q, v):
@@ -148,7 +148,7 @@ def blow(model, t, q, v):
     if rest_lengths.changes(model.scene) or not rate[moves].max(initial=0.0) > BLOW_RATE * scale:
         return None
     caught = catch(model, t, q, v)
-    before, after = (0.5 * float(model.mass[: model.n_free] @ (x[: model.n_free] ** 2).sum(axis=1)) for x in (v, caught.v))
+    before, after = _kinetic_energy(model, v), _kinetic_energy(model, caught.v)
     small = abs(after - before) <= BLOW * max(before, after) and abs(caught.lost) <= BLOW * max(before, after)
     return caught if caught.pushed < 0 and caught.blocked < 0 and not small else None
 

@@ -12,6 +12,27 @@ from .failure_messages import stiff_for, why_it_stopped
 from .times import stops
 
 
+def net_and_system(model, scheme, tension):
+    """What a march with a scheme of this package works on.
+
+    Parameters
+    ----------
+    model : Model
+    scheme : Scheme
+    tension : (n_segments,) float64 [N], at the start
+
+    Returns
+    -------
+    Net, System
+    """
+    from anet_lumped.mechanics.bindings import system  # compiled on first use: a scene or its equilibrium need none of it
+
+    needs = {"force": scheme.evaluates_force, "newton": not scheme.explicit, "links": scheme.keeps_constraints}
+    net, bound = fresh_net(model, **needs), system(model, **needs, mean=scheme.observes_mean_over_stages)
+    net.tension[:] = tension
+    return net, bound
+
+
 def march(model, choice, leg, start, settings):
     """March a leg with a scheme of this package.
 
@@ -31,12 +52,8 @@ def march(model, choice, leg, start, settings):
     ------
     RunInterrupt : Ctrl-C
     """
-    from anet_lumped.mechanics.bindings import system  # compiled on first use: a scene or its equilibrium need none of it
-
     scheme = schemes.scheme(choice.method)
-    needs = {"force": scheme.evaluates_force, "newton": not scheme.explicit, "links": scheme.keeps_constraints}
-    net, bound = fresh_net(model, **needs), system(model, **needs, mean=scheme.observes_mean_over_stages)
-    net.tension[:] = start.tension
+    net, bound = net_and_system(model, scheme, start.tension)
     if settings.adaptive:
         times = AdaptiveSteps(leg.begin, leg.end, choice.dt, *settings.tolerances, stops(model.scene))
         saves = leg.times()

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import InputError, check_vector, nearest, number, quoted, shown
+from anet_lumped.checks import InputError, check_vector, number, quoted, shown
 from anet_lumped.effects.push import Push
-from anet_lumped.mechanics.fresh_net import fresh_net
+from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
+from anet_lumped.model.remainder import lightest
 from anet_lumped.model.tables import AXIAL_TWO_WAY_DAMPER, SEGMENT_DIRECTION
 from anet_lumped.prescribed.path_kernel import lead
 from anet_lumped.results.energy_balance import BY_EFFECTS, WORK, book_remainder
@@ -25,12 +26,14 @@ from integrators import schemes
 from integrators.compile_once import compile_for
 from integrators.marching import held_march
 from integrators.schemes.record import Origin
+from integrators.states import scratch_for
 from integrators.system import BALANCE, COUNTS, DONE, ENERGIES, EVENT, SAME_TIME, STEP, StepState, entry_point, first_class
 from integrators.system import words_in_memory as system_words
 
-from .choice import choose
+from .choice import check_method, choose
 from .failure_messages import why_it_stopped
 from .legs import Legs
+from .own_methods import net_and_system
 from .simulate import StabilityWarning
 from .stability import transverse_frequency
 from .times import Leg
@@ -90,9 +93,7 @@ class Session:
         check_scene(scene)
         if not 0 < number(dt) < math.inf:
             raise InputError(f"Argument `dt` must be positive and finite [s], but it is {shown(dt)}.")
-        if method is not None and not (isinstance(method, str) and method in schemes.MODULES):
-            hint = nearest(method, schemes.MODULES) or "."
-            raise InputError(f"Argument `method` must be one of {', '.join(schemes.MODULES)}, but it is {shown(method)}{hint}")
+        check_method(method, rho_inf)
         if method is not None and schemes.scheme(method).origin is not Origin.OWN:
             raise InputError(f"A session needs a method of this package, but the method is {method}.")
         self.scene, self.dt = scene, number(dt)
@@ -100,7 +101,7 @@ class Session:
         self._origin = np.array(near.origin, float)
         pushed = replace(near.scene, effects=(*near.scene.effects, Push()))
         begin = self._start(near.scene, start)
-        choice = choose(near.scene, method, self.dt, False, begin.least_tension, transverse_frequency(begin))
+        choice = choose(lightest(near.scene), method, self.dt, False, begin.least_tension, transverse_frequency(begin))
         self.method, self.reason, self._choice = choice.method, choice.reason, choice
         self._scheme = schemes.scheme(choice.method)
         for text in choice.warnings:
@@ -112,8 +113,9 @@ class Session:
         self._step = first_class(compile_for(self._scheme.step, STEP))
         self._external = [p.name for p in scene.points if isinstance(p, Driven) and p.path.kind == "external"]
         self._given = np.zeros((2, len(self._external), 2, 3))  # at the start and at the end of a step
-        for k, name in enumerate(self._external):
-            self._given[:, k, 0] = dict(near.scene.point(name).path.parameters)["start"]  # type: ignore[union-attr]
+        nodes = [begin.model.node_of[name] for name in self._external]
+        self._given[:, :, 0], self._given[:, :, 1] = begin.q[nodes], begin.v[nodes]
+        self._given[1, :, 0] += self.dt * begin.v[nodes]
         self._forces = {point.name: np.zeros(3) for point in scene.free_points}
         self._counts, self._first_t, self._steps = np.zeros(COUNTS, np.int64), begin.t, 0
         state = State(build(pushed), begin.t, begin.q, begin.v, begin.segment_tension, events=begin.events)
@@ -135,21 +137,14 @@ class Session:
 
     def _new_march(self) -> None:
         """Make what the next steps work on, from the state that the legs hold."""
-        from anet_lumped.mechanics.bindings import system  # compiled on first use
-
         legs, scheme = self._legs, self._scheme
         if not scheme.keeps_constraints:
             legs.take_blow()
         own, model = legs.left, legs.left.model
-        needs = {"force": scheme.evaluates_force, "newton": not scheme.explicit, "links": scheme.keeps_constraints}
-        self._net = fresh_net(model, **needs)
-        self._system = system(model, **needs, mean=scheme.observes_mean_over_stages)
-        self._net.tension[:] = legs.tension[own.segment]
-        n = model.n
-        memory = np.zeros((scheme.memory_rows, n, 3))
+        self._net, self._system = net_and_system(model, scheme, legs.tension[own.segment])
         q, v = (np.array(x[own.node], float, order="C") for x in (legs.q, legs.v))
-        self._state = StepState(q, v, memory, np.zeros(BALANCE))
-        start = StepState(np.empty_like(q), np.empty_like(v), np.empty_like(memory[: scheme.carried_rows]), np.zeros(BALANCE))
+        self._state = StepState(q, v, np.zeros((scheme.memory_rows, model.n, 3)), np.zeros(BALANCE))
+        start = scratch_for(self._state, scheme.carried_rows, 0).start
         self._words = system_words(self._system)
         self._numbers = np.array([legs.t, 0.0])
         can_fail = not scheme.explicit or scheme.keeps_constraints
@@ -159,7 +154,7 @@ class Session:
         )
         self._march_words = held_march.words_in_memory(self._march)
         self._address = self._march_words.ctypes.data
-        self._observed, self._whole = np.zeros(model.n_segments), own.model is legs.model or len(own.node) == legs.model.n
+        self._observed = np.zeros(model.n_segments)
         names = [point.name for point in model.scene.points if isinstance(point, Driven)]
         self._pieces = np.array([self._net.paths.first[names.index(name)] for name in self._external], np.int64)
         at = self._net.effects.params_at[len(model.forces) - 1]
@@ -228,8 +223,11 @@ class Session:
         Raises
         ------
         SessionError : the step failed; its message says when, where, why and what to try
+        SceneError : a cable that would be reeled in by more than it has
         """
         goal, same = self._goal, SAME_TIME * self.dt
+        if len(self._net.lengths.cable):
+            rest_lengths.at_shortest(self._legs.scene, goal, goal)
         if self._external:
             self._lead()
         before = [self._state.q[self._legs.left.model.node_of[name]].copy() for name in self._pushed]
@@ -320,12 +318,10 @@ class Session:
 
     def tension(self, cable: str) -> np.ndarray:
         """(segments,) tension of a cable's segments from its start to its end that acted in the last step [N]."""
-        acted, own, whole = self._acted(), self._legs.left, self._legs.model
-        if not self._whole:
-            every = np.zeros(whole.n_segments)
-            every[own.segment] = acted
-            acted = every
-        return acted[whole.segments(cable)].copy()
+        whole = self._legs.model
+        acted = np.zeros(whole.n_segments)
+        acted[self._legs.left.segment] = self._acted()
+        return acted[whole.segments(cable)]
 
     def pull(self, point: str) -> np.ndarray:
         """(3,) force of the cables on a point that acted in the last step [N]."""

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import InputError, nearest, number, quoted, shown
+from anet_lumped.checks import InputError, number, quoted, shown
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
@@ -18,7 +18,7 @@ from anet_lumped.results.audit import audited
 from anet_lumped.results.near_origin import computed_near_origin
 from anet_lumped.results.run import STATUS, Run, RunInterrupt, State
 from anet_lumped.scene.origin import largest_distance
-from anet_lumped.scene.scene import Scene, check_scene
+from anet_lumped.scene.scene import Driven, Scene, check_scene
 from anet_lumped.statics.equilibrium import equilibrium
 from anet_lumped.statics.starts import Start, start_state, straight
 from integrators import schemes
@@ -26,7 +26,7 @@ from integrators.schemes.record import Origin, Scheme
 from integrators.system import DIVERGED, UNCONVERGED
 
 from .accuracy import TENSION_ERROR, Wanted, keep_error
-from .choice import LONGEST_CHOSEN, Choice, by_links, choose, links_are_cheaper
+from .choice import LONGEST_CHOSEN, Choice, by_links, check_method, choose, links_are_cheaper
 from .energy_gain import GAINED, flag_energy_gain
 from .extrapolation import extrapolated, method_to_extrapolate
 from .failure_messages import with_cause
@@ -123,6 +123,7 @@ def simulate(
         begin = equilibrium(scene)
     else:
         begin = start_state(build(scene), start, scheme is not None and scheme.keeps_constraints)
+    _check_external(scene, begin)
     apart, most = float(np.ptp(begin.q, axis=0).max()), largest_distance(scene)
     if not apart < most:
         raise InputError(
@@ -292,6 +293,19 @@ def _check_keeps_error(scheme: Scheme, dt: float | None, adaptive: bool, extrapo
         )
 
 
+def _check_external(scene: Scene, begin: State) -> None:
+    """Points that a session drives stand at their start in a run of their own, so that it cannot begin with them elsewhere."""
+    for point in scene.points:
+        if isinstance(point, Driven) and point.path.kind == "external":
+            start = point.path.at(begin.t)[0]
+            if not np.allclose(begin.position(point.name), start, rtol=1e-12, atol=1e-12):
+                raise InputError(
+                    f"A point with the path paths.external stands at its start in a run, {tuple(start.tolist())}, but the state to "
+                    f"start from has {quoted(point.name)} at {tuple(begin.position(point.name).tolist())}; go on in a Session, or "
+                    "give the point another path."
+                )
+
+
 def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: Any, rho_inf: Any, audit: Any, *errors: Any) -> None:
     sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=1.0 if isinstance(audit, bool) else audit)
     sizes |= dict(zip(("error", "tension_error"), errors, strict=True))
@@ -301,12 +315,4 @@ def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: A
             raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {shown(value)}.")
     if dt is not None and number(dt) > number(t_end) * (1 + 1e-9):
         raise InputError(f"Argument `dt` must not exceed t_end={number(t_end):g} s, but it is {number(dt):g} s.")
-    if method is not None and not (isinstance(method, str) and method in schemes.MODULES):
-        known, near = ", ".join(schemes.MODULES), nearest(method, schemes.MODULES)
-        raise InputError(f"Argument `method` must be one of {known}, but it is {shown(method)}" + (near or "."))
-    if rho_inf is not None:
-        if method is not None and "rho_inf" not in schemes.scheme(method).options:
-            able = " and ".join(name for name in schemes.MODULES if "rho_inf" in schemes.scheme(name).options)
-            raise InputError(f"Argument `rho_inf` belongs to {able}, but the method is {method}.")
-        if not 0 <= number(rho_inf) <= 1:
-            raise InputError(f"Argument `rho_inf` must lie between 0 and 1, but it is {shown(rho_inf)}.")
+    check_method(method, rho_inf)

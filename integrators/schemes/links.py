@@ -9,6 +9,7 @@ Source: `dop853` for the pair of order 8; Dormand & Prince, J. Comp. Appl. Math.
 projection.
 """
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from integrators.linear_stability import AmplificationPolynomial, polynomial_of_tableau
 
 from . import dop853, embedded_pair
-from .record import Family, Stepping, own_scheme
+from .record import Family
 
 STAGES_5 = 7
 
@@ -42,41 +43,27 @@ def _amplification_of_order_5():
     return polynomial_of_tableau(A[:-1, :-1], A[-1, :-1])
 
 
-LINKS = own_scheme(
+LINKS = replace(
+    dop853.DOP853,
     name="links",
     label="links",
     family=Family.CONSTRAINED,
-    order=8,
-    explicit=True,
-    stepping=Stepping.EMBEDDED,
-    limit=dop853.DOP853.limit,
     note="lengths are kept; transverse modes to h omega = 5.960",
-    error_constant=dop853.DOP853.error_constant,
     keeps_constraints=True,
     takes_rigid_springs=True,
     with_given_steps="links5",
-    step=embedded_pair.step,
-    memory_rows=dop853.DOP853.memory_rows,
-    force_evaluations=dop853.STAGES,
-    stiff_beyond=dop853.DOP853.stiff_beyond,
-    coefficients=dop853.DOP853.coefficients,
 )
 
-LINKS5 = own_scheme(
+LINKS5 = replace(
+    LINKS,
     name="links5",
     label="links, order 5",
-    family=Family.CONSTRAINED,
     order=5,
-    explicit=True,
-    stepping=Stepping.EMBEDDED,
     limit=AmplificationPolynomial(_amplification_of_order_5),
     note="lengths are kept; transverse modes to h omega = 1.0 without damping, overdamped ones to 3.31",
     error_constant=1 / 3600,
-    keeps_constraints=True,
-    takes_rigid_springs=True,
-    step=embedded_pair.step,
+    with_given_steps="",
     memory_rows=embedded_pair.memory_rows(STAGES_5),
     force_evaluations=STAGES_5 - 1,
-    stiff_beyond=2.5,
     coefficients=lambda: embedded_pair.coefficients(tableau_of_order_5()),
 )

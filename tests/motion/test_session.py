@@ -85,6 +85,8 @@ def test_events_are_those_of_the_run(method, dt):
         for _ in range(round(0.4 / dt)):
             session.step()
         assert_same(session, run, -1)
+        for cable in scene.cables if schemes.scheme(method).explicit else ():  # whose tensions acted at the end of the step
+            assert np.array_equal(session.tension(cable.name), run.tension(cable.name)[-1])
         assert session.events == run.events and len(run.events) == 1 + (method == "verlet")
         session.restore(first)
     assert session.events == () and session.t == 0.0
@@ -229,6 +231,34 @@ def test_simulate_and_sessions_go_on_from_a_state():
         onward.step()
 
 
+def test_points_driven_from_outside_go_on_from_where_a_state_has_them():
+    """A second session goes on as the first; a run, in which such points stand, refuses a start elsewhere."""
+    one = Session(EXTERNAL, 1e-4, method="rk4")
+    one.drive("s0", one.position("s0") + np.array([2.5e-5, 0.0, 0.0]), (0.5, 0.0, 0.0))
+    one.step()
+    other = Session(EXTERNAL, 1e-4, method="rk4", start=one.state)
+    for _ in range(5):
+        one.step()
+        other.step()
+    # a step of rk4 leaves nothing to the next but its state; steps differ by the rounding of their ends
+    assert other.position("s0") == pytest.approx(one.position("s0"), abs=1e-15) and one.position("s0")[0] > -0.5 + 2e-4
+    assert other.state.q == pytest.approx(one.state.q, abs=1e-12)
+    with pytest.raises(InputError, match=r'stands at its start in a run, .* but the state to start from has "s0" at'):
+        simulate(EXTERNAL, 0.1, start=one.state)
+
+
+def test_a_cable_cannot_be_reeled_in_by_more_than_it_has():
+    scene = Scene(
+        points=[Fixed("a", (0, 0, 0)), Free("b", mass=0.1)],
+        cables=[Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e4, zeta=0.05, segments=6)],
+        effects=[Gravity(9.81), LineChange({"a-b": signals.line(0.0, -2.0, 0.0)})],
+    )
+    session = Session(scene, 0.1, method="edmc")
+    with pytest.raises(InputError, match=r'must keep at least .* of cable "a-b" with length=1 m'):
+        for _ in range(10):
+            session.step()
+
+
 def test_messages():
     session = Session(EXTERNAL, DT, method="edmc")
     with pytest.raises(InputError, match=r'driven from outside if its path is paths.external, but "p0" is not; "s0", "s1"'):
@@ -241,6 +271,8 @@ def test_messages():
         session.position("p1")
     with pytest.raises(InputError, match=r"`dt` must be positive and finite \[s\], but it is -1"):
         Session(NET, -1)
+    with pytest.raises(InputError, match=r"`rho_inf` must lie between 0 and 1, but it is 5"):
+        Session(NET, DT, method="edmc", rho_inf=5)
     with pytest.raises(InputError, match=r"method of this package, but the method is RK45"):
         Session(NET, DT, method="RK45")
     with pytest.raises(InputError, match=r'must be one of .*did you mean "edmc"|must be one of .*edmc'):

@@ -9,8 +9,7 @@ from numba import float64, int64, types, void
 
 from anet_lumped.compiled.jit import internal, kernel
 from anet_lumped.effects.signatures import as_force
-from anet_lumped.mechanics.effect_forces import add_masses, numbers_of
-from anet_lumped.mechanics.linear.node_elimination import inverse
+from anet_lumped.mechanics.effect_forces import add_masses, mobility_with_fluid, numbers_of
 from anet_lumped.mechanics.optional import as_power_of_lengths, as_set_lengths
 from anet_lumped.mechanics.prescribe import prescribe
 from anet_lumped.model.net import view_net
@@ -65,8 +64,7 @@ def set_masses(net, t, q):
     if links.fluid_mobility.shape[0] > 0:
         add_masses(net, t, q)
         for i in range(net.n_free):
-            m, A, W = net.mass[i], net.added_mass[i], flat(links.fluid_mobility[i])
-            found = inverse((m + A[0, 0], A[0, 1], A[0, 2], A[1, 0], m + A[1, 1], A[1, 2], A[2, 0], A[2, 1], m + A[2, 2]))
+            W, found = flat(links.fluid_mobility[i]), mobility_with_fluid(net.mass[i], net.added_mass[i])
             for k in range(9):
                 W[k] = found[k]
 
