@@ -10,7 +10,7 @@ from anet_lumped.effects.laws.axial import tension_parts
 from anet_lumped.effects.signatures import as_force
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
 from anet_lumped.mechanics.effect_forces import numbers_of, share_with_fluid
-from anet_lumped.mechanics.optional import as_cable_force, as_power_of_lengths, as_set_lengths
+from anet_lumped.mechanics.optional import as_cable_force, as_force_bodies, as_power_of_lengths, as_set_lengths
 from anet_lumped.mechanics.segment_law import SHORTEST, group_constant, spring_of
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
@@ -21,6 +21,7 @@ from anet_lumped.model.tables import (
     CABLE_END,
     CABLE_FIRST_NODE,
     CABLE_START,
+    KERNEL_FORCE_BODIES,
     KERNEL_FORCE_GROUPS,
     KERNEL_FORCE_SINGLES,
     KERNEL_POWER_OF_LENGTHS,
@@ -116,6 +117,8 @@ def force(t, q, v, net_address, f, power):
         by_effects += share_with_fluid(net, t, q, v, f)
     if net.lengths.cable.shape[0] > 0:
         put_in = as_power_of_lengths(net.kernels[KERNEL_POWER_OF_LENGTHS])(net_address, t, q, v, f)
+    if net.bodies.first < net.n_free:
+        by_effects += as_force_bodies(net.kernels[KERNEL_FORCE_BODIES])(net_address, t, q, v, f)
     for i in range(net.n_driven, q.shape[0]):
         put_in -= f[i, 0] * v[i, 0] + f[i, 1] * v[i, 1] + f[i, 2] * v[i, 2]
     power[0], power[1], power[2] = by_dampers, by_effects, put_in

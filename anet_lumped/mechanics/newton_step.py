@@ -9,7 +9,7 @@ from anet_lumped.compiled.lanes import column, group_members, lane, load, load_f
 from anet_lumped.mechanics.cable_rows import row3, segment_count
 from anet_lumped.mechanics.effect_forces import clear
 from anet_lumped.mechanics.linear import solve
-from anet_lumped.mechanics.optional import as_finish
+from anet_lumped.mechanics.optional import as_finish, as_finish_bodies
 from anet_lumped.mechanics.residual import EPS
 from anet_lumped.mechanics.segment_law import (
     group_constant,
@@ -34,6 +34,7 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_SEGMENT,
     CABLE_SEGMENTS,
     CABLE_START,
+    KERNEL_FINISH_BODIES,
     KERNEL_FINISH_GROUPS,
     KERNEL_FINISH_SINGLES,
     LINEARISED_BEGINNING,
@@ -236,6 +237,8 @@ def direction(stage, net_address):
         unbalanced = max(unbalanced, 2.0 * as_finish(net.kernels[KERNEL_FINISH_GROUPS])(stage, net_address))
     if net.single_cables.shape[0] > 0:
         unbalanced = max(unbalanced, 2.0 * as_finish(net.kernels[KERNEL_FINISH_SINGLES])(stage, net_address))
+    if net.bodies.first < net.n_free:
+        unbalanced = max(unbalanced, 2.0 * as_finish_bodies(net.kernels[KERNEL_FINISH_BODIES])(net_address))
     return solves, unbalanced
 
 

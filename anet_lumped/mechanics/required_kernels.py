@@ -38,6 +38,8 @@ def require(net, model, force=False, newton=False):
         if (net.effects.address[:, tables.SLOT_SETTLE] != 0).any():
             _write(net, "SETTLE_EFFECTS", "settle_effects", settle.settle_effects)
         require_elimination(net, model.coupled_neighbours)
+    if model.bodies.first < model.n_free:
+        _require_bodies(net, force, newton)
 
 
 def require_elimination(net, reach):
@@ -60,6 +62,20 @@ def require_elimination(net, reach):
             _write(net, f"ELIMINATE_{kind.upper()}", "eliminate", getattr(eliminating[kind], f"eliminate_{kind}"))
         if present or (kind == "singles" and short):
             _write(net, f"SUBSTITUTE_{kind.upper()}", "substitute", getattr(substituting[kind], f"substitute_{kind}"))
+
+
+def _require_bodies(net, force, newton):
+    """`require` for the kernels of rigid bodies."""
+    from anet_lumped.mechanics.bodies import free_motion, reduction, settling, stage
+
+    modules = {}
+    if force:
+        modules["force"] = free_motion
+    if newton:
+        modules |= {"place": stage, "balance": stage, "turn": settling, "stiffen": settling}
+        modules |= dict.fromkeys(("reduce", "spread", "finish"), reduction)
+    for name, module in modules.items():
+        _write(net, f"{name.upper()}_BODIES", f"{name}_bodies", getattr(module, f"{name}_bodies"))
 
 
 def _write_both(net, name, of_singles, of_groups):

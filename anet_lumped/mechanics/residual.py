@@ -16,7 +16,13 @@ from anet_lumped.compiled.lanes import (
 from anet_lumped.effects.signatures import as_force, as_tangent, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, row3, segment_count
 from anet_lumped.mechanics.effect_forces import add_masses, any_live, clear, numbers_of, take_middle
-from anet_lumped.mechanics.optional import CableBalance, as_cable_residual, as_set_lengths
+from anet_lumped.mechanics.optional import (
+    CableBalance,
+    as_balance_bodies,
+    as_cable_residual,
+    as_place_bodies,
+    as_set_lengths,
+)
 from anet_lumped.mechanics.segment_law import cable_law, linearise
 from anet_lumped.mechanics.segment_row import load_history, store_linearised
 from anet_lumped.model.net import view_net
@@ -28,6 +34,8 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_NODE,
     CABLE_FIRST_SEGMENT,
     CABLE_START,
+    KERNEL_BALANCE_BODIES,
+    KERNEL_PLACE_BODIES,
     KERNEL_RESIDUAL_GROUPS,
     KERNEL_RESIDUAL_SINGLES,
     KERNEL_SET_LENGTHS,
@@ -187,10 +195,13 @@ def residual(stage, base, target, q, net_address):
     if net.lengths.cable.shape[0] > 0:
         set_stage_lengths(stage, net_address)
     n, n_free, mass, right_side, diagonal = q.shape[0], net.n_free, net.mass, net.right_side, net.diagonal
+    first_of_bodies = net.bodies.first  # the inertia of bodies is not that of each of their nodes
+    if first_of_bodies < n_free:
+        as_place_bodies(net.kernels[KERNEL_PLACE_BODIES])(stage, net_address, base, target, q)
     middle_q, middle_v, per_tau = net.middle_q, net.middle_v, 1.0 / stage.tau
     largest_coordinate, scale, largest_inertia = 0.0, 0.0, 0.0
     for i in range(n):
-        W = mass[i] * stage.W if i < n_free else 0.0
+        W = mass[i] * stage.W if i < first_of_bodies else 0.0
         x, y, z = q[i, 0], q[i, 1], q[i, 2]
         fx, fy, fz = W * (target[i, 0] - x), W * (target[i, 1] - y), W * (target[i, 2] - z)
         right_side[i, 0], right_side[i, 1], right_side[i, 2] = fx, fy, fz
@@ -246,8 +257,11 @@ def residual(stage, base, target, q, net_address):
     if net.single_cables.shape[0] > 0:
         of_singles = as_cable_residual(net.kernels[KERNEL_RESIDUAL_SINGLES])
         balance = _joined(balance, of_singles(stage, net_address, base, q, step, largest_coordinate))
+    if first_of_bodies < n_free:
+        of_bodies = as_balance_bodies(net.kernels[KERNEL_BALANCE_BODIES])
+        balance = _joined(balance, of_bodies(stage, net_address, largest_coordinate))
     norm, predicted, sum_of_forces = balance.norm, balance.predicted, balance.sum_of_forces
-    for i in range(net.n_interior, n_free):
+    for i in range(net.n_interior, first_of_bodies):
         norm = max(norm, abs(law_force[i, 0]), abs(law_force[i, 1]), abs(law_force[i, 2]))
         sum_of_forces += law_force[i, 0] + law_force[i, 1] + law_force[i, 2]
         p = i - net.n_interior

@@ -15,6 +15,8 @@ from anet_lumped.mechanics.optional import (
     as_cable_settle,
     as_energy_of_paid_out,
     as_settle_effects,
+    as_stiffen_bodies,
+    as_turn_bodies,
     as_work_of_lengths,
 )
 from anet_lumped.mechanics.segment_law import SHORTEST, TINY, group_constant, numerical_damper, spring_of, tension_law
@@ -36,6 +38,8 @@ from anet_lumped.model.tables import (
     KERNEL_SETTLE_EFFECTS,
     KERNEL_SETTLE_GROUPS,
     KERNEL_SETTLE_SINGLES,
+    KERNEL_STIFFEN_BODIES,
+    KERNEL_TURN_BODIES,
     KERNEL_WORK_OF_LENGTHS,
     LINEARISED_BEGINNING,
     LINEARISED_LEAST_DAMPER,
@@ -244,7 +248,9 @@ def settle(stage, base, q, v, net_address, energy):
     net, h, per_h = view_net(net_address), stage.tau, 1.0 / stage.tau
     change, right_side = net.middle_v, net.right_side
     put_in, by_effects, by_steps_of_effects, kinetic = 0.0, 0.0, 0.0, 0.0
-    lengths_change = net.lengths.cable.shape[0] > 0
+    lengths_change, has_bodies = net.lengths.cable.shape[0] > 0, net.bodies.first < net.n_free
+    if has_bodies:
+        as_turn_bodies(net.kernels[KERNEL_TURN_BODIES])(stage, net_address, base, q, v)
     if lengths_change:
         put_in = as_work_of_lengths(net.kernels[KERNEL_WORK_OF_LENGTHS])(stage, net_address, base, q, v)
     if any_live(net):
@@ -289,6 +295,8 @@ def settle(stage, base, q, v, net_address, energy):
         v[i, 0], v[i, 1], v[i, 2] = x + cx, y + cy, z + cz
     if net.kernels[KERNEL_SETTLE_EFFECTS] != 0:
         by_method += as_settle_effects(net.kernels[KERNEL_SETTLE_EFFECTS])(stage, net_address, base, q, v)
+    if has_bodies:
+        by_method += as_stiffen_bodies(net.kernels[KERNEL_STIFFEN_BODIES])(net_address, q, v)
     net.linearised[LINEARISED_LEAST_DAMPER] = min(1.0, MOST_SPENT * kinetic / max(account.by_full_damper, TINY))
     net.linearised[LINEARISED_BEGINNING] = LINEARISED_NEXT_STEP
     if lengths_change:

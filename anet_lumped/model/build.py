@@ -12,8 +12,8 @@ from anet_lumped.effects.laws.axial import SWITCHES
 from anet_lumped.effects.signatures import SLOTS, addresses
 from anet_lumped.limits import BYTES, check_most
 from anet_lumped.model import rest_lengths
+from anet_lumped.model.body_order import order_of_points
 from anet_lumped.model.claims import check_claims
-from anet_lumped.model.elimination_order import minimum_degree, symbolic_elimination
 from anet_lumped.model.model import Model
 from anet_lumped.model.net import Effects
 from anet_lumped.model.tables import (
@@ -33,7 +33,6 @@ from anet_lumped.model.tables import (
     CABLE_JOINS_FREE_POINTS,
     CABLE_SEGMENTS,
 )
-from anet_lumped.scene.scene import Driven, Fixed, Free
 
 BYTES_OF_NODE = 1e3  # of a model and of what a computation needs, about
 
@@ -48,33 +47,24 @@ def build(scene):
     """
     n_interior = sum(cable.segments - 1 for cable in scene.cables)
     check_most(BYTES, BYTES_OF_NODE * n_interior, f"A scene of {n_interior + len(scene.cables)} segments")
-    free = [point.name for point in scene.points if isinstance(point, Free)]
-    links = [(cable.start, cable.end) for cable in scene.cables]
-    order, later = minimum_degree(free, links)
-    fixed = [point.name for point in scene.points if isinstance(point, Fixed)]
-    driven = [point.name for point in scene.points if isinstance(point, Driven)]
-    node_of = {name: n_interior + i for i, name in enumerate([*order, *fixed, *driven])}
-    rank = {name: i for i, name in enumerate(order)}
-
-    n, n_free = n_interior + len(scene.points), n_interior + len(order)
+    points = order_of_points(scene)
+    free = set(points.free)
+    node_of = {name: n_interior + i for i, name in enumerate([*points.free, *points.fixed, *points.driven])}
+    n, n_free = n_interior + len(node_of), n_interior + len(free)
     mass = np.zeros(n)
-    for name in order:
+    for name in points.free:
         mass[node_of[name]] = scene.point(name).mass
-    symbolic, block_of = symbolic_elimination(order, later)
     cable = np.full((len(scene.cables), CABLE_COLUMNS), -1, np.int64)
     axial = np.zeros((len(scene.cables), AXIAL_COLUMNS))
     flipped = np.zeros(len(scene.cables), bool)
     segment = node = 0
     for c, one in enumerate(scene.cables):
-        flipped[c] = one.start in rank and one.end not in rank
+        flipped[c] = one.start in free and one.end not in free
         start, end = (one.end, one.start) if flipped[c] else (one.start, one.end)
-        bordered = start in rank and end in rank
+        bordered = start in free and end in free
         cable[c, : CABLE_JOINS_FREE_POINTS + 1] = segment, one.segments, node, node_of[start], node_of[end], bordered
         if bordered:
-            cable[c, CABLE_BLOCK_START_END : CABLE_BLOCK_END_START + 1] = (
-                block_of[rank[start], rank[end]],
-                block_of[rank[end], rank[start]],
-            )
+            cable[c, CABLE_BLOCK_START_END : CABLE_BLOCK_END_START + 1] = points.blocks_of_pair[start, end]
         spring = (0.0, 0.0) if one.inextensible else (one.stiffness, one.dashpot)
         without_damper = one.inextensible and one.compression == "damped"  # then nothing acts where it is slack
         axial[c, :AXIAL_OMEGA_SQUARED] = one.L0, *spring, *SWITCHES["none" if without_damper else one.compression]
@@ -104,7 +94,7 @@ def build(scene):
         n=n,
         n_free=n_free,
         n_interior=n_interior,
-        n_driven=n - len(driven),
+        n_driven=n - len(points.driven),
         mass=mass,
         cable=cable,
         axial=axial,
@@ -114,7 +104,8 @@ def build(scene):
         single_kinds=kinds,
         flipped=flipped,
         node_of=node_of,
-        symbolic=symbolic,
+        symbolic=points.symbolic,
+        bodies=points.bodies(node_of, n_interior, cable),
         effects=None,
         lengths=None,
     )

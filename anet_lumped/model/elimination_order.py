@@ -7,10 +7,10 @@ import numpy as np
 from anet_lumped.model.net import Points
 
 
-def minimum_degree(names, links):
+def minimum_degree(names, links, last=()):
     """Elimination order of the free points by least fill, and each one's later neighbours (fill included).
 
-    Of points with equally many neighbours the first of ``names`` comes first. A heap holds for each point how many neighbours it
+    Those in ``last`` come after all others. Of points with equally many neighbours the first of ``names`` comes first. A heap holds for each point how many neighbours it
     had at any time; entries that have been overtaken are passed over.
     """
     neighbours = {name: set() for name in names}
@@ -18,32 +18,35 @@ def minimum_degree(names, links):
         if a in neighbours and b in neighbours:
             neighbours[a].add(b)
             neighbours[b].add(a)
-    rank = {name: i for i, name in enumerate(neighbours)}
-    entries = [(len(others), rank[name], name) for name, others in neighbours.items()]
+    rank, last = {name: i for i, name in enumerate(neighbours)}, set(last)
+    entries = [(name in last, len(others), rank[name], name) for name, others in neighbours.items()]
     heapify(entries)
     order, later = [], {}
     while neighbours:
-        degree, _, name = heappop(entries)
+        _, degree, _, name = heappop(entries)
         if name not in neighbours or len(neighbours[name]) != degree:
             continue
         later[name] = neighbours.pop(name)
         for p in later[name]:
             neighbours[p] |= later[name]
             neighbours[p] -= {p, name}
-            heappush(entries, (len(neighbours[p]), rank[p], p))
+            heappush(entries, (p in last, len(neighbours[p]), rank[p], p))
         order.append(name)
     return order, later
 
 
-def symbolic_elimination(order, later):
-    """Symbolic block LU: arrays of `Points`, and the position of each block."""
+def symbolic_elimination(order, later, carried=0, more=0):
+    """Symbolic block LU: arrays of `Points`, and the position of each block.
+
+    Room is left for the blocks of ``carried`` nodes behind those of the points in ``order``, and for ``more`` blocks at the end.
+    """
     rank = {name: i for i, name in enumerate(order)}
-    block_of = {(p, p): p for p in range(len(order))}
+    block_of, behind = {(p, p): p for p in range(len(order))}, len(order) + carried
     ahead = [sorted(rank[other] for other in later[name]) for name in order]
     for p, others in enumerate(ahead):
         for q in others:
-            block_of[p, q] = len(block_of)
-            block_of[q, p] = len(block_of)
+            block_of[p, q], block_of[q, p] = behind, behind + 1
+            behind += 2
     target = [[block_of[i, j] for i in others for j in others] for others in ahead]
 
     def flat(rows):
@@ -59,6 +62,6 @@ def symbolic_elimination(order, later):
         lower=flat([[block_of[q, p] for q in others] for p, others in enumerate(ahead)]),
         target_at=starts(target),
         target=flat(target),
-        block=np.zeros((len(block_of), 3, 3)),
+        block=np.zeros((behind + more, 3, 3)),
     )
     return points, block_of

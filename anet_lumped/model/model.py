@@ -17,14 +17,15 @@ from anet_lumped.model.tables import (
 from anet_lumped.scene.scene import Scene
 
 from .link_order import link_tables
-from .net import Effects, Lengths, Points
+from .net import Bodies, Effects, Lengths, Points
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
     """A scene cut into nodes and segments.
 
-    Nodes are numbered: interior nodes cable by cable, free points, fixed points, driven points; segments cable by cable,
+    Nodes are numbered: interior nodes cable by cable, free points, points of bodies, fixed points, driven points;
+    segments cable by cable,
     from the end that is eliminated first. ``cable``, ``axial``, ``springs``, ``cable_groups``,
     ``single_cables`` and ``single_kinds`` are the tables of `Net`.
 
@@ -59,6 +60,7 @@ class Model:
     flipped: np.ndarray
     node_of: dict
     symbolic: Points
+    bodies: Bodies
     effects: Effects
     lengths: Lengths
 

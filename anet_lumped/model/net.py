@@ -3,7 +3,8 @@
 A kernel is given a net by its address, ``net.address``, and looks at it with `view_net`, see `integrators.addresses`.
 
 Nodes are numbered: interior nodes of the cables (each cable's run is contiguous, in elimination order), then the free
-points, then the fixed and at last the driven ones. The first ``n_free`` nodes move; the rest are prescribed.
+points, then the points of bodies, then the fixed and at last the driven ones. The first ``n_free`` nodes move; the rest are
+prescribed.
 """
 
 from typing import NamedTuple
@@ -63,12 +64,37 @@ class Lengths(NamedTuple):
     path_values: np.ndarray  # (3, 2 rows, 3) scratch
 
 
+class Bodies(NamedTuple):
+    """Rigid bodies that move freely or are pinned; the nodes of body b are ``node[node_at[b]:node_at[b + 1]]``.
+
+    The first two nodes of each body lend their rows to its unknowns in the system over the free points: how far its centre of mass
+    shifts, and how far it turns. `tables` names the columns of ``joined`` and ``state``.
+    """
+
+    first: int  # first node that a body carries; ``n_free`` if there are none
+    node_at: np.ndarray
+    node: np.ndarray
+    pivot: np.ndarray  # (bodies,) node about which a body is pinned, -1 for a free body
+    arm: np.ndarray  # (nodes, 3) [m] place of each node in the axes of its body
+    blocks: np.ndarray  # (bodies, 2) blocks (shift, turn) and (turn, shift)
+    joined: np.ndarray  # (pairs, 12) cables that end at a body and at another one, or at a free point
+    arm_end: np.ndarray  # (nodes, 3) [m] scratch: place from the centre of mass, or from the pivot, in the stage
+    arm_mean: np.ndarray  # (nodes, 3) [m] scratch: where forces act from there, in the mean over a step
+    state: np.ndarray  # (bodies, columns) scratch
+
+    def of_a_run(self):
+        """The same with scratch of its own."""
+        return self._replace(**{name: getattr(self, name).copy() for name in self._fields[7:]})
+
+
 class Points(NamedTuple):
     """Block LU of the system over the free points: symbolic part (elimination order, fill) and the blocks themselves.
 
-    Free point p is eliminated p-th. Its later neighbours are ``later[later_at[p]:later_at[p+1]]``; ``upper`` and ``lower``
+    Free point p is eliminated p-th; the unknowns of bodies, two a body, count as points too, and are eliminated last. Its later
+    neighbours are ``later[later_at[p]:later_at[p+1]]``; ``upper`` and ``lower``
     are the positions of the blocks (p, j) and (j, p) in ``block``; the diagonal block of p is ``block[p]``. ``target`` holds,
-    for each pair (i, j) of later neighbours in row order, the block that their product updates, from ``target_at[p]`` on.
+    for each pair (i, j) of later neighbours in row order, the block that their product updates, from ``target_at[p]`` on. The
+    first blocks are those of the free nodes from ``n_interior`` on, also of nodes that bodies carry, which are not eliminated here.
     """
 
     later_at: np.ndarray
@@ -136,6 +162,7 @@ class Net(NamedTuple):
     effects: Effects
     lengths: Lengths
     points: Points
+    bodies: Bodies
     segment: np.ndarray  # (n_segments, 14) scratch: the linearised law of each segment, columns in `tables`
     tension: np.ndarray  # (n_segments,) tension that the last Newton step predicted
     mean_tension: np.ndarray  # (n_segments,) tension, averaged over the stages of a step
@@ -172,11 +199,12 @@ class Net(NamedTuple):
 
 EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1, types.int64), Effects)
 LENGTHS = types.NamedTuple((_i1, _f2, TABLE, _f1, _i1, _i1, _f1, _f1, _i1, _i1, _f1, _f1, _f2, _f2, _f3), Lengths)
+BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2, _i2, _i2, _f2, _f2, _f2), Bodies)
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
 LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f1), Links)
 NO_LINKS = Links(*(np.zeros((0,) * kind.ndim, np.int64 if kind.dtype == types.int64 else float) for kind in LINKS.types))
 NET = types.NamedTuple(
-    (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, TABLE, types.int64, EFFECTS, LENGTHS, POINTS)
+    (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, TABLE, types.int64, EFFECTS, LENGTHS, POINTS, BODIES)
     + (_f2, _f1, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f2, _f3)
     + (_f2,) * 3
     + (_f4, _f4, _f3)

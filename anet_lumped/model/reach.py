@@ -68,7 +68,7 @@ def shortfall(scene, t, free=None, straight=False):
     if not rigid:
         return None
     lengths, at = rest_lengths.at_time(scene, t), {}
-    for point in scene.points:
+    for point in scene.all_points:
         if isinstance(point, Free):
             if free is not None:
                 at[point.name] = free[point.name]
@@ -116,7 +116,7 @@ def first_shortfall(scene, t0, t_end):
     -------
     Shortfall or None
     """
-    moves = any(isinstance(point, Driven) for point in scene.points) or bool(rest_lengths.changes(scene))
+    moves = any(isinstance(point, Driven) for point in scene.all_points) or bool(rest_lengths.changes(scene))
     if not moves or not any(cable.inextensible for cable in scene.cables):
         return None
     before = t0

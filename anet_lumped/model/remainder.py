@@ -7,13 +7,14 @@ remainder can, so that no compiled code has to know of events.
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
 from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
-from anet_lumped.scene.scene import Cable, Free, Scene
+from anet_lumped.scene.scene import Cable, Free, Point, Scene
 
 SCATTER = 1e-3
 """By how much more of its breaking tension what is left of a cable takes, each time that it breaks: among equals one fails,
@@ -32,6 +33,15 @@ class Pieces(Scene):
     stubs: tuple[tuple[str, Cable], ...] = ()
 
     whole: ClassVar[bool] = False
+
+    @cached_property
+    def all_points(self) -> tuple[Point, ...]:
+        """Its points, and those of its bodies with the stubs that stay at them."""
+        at_point = {}
+        for name, cable in self.stubs:
+            at_point.setdefault(name, []).append(cable)
+        of_bodies = [_with_stubs(point, at_point.get(point.name)) for body in self.bodies for point in body.points]
+        return (*self.points, *of_bodies)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +105,8 @@ def remainder(whole, masses, broken):
     points = [_with_stubs(point, stubs_at.get(point.name)) for point in (*points, *map(Free, loose))]
     effects = [effect.after_break(pieces, cables) if pieces else effect for effect in scene.effects]
     parts = points, cables, [effect for effect in effects if effect is not None]
-    model = build(Pieces(*parts, stubs=tuple(stubs)) if pieces else Scene(*parts))
+    bodies = scene.bodies
+    model = build(Pieces(*parts, bodies=bodies, stubs=tuple(stubs)) if pieces else Scene(*parts, bodies=bodies))
     node, segment = np.empty(model.n, np.int64), np.empty(model.n_segments, np.int64)
     for name, number in model.node_of.items():
         node[number] = loose[name] if name in loose else whole.node_of[name]

@@ -79,7 +79,23 @@ KERNEL_ELIMINATE_SINGLES, KERNEL_ELIMINATE_GROUPS, KERNEL_ELIMINATE_BORDERED = 8
 KERNEL_SUBSTITUTE_SINGLES, KERNEL_SUBSTITUTE_GROUPS, KERNEL_SUBSTITUTE_BORDERED = 11, 12, 13
 KERNEL_DRIVE, KERNEL_SET_LENGTHS, KERNEL_POWER_OF_LENGTHS, KERNEL_WORK_OF_LENGTHS, KERNEL_ENERGY_OF_PAID_OUT = 14, 15, 16, 17, 18
 KERNEL_SETTLE_EFFECTS = 19
-KERNELS = 20
+KERNEL_PLACE_BODIES, KERNEL_BALANCE_BODIES, KERNEL_REDUCE_BODIES, KERNEL_SPREAD_BODIES, KERNEL_FINISH_BODIES = 20, 21, 22, 23, 24
+KERNEL_TURN_BODIES, KERNEL_STIFFEN_BODIES, KERNEL_FORCE_BODIES = 25, 26, 27
+KERNELS = 28
+
+# `Bodies.joined`, one row a cable that ends at a body and at another moving point: the nodes of its start and end, the bodies that
+# carry them or -1, the unknown (of the first of two, of a body) of each, the blocks of its nodes (start, end) and (end, start), and
+# the blocks of the unknowns: see `body_order`.
+JOINED_START, JOINED_END, JOINED_START_BODY, JOINED_END_BODY, JOINED_START_END, JOINED_END_START = range(6)
+JOINED_TARGETS = 6  # (unknown of the start, unknown of the end) by rows, then (unknown of the end, unknown of the start): 2 x 4
+JOINED_COLUMNS = 14
+
+# `Bodies.state`, one row a body, of the stage that was placed last: its mass over the square of the step [kg/s2]; inertial force
+# [N] and moment [N m]; the matrix of the moment over the turn (nine columns by rows), at first of inertia alone [N m]; radius of
+# gyration [m]; and five numbers by which a Newton step is judged: inertial moment over the square of a turn [N m], sums of stiffness
+# and of force times arm [N], [N m], and the last shift and turn [m], [rad].
+BODY_INERTIA, BODY_FORCE, BODY_MOMENT, BODY_TURNING, BODY_RADIUS, BODY_SECOND_ORDER = 0, 1, 4, 7, 16, 17
+BODY_COLUMNS = 22
 
 # `Links.unknown`, one row a cable: numbers of the first and of the last of its links among the end links, -1 for one that is not
 # among them, and the entry of their system that joins both, -1 for none.

@@ -138,7 +138,7 @@ def blow(model, t, q, v):
     if not model.n_segments or not all(cable.inextensible for cable in model.scene.cables):
         return None
     v = v.copy()
-    for point in model.scene.points:
+    for point in model.scene.all_points:
         if isinstance(point, Driven):
             v[model.node_of[point.name]] = point.path.at(t)[1]
     d, dv = (np.diff(x[model.ends], axis=1)[:, 0] for x in (q, v))

@@ -66,7 +66,7 @@ def _unaccounted_energy(run, step):
     if off <= ALLOWED_GAIN:
         return ""
     lost = (balance.by_method or 0.0) - balance.unaccounted > 0.0
-    if any(isinstance(point, Driven) for point in run.scene.points):
+    if any(isinstance(point, Driven) for point in run.scene.all_points):
         what = "are not accounted for by dampers, drag and the work of driven points"
     elif lost:
         what = "were lost in its steps, to neither dampers nor drag: the motion is damped too much"

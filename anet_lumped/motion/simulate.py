@@ -295,7 +295,7 @@ def _check_keeps_error(scheme: Scheme, dt: float | None, adaptive: bool, extrapo
 
 def _check_external(scene: Scene, begin: State) -> None:
     """Points that a session drives stand at their start in a run of their own, so that it cannot begin with them elsewhere."""
-    for point in scene.points:
+    for point in scene.all_points:
         if isinstance(point, Driven) and point.path.kind == "external":
             start = point.path.at(begin.t)[0]
             if not np.allclose(begin.position(point.name), start, rtol=1e-12, atol=1e-12):

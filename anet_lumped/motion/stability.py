@@ -186,7 +186,7 @@ def top_modes(scene: Scene) -> dict[str, TopMode]:
     cables, max x'Kx/x'Mx is at most the largest of the cables' own quotients (Irons and Treharne, "A bound theorem in
     eigenvalues and its practical applications", 1971); a single cable's is exact.
     """
-    mass = {point.name: np.inf for point in scene.points} | {point.name: point.mass for point in scene.free_points}
+    mass = {point.name: np.inf for point in scene.all_points} | {point.name: point.mass for point in scene.free_points}
     stiffness = dict.fromkeys(mass, 0.0)
     elastic = [cable for cable in scene.cables if not cable.inextensible]
     for cable in scene.cables:

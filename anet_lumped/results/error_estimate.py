@@ -35,7 +35,7 @@ def place_errors(run: Any) -> np.ndarray:
     if run.extrapolated or run.energy.shape[1] <= BY_METHOD:  # two runs have been compared; a file of version 0.1
         return run.error_growth
     moved = run.q - run.q[0]
-    if any(isinstance(point, Driven) for point in run.scene.points):
+    if any(isinstance(point, Driven) for point in run.scene.all_points):
         moved = moved - moved[:, run.model.n_free :].mean(axis=1, keepdims=True)
     amplitude = 0.5 * np.maximum.accumulate(np.abs(moved).max(axis=(1, 2)))
     told = run.error_factor * (_faded(run.error_growth, run.energy) + 0.5 * lost_share(run.energy) * amplitude)

@@ -79,7 +79,7 @@ def _rest(scene: Scene, tolerance: float, start: Start | None) -> State:
     if short is not None:
         raise NoRestError(short.words)
     q = np.zeros((model.n, 3))
-    for point in scene.points:
+    for point in scene.all_points:
         if isinstance(point, Fixed):
             q[model.node(point.name)] = point.at
     net = fresh_net(model, force=False, newton=False)
@@ -98,7 +98,7 @@ def _rest(scene: Scene, tolerance: float, start: Start | None) -> State:
         if net.axial[c, AXIAL_INEXTENSIBLE] == 0.0:
             EA[c] = net.axial[c, AXIAL_STIFFNESS] * net.axial[c, AXIAL_L0]  # of a segment as long as it is at rest
     H = _first_guess(model, load, q, scale)
-    for name in (point.name for point in scene.points if isinstance(point, Free)):
+    for name in (point.name for point in scene.all_points if isinstance(point, Free)):
         q[model.node(name)] = q[model.n_free :].mean(axis=0)
     closing, balance, noise, iterations = solve(net.address, load, EA, scale, tolerance, H, q)
     if not (closing <= 10 * tolerance and balance <= 1e-10 + noise):
@@ -201,11 +201,11 @@ def _settle_bars(model: Model, net: Any, q: np.ndarray, tension: np.ndarray) -> 
 
 def _check_supports(scene: Scene) -> None:
     """Every part of the net must hang on a fixed or driven point."""
-    neighbours: dict[str, list[str]] = {point.name: [] for point in scene.points}
+    neighbours: dict[str, list[str]] = {point.name: [] for point in scene.all_points}
     for cable in scene.cables:
         neighbours[cable.start].append(cable.end)
         neighbours[cable.end].append(cable.start)
-    reached = _connected(neighbours, [point.name for point in scene.points if not isinstance(point, Free)])
+    reached = _connected(neighbours, [point.name for point in scene.all_points if not isinstance(point, Free)])
     for name in neighbours:
         if name not in reached:
             others = len(_connected(neighbours, [name])) - 1

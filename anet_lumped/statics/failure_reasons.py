@@ -33,7 +33,7 @@ def _under_the_ground(model):
     for effect in model.scene.effects:
         if isinstance(effect, Ground):
             normal = np.array(effect.normal) / np.linalg.norm(effect.normal)
-            for point in model.scene.points:
+            for point in model.scene.all_points:
                 if isinstance(point, Fixed | Driven):
                     at = point.path.at(0.0)[0] if isinstance(point, Driven) else point.at
                     height = float(normal @ np.asarray(at, float))

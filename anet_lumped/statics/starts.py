@@ -38,7 +38,7 @@ def start_state(model: Model, start: Start, straight_between: bool = False) -> S
     """
     state = _adopt(model, start) if isinstance(start, State) else _at_rest(model, start)
     scene = model.scene
-    free = {point.name: state.position(point.name) for point in scene.points if isinstance(point, Free)}
+    free = {point.name: state.position(point.name) for point in scene.all_points if isinstance(point, Free)}
     short = shortfall(scene, state.t, straight=straight_between) or shortfall(scene, state.t, free)
     if short is not None:
         raise InputError(short.words)
@@ -62,7 +62,7 @@ def _at_rest(model, start):
 def straight(model: Model) -> np.ndarray:
     """(n, 3) places with every cable's nodes evenly spaced between its points' places [m]."""
     at = {}
-    for point in model.scene.points:
+    for point in model.scene.all_points:
         at[point.name] = _prescribed(point) if not isinstance(point, Free) else point.at
         if at[point.name] is None:
             raise SceneError(f'start="straight" needs the place of every point, but free point {quoted(point.name)} has no `at`.')
@@ -75,7 +75,7 @@ def spread(model: Model, at: Mapping[str, np.ndarray]) -> np.ndarray:
     for cable in model.scene.cables:
         a, b = at[cable.start], at[cable.end]
         q[model.nodes(cable.name)] = a + np.linspace(0.0, 1.0, cable.segments + 1)[:, None] * (b - a)
-    for point in model.scene.points:
+    for point in model.scene.all_points:
         q[model.node(point.name)] = at[point.name]
     return q
 
@@ -105,7 +105,7 @@ def _of_shapes(model, shapes):
             )
         _check_finite("position", shape, lambda i, name=cable.name: f"node {i} of cable {quoted(name)}")
         q[model.nodes(cable.name)] = shape
-    for point in model.scene.points:
+    for point in model.scene.all_points:
         if not isinstance(point, Free):
             q[model.node(point.name)] = _prescribed(point)
     return q
@@ -157,7 +157,9 @@ def _adopt(model, state):
         mine, theirs = model.nodes(cable.name), state.model.nodes(cable.name)
         q[mine], v[mine] = own_q[theirs], own_v[theirs]
         tension[model.segments(cable.name)] = own_tension[state.model.segments(cable.name)]
-    for point in model.scene.points:
+    for body in model.scene.bodies:
+        _adopt_body(model, state.model, body, (q, v), (own_q, own_v))
+    for point in model.scene.all_points:
         if isinstance(point, Fixed):
             q[model.node(point.name)], v[model.node(point.name)] = point.at, 0.0
     _check_finite("position", q, model.where)
@@ -167,6 +169,17 @@ def _adopt(model, state):
         cable = model.scene.cables[model.cable_of[s]]
         raise InputError(f"A start must have finite tensions, but a segment of cable {quoted(cable.name)} has {tension[s]} N.")
     return State(model, float(state.t), q, v, tension, events=state.events)
+
+
+def _adopt_body(model, other, body, mine, theirs):
+    """Take the places and velocities of a body's points from those of a State of another model."""
+    for point in body.points:
+        if point.name not in other.node_of:
+            raise InputError(
+                f"A State to start from must have the scene's bodies with their attachments, but {quoted(point.name)} it has none."
+            )
+        for own, given in zip(mine, theirs, strict=True):
+            own[model.node_of[point.name]] = given[other.node_of[point.name]]
 
 
 def _check_finite(what, rows, where):
@@ -237,12 +250,12 @@ def raised(model: Model, hanging: np.ndarray) -> np.ndarray:
     The loose end of a cable lies at the cable's length from its other end, across gravity, each in another direction.
     """
     scene = model.scene
-    held = [point.name for point in scene.points if not isinstance(point, Free)]
+    held = [point.name for point in scene.all_points if not isinstance(point, Free)]
     at = {name: hanging[model.node(name)] for name in held}
     amid = np.mean([at[name] for name in held], axis=0)
     only = Counter(end for cable in scene.cables for end in (cable.start, cable.end))
     loose = []
-    for point in scene.points:
+    for point in scene.all_points:
         if isinstance(point, Free):
             if point.at is None and only[point.name] == 1:
                 loose.append(point.name)

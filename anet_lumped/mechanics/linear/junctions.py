@@ -43,7 +43,7 @@ def solve_points(net_address):
     """
     net = view_net(net_address)
     points, right_side, step, base = net.points, net.right_side, net.newton_step, net.n_interior
-    block, points_free = points.block, net.n_free - net.n_interior
+    block, points_free = points.block, points.later_at.shape[0] - 1
     for p in range(points_free):
         M, rp = block[p], right_side[base + p]
         _factor(M)

@@ -6,7 +6,7 @@ from numba import float64, int64
 from anet_lumped.compiled.jit import internal, kernel
 from anet_lumped.mechanics.linear.chain import segment_stiffness
 from anet_lumped.mechanics.linear.junctions import add_block, solve_points
-from anet_lumped.mechanics.optional import as_eliminate, as_substitute
+from anet_lumped.mechanics.optional import as_eliminate, as_reduce_bodies, as_spread_bodies, as_substitute
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     CABLE_BLOCK_END_START,
@@ -18,6 +18,8 @@ from anet_lumped.model.tables import (
     KERNEL_ELIMINATE_BORDERED,
     KERNEL_ELIMINATE_GROUPS,
     KERNEL_ELIMINATE_SINGLES,
+    KERNEL_REDUCE_BODIES,
+    KERNEL_SPREAD_BODIES,
     KERNEL_SUBSTITUTE_BORDERED,
     KERNEL_SUBSTITUTE_GROUPS,
     KERNEL_SUBSTITUTE_SINGLES,
@@ -98,6 +100,12 @@ def solve(net_address):
 
     Returns the smallest tension [N].
     """
+    net = view_net(net_address)
+    has_bodies = net.bodies.first < net.n_free
     eliminate_cables(net_address)
+    if has_bodies:
+        as_reduce_bodies(net.kernels[KERNEL_REDUCE_BODIES])(net_address)
     solve_points(net_address)
+    if has_bodies:
+        as_spread_bodies(net.kernels[KERNEL_SPREAD_BODIES])(net_address)
     return substitute_cables(net_address)

@@ -1,0 +1,146 @@
+"""A stage of an implicit method with bodies: their equations, and their part of the Newton step.
+
+From a to b over h, with the rotation R_b R_a^T of the Cayley vector theta and the mean s of the arms of a force at both times,
+
+    m (v_b - v_a)/h = sum F ,    (J_b w_b - J_a w_a)/h = sum s x F ,    w_b = 2 theta/h - R_b R_a^T w_a .
+
+Because a force's point moves by dr + theta x s exactly, the work of F is the change of kinetic energy to the last bit, whatever F is.
+Stages of other laws take forces, and the inertia m W (target - q) of each node, at the end.
+Source: Simo and Wong, Int. J. Numer. Methods Engrg. 31 (1991) 19; Armero and Romero, Comput. Methods Appl. Mech. Engrg. 190 (2001)
+2603.
+"""
+
+import math
+
+from anet_lumped.compiled.jit import inlined, on_demand
+from anet_lumped.mechanics.optional import CableBalance
+from anet_lumped.mechanics.residual import FORCE_ROUNDING
+from anet_lumped.model.net import view_net
+from anet_lumped.model.tables import (
+    BODY_FORCE,
+    BODY_INERTIA,
+    BODY_MOMENT,
+    BODY_RADIUS,
+    BODY_SECOND_ORDER,
+    BODY_TURNING,
+)
+from integrators.stage import LAW_BETWEEN
+
+from .rotation import group_of, place, rotation_between
+from .vectors import (
+    added,
+    applied,
+    cross,
+    cross_matrix,
+    dot,
+    inertia_of,
+    largest,
+    matrix_product,
+    minus,
+    plus,
+    put,
+    row,
+    scaled,
+    solved,
+    times_scalar,
+    turned,
+)
+
+
+NO_VECTOR = (0.0, 0.0, 0.0)
+
+
+@inlined
+def _before(net, b, group, base, target, per_h):
+    """Angular velocity and momentum of a body at the start of a step, whose velocities are (target - base)/h."""
+    bodies, momentum, inertia = net.bodies, NO_VECTOR, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
+        i = bodies.node[k]
+        start, m = row(base, i), net.mass[i]
+        arm = minus(start, group.before)
+        momentum = plus(momentum, scaled(m * per_h, cross(arm, minus(row(target, i), start))))
+        inertia = added(inertia, inertia_of(m, arm))
+    return solved(inertia, momentum), momentum
+
+
+@on_demand
+def place_bodies(stage, net_address, base, target, q):
+    """Move the rows of each body in q to the nearest place that keeps its shape, and write its inertia to ``bodies.state``."""
+    net = view_net(net_address)
+    bodies, per_h = net.bodies, 1.0 / stage.tau
+    for b in range(bodies.pivot.shape[0]):
+        group = group_of(net, b, base, q)
+        theta = rotation_between(net, b, group, base, q)
+        J = place(net, b, group, theta, base, q)
+        shift, moment, stiffness = NO_VECTOR, NO_VECTOR, times_scalar(stage.W, J)
+        for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
+            i = bodies.node[k]
+            m, ahead = net.mass[i] * stage.W, minus(row(target, i), row(q, i))
+            shift = plus(shift, scaled(m, ahead))
+            if stage.law != LAW_BETWEEN:
+                arm = row(bodies.arm_end, k)
+                moment = plus(moment, scaled(m, cross(arm, ahead)))
+                turning = matrix_product(cross_matrix(scaled(-m, ahead)), cross_matrix(arm))
+                stiffness = added(stiffness, turning)
+        second_order = stage.W * (J[0] + J[4] + J[8])
+        if stage.law == LAW_BETWEEN:
+            spin, momentum_before = _before(net, b, group, base, target, per_h)
+            w = turned(theta, spin)
+            end = minus(scaled(2.0 * per_h, theta), w)
+            momentum = applied(J, end)
+            moment = scaled(-per_h, minus(momentum, momentum_before))
+            outer = (
+                theta[0] * theta[0], theta[0] * theta[1], theta[0] * theta[2], theta[1] * theta[0], theta[1] * theta[1],
+                theta[1] * theta[2], theta[2] * theta[0], theta[2] * theta[1], theta[2] * theta[2],
+            )  # fmt: skip
+            half, one = cross_matrix(scaled(-0.5, theta)), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+            rate = times_scalar(2.0 * per_h, added(added(one, half), times_scalar(0.25, outer)))
+            rate = added(rate, cross_matrix(plus(end, w)))
+            stiffness = times_scalar(per_h, added(matrix_product(J, rate), cross_matrix(scaled(-1.0, momentum))))
+            second_order += per_h * (J[0] + J[4] + J[8]) * math.sqrt(dot(end, end))
+        of = bodies.state[b]
+        of[BODY_INERTIA], of[BODY_RADIUS] = group.mass * stage.W, math.sqrt(0.5 * (J[0] + J[4] + J[8]) / group.mass)
+        of[BODY_SECOND_ORDER] = second_order
+        for x in range(3):
+            of[BODY_FORCE + x], of[BODY_MOMENT + x] = shift[x], moment[x]
+        for x in range(9):
+            of[BODY_TURNING + x] = stiffness[x]
+
+
+@inlined
+def _total(net, b, forces, first, between):
+    """Force and moment of the forces on the nodes of a body, whose rows begin with node ``first``."""
+    bodies, force, moment = net.bodies, NO_VECTOR, NO_VECTOR
+    for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
+        f = row(forces, bodies.node[k] - first)
+        force = plus(force, f)
+        moment = plus(moment, cross(row(bodies.arm_mean, k) if between else row(bodies.arm_end, k), f))
+    return force, moment
+
+
+@on_demand
+def balance_bodies(stage, net_address, largest_coordinate):
+    """`CableBalance` of the bodies, with moments over the radius of gyration; adds what forces do to the turning of their arms."""
+    net, between = view_net(net_address), stage.law == LAW_BETWEEN
+    bodies = net.bodies
+    norm, scale, predicted, noise, sum_of_forces = 0.0, 0.0, 0.0, 0.0, 0.0
+    for b in range(bodies.pivot.shape[0]):
+        of, pinned = bodies.state[b], bodies.pivot[b] >= 0
+        shift, moment = (of[BODY_FORCE], of[BODY_FORCE + 1], of[BODY_FORCE + 2]), (of[BODY_MOMENT], of[BODY_MOMENT + 1], of[BODY_MOMENT + 2])
+        radius = of[BODY_RADIUS]
+        force_by_law, moment_by_law = _total(net, b, net.law_force, 0, between)
+        force_predicted, moment_predicted = _total(net, b, net.predicted_force, net.n_interior, between)
+        load, load_moment = _total(net, b, net.right_side, 0, between)
+        held = 0.0 if pinned else 1.0
+        norm = max(norm, held * largest(plus(force_by_law, shift)), largest(plus(moment_by_law, moment)) / radius)
+        predicted = max(predicted, held * largest(plus(force_predicted, shift)), largest(plus(moment_predicted, moment)) / radius)
+        scale = max(scale, largest(load), largest(shift), largest(load_moment) / radius, largest(moment) / radius)
+        noise = max(noise, FORCE_ROUNDING * of[BODY_INERTIA] * largest_coordinate)
+        sum_of_forces += dot(force_by_law, (1.0, 1.0, 1.0)) + dot(moment_by_law, (1.0, 1.0, 1.0))
+        share = -0.5 if between else -1.0
+        for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
+            f = row(net.predicted_force, bodies.node[k] - net.n_interior)
+            turning = matrix_product(cross_matrix(scaled(share, f)), cross_matrix(row(bodies.arm_end, k)))
+            for x in range(9):
+                of[BODY_TURNING + x] += turning[x]
+    return CableBalance(norm, scale, noise, predicted, noise, sum_of_forces)
