@@ -38,13 +38,14 @@ def add_work(balance, time, power):
 
 @internal
 def evaluate_end(system_address, data_address, t, h, state, counts, end_share=0.5):
-    """Write the prescribed rows at t + h and the force there, in ``state.memory[0]``; add the work of the step from t.
+    """Write the prescribed rows at t + h, what constraints ask for and the force there, in ``state.memory[0]``; add the step's work.
 
     The dissipated energy weights the powers at the end of the step by ``end_share``, the weight of the forces there in the step.
     """
     system, balance = system_at(system_address), state.balance
     power = balance[SCRATCH:]
     system.prescribe(t + h, data_address, state.q, state.v)
+    balance[PUT_IN] += system.project(t + h, data_address, state.q, state.v)
     system.force(t + h, state.q, state.v, data_address, state.memory[0], power)
     counts[FORCES] += 1
     power_at_start, start_share = balance[POWERS:], 1.0 - end_share

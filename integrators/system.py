@@ -78,7 +78,7 @@ class System(NamedTuple):
         none. A march stops where it turns positive.
     project(t, data_address, q, v) -> work
         Change a state whose prescribed rows are those of time t by as little as its constraints ask for; returns the work put in by
-        that [J], NaN if no change satisfies them. Embedded pairs call it after each step, before the force there.
+        that [J], NaN if no change satisfies them. It is called after each step, before the force there.
     """
 
     prescribe: object

@@ -38,7 +38,7 @@ def require(net, model, force=False, newton=False):
         if (net.effects.address[:, tables.SLOT_SETTLE] != 0).any():
             _write(net, "SETTLE_EFFECTS", "settle_effects", settle.settle_effects)
         require_elimination(net, model.coupled_neighbours)
-    if model.bodies.first < model.n_free:
+    if model.has_bodies:
         _require_bodies(net, force, newton)
 
 

@@ -68,6 +68,11 @@ class Model:
         return f"<Model of {self.n} nodes and {self.n_segments} segments>"
 
     @property
+    def has_bodies(self):
+        """Whether there are bodies whose motion is not prescribed."""
+        return self.bodies.first < self.n_free
+
+    @property
     def forces(self):
         """Effects that exert forces, in the order of ``effects``."""
         return tuple(effect for effect in self.scene.effects if effect.kernels())

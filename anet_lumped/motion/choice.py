@@ -79,6 +79,7 @@ def time_scale(scene, tension=0.0, speed=0.0):
         scales += _path_scales(path)
     for effect in scene.effects:
         scales += effect.time_scales
+    scales += [math.sqrt(body.radius / g) for body in scene.bodies if g > 0.0 and not body.is_driven]
     payloads = [min([p.mass, *(e.mass for e in scene.events if e.point == p.name)]) for p in scene.free_points]
     mass = sum(cable.mass_per_length * cable.length for cable in scene.cables) + sum(payloads)
     if tension > DRAWN * mass * g:

@@ -134,6 +134,9 @@ def simulate(
     if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
         able = ", ".join(schemes.names(takes_changing_rest_lengths=True))
         raise InputError(f"Lengths that change in time need a method of this package, {able}, but the method is {method}.")
+    if scheme is not None and not scheme.takes_rigid_bodies and begin.model.has_bodies:
+        able = ", ".join(schemes.names(takes_rigid_bodies=True))
+        raise InputError(f"Bodies that move need one of the methods {able}, but the method is {method}.")
     if scheme is not None and not scheme.own and begin.model.n_free == 0:
         raise InputError(
             f"Solvers of other packages need a node that moves freely, but the scene has none and the method is {method}."

@@ -187,6 +187,8 @@ def top_modes(scene: Scene) -> dict[str, TopMode]:
     eigenvalues and its practical applications", 1971); a single cable's is exact.
     """
     mass = {point.name: np.inf for point in scene.all_points} | {point.name: point.mass for point in scene.free_points}
+    for body in scene.bodies:
+        mass |= {} if body.is_driven else body.least_masses
     stiffness = dict.fromkeys(mass, 0.0)
     elastic = [cable for cable in scene.cables if not cable.inextensible]
     for cable in scene.cables:

@@ -88,7 +88,7 @@ def _scene(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Scen
     except (ValueError, RecursionError) as error:
         raise DamagedError(f"its scene cannot be read: {error}".rstrip(".")) from None
     segments = sum(cable.segments for cable in scene.cables)
-    nodes = segments - len(scene.cables) + len(scene.points)
+    nodes = segments - len(scene.cables) + len(scene.all_points)
     found = arrays["q"].shape[1], arrays["v"].shape[1], arrays["tension"].shape[1]
     if found != (nodes, nodes, segments):
         raise DamagedError(

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
-from . import error_estimate, run_file, tension_error
+from . import body_motion, error_estimate, run_file, tension_error
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, Event, broken
@@ -107,6 +108,22 @@ class State:
     def velocity(self, point: str) -> np.ndarray:
         """(3,) velocity of a point [m/s]."""
         return self.v[self.model.node(point)]
+
+    def rotation(self, body: str) -> np.ndarray:
+        """(3, 3) rotation matrix of a body; its columns are the body's axes."""
+        return body_motion.rotations(self.model, body, self.t, self.q)
+
+    def quaternion(self, body: str) -> np.ndarray:
+        """(4,) rotation of a body as a unit quaternion (w, x, y, z) with w >= 0."""
+        return body_motion.quaternions(self.rotation(body))
+
+    def angular_velocity(self, body: str) -> np.ndarray:
+        """(3,) angular velocity of a body in the axes of the world [rad/s]."""
+        return body_motion.angular_velocities(self.model, body, self.t, self.q, self.v)
+
+    def moved(self, body: str, **motion: Any) -> "State":
+        """The same state with a body elsewhere, or moving otherwise: see `body_motion.moved` for ``at`` and the like."""
+        return body_motion.moved(self, body, **motion)
 
     def shape(self, cable: str) -> np.ndarray:
         """(segments + 1, 3) places of a cable's nodes from its start to its end [m]."""
@@ -285,6 +302,18 @@ class Run:
     def velocity(self, point: str) -> np.ndarray:
         """(k, 3) velocities of a point [m/s]."""
         return self.v[:, self.model.node(point)]
+
+    def rotation(self, body: str) -> np.ndarray:
+        """(k, 3, 3) rotation matrices of a body; their columns are the body's axes."""
+        return body_motion.rotations(self.model, body, self.t, self.q)
+
+    def quaternion(self, body: str) -> np.ndarray:
+        """(k, 4) rotations of a body as unit quaternions (w, x, y, z) with w >= 0."""
+        return body_motion.quaternions(self.rotation(body))
+
+    def angular_velocity(self, body: str) -> np.ndarray:
+        """(k, 3) angular velocities of a body in the axes of the world [rad/s]."""
+        return body_motion.angular_velocities(self.model, body, self.t, self.q, self.v)
 
     def shape(self, cable: str) -> np.ndarray:
         """(k, segments + 1, 3) places of a cable's nodes from its start to its end [m]."""

@@ -25,7 +25,7 @@ WHAT = "A saved run"  # for messages
 AXES = ["x", "y", "z"]
 DIMENSIONS = {
     "t": ("t",), "q": ("t", "node", "axis"), "v": ("t", "node", "axis"), "tension": ("t", "segment"), "energy": ("t", "energy_of"),
-    "error": ("t",),
+    "error": ("t",), "rotation": ("t", "body", "quaternion"),
 }  # fmt: skip
 
 
@@ -59,12 +59,15 @@ def write(run: Any, path: str | PathLike[str]) -> None:
     arrays = {"t": run.t, "q": run.q, "v": run.v, "tension": run.segment_tension, "energy": run.energy}
     if run.error_growth is not None:
         arrays["error"] = run.error_growth
+    if run.scene.bodies:
+        arrays["rotation"] = np.stack([run.quaternion(body.name) for body in run.scene.bodies], axis=1)
     about: dict[str, dict[str, str]] = {
         "t": {"units": "s"},
         "q": {"units": "m", "long_name": "place"},
         "v": {"units": "m/s", "long_name": "velocity"},
         "tension": {"units": "N"},
         "energy": {"units": "J"},
+        "rotation": {"long_name": "unit quaternion (w, x, y, z) of each body"},
         "error": {"units": "m", "long_name": "what the steps left out of places"},
     }
     variables: dict[str, Any] = {name: (DIMENSIONS[name], array, about[name]) for name, array in arrays.items()}

@@ -19,7 +19,7 @@ from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
 from anet_lumped.scene.payload_change import KINDS as EVENTS
 from anet_lumped.scene.payload_change import PayloadChange
-from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, Scene, check_scene
+from anet_lumped.scene.scene import Body, Cable, Driven, Fixed, Free, Scene, check_scene
 
 POINTS = {"fixed": Fixed, "driven": Driven, "free": Free}
 
@@ -32,7 +32,7 @@ PARTS: dict[Any, tuple[str, Mapping[str, Callable]]] = {
 
 OWN = " An effect of your own is known in Python, once its module is imported, and not on the command line."
 DEEPEST = 32  # tables and arrays within each other; a wind that is sampled has 7
-SECTIONS = ("points", "cables", "cable_defaults", "effects", "events")
+SECTIONS = ("points", "bodies", "cables", "cable_defaults", "effects", "events")
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
@@ -47,11 +47,14 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
             del cable["name"]
         if "tension_strain" in cable:
             del cable["EA"]  # its steepest slope
-    return {
+    whole = {
         "effects": {REGISTRY.name_of(effect): _plain(effect) for effect in scene.effects},
         "points": [{"name": point.name, "kind": kinds[type(point)]} | _plain(point) for point in scene.points],
         "cables": cables,
-    } | ({"events": [{"kind": kind_of[type(event)]} | _plain(event) for event in scene.events]} if scene.events else {})
+        "bodies": [_plain(body) | {"attachments": dict(body.attachments)} for body in scene.bodies],
+        "events": [{"kind": kind_of[type(event)]} | _plain(event) for event in scene.events],
+    }
+    return {section: entries for section, entries in whole.items() if entries or section in ("effects", "points", "cables")}
 
 
 def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
@@ -75,7 +78,10 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
         shared, ["rope", *(key for key in inspect.signature(Cable).parameters if key not in ("start", "end", "name"))],
         f"{source}, cable_defaults",
     )  # fmt: skip
-    points = [_point(entry, place) for entry, place in _tables(entries, "points", source)]
+    bodies = [_make(Body, entry, place) for entry, place in _tables(entries, "bodies", source)] if "bodies" in entries else ()
+    points = []
+    if not bodies or "points" in entries:
+        points = [_point(entry, place) for entry, place in _tables(entries, "points", source)]
     cables = [_make(Cable, _of_rope(shared | entry, place), place) for entry, place in _tables(entries, "cables", source)]
     effects = []
     for name, entry in _table(entries.get("effects", {}), f"{source}, effects").items():
@@ -83,7 +89,7 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
         effects.append(_make(_choose(name, REGISTRY, "effect", place, OWN), _table(entry, place), place))
     events = [_event(entry, place) for entry, place in _tables(entries, "events", source)] if "events" in entries else ()
     try:
-        return Scene(points, cables, effects, events)
+        return Scene(points, cables, effects, events, bodies)
     except ValueError as error:
         raise SceneError(f"{source}: {error}") from None
 

@@ -155,6 +155,26 @@ class Body:
         return np.diag(J) if J.ndim == 1 else J
 
 
+    @cached_property
+    def radius(self) -> float:
+        """Largest distance of an attachment from the centre of mass, or the radius of gyration if that is larger [m]."""
+        gyration = float(np.sqrt(0.5 * np.trace(self.inertia_tensor) / self.mass))
+        return max([gyration, *(float(np.linalg.norm(np.subtract(arm, self.centre_of_mass))) for _, arm in self.attachments)])
+
+    @cached_property
+    def least_masses(self) -> dict[str, float]:
+        """Mass [kg] with which it resists a force on each of its points in the direction in which it resists least.
+
+        1/m is the largest eigenvalue of I/m - [a] J^-1 [a], with the place a of the point from the centre of mass.
+        """
+        found, J = {}, np.linalg.inv(self.inertia_tensor)
+        for point in self.points:
+            x, y, z = np.subtract(point.arm, self.centre_of_mass)
+            across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+            found[point.name] = 1.0 / float(np.linalg.eigvalsh(np.eye(3) / self.mass - across @ J @ across)[-1])
+        return found
+
+
 def _check_inertia(value: Any, owner: str) -> tuple:
     """Principal moments (3,) or a symmetric tensor (3, 3), as tuples; what a mass distribution can have."""
     rows = as_entries(value) or ()

@@ -42,7 +42,8 @@ def near_origin(scene: Scene) -> Near:
 
     The height stays where an effect depends on it, and the whole origin where one depends on places in a way of its own.
     """
-    places = np.array(scene.supports + [point.at for point in scene.free_points if point.at is not None] or [NONE_MOVED])
+    free = [point.at for point in scene.free_points if point.at is not None]
+    places = np.array(scene.supports + free + [body.at for body in scene.bodies if body.at is not None] or [NONE_MOVED])
     low, high = places.min(axis=0), places.max(axis=0)
     size = float(max((high - low).max(), max(cable.length for cable in scene.cables)))
     middle = low + 0.5 * (high - low)
@@ -78,4 +79,7 @@ def _moved(scene: Scene, origin: Vector, effects: list[Effect]) -> Scene:
             points.append(replace(point, path=paths.seen_from(point.path, origin)))
         else:
             points.append(replace(point, at=about(point.at)))
-    return replace(scene, points=points, effects=effects)
+    bodies = [
+        replace(body, at=about(body.at), path=None if body.path is None else paths.seen_from(body.path, origin)) for body in scene.bodies
+    ]
+    return replace(scene, points=points, effects=effects, bodies=bodies)

@@ -78,6 +78,8 @@ def _rest(scene: Scene, tolerance: float, start: Start | None) -> State:
     short = shortfall(scene, 0.0)
     if short is not None:
         raise NoRestError(short.words)
+    if model.has_bodies:
+        return _rest_of_bodies(model, tolerance, given)
     q = np.zeros((model.n, 3))
     for point in scene.all_points:
         if isinstance(point, Fixed):
@@ -138,6 +140,34 @@ def _rest(scene: Scene, tolerance: float, start: Start | None) -> State:
             "scene differ by more than numbers can hold."
         )
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance, stable=stable)
+
+
+def _rest_of_bodies(model: Model, tolerance: float, given: State | None) -> State:
+    """Rest of a scene with bodies that move: from the rest with the bodies held, pseudo-steps move all together."""
+    from anet_lumped.mechanics.required_kernels import require
+
+    from .held_bodies import first_shape, with_bodies_held
+    from .search import Shape, stable_rest
+
+    scene = model.scene
+    try:
+        held: State | None = _rest(with_bodies_held(scene), tolerance, None)
+    except EquilibriumError:
+        held = None
+    q, tension = first_shape(model, held)
+    net = fresh_net(model, force=False, newton=False)
+    total = float(np.linalg.norm(dead_load(model, net, q)[: model.n_free], axis=1).sum())
+    scale = total if total > 0 else float(min([cable.EA for cable in scene.cables if not cable.inextensible], default=1.0))
+    require(net, model, newton=True)
+    guess = None if given is None else Shape(np.concatenate([given.q[: model.n_free], q[model.n_free :]]), given.segment_tension)
+    try:
+        found = stable_rest(model, net, Shape(q.copy(), tension), guess, scale)
+    except RuntimeError as error:  # a tangent that is not finite cannot be judged
+        raise EquilibriumError(f"No equilibrium was found: {error}") from error
+    if not (found.stable or found.asked_for):
+        _refuse(model, found, q)
+    (q, tension), balance = found.shape, found.residual
+    return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance, stable=found.stable)
 
 
 def _refuse(model: Model, found: Any, hanging: np.ndarray) -> None:
@@ -205,12 +235,21 @@ def _check_supports(scene: Scene) -> None:
     for cable in scene.cables:
         neighbours[cable.start].append(cable.end)
         neighbours[cable.end].append(cable.start)
-    reached = _connected(neighbours, [point.name for point in scene.all_points if not isinstance(point, Free)])
+    pinned = []
+    for body in scene.bodies:
+        names = [point.name for point in body.points]
+        for name in names[1:]:
+            neighbours[names[0]].append(name)
+            neighbours[name].append(names[0])
+        if body.pinned is not None:
+            pinned.append(names[0])
+    reached = _connected(neighbours, [point.name for point in scene.all_points if not isinstance(point, Free)] + pinned)
     for name in neighbours:
         if name not in reached:
             others = len(_connected(neighbours, [name])) - 1
+            what = "body" if name in [body.name for body in scene.bodies] else "free point"
             raise NoRestError(
-                f"Every part of a net must hang on a fixed or driven point, but nothing holds free point {quoted(name)}"
+                f"Every part of a net must hang on a fixed or driven point, but nothing holds {what} {quoted(name)}"
                 + (f" and the {others} others it is tied to" if others else "")
                 + '; `simulate` moves it from start="straight" or a State.'
             )

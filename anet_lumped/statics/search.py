@@ -121,7 +121,8 @@ def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None) -> It
     yield _Attempt(hanging, eased=eases)
     above = raised(model, hanging.q) if met.above is None else met.above
     yield _Attempt(_loose(model, above), eased=eases, pace=SLOW)
-    yield _Attempt(hanging, descends=True)
+    if not model.has_bodies:  # whose turns the steps of a descent do not know
+        yield _Attempt(hanging, descends=True)
 
 
 def _loose(model, q):
@@ -151,7 +152,8 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
             break
         beside = found.shape.q.copy()
         beside[: model.n_free] += nudge * found.down.direction
-        whole.tension[:] = descended(model, net, beside, load)[0]
+        if not model.has_bodies:
+            whole.tension[:] = descended(model, net, beside, load)[0]
         residual = _balanced(model, net, whole, beside, load, attempt.pace)
         other = _judged(model, net, whole, beside, residual, load)
         if other.stable or (other.balanced and other.down.directions_down < found.down.directions_down):
@@ -164,7 +166,7 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
 def _balanced(model, net, whole, q, load, pace):
     """Relax a shape, in place; use the exact tangent if pseudo-steps come near the balance and not to it. Returns the residual."""
     residual = relaxed(model, whole, q, load, pace)
-    if BALANCED < residual < ROUGH:
+    if BALANCED < residual < ROUGH and not model.has_bodies:
         other = q.copy()
         tension, exact = descended(model, net, other, load, near=0.1 * BALANCED)
         if exact <= BALANCED:

@@ -20,6 +20,8 @@ from anet_lumped.effects.laws.axial import tension_slopes, with_select
 from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_STIFFNESS
 
+from .body_tangent import of_bodies
+
 EPS = 2.220446049250313e-16
 FLAT = 1e-7  # of load over length: a smaller stiffness counts as zero, as that of a cable that turns about its ends
 PRESTRESSED = 1e-11  # of the largest T/l: stiffness that rounding leaves of tensions that balance
@@ -68,9 +70,11 @@ def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: 
     if model.n_free == 0:
         return Curvature(0)
     effects = _of_effects(model, net, q)
-    if _plainly_stable(model, tension, effects):
+    if not model.has_bodies and _plainly_stable(model, tension, effects):
         return Curvature(0)
-    K = tangent(model, net, q, tension, effects)
+    K, motions = tangent(model, net, q, tension, effects), None
+    if model.has_bodies:
+        K, motions = of_bodies(model, net, q, tension, K)
     largest = float(np.abs(K.data).max(initial=0.0))
     length = max(cable.length for cable in model.scene.cables)
     across = float(np.abs(tension / np.linalg.norm(q[model.ends[:, 1]] - q[model.ends[:, 0]], axis=1).clip(1e-12 * length)).max())
@@ -85,7 +89,7 @@ def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: 
         down, direction = _unsymmetric(K, slope, direction)
         if down == 0:
             return Curvature(0)
-    direction = direction.reshape(-1, 3)
+    direction = (direction if motions is None else motions @ direction).reshape(-1, 3)
     return Curvature(down, direction / np.linalg.norm(direction, axis=1).max(), min(slope, -flat))
 
 

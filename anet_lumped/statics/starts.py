@@ -11,7 +11,7 @@ from anet_lumped.checks import InputError, nearest, number, quoted, shown
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
 from anet_lumped.results.run import Run, State
-from anet_lumped.scene.scene import Driven, Fixed, Free, SceneError
+from anet_lumped.scene.scene import Driven, Fixed, Free, OnBody, SceneError
 
 Start = str | State | Mapping[str, ArrayLike]
 GOLDEN_ANGLE = 2.399963229728653  # [rad]: multiples of it are never near each other on the circle
@@ -106,7 +106,7 @@ def _of_shapes(model, shapes):
         _check_finite("position", shape, lambda i, name=cable.name: f"node {i} of cable {quoted(name)}")
         q[model.nodes(cable.name)] = shape
     for point in model.scene.all_points:
-        if not isinstance(point, Free):
+        if isinstance(point, OnBody) or not isinstance(point, Free):
             q[model.node(point.name)] = _prescribed(point)
     return q
 

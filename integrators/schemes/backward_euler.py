@@ -48,6 +48,7 @@ BACKWARD_EULER = own_scheme(
     energy=EnergyPromise.NEVER_RISES,
     damps_the_motion=True,
     error_constant=1 / 2,
+    takes_rigid_bodies=True,
     step=step,
     memory_rows=3,
 )

@@ -72,6 +72,7 @@ DOP853 = own_scheme(
     limit=AmplificationPolynomial(amplification),
     note="undamped modes to h omega = 5.960, overdamped ones to 6.394; error control is driven to it",
     error_constant=6.404e-8,  # the coefficient of z^9 in R(z) is so far from 1/9!
+    takes_rigid_bodies=True,
     step=embedded_pair.step,
     memory_rows=embedded_pair.memory_rows(ALL_STAGES),
     force_evaluations=STAGES,

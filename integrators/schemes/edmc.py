@@ -73,6 +73,7 @@ EDMC = own_scheme(
     takes_rigid_springs=True,
     evaluates_force=False,
     error_constant=1 / 12,
+    takes_rigid_bodies=True,
     step=step,
     memory_rows=6,
     carried_rows=3,

@@ -48,6 +48,7 @@ EXPLICIT_EULER = own_scheme(
     limit=ForwardEuler(lambda: (1.0, 1.0)),
     note="never stable for swings without mass-proportional damping: no axial damper acts on them",
     error_constant=1 / 2,
+    takes_rigid_bodies=True,
     step=step,
     memory_rows=1,
 )

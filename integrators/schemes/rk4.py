@@ -51,6 +51,7 @@ RK4 = own_scheme(
     limit=AmplificationPolynomial(lambda: (1.0, 1.0, 1 / 2, 1 / 6, 1 / 24)),
     note="undamped modes to h omega = 2.828, overdamped ones to 2.785",
     error_constant=1 / 120,
+    takes_rigid_bodies=True,
     step=step,
     memory_rows=6,
     force_evaluations=4,

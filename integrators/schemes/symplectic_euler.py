@@ -38,6 +38,7 @@ SYMPLECTIC_EULER = own_scheme(
     error_constant=1 / 24,
     error_order=2,
     error_shift=1 / 2,
+    takes_rigid_bodies=True,
     step=step,
     memory_rows=1,
 )

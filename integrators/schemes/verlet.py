@@ -41,6 +41,7 @@ VERLET = own_scheme(
     energy=EnergyPromise.SWINGS_ABOUT,
     keeps_angular_momentum=True,
     error_constant=1 / 24,
+    takes_rigid_bodies=True,
     step=step,
     memory_rows=2,
 )

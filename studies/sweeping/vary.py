@@ -131,7 +131,8 @@ def _fields(entries):
     for cable in entries["cables"]:
         cable.setdefault("BA", None)
     parts = [(cable.get("name", f"{cable['start']}-{cable['end']}"), cable) for cable in entries["cables"]]
-    parts += [(point["name"], point) for point in entries["points"]] + list(entries["effects"].items())
+    parts += [(point["name"], point) for section in ("points", "bodies") for point in entries.get(section, ())]
+    parts += list(entries["effects"].items())
     for label, part in parts:
         for path, container, key in _values_below(part):
             for name in (path, f"{label}.{path}"):
@@ -154,7 +155,7 @@ def _values_below(part, above=""):
 
 def _hint(name, fields, scene):
     label, _, key = re.sub(r"\.[xyz]$", "", name).rpartition(".")
-    for part in (*scene.points, *scene.cables):
+    for part in (*scene.points, *scene.bodies, *scene.cables):
         if label in ("", part.name) and getattr(part, key, "") is None:
             return f": `{part.name}` has no `{key}` in this scene, and must be given one first."
     known = [*SETTINGS, *fields]

@@ -1,0 +1,91 @@
+"""Rotation and angular velocity of bodies, from the places and velocities of their points."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from anet_lumped.checks import InputError, Vector, check_vector, quoted
+from anet_lumped.model.model import Model
+from anet_lumped.prescribed.turning import matrix_of, spin
+
+
+def _of(model: Model, body: str) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes of a body (k,), and their places in its own axes (k, 3) [m]."""
+    points = model.scene.body(body).points
+    return np.array([model.node_of[point.name] for point in points]), np.array([point.arm for point in points], float)
+
+
+def rotations(model: Model, body: str, t: Any, q: np.ndarray) -> np.ndarray:
+    """Rotation matrices (..., 3, 3) of a body, whose columns are its axes, at times t (...) and places q (..., n, 3) [m].
+
+    Of a body that moves freely the nearest rotation to the places of its points (Kabsch), which is theirs to rounding.
+    """
+    own = model.scene.body(body)
+    if own.is_driven:
+        first, (_, turning) = matrix_of(own.rotation), own.motion
+        turned = [np.eye(3) if turning is None else matrix_of(turning.at(float(time))[0]) for time in np.ravel(t)]
+        return (np.array(turned) @ first).reshape((*np.shape(t), 3, 3))
+    nodes, arms = _of(model, body)
+    arms = arms - arms.mean(axis=0)
+    places = q[..., nodes, :] - q[..., nodes, :].mean(axis=-2, keepdims=True)
+    U, _, Vt = np.linalg.svd(np.swapaxes(places, -1, -2) @ arms)
+    U[..., :, 2] *= np.linalg.det(U @ Vt)[..., None]
+    return U @ Vt
+
+
+def angular_velocities(model: Model, body: str, t: Any, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Angular velocities (..., 3) of a body [rad/s], in the axes of the world, at places and velocities (..., n, 3)."""
+    own = model.scene.body(body)
+    if own.is_driven:
+        _, turning = own.motion
+        found = [np.zeros(3) if turning is None else spin(*(tuple(x) for x in turning.at(float(time))))[0] for time in np.ravel(t)]
+        return np.array(found).reshape((*np.shape(t), 3))
+    nodes, _ = _of(model, body)
+    arms = q[..., nodes, :] - q[..., nodes, :].mean(axis=-2, keepdims=True)
+    rates = v[..., nodes, :] - v[..., nodes, :].mean(axis=-2, keepdims=True)
+    inertia = (arms**2).sum(axis=(-2, -1))[..., None, None] * np.eye(3) - np.swapaxes(arms, -1, -2) @ arms
+    return np.linalg.solve(inertia, np.cross(arms, rates).sum(axis=-2)[..., None])[..., 0]
+
+
+def quaternions(matrices: np.ndarray) -> np.ndarray:
+    """Unit quaternions (..., 4) as (w, x, y, z) of rotation matrices (..., 3, 3), with w >= 0."""
+    from scipy.spatial.transform import Rotation
+
+    flat = Rotation.from_matrix(matrices.reshape(-1, 3, 3)).as_quat(canonical=True)
+    return np.roll(flat, 1, axis=-1).reshape((*matrices.shape[:-2], 4))
+
+
+def moved(
+    state: Any, body: str, at: Vector | None = None, rotation: Vector | None = None, velocity: Vector | None = None,
+    angular_velocity: Vector | None = None,
+) -> Any:  # fmt: skip
+    """A State with a body at another place, or in another motion; the nodes of cables stay, but for those at its attachments.
+
+    Parameters
+    ----------
+    state : State
+    body : name of a body whose motion is not prescribed
+    at, velocity : (3,) array_like or None [m], [m/s], of its origin
+    rotation : (3,) array_like or None [rad], rotation vector of its axes
+    angular_velocity : (3,) array_like or None [rad/s], in the axes of the world
+
+    Raises
+    ------
+    InputError : a body whose motion is prescribed
+    """
+    own = state.scene.body(body)
+    if own.is_driven:
+        raise InputError(f"A body to be moved must move freely, but the motion of {quoted(body)} is prescribed.")
+    nodes, arms = _of(state.model, body)
+    R = state.rotation(body) if rotation is None else matrix_of(check_vector("rotation", rotation, "rad", f"body {quoted(body)}"))
+    origin = state.q[nodes[0]] if at is None else np.array(check_vector("at", at, "m", f"body {quoted(body)}"))
+    rate = state.v[nodes[0]] if velocity is None else np.array(check_vector("velocity", velocity, "m/s", f"body {quoted(body)}"))
+    if angular_velocity is None:
+        turn = state.angular_velocity(body)
+    else:
+        turn = np.array(check_vector("angular_velocity", angular_velocity, "rad/s", f"body {quoted(body)}"))
+    q, v = state.q.copy(), state.v.copy()
+    q[nodes] = origin + arms @ R.T
+    v[nodes] = rate + np.cross(turn, q[nodes] - origin)
+    return replace(state, q=q, v=v, q_near=None)
