@@ -4,7 +4,7 @@ import numpy as np
 
 from anet_lumped.mechanics.required_kernels import require
 from anet_lumped.model import rest_lengths
-from anet_lumped.model.net import NO_LINKS, Net
+from anet_lumped.model.net import NO_LINKS, Carried, Net
 from anet_lumped.model.tables import (
     BORDER_COLUMNS,
     BORDER_UNKNOWNS,
@@ -20,8 +20,12 @@ from anet_lumped.model.tables import (
     LINEARISED_TAU,
     SEGMENT_COLUMNS,
 )
-from anet_lumped.prescribed.paths import pack
+from anet_lumped.prescribed.paths import line, pack
+from anet_lumped.prescribed.turning import matrix_of
 from anet_lumped.scene.scene import Driven
+
+
+NOWHERE = (0.0, 0.0, 0.0)
 
 
 def fresh_net(model, force=True, newton=True, links=False):
@@ -44,6 +48,8 @@ def fresh_net(model, force=True, newton=True, links=False):
     has_added_mass = any("inertia" in effect.kernels() for effect in model.forces)
     changing = len(model.lengths.cable) > 0  # rest lengths change: then masses and laws belong to the run
     effects = model.effects._replace(params=model.effects.params.copy())
+    paths = [point.path for point in model.scene.points if isinstance(point, Driven)]
+    paths += [path for body in model.scene.bodies if body.is_driven for path in _paths_of(body)]
     net = Net(
         n_free=model.n_free,
         n_interior=model.n_interior,
@@ -55,8 +61,9 @@ def fresh_net(model, force=True, newton=True, links=False):
         single_kinds=model.single_kinds,
         axial=model.axial.copy() if changing else model.axial,
         springs=model.springs,
-        paths=pack([point.path for point in model.scene.points if isinstance(point, Driven)]),
+        paths=pack(paths),
         n_driven=model.n_driven,
+        carried=_carried(model.scene, len(paths)),
         effects=effects,
         lengths=rest_lengths.of_a_run(model.lengths) if changing else model.lengths,
         points=model.symbolic._replace(block=np.zeros_like(model.symbolic.block)),
@@ -91,6 +98,23 @@ def fresh_net(model, force=True, newton=True, links=False):
 
         set_lengths(net.address, 0.0, 0.0, 0.0)
     return net
+
+
+def _paths_of(body):
+    """Paths of the origin and of the rotation vector of a driven body."""
+    origin, turning = body.motion
+    return origin, line(NOWHERE, NOWHERE, 0.0) if turning is None else turning
+
+
+def _carried(scene, paths):
+    """`Carried` of a scene whose paths are ``paths`` in number."""
+    driven = [body for body in scene.bodies if body.is_driven]
+    arms = [matrix_of(body.rotation) @ point.arm for body in driven for point in body.points]
+    return Carried(
+        body=np.array([b for b, body in enumerate(driven) for _ in body.points], np.int64),
+        arm=np.array(arms, float).reshape(-1, 3),
+        values=np.zeros((3, paths if driven else 0, 3)),
+    )
 
 
 def _nothing_linearised():

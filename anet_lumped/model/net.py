@@ -87,6 +87,14 @@ class Bodies(NamedTuple):
         return self._replace(**{name: getattr(self, name).copy() for name in self._fields[7:]})
 
 
+class Carried(NamedTuple):
+    """Points of bodies whose motion is prescribed: the last nodes. ``Net.paths`` ends with two paths a body, origin and rotation."""
+
+    body: np.ndarray  # (nodes,) which of these bodies carries each
+    arm: np.ndarray  # (nodes, 3) [m] from the origin, as the body starts
+    values: np.ndarray  # (3, paths, 3) scratch of positions, velocities and accelerations; empty without such bodies
+
+
 class Points(NamedTuple):
     """Block LU of the system over the free points: symbolic part (elimination order, fill) and the blocks themselves.
 
@@ -159,6 +167,7 @@ class Net(NamedTuple):
     springs: np.ndarray  # (rows, 2) of tension-strain curves, see `Cable.springs`
     paths: tuple
     n_driven: int  # first driven node
+    carried: Carried
     effects: Effects
     lengths: Lengths
     points: Points
@@ -199,12 +208,13 @@ class Net(NamedTuple):
 
 EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1, types.int64), Effects)
 LENGTHS = types.NamedTuple((_i1, _f2, TABLE, _f1, _i1, _i1, _f1, _f1, _i1, _i1, _f1, _f1, _f2, _f2, _f3), Lengths)
+CARRIED = types.NamedTuple((_i1, _f2, _f3), Carried)
 BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2, _i2, _i2, _f2, _f2, _f2), Bodies)
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
 LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f1), Links)
 NO_LINKS = Links(*(np.zeros((0,) * kind.ndim, np.int64 if kind.dtype == types.int64 else float) for kind in LINKS.types))
 NET = types.NamedTuple(
-    (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, TABLE, types.int64, EFFECTS, LENGTHS, POINTS, BODIES)
+    (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, TABLE, types.int64, CARRIED, EFFECTS, LENGTHS, POINTS, BODIES)
     + (_f2, _f1, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f2, _f3)
     + (_f2,) * 3
     + (_f4, _f4, _f3)

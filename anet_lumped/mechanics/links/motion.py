@@ -31,7 +31,7 @@ from anet_lumped.model.tables import (
     LINKS_TIME,
     SLOT_FORCE,
 )
-from anet_lumped.prescribed.path_kernel import evaluate
+from anet_lumped.mechanics.drive import evaluate_driven
 from integrators.flat_view import flat
 from integrators.system import NO_EVENTS
 
@@ -123,7 +123,7 @@ def _accelerate(net, t, q, v, f):
         largest = max(largest, max(abs(f[i, 0]), max(abs(f[i, 1]), abs(f[i, 2]))))
     links.state[LINKS_FORCE] = largest
     if net.n_driven < q.shape[0]:
-        evaluate(t, net.paths, links.driven[0], links.driven[1], a[net.n_driven :])
+        evaluate_driven(t, net, links.driven[0], links.driven[1], a[net.n_driven :])
     for k in range(factored(net, q)):
         write_wanted(net, v, 2)
         solve(net, a)
