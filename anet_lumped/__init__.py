@@ -36,7 +36,7 @@ from anet_lumped.results.loading import load_run
 from anet_lumped.results.run import Run, State
 from anet_lumped.scene.payload_change import PayloadChange
 from anet_lumped.scene.ropes import rope
-from anet_lumped.scene.scene import Body, Cable, Driven, Fixed, Free, Scene, SceneError
+from anet_lumped.scene.scene import Body, Cable, Driven, Fixed, Free, Rod, Scene, SceneError
 from anet_lumped.statics.catenary import catenary
 from anet_lumped.statics.equilibrium import EquilibriumError, NoRestError, equilibrium
 
@@ -55,6 +55,7 @@ __all__ = [
     "InputError",
     "NoRestError",
     "PayloadChange",
+    "Rod",
     "Run",
     "RunError",
     "RunInterrupt",

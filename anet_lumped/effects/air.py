@@ -1,4 +1,4 @@
-"""Drag of the air, at rest or in wind, on cables and on what free points carry."""
+"""Drag of the air, at rest or in wind, on cables, on what free points carry, and on bodies."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -32,6 +32,8 @@ NO_SURFACE = -1e300  # [m]
 @dataclass(frozen=True)
 class Air(Effect):
     """Quadratic drag on every segment, across and along it, and on free points with a `CdA`, by the law of `laws.drag`.
+
+    On rigid bodies it acts by their `CdA` and on their rods, see `fluid_on_bodies`.
 
     Each cable needs a `diameter`. Where wind drives the cables, the energy that the air takes is negative. In a scene with water,
     give the `surface` of the still water, below which no air acts; waves do not move this surface.
@@ -93,6 +95,13 @@ class Air(Effect):
         header = [NO_SURFACE if self.surface is None else self.surface, len(winds)]
         index = np.concatenate([[model.n_segments], model.ends.ravel(), nodes]).astype(np.int64)
         return index, np.concatenate([header, winds, of_cable[model.cable_of].ravel(), of_point.ravel()])
+
+    def on_bodies(self, scene: Any) -> Effect | None:
+        if not any(any(body.CdA) or body.rods for body in scene.bodies if not body.is_driven):
+            return None
+        from .fluid_on_bodies import FluidOnBodies  # compiled for those scenes alone
+
+        return FluidOnBodies(self.density, NO_SURFACE if self.surface is None else self.surface, self.wind, dry=True)
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy}

@@ -147,6 +147,10 @@ class Effect:
         """Changes of rest lengths in a scene; none for an effect that only exerts forces."""
         return ()
 
+    def on_bodies(self, scene: Any) -> "Effect | None":
+        """What the effect does to the rigid bodies of a scene, as an effect with compiled functions of its own; None if nothing."""
+        return None
+
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> "Effect | None":
         """The same effect once cables have broken, or None if it acts on nothing any more.
 

@@ -31,11 +31,11 @@ import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_number, quoted, shown
 from anet_lumped.compiled.jit import njit
-from anet_lumped.effects.flow.wave_kernel import AT_REST, wave_at
+from anet_lumped.effects.flow.surface import flow_at, height_at
 from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.wind import Wind
 from anet_lumped.effects.flow.wind.base import check_winds, same_at_each_height
-from anet_lumped.effects.flow.wind.kernel import pack, wind_at
+from anet_lumped.effects.flow.wind.kernel import pack
 from anet_lumped.effects.laws.drag import (
     point_coefficient,
     segment_coefficients,
@@ -55,6 +55,8 @@ HEADER, SEGMENT_NUMBERS, POINT_NUMBERS = 3, 8, 5  # numbers in ``params`` before
 @dataclass(frozen=True)
 class Water(Effect):
     """Hydrostatics and Morison's equation on every cable, which needs a `diameter`, and on free points with a volume or a CdA.
+
+    On rigid bodies it acts by their volume or hull, their `CdA` and on their rods, see `fluid_on_bodies`.
 
     Statics take the water at t = 0, when a wave with a `ramp` has not risen yet. The step of an explicit method must be short
     against the time in which drag stops a thin cable, (mu + rho Can pi d^2/4)/(rho d Cdn |u|): 1.5 ms for twine of 2 mm at 2 m/s.
@@ -156,6 +158,13 @@ class Water(Effect):
         mass = self.density * point.volume
         return sphere_diameter(point), point_coefficient(self.density, point), g * mass, mass, point.Ca
 
+    def on_bodies(self, scene: Any) -> Effect | None:
+        if not any(body.displaced > 0.0 or any(body.CdA) or body.rods for body in scene.bodies if not body.is_driven):
+            return None
+        from .fluid_on_bodies import FluidOnBodies  # compiled for those scenes alone
+
+        return FluidOnBodies(self.density, self.level, self.current, self.wave, self.gravity(scene))
+
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "inertia": inertia}
 
@@ -165,22 +174,6 @@ def _read_params(params):
     """Level, current, wave, and the position in ``params`` at which the numbers of the segments begin."""
     begin = HEADER + int(params[1])
     return params[0], params[HEADER:begin], params[begin : begin + int(params[2])], begin + int(params[2])
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _flow(t, q, level, current, wave):
-    """At a position q: height above the surface, its slopes; velocity of the water, its gradient; acceleration, its gradient."""
-    velocity, gradient = wind_at(t, q[0], q[1], q[2], current)
-    if len(wave) == 0:
-        return q[2] - level, (0.0, 0.0, 1.0), velocity, gradient, AT_REST[1], AT_REST[2]
-    (eta, _, eta_x, eta_y), u, u_gradient, a, a_gradient = wave_at(t, q[0], q[1], q[2], wave)
-    velocity = (velocity[0] + u[0], velocity[1] + u[1], velocity[2] + u[2])
-    gradient = (
-        gradient[0] + u_gradient[0], gradient[1] + u_gradient[1], gradient[2] + u_gradient[2],
-        gradient[3] + u_gradient[3], gradient[4] + u_gradient[4], gradient[5] + u_gradient[5],
-        gradient[6] + u_gradient[6], gradient[7] + u_gradient[7], gradient[8] + u_gradient[8],
-    )  # fmt: skip
-    return q[2] - level - eta, (-eta_x, -eta_y, 1.0), velocity, gradient, a, a_gradient
 
 
 @njit(cache=True, forceinline=True)
@@ -221,12 +214,12 @@ def force(t, q, v, index, params, f):
     """
     level, current, wave, begin = _read_params(params)
     segments, still_water, power = index[0], 1.0 if len(wave) == 0 else 0.0, 0.0
-    last, flow_i = -1, _flow(t, (0.0, 0.0, 0.0), level, current, wave)
+    last, flow_i = -1, flow_at(t, (0.0, 0.0, 0.0), level, current, wave)
     flow_j = flow_i
     for s in range(segments):
         i, j, numbers = index[1 + 2 * s], index[2 + 2 * s], params[begin + SEGMENT_NUMBERS * s : begin + SEGMENT_NUMBERS * (s + 1)]
-        flow_i = flow_j if i == last else _flow(t, _row(q, i), level, current, wave)
-        flow_j, last = _flow(t, _row(q, j), level, current, wave), j
+        flow_i = flow_j if i == last else flow_at(t, _row(q, i), level, current, wave)
+        flow_j, last = flow_at(t, _row(q, j), level, current, wave), j
         _, w1, w2, _, _, _ = wetted(flow_i[0], flow_j[0], numbers[1])
         if w1 + w2 == 0.0:
             continue
@@ -243,7 +236,7 @@ def force(t, q, v, index, params, f):
     begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
-        flow, V = _flow(t, _row(q, node), level, current, wave), _row(v, node)
+        flow, V = flow_at(t, _row(q, node), level, current, wave), _row(v, node)
         w, _, _ = submerged_share(flow[0], numbers[0])
         F = point_force(_difference(flow[2], V), flow[4], numbers[1], numbers[3], numbers[4])
         _add(f, node, w, F, w * numbers[2])
@@ -288,12 +281,12 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     """Subtract the exact slopes of `force`, including those of the water's velocity and acceleration with the position."""
     level, current, wave, begin = _read_params(params)
     segments, waves, last = index[0], len(wave) > 0, -1
-    flow_i = _flow(t, (0.0, 0.0, 0.0), level, current, wave)
+    flow_i = flow_at(t, (0.0, 0.0, 0.0), level, current, wave)
     flow_j = flow_i
     for s in range(segments):
         i, j, numbers = index[1 + 2 * s], index[2 + 2 * s], params[begin + SEGMENT_NUMBERS * s : begin + SEGMENT_NUMBERS * (s + 1)]
-        flow_i = flow_j if i == last else _flow(t, _row(q, i), level, current, wave)
-        flow_j, last = _flow(t, _row(q, j), level, current, wave), j
+        flow_i = flow_j if i == last else flow_at(t, _row(q, i), level, current, wave)
+        flow_j, last = flow_at(t, _row(q, j), level, current, wave), j
         wet = wetted(flow_i[0], flow_j[0], numbers[1])
         if wet[1] + wet[2] == 0.0:
             continue
@@ -305,7 +298,7 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
-        flow = _flow(t, _row(q, node), level, current, wave)
+        flow = flow_at(t, _row(q, node), level, current, wave)
         _point_slopes(node, flow, _row(v, node), submerged_share(flow[0], numbers[0]), numbers[2], numbers, c_q, c_v, D)
 
 
@@ -346,13 +339,13 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     """
     level, current, wave, begin = _read_params(params)
     segments, waves, per_h, dissipated, last = index[0], len(wave) > 0, 1.0 / h, 0.0, -1
-    flow_i = _flow(t, (0.0, 0.0, 0.0), level, current, wave)
+    flow_i = flow_at(t, (0.0, 0.0, 0.0), level, current, wave)
     flow_j = flow_i
     for s in range(segments):
         i, j, numbers = index[1 + 2 * s], index[2 + 2 * s], params[begin + SEGMENT_NUMBERS * s : begin + SEGMENT_NUMBERS * (s + 1)]
         q1, q2 = _middle(base, q, i), _middle(base, q, j)
-        flow_i = flow_j if i == last else _flow(t, q1, level, current, wave)
-        flow_j, last = _flow(t, q2, level, current, wave), j
+        flow_i = flow_j if i == last else flow_at(t, q1, level, current, wave)
+        flow_j, last = flow_at(t, q2, level, current, wave), j
         v1, v2, d, lift = _mean_velocity(base, q, i, per_h), _mean_velocity(base, q, j, per_h), _difference(q2, q1), numbers[4]
         wet = wetted(flow_i[0], flow_j[0], numbers[1])
         if not waves:
@@ -382,7 +375,7 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
-        flow, V, lift = _flow(t, _middle(base, q, node), level, current, wave), _mean_velocity(base, q, node, per_h), numbers[2]
+        flow, V, lift = flow_at(t, _middle(base, q, node), level, current, wave), _mean_velocity(base, q, node, per_h), numbers[2]
         if not waves:
             g, slope = submerged_share_between(base[node, 2] - level, q[node, 2] - level, numbers[0])
             f[node, 2] += lift * g
@@ -396,12 +389,6 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     return dissipated, 0.0
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _height(t, q, i, level, wave):
-    """Height of a node above the surface [m]."""
-    return q[i, 2] - level - (wave_at(t, q[i, 0], q[i, 1], q[i, 2], wave)[0][0] if len(wave) > 0 else 0.0)
-
-
 @njit(INERTIA_SIGNATURE, cache=True, error_model="numpy")
 def inertia(t, q, index, params, A):
     """Add the added masses, see the module."""
@@ -409,8 +396,8 @@ def inertia(t, q, index, params, A):
     segments, last, z1, z2 = index[0], -1, 0.0, 0.0
     for s in range(segments):
         i, j, numbers = index[1 + 2 * s], index[2 + 2 * s], params[begin + SEGMENT_NUMBERS * s : begin + SEGMENT_NUMBERS * (s + 1)]
-        z1 = z2 if i == last else _height(t, q, i, level, wave)
-        z2, last = _height(t, q, j, level, wave), j
+        z1 = z2 if i == last else height_at(t, q, i, level, wave)
+        z2, last = height_at(t, q, j, level, wave), j
         _, w1, w2, _, _, _ = wetted(z1, z2, numbers[1])
         if w1 + w2 == 0.0:
             continue
@@ -423,7 +410,7 @@ def inertia(t, q, index, params, A):
     begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
-        m = submerged_share(_height(t, q, node, level, wave), numbers[0])[0] * numbers[3] * numbers[4]
+        m = submerged_share(height_at(t, q, node, level, wave), numbers[0])[0] * numbers[3] * numbers[4]
         A[node, 0, 0] += m
         A[node, 1, 1] += m
         A[node, 2, 2] += m

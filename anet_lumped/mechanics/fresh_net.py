@@ -82,7 +82,7 @@ def fresh_net(model, force=True, newton=True, links=False):
         newton_step=np.zeros((n, 3)),
         middle_q=np.zeros((n, 3)),
         middle_v=np.zeros((n, 3)),
-        near_blocks=np.zeros((segments if couples > 0 else 0, 2, 3, 3)),
+        near_blocks=np.zeros((model.near_rows if couples > 0 else 0, 2, 3, 3)),
         far_blocks=np.zeros((segments if couples > 1 else 0, 2, 3, 3)),
         added_mass=np.zeros((model.n_free if has_added_mass else 0, 3, 3)),
         breaking_tension=model.breaking_tension,

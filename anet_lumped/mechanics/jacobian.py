@@ -81,7 +81,7 @@ def pattern(model):
 @internal
 def _add_couplings(net, slot, far_slot, blocks_of_pairs):
     """Add ``net.near_blocks`` and ``net.far_blocks`` to the blocks of pairs of moving nodes, then set both to zero."""
-    for s in range(net.near_blocks.shape[0]):
+    for s in range(min(net.near_blocks.shape[0], slot.shape[0])):
         for way in range(2):
             for x in range(3):
                 for y in range(3):

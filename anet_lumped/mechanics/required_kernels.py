@@ -66,13 +66,13 @@ def require_elimination(net, reach):
 
 def _require_bodies(net, force, newton):
     """`require` for the kernels of rigid bodies."""
-    from anet_lumped.mechanics.bodies import free_motion, reduction, settling, stage
+    from anet_lumped.mechanics.bodies import fluid, free_motion, reduction, settling, stage
 
     modules = {}
     if force:
         modules["force"] = free_motion
     if newton:
-        modules |= {"place": stage, "balance": stage, "turn": settling, "stiffen": settling}
+        modules |= {"place": stage, "balance": stage, "resist": fluid, "turn": settling, "stiffen": settling}
         modules |= dict.fromkeys(("reduce", "spread", "finish"), reduction)
     for name, module in modules.items():
         _write(net, f"{name.upper()}_BODIES", f"{name}_bodies", getattr(module, f"{name}_bodies"))

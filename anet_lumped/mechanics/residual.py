@@ -21,6 +21,7 @@ from anet_lumped.mechanics.optional import (
     as_balance_bodies,
     as_cable_residual,
     as_place_bodies,
+    as_resist_bodies,
     as_set_lengths,
 )
 from anet_lumped.mechanics.segment_law import cable_law, linearise
@@ -38,6 +39,7 @@ from anet_lumped.model.tables import (
     KERNEL_PLACE_BODIES,
     KERNEL_RESIDUAL_GROUPS,
     KERNEL_RESIDUAL_SINGLES,
+    KERNEL_RESIST_BODIES,
     KERNEL_SET_LENGTHS,
     LINEARISED_BEGINNING,
     LINEARISED_LAW,
@@ -233,7 +235,9 @@ def residual(stage, base, target, q, net_address):
             )
     if net.added_mass.shape[0] > 0:
         add_masses(net, stage.t, middle_q)
-        for i in range(n_free):
+        if first_of_bodies < n_free:
+            as_resist_bodies(net.kernels[KERNEL_RESIST_BODIES])(stage, net_address, base, target, q)
+        for i in range(first_of_bodies):
             A = net.added_mass[i]
             for x in range(3):
                 for y in range(3):

@@ -72,15 +72,18 @@ class PointOrder(NamedTuple):
                     row[JOINED_TARGETS + 2 * i + j] = self.block_of[u, w]
                     row[JOINED_TARGETS + 4 + 2 * j + i] = self.block_of[w, u]
             joined.append(row)
+        node_at = np.cumsum([0, *counts]).astype(np.int64)
+        pairs = [(b, node_at[b] + i, node_at[b] + j) for b, body in enumerate(free) for i, j in body.pairs]
         count = len(points)
         return Bodies(
             first=n_interior + min((head for both in heads for head in both), default=len(self.free)),
-            node_at=np.cumsum([0, *counts]).astype(np.int64),
+            node_at=node_at,
             node=np.array([node for own in nodes for node in own], np.int64),
             pivot=np.array([-1 if name is None else node_of[name] for name in pinned], np.int64),
             arm=np.array([point.arm for point in points], float).reshape(-1, 3),
             blocks=np.array([(self.block_of[s, t], self.block_of[t, s]) for s, t in heads], np.int64).reshape(-1, 2),
             joined=np.array(joined, np.int64).reshape(-1, JOINED_COLUMNS),
+            pairs=np.array(pairs, np.int64).reshape(-1, 3),
             arm_end=np.zeros((count, 3)),
             arm_mean=np.zeros((count, 3)),
             state=np.zeros((len(free), BODY_COLUMNS)),

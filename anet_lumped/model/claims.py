@@ -83,7 +83,7 @@ class _States:
     def blocks(self):
         """Room for all blocks there may be, whatever the effect says that it writes."""
         segments = self.model.n_segments
-        return np.zeros((self.model.n_free, 3, 3)), np.zeros((segments, 2, 3, 3)), np.zeros((segments, 2, 3, 3))
+        return np.zeros((self.model.n_free, 3, 3)), np.zeros((self.model.near_rows, 2, 3, 3)), np.zeros((segments, 2, 3, 3))
 
     def refuse(self, member, must, but):
         """Say that a member is not true."""

@@ -72,15 +72,21 @@ class Model:
         """Whether there are bodies whose motion is not prescribed."""
         return self.bodies.first < self.n_free
 
-    @property
+    @cached_property
     def forces(self):
-        """Effects that exert forces, in the order of ``effects``."""
-        return tuple(effect for effect in self.scene.effects if effect.kernels())
+        """Effects that exert forces, in the order of ``effects``: those of the scene, each before what it does to bodies."""
+        all_effects = [part for effect in self.scene.effects for part in (effect, effect.on_bodies(self.scene))]
+        return tuple(effect for effect in all_effects if effect is not None and effect.kernels())
 
     @property
     def coupled_neighbours(self):
         """How many segments away effects join a node with others along its cable: 0, 1 or 2."""
         return max((effect.coupled_neighbours for effect in self.forces), default=0)
+
+    @property
+    def near_rows(self):
+        """Pairs of nodes that effects may join: the ends of each segment, then the `pairs` of bodies."""
+        return self.n_segments + len(self.bodies.pairs)
 
     @property
     def n_segments(self):

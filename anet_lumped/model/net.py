@@ -78,13 +78,14 @@ class Bodies(NamedTuple):
     arm: np.ndarray  # (nodes, 3) [m] place of each node in the axes of its body
     blocks: np.ndarray  # (bodies, 2) blocks (shift, turn) and (turn, shift)
     joined: np.ndarray  # (pairs, 12) cables that end at a body and at another one, or at a free point
+    pairs: np.ndarray  # (pairs, 3) body, and two of its nodes, by their places in ``node``, of which effects may join the forces
     arm_end: np.ndarray  # (nodes, 3) [m] scratch: place from the centre of mass, or from the pivot, in the stage
     arm_mean: np.ndarray  # (nodes, 3) [m] scratch: where forces act from there, in the mean over a step
     state: np.ndarray  # (bodies, columns) scratch
 
     def of_a_run(self):
         """The same with scratch of its own."""
-        return self._replace(**{name: getattr(self, name).copy() for name in self._fields[7:]})
+        return self._replace(**{name: getattr(self, name).copy() for name in self._fields[8:]})
 
 
 class Carried(NamedTuple):
@@ -190,7 +191,7 @@ class Net(NamedTuple):
     newton_step: np.ndarray  # (n, 3) the Newton step; zero on prescribed nodes
     middle_q: np.ndarray  # (n, 3) place and
     middle_v: np.ndarray  # (n, 3) velocity at which external forces are taken
-    near_blocks: np.ndarray  # (n_segments, 2, 3, 3) blocks between neighbours, empty where no effect couples them
+    near_blocks: np.ndarray  # (n_segments + pairs of bodies, 2, 3, 3) blocks between neighbours, empty where no effect couples them
     far_blocks: np.ndarray  # (n_segments, 2, 3, 3) blocks between next-but-one neighbours, likewise
     added_mass: np.ndarray  # (n_free, 3, 3) [kg] added mass, empty where no effect has any
     breaking_tension: np.ndarray  # (n_segments,) [N] tension at which each breaks, inf for never; empty where no cable does
@@ -212,7 +213,7 @@ class Net(NamedTuple):
 EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1, types.int64), Effects)
 LENGTHS = types.NamedTuple((_i1, _f2, TABLE, _f1, _i1, _i1, _f1, _f1, _i1, _i1, _f1, _f1, _f2, _f2, _f3), Lengths)
 CARRIED = types.NamedTuple((_i1, _f2, _f3), Carried)
-BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2, _i2, _i2, _f2, _f2, _f2), Bodies)
+BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2, _i2, _i2, _i2, _f2, _f2, _f2), Bodies)
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
 LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f1), Links)
 NO_LINKS = Links(*(np.zeros((0,) * kind.ndim, np.int64 if kind.dtype == types.int64 else float) for kind in LINKS.types))

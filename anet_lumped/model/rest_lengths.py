@@ -115,7 +115,8 @@ def _slopes(scene, model, cable, cut):
 
     def longer(by):
         cables = [dataclasses.replace(c, length=c.length + by) if c.name == cable.name else c for c in scene.cables]
-        other = cut(dataclasses.replace(scene, cables=cables, effects=model.forces))
+        effects = [effect for effect in scene.effects if effect.kernels()]
+        other = cut(dataclasses.replace(scene, cables=cables, effects=effects))
         return other.mass, other.effects.params
 
     by = cable.length

@@ -19,6 +19,7 @@ from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
 from anet_lumped.scene.payload_change import KINDS as EVENTS
 from anet_lumped.scene.payload_change import PayloadChange
+from anet_lumped.scene.rod import Rod
 from anet_lumped.scene.scene import Body, Cable, Driven, Fixed, Free, Scene, check_scene
 
 POINTS = {"fixed": Fixed, "driven": Driven, "free": Free}
@@ -51,7 +52,7 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
         "effects": {REGISTRY.name_of(effect): _plain(effect) for effect in scene.effects},
         "points": [{"name": point.name, "kind": kinds[type(point)]} | _plain(point) for point in scene.points],
         "cables": cables,
-        "bodies": [_plain(body) | {"attachments": dict(body.attachments)} for body in scene.bodies],
+        "bodies": [_of_body(body) for body in scene.bodies],
         "events": [{"kind": kind_of[type(event)]} | _plain(event) for event in scene.events],
     }
     return {section: entries for section, entries in whole.items() if entries or section in ("effects", "points", "cables")}
@@ -78,7 +79,7 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
         shared, ["rope", *(key for key in inspect.signature(Cable).parameters if key not in ("start", "end", "name"))],
         f"{source}, cable_defaults",
     )  # fmt: skip
-    bodies = [_make(Body, entry, place) for entry, place in _tables(entries, "bodies", source)] if "bodies" in entries else ()
+    bodies = [_body(entry, place) for entry, place in _tables(entries, "bodies", source)] if "bodies" in entries else ()
     points = []
     if not bodies or "points" in entries:
         points = [_point(entry, place) for entry, place in _tables(entries, "points", source)]
@@ -97,6 +98,19 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
 def _point(entry: dict[str, Any], place: str) -> Fixed | Driven | Free:
     kind, entry = _take_kind(entry, POINTS, "point", place)
     return _make(kind, entry, place)
+
+
+def _body(entry: dict[str, Any], place: str) -> Body:
+    if "rods" in entry:
+        rods = [_make(Rod, rod, of) for rod, of in _tables(entry, "rods", place)]
+        entry = entry | {"rods": rods}
+    return _make(Body, entry, place)
+
+
+def _of_body(body: Body) -> dict[str, Any]:
+    """`_plain` of a body, with its attachments by name and its rods as tables."""
+    plain = _plain(body) | {"attachments": dict(body.attachments), "rods": [_plain(rod) for rod in body.rods]}
+    return plain if body.rods else {key: value for key, value in plain.items() if key != "rods"}
 
 
 def _event(entry: dict[str, Any], place: str) -> PayloadChange:

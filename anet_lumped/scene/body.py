@@ -1,18 +1,9 @@
-"""A rigid body, and the point masses that stand for it.
-
-Whatever turns and shifts as one piece is known by its mass, its centre of mass and its inertia about it. Four points of equal mass
-m/4 at r + (s1 a1 e1 + s2 a2 e2 + s3 a3 e3), with the signs of (+++), (+--), (-+-), (--+), the principal axes e and
-
-    a_k = sqrt(E_k/m) ,     E_k = (J_1 + J_2 + J_3)/2 - J_k ,
-
-have the same three (Routh, The Elementary Part of a Treatise on the Dynamics of a System of Rigid Bodies, 1905, article 36). So
-gravity, kinetic energy and momenta of a body are sums over points. E_k is the second moment of the mass along the axis e_k and
-cannot be negative, which is why no principal inertia exceeds the sum of the other two.
-"""
+"""A rigid body, and the points that stand for it: see `body_mass` for its four masses."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -33,10 +24,9 @@ from anet_lumped.prescribed.paths import Path, line
 from anet_lumped.prescribed.turning import matrix_of
 from anet_lumped.prescribed.turning_path import TurningPath
 
+from .body_mass import NEGLIGIBLE, Mass, check_inertia, four_masses, sum_of, tensor
 from .point import Driven, Free
-
-NEGLIGIBLE = 1e-9  # of the mass of a body: mass of each attachment, taken from the rest of it so that all moments stay
-INERTIA_ROUNDING = 1e-6  # of the largest inertia: by how much one may exceed the sum of the other two
+from .rod import Rod
 
 
 @dataclass(frozen=True)
@@ -80,6 +70,16 @@ class Body:
     pinned : name of an attachment, or "" for the origin, that stays where it is while the body turns about it; None for a free body
     path : prescribed motion of the origin, made by `paths.line`, `paths.samples`, `paths.harmonic` or `paths.external`
     turning : prescribed rotation [rad], made likewise: at each time the axes are those at the start, turned about this vector
+    CdA : (3,) array_like [m2], drag coefficients times areas along its axes; the drag acts at the origin
+    volume : float [m3], of a body that is small against the waves: under water as a sphere of this volume is
+    centre_of_buoyancy : (3,) array_like [m], where buoyancy, and the inertia of the water, act
+    Ca : (3,) array_like, added mass along its axes over that of the fluid in its volume
+    hull : (3,) array_like [m] or None, edges along its axes of a box about the centre of buoyancy, in place of a `volume`: the
+        part of the box under a level surface lifts it at the centre of that part
+    contact_area : float [m2], of its attachments together, or of its origin if it has none, on a ground
+    rods : sequence of Rod, parts of the body that add their mass, inertia and forces; `mass` may then be left out
+
+    Air, water and ground do not act on a body whose motion is prescribed: nothing would come of it.
 
     Raises
     ------
@@ -96,6 +96,13 @@ class Body:
     pinned: str | None = field(default=None, kw_only=True)
     path: Path | None = field(default=None, kw_only=True)
     turning: Path | None = field(default=None, kw_only=True)
+    CdA: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    volume: float = field(default=0.0, kw_only=True)
+    centre_of_buoyancy: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    Ca: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    hull: Vector | None = field(default=None, kw_only=True)
+    contact_area: float = field(default=0.0, kw_only=True)
+    rods: Sequence[Rod] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
         check_name(self.name, "body")
@@ -120,10 +127,12 @@ class Body:
             checked["at"] = check_vector("at", self.at, "m", owner)
         if self.is_driven and self.pinned is not None:
             raise SceneError(f"A body may be pinned or have a prescribed motion, but {owner} has both.")
-        if not self.is_driven or self.mass is not None:
+        checked |= _check_fluid(self, owner)
+        needs_mass = not self.is_driven and not any(rod.mass_per_length > 0.0 for rod in checked["rods"])
+        if needs_mass or self.mass is not None:
             checked["mass"] = check_number("mass", self.mass, "kg", owner, sign="positive")
-        if not self.is_driven or self.inertia is not None:
-            checked["inertia"] = _check_inertia(self.inertia, owner)
+        if needs_mass or self.inertia is not None or (self.mass is not None and not self.is_driven):
+            checked["inertia"] = check_inertia(self.inertia, owner)
         names = [name for name, _ in checked["attachments"]]
         if self.pinned is not None and self.pinned not in ("", *names):
             raise SceneError(
@@ -151,39 +160,62 @@ class Body:
     def points(self) -> tuple[OnBody, ...] | tuple[OnDrivenBody, ...]:
         """Its points: the origin and the attachments.
 
-        A body that is not driven has seven more, behind its origin: one on each of its axes, at its radius of gyration, by which
-        its axes are known whatever its inertia; and the four masses.
+        A body that is not driven has more: behind its origin one on each of its axes, at its radius of gyration, by which its axes
+        are known whatever its inertia, and the four masses; at last its centre of buoyancy, unless that is the origin, and the
+        nodes of its rods.
         """
         ends = [(self.name, (0.0, 0.0, 0.0)), *((f"{self.name}.{name}", arm) for name, arm in self.attachments)]
         if self.is_driven:
             return tuple(
                 OnDrivenBody(name, TurningPath.of(*self.motion, self.rotation, arm), body=self.name, arm=arm) for name, arm in ends
             )
-        assert self.mass is not None and self.at is not None
-        d = self.gyration
+        assert self.at is not None
+        d, total = self.gyration, self.whole.total
         on_axes = [(f"{self.name}[x]", (d, 0.0, 0.0)), (f"{self.name}[y]", (0.0, d, 0.0)), (f"{self.name}[z]", (0.0, 0.0, d))]
         ends[1:1] = on_axes
-        masses = _four_masses(self, [arm for _, arm in ends])
-        named = [(*end, NEGLIGIBLE * self.mass) for end in ends]
+        if any(self.centre_of_buoyancy):
+            ends.append((f"{self.name}[b]", self.centre_of_buoyancy))
+        for rod in self.rods:
+            ends += [(f"{self.name}[{rod.name}.{k}]", arm) for k, arm in enumerate(rod.nodes)]
+        masses = four_masses(self.whole, [arm for _, arm in ends])
+        named = [(*end, NEGLIGIBLE * total) for end in ends]
         named[4:4] = [(f"{self.name}[{k}]", arm, m) for k, (arm, m) in enumerate(masses, start=1)]
         R, origin = matrix_of(self.rotation), np.array(self.at)
         return tuple(OnBody(name, m, at=tuple((origin + R @ arm).tolist()), body=self.name, arm=arm) for name, arm, m in named)
 
     @cached_property
-    def inertia_tensor(self) -> np.ndarray:
-        """(3, 3) inertia about the centre of mass [kg m2], in its own axes."""
-        J = np.array(self.inertia, float)
-        return np.diag(J) if J.ndim == 1 else J
+    def pairs(self) -> tuple[tuple[int, int], ...]:
+        """Which of its points, by their number, a force on one may depend on the other: its first four; neighbours on a rod."""
+        if self.is_driven:
+            return ()
+        pairs = list(combinations(range(4), 2)) if any(self.CdA) or self.hull is not None else []
+        first = len(self.points) - sum(rod.segments + 1 for rod in self.rods)
+        for rod in self.rods:
+            pairs += pairwise(range(first, first + rod.segments + 1))
+            first += rod.segments + 1
+        return tuple(pairs)
+
+    @property
+    def displaced(self) -> float:
+        """Volume of the hull, or `volume` [m3]."""
+        return self.volume if self.hull is None else float(np.prod(self.hull))
 
     @cached_property
+    def whole(self) -> Mass:
+        """`Mass` of the body with its rods."""
+        own = [] if self.mass is None else [Mass(self.mass, np.array(self.centre_of_mass, float), tensor(self.inertia))]
+        return sum_of([*own, *(rod.mass for rod in self.rods if rod.mass_per_length > 0.0)])
+
+    @property
     def gyration(self) -> float:
-        """Radius of gyration about the centre of mass, the root of half the trace of the inertia over the mass [m]."""
-        return float(np.sqrt(0.5 * np.trace(self.inertia_tensor) / self.mass))
+        """Radius of gyration about the centre of mass [m]."""
+        return self.whole.gyration
 
     @cached_property
     def radius(self) -> float:
         """Largest distance of an attachment from the centre of mass, or the radius of gyration if that is larger [m]."""
-        return max([self.gyration, *(float(np.linalg.norm(np.subtract(arm, self.centre_of_mass))) for _, arm in self.attachments)])
+        distances = [float(np.linalg.norm(np.subtract(arm, self.whole.centre))) for _, arm in self.attachments]
+        return max([self.gyration, *distances])
 
     @cached_property
     def least_masses(self) -> dict[str, float]:
@@ -191,49 +223,34 @@ class Body:
 
         1/m is the largest eigenvalue of I/m - [a] J^-1 [a], with the place a of the point from the centre of mass.
         """
-        found, J = {}, np.linalg.inv(self.inertia_tensor)
+        found, whole = {}, self.whole
+        J = np.linalg.inv(whole.inertia)
         for point in self.points:
-            x, y, z = np.subtract(point.arm, self.centre_of_mass)
+            x, y, z = np.subtract(point.arm, whole.centre)
             across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-            found[point.name] = 1.0 / float(np.linalg.eigvalsh(np.eye(3) / self.mass - across @ J @ across)[-1])
+            found[point.name] = 1.0 / float(np.linalg.eigvalsh(np.eye(3) / whole.total - across @ J @ across)[-1])
         return found
 
 
-def _check_inertia(value: Any, owner: str) -> tuple:
-    """Principal moments (3,) or a symmetric tensor (3, 3), as tuples; what a mass distribution can have."""
-    rows = as_entries(value) or ()
-    tensor = len(rows) == 3 and all(as_entries(row) is not None for row in rows)
-    checked: tuple = (
-        tuple(check_vector("inertia", row, "kg m2", owner) for row in rows)
-        if tensor
-        else check_vector("inertia", value, "kg m2", owner)
-    )
-    J = np.array(checked)
-    J = J if tensor else np.diag(J)
-    if not np.allclose(J, J.T, rtol=1e-9, atol=0.0):
-        raise SceneError(f"Argument `inertia` must be a symmetric tensor [kg m2], but {owner} has inertia={shown(value)}.")
-    a, b, c = np.linalg.eigvalsh(J)
-    if not a > 0.0 or c > a + b + INERTIA_ROUNDING * c:
-        raise SceneError(
-            f"Principal moments of `inertia` must be positive, and none above the sum of the other two [kg m2], but {owner} has "
-            f"{a:g}, {b:g} and {c:g}."
-        )
-    return checked
-
-
-def _four_masses(body: Body, light: list[Vector]) -> list[tuple[Vector, float]]:
-    """Places in a body's axes [m], and masses [kg], of four equal masses that with the light ones make up the body."""
-    total, c, J = body.mass, np.array(body.centre_of_mass), body.inertia_tensor
-    assert total is not None
-    light_mass, arms = NEGLIGIBLE * total, np.array(light, float) - c
-    left = total - light_mass * len(arms)
-    second = 0.5 * np.trace(J) * np.eye(3) - J - light_mass * arms.T @ arms
-    centre = -light_mass * arms.sum(axis=0) / left
-    second -= left * np.outer(centre, centre)
-    values, axes = np.linalg.eigh(second)
-    if np.linalg.det(axes) < 0.0:
-        axes[:, 0] *= -1.0
-    a = np.sqrt(np.maximum(values, 0.0) / left)
-    signs = np.array([(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)], float)
-    places = c + centre + (signs * a) @ axes.T
-    return [(tuple(place.tolist()), left / 4.0) for place in places]
+def _check_fluid(body: Body, owner: str) -> dict[str, Any]:
+    """What air, water and ground act on, checked."""
+    checked: dict[str, Any] = {"centre_of_buoyancy": check_vector("centre_of_buoyancy", body.centre_of_buoyancy, "m", owner)}
+    for key, unit in (("CdA", "m2"), ("Ca", "")):
+        checked[key] = check_vector(key, getattr(body, key), unit, owner)
+        if min(checked[key]) < 0.0:
+            raise SceneError(f"Argument `{key}` must not be negative along any axis, but {owner} has {key}={checked[key]}.")
+    for key, unit in (("volume", "m3"), ("contact_area", "m2")):
+        checked[key] = check_number(key, getattr(body, key), unit, owner, sign="non-negative")
+    if body.hull is not None:
+        checked["hull"] = check_vector("hull", body.hull, "m", owner)
+        if min(checked["hull"]) <= 0.0:
+            raise SceneError(f"Edges of a `hull` must be positive [m], but {owner} has hull={checked['hull']}.")
+        if checked["volume"] > 0.0:
+            raise SceneError(f"Only one of `volume` and `hull` may be given, but {owner} has both.")
+    rods = as_entries(body.rods)
+    if rods is None or not all(isinstance(rod, Rod) for rod in rods):
+        raise SceneError(f"Argument `rods` must be a sequence of Rod, but {owner} has rods={shown(body.rods)}.")
+    names = [rod.name for rod in rods]
+    if len(set(names)) < len(names):
+        raise SceneError(f"Names of rods must be unique in their body, but {owner} has {', '.join(map(quoted, names))}.")
+    return checked | {"rods": rods}

@@ -14,11 +14,12 @@ from anet_lumped.scene.payload_change import PayloadChange
 from .body import Body, OnBody, OnDrivenBody
 from .cable import COMPRESSION, Cable
 from .point import Driven, Fixed, Free, Point
+from .rod import Rod
 
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["COMPRESSION", "Body", "Cable", "Driven", "Fixed", "Free", "OnBody", "OnDrivenBody", "Point", "Scene", "SceneError"]
+__all__ = ["COMPRESSION", "Body", "Cable", "Driven", "Fixed", "Free", "OnBody", "OnDrivenBody", "Point", "Rod", "Scene", "SceneError"]
 
 
 @dataclass(frozen=True)

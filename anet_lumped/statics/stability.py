@@ -163,7 +163,7 @@ def _of_effects(model, net, q):
     """Rows, columns and blocks (3, 3) [N/m] that the effects' forces add to K."""
     n, segments, reach = model.n_free, model.n_segments, model.coupled_neighbours
     own, v = np.zeros((n, 3, 3)), np.zeros_like(q)
-    near, far = np.zeros((segments if reach > 0 else 0, 2, 3, 3)), np.zeros((segments if reach > 1 else 0, 2, 3, 3))
+    near, far = np.zeros((model.near_rows if reach > 0 else 0, 2, 3, 3)), np.zeros((segments if reach > 1 else 0, 2, 3, 3))
     for e, effect in enumerate(model.forces):
         kernels = effect.kernels()
         if "tangent" in kernels and not effect.no_force_at_rest:
@@ -171,7 +171,9 @@ def _of_effects(model, net, q):
     i, (a, b) = np.arange(n), model.ends.T
     rows, columns, blocks = [i], [i], [own]
     if reach > 0:
-        rows, columns, blocks = [*rows, a, b], [*columns, b, a], [*blocks, near[:, 0], near[:, 1]]
+        pairs = model.bodies.node[model.bodies.pairs[:, 1:]]
+        first, second = np.concatenate([a, pairs[:, 0]]), np.concatenate([b, pairs[:, 1]])
+        rows, columns, blocks = [*rows, first, second], [*columns, second, first], [*blocks, near[:, 0], near[:, 1]]
     if reach > 1:
         two = np.flatnonzero(model.cable_of[:-1] == model.cable_of[1:])
         rows, columns = [*rows, a[two], b[two + 1]], [*columns, b[two + 1], a[two]]

@@ -147,6 +147,9 @@ def _values_below(part, above=""):
             continue
         if isinstance(value, dict):
             yield from _values_below(value, f"{above}{key}.")
+        elif isinstance(value, list) and value and all(isinstance(entry, dict) and "name" in entry for entry in value):
+            for entry in value:  # the rods of a body
+                yield from _values_below(entry, f"{above}{key}.{entry['name']}.")
         else:
             yield above + key, part, key
         if isinstance(value, list) and len(value) == 3:

@@ -6,7 +6,8 @@ left at the node, the equations of the body become
     sum f = sum S (dr - [b] dphi) + m W dr ,      sum s x f = sum [s] S (dr - [b] dphi) + T dphi ,
 
 with the arm s of the force and the matrix T of `stage`. [x] is the matrix of the cross product. A cable between a body and another
-point, or another body, has blocks that are mapped on either side.
+point, or another body, has blocks that are mapped on either side. An effect may join two nodes of a body, of which the force on one
+depends on the other.
 """
 
 import math
@@ -107,11 +108,33 @@ def reduce_bodies(net_address):
             of[BODY_SECOND_ORDER + 2] += math.sqrt(dot(f, f)) * length
         put(right_side, shift, force)
         put(right_side, turn, moment)
+    if net.near_blocks.shape[0] > 0:
+        before = net.near_blocks.shape[0] - bodies.pairs.shape[0]
+        for p in range(bodies.pairs.shape[0]):
+            _reduce_coupling(net, between, bodies.pairs[p], net.near_blocks[before + p])
     for j in range(bodies.joined.shape[0]):
         _reduce_pair(net, between, bodies.joined[j])
     for b in range(bodies.pivot.shape[0]):
         if bodies.pivot[b] >= 0:
             _hold_pivot(net, b)
+
+
+@inlined
+def _reduce_coupling(net, between, pair, near):
+    """Map the two blocks that an effect has between two nodes of a body."""
+    bodies, blocks, base = net.bodies, net.points.block, net.n_interior
+    b = pair[0]
+    first = bodies.node_at[b]
+    shifts, turns = blocks[bodies.node[first] - base], blocks[bodies.node[first + 1] - base]
+    shift_turn, turn_shift = blocks[bodies.blocks[b, 0]], blocks[bodies.blocks[b, 1]]
+    for way in range(2):
+        of_force, of_place = (pair[1], pair[2]) if way == 0 else (pair[2], pair[1])
+        S, s, arm = _block(near[way]), _arms(net, between, of_force)[0], _arms(net, between, of_place)[1]
+        s_S = matrix_product(s, S)
+        _add(shifts, S, 1.0)
+        _add(shift_turn, matrix_product(S, arm), -1.0)
+        _add(turn_shift, s_S, 1.0)
+        _add(turns, matrix_product(s_S, arm), -1.0)
 
 
 @inlined

@@ -51,7 +51,7 @@ MOMENT_WEIGHT = 1e3  # of a moment over the radius of gyration, among forces: wh
 
 
 @inlined
-def _before(net, b, group, base, target, per_h):
+def spin_before(net, b, group, base, target, per_h):
     """Angular velocity and momentum of a body at the start of a step, whose velocities are (target - base)/h."""
     bodies, momentum, inertia = net.bodies, NO_VECTOR, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
@@ -84,7 +84,7 @@ def place_bodies(stage, net_address, base, target, q):
                 stiffness = added(stiffness, turning)
         second_order = stage.W * (J[0] + J[4] + J[8])
         if stage.law == LAW_BETWEEN:
-            spin, momentum_before = _before(net, b, group, base, target, per_h)
+            spin, momentum_before = spin_before(net, b, group, base, target, per_h)
             w = turned(theta, spin)
             end = minus(scaled(2.0 * per_h, theta), w)
             momentum = applied(J, end)

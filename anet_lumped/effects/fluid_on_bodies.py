@@ -1,0 +1,525 @@
+"""What air or water does to rigid bodies: drag, buoyancy and the inertia of the water. Made by the effects `Air` and `Water`.
+
+**A body** has drag areas along its axes; the drag acts at its origin, by the flow there, see `laws.axes_drag`. Buoyancy, the force of
+accelerated water and added mass act at its centre of buoyancy. A small body is under water by the share of a sphere of its volume
+about that centre, see `laws.submergence`; drag and inertia go with this share. A body with a hull is lifted by the part of the box
+that is under the surface, level at the height above its centre of buoyancy, see `laws.box`; the share is that part of its volume.
+
+**A rod** is, between its nodes, what a segment of a cable is, see `water`. Its end caps resist flow along it, by
+
+    f = w (rho/2 Cd_end (pi d^2/4) |s| s + rho Ca_end (pi d^3/12) (a.t)) t ,    s = u.t ,
+
+with the share w of a sphere of its diameter at the node. The pressure that accelerates the water itself acts on the volume of the
+segments, with its part along the rod. A rod is thin: what lifts it acts on its axis, and its waterplane has no stiffness of its own.
+
+In still water the lift over a whole step does the work that its energy says. The rate of the added mass is left out, as on cables,
+and with it the moment that turns a body across a stream in an ideal fluid (Munk). In the tangent the turning of a rod's end caps,
+and the slope of the share by which drag goes, are left out where another node than that of the drag moves.
+Source: Hall, MoorDyn V2: new capabilities in mooring system components and load cases, ASME IOWTC (2020); Gonzalez, J. Nonlinear
+Sci. 6 (1996) 449, for the step.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from anet_lumped.compiled.jit import njit
+from anet_lumped.effects.flow.wind.kernel import pack
+from anet_lumped.effects.laws.axes_drag import along_axes, axes_drag, axis_of, subtract_axis_slopes
+from anet_lumped.effects.laws.box import box_immersed
+from anet_lumped.effects.laws.drag import segment_coefficients, subtract_segment_slopes, tangent_of
+from anet_lumped.effects.laws.morison import add_mass, segment_force, subtract_inertia_slopes
+from anet_lumped.effects.laws.submergence import (
+    SMALL_CHANGE,
+    submerged_share,
+    submerged_share_between,
+    wetted,
+    wetted_between,
+)
+
+from .effect import Effect
+from .flow.surface import flow_at, height_at
+from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, INERTIA_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
+
+HEADER, BODY_INDEX, ROD_INDEX, CAP_INDEX = 5, 6, 3, 2  # numbers before all others, and nodes of each body, segment and cap
+BODY_NUMBERS, SEGMENT_NUMBERS, CAP_NUMBERS = 16, 8, 4
+PAIRS = 6  # of the first four nodes of a body: (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)
+
+
+@dataclass(frozen=True)
+class FluidOnBodies(Effect):
+    """Air or water on the bodies of a scene that move; `Air` and `Water` make it of their own parameters."""
+
+    density: float
+    level: float
+    flow: Any
+    wave: Any = None
+    g: float = 0.0
+    dry: bool = False
+
+    coupled_neighbours: ClassVar[int] = 1
+    from_outside: ClassVar[bool] = True
+
+    @property
+    def no_force_at_rest(self) -> bool:
+        """In air without wind."""
+        return self.dry and self.flow is None
+
+    def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Index and parameters for the compiled functions below.
+
+        Returns
+        -------
+        index : int64
+            Numbers of bodies, of segments of rods and of end caps; of each body the nodes of its origin, of the points on its axes
+            and of its centre of buoyancy, and the first row of its pairs among the blocks of neighbours; of each segment both nodes
+            and the row of the pair; of each cap its node and the next one.
+        params : float64
+            Level [m]; how many numbers describe current and wave; 1 for air; buoyancy per volume [N/m3]; the numbers of
+            current and wave. Of each body: drag coefficients along its axes [kg/m]; diameter of its sphere [m], buoyancy [N] and
+            displaced mass [kg]; Ca along its axes; distance of the points on its axes [m]; edges of its hull, or zeros, and the
+            centre of buoyancy [m]. Of each segment what `Water` has of one. Of each cap: length of the segment and diameter [m],
+            drag coefficient [kg/m] and mass of accelerated fluid [kg].
+        """
+        bodies = [body for body in model.scene.bodies if not body.is_driven]
+        first_row, rows, of_bodies, of_segments, of_caps = model.n_segments, [], [], [], []
+        for body in bodies:
+            nodes, row = [model.node_of[point.name] for point in body.points], first_row
+            first_row += len(body.pairs)
+            if any(body.CdA) or (body.displaced > 0.0 and not self.dry):
+                at = model.node_of[f"{body.name}[b]"] if any(body.centre_of_buoyancy) else nodes[0]
+                rows.append([*nodes[:4], at, row])
+                of_bodies.append(self._of_body(body))
+            row = first_row - sum(rod.segments for rod in body.rods)
+            for rod in body.rods:
+                along = [model.node_of[f"{body.name}[{rod.name}.{k}]"] for k in range(rod.segments + 1)]
+                numbers = self._of_segment(rod)
+                of_segments += [([i, j, row + k], numbers) for k, (i, j) in enumerate(zip(along[:-1], along[1:], strict=True))]
+                of_caps += [(along[:2], self._of_cap(rod)), (along[:-3:-1], self._of_cap(rod))]
+                row += rod.segments
+        winds = pack(self.flow)
+        wave = np.zeros(0) if self.wave is None else self.wave.numbers(self.g, self.level)
+        header = [self.level, len(winds), len(wave), float(self.dry), 0.0 if self.dry else self.density * self.g]
+        index = [[len(of_bodies), len(of_segments), len(of_caps)], *rows, *(own for own, _ in of_segments + of_caps)]
+        params = [header, winds, wave, *of_bodies, *(own for _, own in of_segments + of_caps)]
+        return np.concatenate(index).astype(np.int64), np.concatenate(params)
+
+    def _of_body(self, body: Any) -> list[float]:
+        drag = [0.5 * self.density * area for area in body.CdA]
+        volume, mass = body.displaced, 0.0 if self.dry else self.density * body.displaced
+        sphere = (6.0 * volume / math.pi) ** (1.0 / 3.0) if volume > 0.0 else math.sqrt(4.0 * max(body.CdA) / math.pi)
+        hull = body.hull or (0.0, 0.0, 0.0)
+        return [*drag, sphere, self.g * mass, mass, *body.Ca, body.gyration, *hull, *body.centre_of_buoyancy]
+
+    def _of_segment(self, rod: Any) -> list[float]:
+        normal, along = segment_coefficients(self.density, rod)
+        mass = 0.0 if self.dry else self.density * 0.25 * math.pi * rod.diameter**2 * rod.L0
+        return [rod.L0, rod.diameter, 2.0 * normal, 2.0 * along, self.g * mass, mass, rod.Can, rod.Cat]
+
+    def _of_cap(self, rod: Any) -> list[float]:
+        drag = 0.5 * self.density * rod.Cd_end * 0.25 * math.pi * rod.diameter**2
+        mass = 0.0 if self.dry else self.density * rod.Ca_end * math.pi * rod.diameter**3 / 12.0
+        return [rod.L0, rod.diameter, drag, mass]
+
+    def kernels(self) -> Mapping[str, Callable[..., Any]]:
+        functions = {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step}
+        return functions if self.dry else functions | {"inertia": inertia}
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _fluid(params):
+    """Level, current, wave, whether it is air, buoyancy per volume; where the numbers of bodies begin."""
+    begin = HEADER + int(params[1])
+    end = begin + int(params[2])
+    return params[0], params[HEADER:begin], params[begin:end], params[3] > 0.0, params[4], end
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _middle(base, q, i):
+    return 0.5 * (base[i, 0] + q[i, 0]), 0.5 * (base[i, 1] + q[i, 1]), 0.5 * (base[i, 2] + q[i, 2])
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _velocity(base, q, v, per_h, i):
+    """Mean velocity of a node over a step, or where per_h is 0 that in v."""
+    if per_h == 0.0:
+        return v[i, 0], v[i, 1], v[i, 2]
+    return per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _minus(a, b):
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _add(f, i, w, force):
+    f[i, 0] += w * force[0]
+    f[i, 1] += w * force[1]
+    f[i, 2] += w * force[2]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _sphere(z, d, dry):
+    """Share of a sphere in the fluid, and its slope [1/m]."""
+    w, slope, _ = submerged_share(z, d)
+    return (1.0 - w, -slope) if dry else (w, slope)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _along(z1, z2, d, dry):
+    """Weights w1, w2 of `submergence` in the fluid, and their slopes k11, k12, k22 [1/m]."""
+    _, w1, w2, k11, k12, k22 = wetted(z1, z2, d)
+    return (0.5 - w1, 0.5 - w2, -k11, -k12, -k22) if dry else (w1, w2, k11, k12, k22)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _hull_at(z0, zx, zy, zz, numbers):
+    """c and n of `laws.box` from heights of the first four nodes of a body above the surface."""
+    per = 1.0 / numbers[9]
+    n = (per * (zx - z0), per * (zy - z0), per * (zz - z0))
+    return z0 + numbers[13] * n[0] + numbers[14] * n[1] + numbers[15] * n[2], n
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _column(numbers, i):
+    """Slopes of (c, n) in the height of the i-th of the first four nodes of a body."""
+    per = 1.0 / numbers[9]
+    if i == 0:
+        return 1.0 - per * (numbers[13] + numbers[14] + numbers[15]), -per, -per, -per
+    return per * numbers[12 + i], per if i == 1 else 0.0, per if i == 2 else 0.0, per if i == 3 else 0.0
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _dot4(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _times(H, x):
+    """The symmetric matrix H (10,) times x (4,)."""
+    return (
+        H[0] * x[0] + H[1] * x[1] + H[2] * x[2] + H[3] * x[3], H[1] * x[0] + H[4] * x[1] + H[5] * x[2] + H[6] * x[3],
+        H[2] * x[0] + H[5] * x[1] + H[7] * x[2] + H[8] * x[3], H[3] * x[0] + H[6] * x[1] + H[8] * x[2] + H[9] * x[3],
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def _lift_slopes(index, at, numbers, weight, H, u, w, D, near):
+    """Add ``weight`` times the matrix H + u w^T over (c, n), in the heights of the first four nodes, to their blocks."""
+    pair = 0
+    for i in range(4):
+        of_i = _column(numbers, i)
+        by_i, u_i, w_i = _times(H, of_i), _dot4(u, of_i), _dot4(w, of_i)
+        D[index[at + i], 2, 2] += weight * (_dot4(by_i, of_i) + u_i * w_i)
+        for j in range(i + 1, 4):
+            of_j = _column(numbers, j)
+            both, row = _dot4(by_i, of_j), index[at + 5] + pair
+            near[row, 0, 2, 2] += weight * (both + u_i * _dot4(w, of_j))
+            near[row, 1, 2, 2] += weight * (both + _dot4(u, of_j) * w_i)
+            pair += 1
+
+
+@njit(cache=True, error_model="numpy")
+def _box(z0, zx, zy, zz, numbers):
+    """`Immersed` of a hull."""
+    c, n = _hull_at(z0, zx, zy, zz, numbers)
+    return box_immersed(c, n, (numbers[10], numbers[11], numbers[12]))
+
+
+@njit(cache=True, error_model="numpy")
+def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
+    """Add the forces on bodies to f, in the middle of base and q; returns the power -f.v that is taken [W].
+
+    ``lifts`` says whether buoyancy acts; its power counts in a wave.
+    """
+    level, current, wave, dry, per_volume, begin = _fluid(params)
+    power, counts = 0.0, len(wave) > 0
+    for k in range(index[0]):
+        at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
+        o, b = index[at], index[at + 4]
+        origin = _middle(base, q, o)
+        (e1, _), (e2, _), (e3, _) = (
+            axis_of(origin, _middle(base, q, index[at + 1])), axis_of(origin, _middle(base, q, index[at + 2])),
+            axis_of(origin, _middle(base, q, index[at + 3])),
+        )  # fmt: skip
+        axes, centre = (e1, e2, e3), _middle(base, q, b)
+        flow, V = flow_at(t, centre, level, current, wave), _velocity(base, q, v, per_h, b)
+        share, _ = _sphere(flow[0], numbers[3], dry)
+        if numbers[10] > 0.0:
+            down = centre[2] - flow[0]
+            wet = _box(
+                origin[2] - down, _middle(base, q, index[at + 1])[2] - down, _middle(base, q, index[at + 2])[2] - down,
+                _middle(base, q, index[at + 3])[2] - down, numbers,
+            )  # fmt: skip
+            share = -wet.g[0] / (numbers[10] * numbers[11] * numbers[12])
+            share = 1.0 - share if dry else share
+            if lifts:
+                for i in range(4):
+                    lift, node = -per_volume * _dot4(wet.g, _column(numbers, i)), index[at + i]
+                    f[node, 2] += lift
+                    power -= lift * _velocity(base, q, v, per_h, node)[2] if counts else 0.0
+        elif lifts:
+            f[b, 2] += share * numbers[4]
+            power -= share * numbers[4] * V[2] if counts else 0.0
+        a = flow[4]
+        more = along_axes(a, axes, numbers[6:9])
+        inertia_force = (numbers[5] * (a[0] + more[0]), numbers[5] * (a[1] + more[1]), numbers[5] * (a[2] + more[2]))
+        _add(f, b, share, inertia_force)
+        power -= share * _dot(inertia_force, V)
+        V = _velocity(base, q, v, per_h, o)
+        drag = axes_drag(_minus(flow_at(t, origin, level, current, wave)[2], V), axes, numbers[0:3])
+        _add(f, o, share, drag)
+        power -= share * _dot(drag, V)
+    at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
+    for s in range(index[1]):
+        i, j, numbers = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], params[begin + SEGMENT_NUMBERS * s :]
+        q1, q2 = _middle(base, q, i), _middle(base, q, j)
+        flow_i, flow_j, d = flow_at(t, q1, level, current, wave), flow_at(t, q2, level, current, wave), _minus(q2, q1)
+        w1, w2, _, _, _ = _along(flow_i[0], flow_j[0], numbers[1], dry)
+        tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
+        for side in range(2):
+            node, w, flow = (i, w1, flow_i) if side == 0 else (j, w2, flow_j)
+            V = _velocity(base, q, v, per_h, node)
+            F = segment_force(_minus(flow[2], V), flow[4], (tx, ty, tz), numbers[2], numbers[3], numbers[5], numbers[6], numbers[7])
+            _add(f, node, w, F)
+            power -= w * _dot(F, V)
+            if lifts:
+                f[node, 2] += w * numbers[4]
+                power -= w * numbers[4] * V[2] if counts else 0.0
+    at, begin = at + ROD_INDEX * index[1], begin + SEGMENT_NUMBERS * index[1]
+    for s in range(index[2]):
+        i, j, numbers = index[at + CAP_INDEX * s], index[at + CAP_INDEX * s + 1], params[begin + CAP_NUMBERS * s :]
+        q1, q2, V = _middle(base, q, i), _middle(base, q, j), _velocity(base, q, v, per_h, i)
+        flow, d = flow_at(t, q1, level, current, wave), _minus(q1, q2)
+        w, _ = _sphere(flow[0], numbers[1], dry)
+        tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
+        F = segment_force(_minus(flow[2], V), flow[4], (tx, ty, tz), 0.0, numbers[2], numbers[3], -1.0, 0.0)
+        _add(f, i, w, F)
+        power -= w * _dot(F, V)
+    return power
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _subtract_share_slope(block, force, slope, up):
+    """Subtract force slope up^T: the share of the force changes with the height."""
+    for x in range(3):
+        for y in range(3):
+            block[x, y] -= slope * force[x] * up[y]
+
+
+@njit(cache=True, error_model="numpy")
+def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
+    """Subtract c_q df/dq + c_v df/dv of `_on_bodies`, but for what the module says is left out."""
+    level, current, wave, dry, per_volume, begin = _fluid(params)
+    none = (0.0, 0.0, 0.0, 0.0)
+    for k in range(index[0]):
+        at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
+        o, b, row = index[at], index[at + 4], index[at + 5]
+        origin, centre = _middle(base, q, o), _middle(base, q, b)
+        flow, M = flow_at(t, centre, level, current, wave), numbers[5]
+        share, slope = _sphere(flow[0], numbers[3], dry)
+        if numbers[10] > 0.0:
+            down = centre[2] - flow[0]
+            wet = _box(
+                origin[2] - down, _middle(base, q, index[at + 1])[2] - down, _middle(base, q, index[at + 2])[2] - down,
+                _middle(base, q, index[at + 3])[2] - down, numbers,
+            )  # fmt: skip
+            share, slope = -wet.g[0] / (numbers[10] * numbers[11] * numbers[12]), 0.0
+            share = 1.0 - share if dry else share
+            if lifts:
+                _lift_slopes(index, at, numbers, c_q * per_volume, wet.H, none, none, D, near)
+        elif lifts:
+            _subtract_share_slope(D[b], (0.0, 0.0, numbers[4]), c_q * slope, flow[1])
+        flow_o = flow_at(t, origin, level, current, wave)
+        u = _minus(flow_o[2], _velocity(base, q, v, per_h, o))
+        for a in range(3):
+            e, per = axis_of(origin, _middle(base, q, index[at + 1 + a]))
+            if numbers[a] > 0.0:
+                subtract_axis_slopes(u, flow_o[3], e, per, share * numbers[a], c_q, c_v, D[o], near[row + a, 0])
+            if len(wave) > 0:
+                m, s = c_q * share * M, c_q * slope * M * (1.0 + numbers[6 + a]) * _dot(flow[4], e)
+                for x in range(3):
+                    for y in range(3):
+                        of_e = e[0] * flow[5][y] + e[1] * flow[5][3 + y] + e[2] * flow[5][6 + y]
+                        D[b, x, y] -= m * (1.0 + numbers[6 + a]) * e[x] * of_e + s * e[x] * flow[1][y]
+    at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
+    for s in range(index[1]):
+        i, j, row = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], index[at + ROD_INDEX * s + 2]
+        numbers, q1, q2 = params[begin + SEGMENT_NUMBERS * s :], _middle(base, q, i), _middle(base, q, j)
+        flow_i, flow_j, d = flow_at(t, q1, level, current, wave), flow_at(t, q2, level, current, wave), _minus(q2, q1)
+        w1, w2, k11, k12, k22 = _along(flow_i[0], flow_j[0], numbers[1], dry)
+        tx, ty, tz, per_l = tangent_of(d[0], d[1], d[2], numbers[0])
+        for side in range(2):
+            node, w, k, flow, up = (i, w1, k11, flow_i, flow_j[1]) if side == 0 else (j, w2, k22, flow_j, flow_i[1])
+            u, own, other, sign = _minus(flow[2], _velocity(base, q, v, per_h, node)), D[node], near[row, side], 2.0 * side - 1.0
+            subtract_segment_slopes(
+                u, flow[3], (tx, ty, tz), per_l, w * numbers[2], w * numbers[3], sign, c_q, c_v, own, other
+            )  # fmt: skip
+            if len(wave) > 0:
+                subtract_inertia_slopes(
+                    flow[4], flow[5], (tx, ty, tz), per_l, w * numbers[5], numbers[6], numbers[7], sign, c_q, own, other
+                )  # fmt: skip
+            if k != 0.0 or k12 != 0.0:
+                F = segment_force(u, flow[4], (tx, ty, tz), numbers[2], numbers[3], numbers[5], numbers[6], numbers[7])
+                F = (F[0], F[1], F[2] + (numbers[4] if lifts else 0.0))
+                _subtract_share_slope(own, F, c_q * k, flow[1])
+                _subtract_share_slope(other, F, c_q * k12, up)
+    at, begin = at + ROD_INDEX * index[1], begin + SEGMENT_NUMBERS * index[1]
+    for s in range(index[2]):
+        i, j, numbers = index[at + CAP_INDEX * s], index[at + CAP_INDEX * s + 1], params[begin + CAP_NUMBERS * s :]
+        q1, q2 = _middle(base, q, i), _middle(base, q, j)
+        flow, d = flow_at(t, q1, level, current, wave), _minus(q1, q2)
+        (w, slope), u = _sphere(flow[0], numbers[1], dry), _minus(flow[2], _velocity(base, q, v, per_h, i))
+        tx, ty, tz, per_l = tangent_of(d[0], d[1], d[2], numbers[0])
+        subtract_segment_slopes(u, flow[3], (tx, ty, tz), 0.0, 0.0, w * numbers[2], 1.0, c_q, c_v, D[i], D[i])
+        F = segment_force(u, flow[4], (tx, ty, tz), 0.0, numbers[2], numbers[3], -1.0, 0.0)
+        _subtract_share_slope(D[i], F, c_q * slope, flow[1])
+
+
+@njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
+def force(t, q, v, index, params, f):
+    """Add the forces of the module; returns the power that those without an energy take [W]."""
+    return _on_bodies(t, q, q, v, 0.0, True, index, params, f)
+
+
+@njit(TANGENT_SIGNATURE, cache=True, error_model="numpy")
+def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
+    """Subtract the slopes of `force`, but for what the module says is left out."""
+    _slopes(t, q, q, v, 0.0, True, index, params, c_q, c_v, D, near)
+
+
+@njit(ENERGY_SIGNATURE, cache=True, error_model="numpy")
+def energy(t, q, index, params):
+    """-sum rho g V H of spheres, -sum rho g V e of segments and sum rho g I of hulls [J]; none in a wave, nor in air."""
+    level, _, wave, dry, per_volume, begin = _fluid(params)
+    total = 0.0
+    if len(wave) > 0 or dry:
+        return 0.0
+    for k in range(index[0]):
+        at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
+        if numbers[10] > 0.0:
+            total += per_volume * _box(
+                q[index[at], 2] - level, q[index[at + 1], 2] - level, q[index[at + 2], 2] - level, q[index[at + 3], 2] - level,
+                numbers,
+            ).I  # fmt: skip
+        else:
+            total -= numbers[4] * submerged_share(q[index[at + 4], 2] - level, numbers[3])[2]
+    at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
+    for s in range(index[1]):
+        i, j, numbers = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], params[begin + SEGMENT_NUMBERS * s :]
+        total -= numbers[4] * wetted(q[i, 2] - level, q[j, 2] - level, numbers[1])[0]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _hull_between(base, q, level, per_volume, index, at, numbers, f, D, near):
+    """Lift of a hull over a step in still water: its work is the change of its energy.
+
+    With x = (c, n), the change d of x, and the metric m = (1, R, R, R), R the square of the gyration radius,
+
+        g = g(mean) + e m d ,     e = (I_b - I_a - g(mean).d)/(d.m d) .
+    """
+    o, x, y, z = index[at], index[at + 1], index[at + 2], index[at + 3]
+    c_a, n_a = _hull_at(base[o, 2] - level, base[x, 2] - level, base[y, 2] - level, base[z, 2] - level, numbers)
+    c_b, n_b = _hull_at(q[o, 2] - level, q[x, 2] - level, q[y, 2] - level, q[z, 2] - level, numbers)
+    edges, R = (numbers[10], numbers[11], numbers[12]), numbers[9] * numbers[9]
+    d = (c_b - c_a, n_b[0] - n_a[0], n_b[1] - n_a[1], n_b[2] - n_a[2])
+    mean_n = (0.5 * (n_a[0] + n_b[0]), 0.5 * (n_a[1] + n_b[1]), 0.5 * (n_a[2] + n_b[2]))
+    mean = box_immersed(0.5 * (c_a + c_b), mean_n, edges)
+    md = (d[0], R * d[1], R * d[2], R * d[3])
+    square, g, w = _dot4(d, md), mean.g, (0.0, 0.0, 0.0, 0.0)
+    e = 0.0
+    if square > (SMALL_CHANGE * numbers[3]) ** 2:
+        before, after = box_immersed(c_a, n_a, edges), box_immersed(c_b, n_b, edges)
+        e = (after.I - before.I - _dot4(g, d)) / square
+        H = _times(mean.H, d)
+        w = (
+            (after.g[0] - g[0] - 0.5 * H[0] - 2.0 * e * md[0]) / square, (after.g[1] - g[1] - 0.5 * H[1] - 2.0 * e * md[1]) / square,
+            (after.g[2] - g[2] - 0.5 * H[2] - 2.0 * e * md[2]) / square, (after.g[3] - g[3] - 0.5 * H[3] - 2.0 * e * md[3]) / square,
+        )  # fmt: skip
+        g = (g[0] + e * md[0], g[1] + e * md[1], g[2] + e * md[2], g[3] + e * md[3])
+    for i in range(4):
+        f[index[at + i], 2] -= per_volume * _dot4(g, _column(numbers, i))
+    m = mean.H
+    K = (
+        0.5 * m[0] + e, 0.5 * m[1], 0.5 * m[2], 0.5 * m[3], 0.5 * m[4] + e * R, 0.5 * m[5], 0.5 * m[6], 0.5 * m[7] + e * R,
+        0.5 * m[8], 0.5 * m[9] + e * R,
+    )  # fmt: skip
+    _lift_slopes(index, at, numbers, per_volume, K, md, w, D, near)
+
+
+@njit(WHOLE_STEP_SIGNATURE, cache=True, error_model="numpy")
+def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
+    """Force over a whole step: `force` in its middle, but for buoyancy in still water, whose work is the change of its energy."""
+    level, _, wave, dry, per_volume, begin = _fluid(params)
+    waves, per_h = len(wave) > 0, 1.0 / h
+    dissipated = h * _on_bodies(t, base, q, q, per_h, waves, index, params, f)
+    _slopes(t, base, q, q, per_h, waves, index, params, 0.5, per_h, D, near)
+    if waves or dry:
+        return dissipated, 0.0
+    for k in range(index[0]):
+        at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
+        if numbers[10] > 0.0:
+            _hull_between(base, q, level, per_volume, index, at, numbers, f, D, near)
+        else:
+            b = index[at + 4]
+            g, slope = submerged_share_between(base[b, 2] - level, q[b, 2] - level, numbers[3])
+            f[b, 2] += numbers[4] * g
+            D[b, 2, 2] -= numbers[4] * slope
+    at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
+    for s in range(index[1]):
+        i, j, row = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], index[at + ROD_INDEX * s + 2]
+        numbers = params[begin + SEGMENT_NUMBERS * s :]
+        g1, g2, s11, s12, s21, s22 = wetted_between(
+            base[i, 2] - level, base[j, 2] - level, q[i, 2] - level, q[j, 2] - level, numbers[1]
+        )  # fmt: skip
+        f[i, 2] += numbers[4] * g1
+        f[j, 2] += numbers[4] * g2
+        D[i, 2, 2] -= numbers[4] * s11
+        D[j, 2, 2] -= numbers[4] * s22
+        near[row, 0, 2, 2] -= numbers[4] * s12
+        near[row, 1, 2, 2] -= numbers[4] * s21
+    return dissipated, 0.0
+
+
+@njit(INERTIA_SIGNATURE, cache=True, error_model="numpy")
+def inertia(t, q, index, params, A):
+    """Add the added masses, see the module."""
+    level, _, wave, _, _, begin = _fluid(params)
+    for k in range(index[0]):
+        at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
+        o, b, height = index[at], index[at + 4], height_at(t, q, index[at + 4], level, wave)
+        share = submerged_share(height, numbers[3])[0]
+        if numbers[10] > 0.0:
+            down = q[b, 2] - height
+            wet = _box(
+                q[o, 2] - down, q[index[at + 1], 2] - down, q[index[at + 2], 2] - down, q[index[at + 3], 2] - down, numbers
+            )  # fmt: skip
+            share = -wet.g[0] / (numbers[10] * numbers[11] * numbers[12])
+        for a in range(3):
+            e, _ = axis_of(_middle(q, q, o), _middle(q, q, index[at + 1 + a]))
+            add_mass(share * numbers[5] * numbers[6 + a], 0.0, 1.0, e, A[b])
+    at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
+    for s in range(index[1]):
+        i, j, numbers = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], params[begin + SEGMENT_NUMBERS * s :]
+        d = _minus(_middle(q, q, j), _middle(q, q, i))
+        tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
+        _, w1, w2, _, _, _ = wetted(height_at(t, q, i, level, wave), height_at(t, q, j, level, wave), numbers[1])
+        add_mass(w1 * numbers[5], numbers[6], numbers[7], (tx, ty, tz), A[i])
+        add_mass(w2 * numbers[5], numbers[6], numbers[7], (tx, ty, tz), A[j])
+    at, begin = at + ROD_INDEX * index[1], begin + SEGMENT_NUMBERS * index[1]
+    for s in range(index[2]):
+        i, j, numbers = index[at + CAP_INDEX * s], index[at + CAP_INDEX * s + 1], params[begin + CAP_NUMBERS * s :]
+        d = _minus(_middle(q, q, i), _middle(q, q, j))
+        tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
+        w, _, _ = submerged_share(height_at(t, q, i, level, wave), numbers[1])
+        add_mass(w * numbers[3], 0.0, 1.0, (tx, ty, tz), A[i])
