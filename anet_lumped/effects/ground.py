@@ -8,6 +8,9 @@ with r = min(s/depth, 1). The damper acts in full from a depth of `DEPTH` diamet
 down (as Hunt & Crossley argue). The ground never pulls. Friction is -mu N v_t/sqrt(v_t^2 + u^2), with the velocity v_t along the
 plane. A node that sticks creeps: slower than the `slip_speed` u while the force along the plane is below 0.7 mu N.
 
+On a rigid body, `Body.contact_area` is shared by its attachments, and each segment of a rod has the area d L0. The depth at which
+the damper acts in full is `DEPTH` diameters of a disc of the area of an attachment.
+
 Over a whole step from a to b, N is the secant of the spring energy k s^2/2 plus c/h (R_b - R_a), R the integral of r, plus the
 numerical damper alpha k (s_b - s_a) of `laws.unresolved_contact` where s_a > 0, and friction takes the mean velocity (q_b - q_a)/h
 along the plane. Then no step can raise the energy.
@@ -31,7 +34,7 @@ from .effect import Effect, height_under
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, SETTLE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
 DEPTH = 1e-2  # depth over the cable's diameter, at which the damper acts in full
-HEADER, EACH = 6, 4  # numbers in ``params`` before those of the nodes, and of each node
+HEADER, EACH = 6, 5  # numbers in ``params`` before those of the nodes, and of each node
 
 
 @dataclass(frozen=True)
@@ -69,8 +72,12 @@ class Ground(Effect):
         self._set(normal=check_direction("normal", self.normal, self._called))
 
     def highest_frequency(self, scene: Any) -> float:
-        """Of the mass of a segment on the springs under it, sqrt(k d/mu)."""
-        return max(math.sqrt(self.stiffness * (cable.diameter or 0.0) / cable.mass_per_length) for cable in scene.cables)
+        """Of the mass of a segment on the springs under it, sqrt(k d/mu), or of a body on those at one of its points."""
+        found = [math.sqrt(self.stiffness * (cable.diameter or 0.0) / cable.mass_per_length) for cable in scene.cables]
+        for body in scene.bodies:
+            areas = _contacts(body)
+            found += [math.sqrt(self.stiffness * area * len(areas) / body.least_masses[name]) for name, (area, _) in areas.items()]
+        return max(found)
 
     def at_rest(self) -> Effect:
         return replace(self, friction=0.0)
@@ -90,7 +97,8 @@ class Ground(Effect):
         -------
         index : empty
         params : float64
-            Unit normal, height [m], mu, slip speed [m/s]; k [N/m], c [N s/m], depth [m] and mass [kg] of each moving node.
+            Unit normal, height [m], mu, slip speed [m/s]; of each moving node k [N/m], c [N s/m], depth [m], the mass [kg] that
+            resists it, and that of the node itself, which on a body is smaller.
 
         Raises
         ------
@@ -109,10 +117,18 @@ class Ground(Effect):
         for point, cable in model.scene.stubs:
             half = 0.5 * cable.diameter * cable.L0
             nodes[model.node(point)] += self.stiffness * half, self.damping * half, DEPTH * cable.diameter * half
-        nodes = nodes[: model.n_free]
-        nodes[:, 2] *= self.stiffness / nodes[:, 0]  # the mean over the area
+        mass = model.mass.copy()
+        for body in model.scene.bodies:
+            areas = _contacts(body)
+            for name, (area, width) in areas.items():
+                nodes[model.node(name)] += self.stiffness * area, self.damping * area, DEPTH * width * area
+                mass[model.node(name)] = body.least_masses[name] / len(areas)
+        nodes, resisting = nodes[: model.n_free], np.column_stack([mass, model.mass])
+        touching = nodes[:, 0] > 0.0  # of a body only some points do
+        nodes[touching, 2] *= self.stiffness / nodes[touching, 0]  # the mean over the area
+        nodes[~touching, 2] = 1.0
         normal = np.array(self.normal) / np.linalg.norm(self.normal)
-        numbers = np.column_stack([nodes, model.mass[: model.n_free]]).ravel()
+        numbers = np.column_stack([nodes, resisting[: model.n_free]]).ravel()
         return np.empty(0, np.int64), np.array([*normal, self.height, self.friction, self.slip_speed, *numbers])
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
@@ -123,6 +139,22 @@ class Ground(Effect):
         f = np.zeros_like(state.q)
         force(state.t, state.q, state.v, *self.table(state.model), f)
         return -f
+
+
+def _contacts(body):
+    """Area [m2] and width [m] with which points of a body that moves touch the ground, by their names."""
+    found = {}
+    if body.is_driven:
+        return found
+    if body.contact_area > 0.0:
+        names = [f"{body.name}.{name}" for name, _ in body.attachments] or [body.name]
+        area = body.contact_area / len(names)
+        found = dict.fromkeys(names, (area, math.sqrt(4.0 * area / math.pi)))
+    for rod in body.rods:
+        half = 0.5 * rod.diameter * rod.L0
+        for k in range(rod.segments + 1):
+            found[f"{body.name}[{rod.name}.{k}]"] = (half if k in (0, rod.segments) else 2.0 * half), rod.diameter
+    return found
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -267,10 +299,11 @@ def settle(t, h, damper, base, q, v, index, params):
         s_a, s_b = _depth_below(base, i, params), _depth_below(q, i, params)
         if s_a > 0.0 and s_b > 0.0:
             k, c, _, mass = _of_node(params, i)
-            viscous = 0.5 * h * c / mass
+            viscous, of_node = 0.5 * h * c / mass, params[HEADER + EACH * i + 4]
             rate = -(params[0] * v[i, 0] + params[1] * v[i, 1] + params[2] * v[i, 2])
             after = settled_rate(damper, 0.25 * h * h * k / mass + viscous * viscous, rate, (s_b - s_a) / h)
+            change = mass / of_node * (rate - after)  # by the impulse that all the mass needs, which a body shares among its nodes
             for x in range(3):
-                v[i, x] += (rate - after) * params[x]
-            taken += 0.5 * mass * (rate * rate - after * after)
+                v[i, x] += change * params[x]
+            taken += 0.5 * of_node * change * (2.0 * rate - change)
     return taken
