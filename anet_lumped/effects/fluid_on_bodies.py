@@ -1,16 +1,17 @@
 """What air or water does to rigid bodies: drag, buoyancy and the inertia of the water. Made by the effects `Air` and `Water`.
 
-**A body** has drag areas along its axes; the drag acts at its origin, by the flow there, see `laws.axes_drag`. Buoyancy, the force of
-accelerated water and added mass act at its centre of buoyancy. A small body is under water by the share of a sphere of its volume
-about that centre, see `laws.submergence`; drag and inertia go with this share. A body with a hull is lifted by the part of the box
-that is under the surface, level at the height above its centre of buoyancy, see `laws.box`; the share is that part of its volume.
+**A body** has drag areas along its axes; the drag acts at its origin, by the flow there, see `laws.axes_drag`. Buoyancy, the force
+of accelerated water and added mass act at its centre of buoyancy. A small body is under water by the share of a sphere of its
+volume about that centre, see `laws.submergence`; drag and inertia go with this share. A body with a hull is lifted by the part of
+the box that is under the surface, level at the height above its centre of buoyancy, see `laws.box`; the share is that part of its
+volume.
 
 **A rod** is, between its nodes, what a segment of a cable is, see `water`. Its end caps resist flow along it, by
 
     f = w (rho/2 Cd_end (pi d^2/4) |s| s + rho Ca_end (pi d^3/12) (a.t)) t ,    s = u.t ,
 
 with the share w of a sphere of its diameter at the node. The pressure that accelerates the water itself acts on the volume of the
-segments, with its part along the rod. A rod is thin: what lifts it acts on its axis, and its waterplane has no stiffness of its own.
+segments, with its part along the rod. A rod is thin: its lift acts on its axis, and its waterplane has no stiffness against turns.
 
 In still water the lift over a whole step does the work that its energy says. The rate of the added mass is left out, as on cables,
 and with it the moment that turns a body across a stream in an ideal fluid (Munk). In the tangent the turning of a rod's end caps,
@@ -22,6 +23,7 @@ Sci. 6 (1996) 449, for the step.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -29,11 +31,10 @@ import numpy as np
 from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.flow.wind.kernel import pack
 from anet_lumped.effects.laws.axes_drag import along_axes, axes_drag, axis_of, subtract_axis_slopes
-from anet_lumped.effects.laws.box import box_immersed
 from anet_lumped.effects.laws.drag import segment_coefficients, subtract_segment_slopes, tangent_of
+from anet_lumped.effects.laws.hull import NONE, add_lift_over_step, add_lift_slopes, hull_immersed, hull_share, weight_on_node
 from anet_lumped.effects.laws.morison import add_mass, segment_force, subtract_inertia_slopes
 from anet_lumped.effects.laws.submergence import (
-    SMALL_CHANGE,
     submerged_share,
     submerged_share_between,
     wetted,
@@ -97,7 +98,7 @@ class FluidOnBodies(Effect):
             for rod in body.rods:
                 along = [model.node_of[f"{body.name}[{rod.name}.{k}]"] for k in range(rod.segments + 1)]
                 numbers = self._of_segment(rod)
-                of_segments += [([i, j, row + k], numbers) for k, (i, j) in enumerate(zip(along[:-1], along[1:], strict=True))]
+                of_segments += [([i, j, row + k], numbers) for k, (i, j) in enumerate(pairwise(along))]
                 of_caps += [(along[:2], self._of_cap(rod)), (along[:-3:-1], self._of_cap(rod))]
                 row += rod.segments
         winds = pack(self.flow)
@@ -181,60 +182,6 @@ def _along(z1, z2, d, dry):
     return (0.5 - w1, 0.5 - w2, -k11, -k12, -k22) if dry else (w1, w2, k11, k12, k22)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _hull_at(z0, zx, zy, zz, numbers):
-    """c and n of `laws.box` from heights of the first four nodes of a body above the surface."""
-    per = 1.0 / numbers[9]
-    n = (per * (zx - z0), per * (zy - z0), per * (zz - z0))
-    return z0 + numbers[13] * n[0] + numbers[14] * n[1] + numbers[15] * n[2], n
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _column(numbers, i):
-    """Slopes of (c, n) in the height of the i-th of the first four nodes of a body."""
-    per = 1.0 / numbers[9]
-    if i == 0:
-        return 1.0 - per * (numbers[13] + numbers[14] + numbers[15]), -per, -per, -per
-    return per * numbers[12 + i], per if i == 1 else 0.0, per if i == 2 else 0.0, per if i == 3 else 0.0
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _dot4(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _times(H, x):
-    """The symmetric matrix H (10,) times x (4,)."""
-    return (
-        H[0] * x[0] + H[1] * x[1] + H[2] * x[2] + H[3] * x[3], H[1] * x[0] + H[4] * x[1] + H[5] * x[2] + H[6] * x[3],
-        H[2] * x[0] + H[5] * x[1] + H[7] * x[2] + H[8] * x[3], H[3] * x[0] + H[6] * x[1] + H[8] * x[2] + H[9] * x[3],
-    )  # fmt: skip
-
-
-@njit(cache=True, error_model="numpy")
-def _lift_slopes(index, at, numbers, weight, H, u, w, D, near):
-    """Add ``weight`` times the matrix H + u w^T over (c, n), in the heights of the first four nodes, to their blocks."""
-    pair = 0
-    for i in range(4):
-        of_i = _column(numbers, i)
-        by_i, u_i, w_i = _times(H, of_i), _dot4(u, of_i), _dot4(w, of_i)
-        D[index[at + i], 2, 2] += weight * (_dot4(by_i, of_i) + u_i * w_i)
-        for j in range(i + 1, 4):
-            of_j = _column(numbers, j)
-            both, row = _dot4(by_i, of_j), index[at + 5] + pair
-            near[row, 0, 2, 2] += weight * (both + u_i * _dot4(w, of_j))
-            near[row, 1, 2, 2] += weight * (both + _dot4(u, of_j) * w_i)
-            pair += 1
-
-
-@njit(cache=True, error_model="numpy")
-def _box(z0, zx, zy, zz, numbers):
-    """`Immersed` of a hull."""
-    c, n = _hull_at(z0, zx, zy, zz, numbers)
-    return box_immersed(c, n, (numbers[10], numbers[11], numbers[12]))
-
-
 @njit(cache=True, error_model="numpy")
 def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
     """Add the forces on bodies to f, in the middle of base and q; returns the power -f.v that is taken [W].
@@ -256,15 +203,12 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
         share, _ = _sphere(flow[0], numbers[3], dry)
         if numbers[10] > 0.0:
             down = centre[2] - flow[0]
-            wet = _box(
-                origin[2] - down, _middle(base, q, index[at + 1])[2] - down, _middle(base, q, index[at + 2])[2] - down,
-                _middle(base, q, index[at + 3])[2] - down, numbers,
-            )  # fmt: skip
-            share = -wet.g[0] / (numbers[10] * numbers[11] * numbers[12])
+            wet = hull_immersed(base, q, down, index, at, numbers)
+            share = hull_share(wet, numbers)
             share = 1.0 - share if dry else share
             if lifts:
                 for i in range(4):
-                    lift, node = -per_volume * _dot4(wet.g, _column(numbers, i)), index[at + i]
+                    lift, node = -per_volume * weight_on_node(wet.g, numbers, i), index[at + i]
                     f[node, 2] += lift
                     power -= lift * _velocity(base, q, v, per_h, node)[2] if counts else 0.0
         elif lifts:
@@ -320,7 +264,6 @@ def _subtract_share_slope(block, force, slope, up):
 def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
     """Subtract c_q df/dq + c_v df/dv of `_on_bodies`, but for what the module says is left out."""
     level, current, wave, dry, per_volume, begin = _fluid(params)
-    none = (0.0, 0.0, 0.0, 0.0)
     for k in range(index[0]):
         at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
         o, b, row = index[at], index[at + 4], index[at + 5]
@@ -329,14 +272,11 @@ def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
         share, slope = _sphere(flow[0], numbers[3], dry)
         if numbers[10] > 0.0:
             down = centre[2] - flow[0]
-            wet = _box(
-                origin[2] - down, _middle(base, q, index[at + 1])[2] - down, _middle(base, q, index[at + 2])[2] - down,
-                _middle(base, q, index[at + 3])[2] - down, numbers,
-            )  # fmt: skip
-            share, slope = -wet.g[0] / (numbers[10] * numbers[11] * numbers[12]), 0.0
+            wet = hull_immersed(base, q, down, index, at, numbers)
+            share, slope = hull_share(wet, numbers), 0.0
             share = 1.0 - share if dry else share
             if lifts:
-                _lift_slopes(index, at, numbers, c_q * per_volume, wet.H, none, none, D, near)
+                add_lift_slopes(index, at, numbers, c_q * per_volume, wet.H, NONE, NONE, D, near)
         elif lifts:
             _subtract_share_slope(D[b], (0.0, 0.0, numbers[4]), c_q * slope, flow[1])
         flow_o = flow_at(t, origin, level, current, wave)
@@ -407,10 +347,7 @@ def energy(t, q, index, params):
     for k in range(index[0]):
         at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
         if numbers[10] > 0.0:
-            total += per_volume * _box(
-                q[index[at], 2] - level, q[index[at + 1], 2] - level, q[index[at + 2], 2] - level, q[index[at + 3], 2] - level,
-                numbers,
-            ).I  # fmt: skip
+            total += per_volume * hull_immersed(q, q, level, index, at, numbers).I
         else:
             total -= numbers[4] * submerged_share(q[index[at + 4], 2] - level, numbers[3])[2]
     at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
@@ -418,43 +355,6 @@ def energy(t, q, index, params):
         i, j, numbers = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], params[begin + SEGMENT_NUMBERS * s :]
         total -= numbers[4] * wetted(q[i, 2] - level, q[j, 2] - level, numbers[1])[0]
     return total
-
-
-@njit(cache=True, error_model="numpy")
-def _hull_between(base, q, level, per_volume, index, at, numbers, f, D, near):
-    """Lift of a hull over a step in still water: its work is the change of its energy.
-
-    With x = (c, n), the change d of x, and the metric m = (1, R, R, R), R the square of the gyration radius,
-
-        g = g(mean) + e m d ,     e = (I_b - I_a - g(mean).d)/(d.m d) .
-    """
-    o, x, y, z = index[at], index[at + 1], index[at + 2], index[at + 3]
-    c_a, n_a = _hull_at(base[o, 2] - level, base[x, 2] - level, base[y, 2] - level, base[z, 2] - level, numbers)
-    c_b, n_b = _hull_at(q[o, 2] - level, q[x, 2] - level, q[y, 2] - level, q[z, 2] - level, numbers)
-    edges, R = (numbers[10], numbers[11], numbers[12]), numbers[9] * numbers[9]
-    d = (c_b - c_a, n_b[0] - n_a[0], n_b[1] - n_a[1], n_b[2] - n_a[2])
-    mean_n = (0.5 * (n_a[0] + n_b[0]), 0.5 * (n_a[1] + n_b[1]), 0.5 * (n_a[2] + n_b[2]))
-    mean = box_immersed(0.5 * (c_a + c_b), mean_n, edges)
-    md = (d[0], R * d[1], R * d[2], R * d[3])
-    square, g, w = _dot4(d, md), mean.g, (0.0, 0.0, 0.0, 0.0)
-    e = 0.0
-    if square > (SMALL_CHANGE * numbers[3]) ** 2:
-        before, after = box_immersed(c_a, n_a, edges), box_immersed(c_b, n_b, edges)
-        e = (after.I - before.I - _dot4(g, d)) / square
-        H = _times(mean.H, d)
-        w = (
-            (after.g[0] - g[0] - 0.5 * H[0] - 2.0 * e * md[0]) / square, (after.g[1] - g[1] - 0.5 * H[1] - 2.0 * e * md[1]) / square,
-            (after.g[2] - g[2] - 0.5 * H[2] - 2.0 * e * md[2]) / square, (after.g[3] - g[3] - 0.5 * H[3] - 2.0 * e * md[3]) / square,
-        )  # fmt: skip
-        g = (g[0] + e * md[0], g[1] + e * md[1], g[2] + e * md[2], g[3] + e * md[3])
-    for i in range(4):
-        f[index[at + i], 2] -= per_volume * _dot4(g, _column(numbers, i))
-    m = mean.H
-    K = (
-        0.5 * m[0] + e, 0.5 * m[1], 0.5 * m[2], 0.5 * m[3], 0.5 * m[4] + e * R, 0.5 * m[5], 0.5 * m[6], 0.5 * m[7] + e * R,
-        0.5 * m[8], 0.5 * m[9] + e * R,
-    )  # fmt: skip
-    _lift_slopes(index, at, numbers, per_volume, K, md, w, D, near)
 
 
 @njit(WHOLE_STEP_SIGNATURE, cache=True, error_model="numpy")
@@ -469,7 +369,7 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     for k in range(index[0]):
         at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
         if numbers[10] > 0.0:
-            _hull_between(base, q, level, per_volume, index, at, numbers, f, D, near)
+            add_lift_over_step(base, q, level, per_volume, index, at, numbers, f, D, near)
         else:
             b = index[at + 4]
             g, slope = submerged_share_between(base[b, 2] - level, q[b, 2] - level, numbers[3])
@@ -500,11 +400,7 @@ def inertia(t, q, index, params, A):
         o, b, height = index[at], index[at + 4], height_at(t, q, index[at + 4], level, wave)
         share = submerged_share(height, numbers[3])[0]
         if numbers[10] > 0.0:
-            down = q[b, 2] - height
-            wet = _box(
-                q[o, 2] - down, q[index[at + 1], 2] - down, q[index[at + 2], 2] - down, q[index[at + 3], 2] - down, numbers
-            )  # fmt: skip
-            share = -wet.g[0] / (numbers[10] * numbers[11] * numbers[12])
+            share = hull_share(hull_immersed(q, q, q[b, 2] - height, index, at, numbers), numbers)
         for a in range(3):
             e, _ = axis_of(_middle(q, q, o), _middle(q, q, index[at + 1 + a]))
             add_mass(share * numbers[5] * numbers[6 + a], 0.0, 1.0, e, A[b])

@@ -56,8 +56,8 @@ def check_inertia(value: Any, owner: str) -> tuple:
     """Principal moments (3,) or a symmetric tensor (3, 3), as tuples; what a mass distribution can have."""
     rows = as_entries(value) or ()
     is_tensor = len(rows) == 3 and all(as_entries(row) is not None for row in rows)
-    checked: tuple = (
-        tuple(check_vector("inertia", row, "kg m2", owner) for row in rows)
+    checked: tuple = tuple(
+        (check_vector("inertia", row, "kg m2", owner) for row in rows)
         if is_tensor
         else check_vector("inertia", value, "kg m2", owner)
     )

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -50,7 +51,7 @@ class Rod:
 
     def __post_init__(self) -> None:
         owner = f"rod {quoted(check_name(self.name, 'rod'))}"
-        checked = {key: check_vector(key, getattr(self, key), "m", owner) for key in ("start", "end")}
+        checked: dict[str, Any] = {key: check_vector(key, getattr(self, key), "m", owner) for key in ("start", "end")}
         checked["diameter"] = check_number("diameter", self.diameter, "m", owner, sign="positive")
         checked["segments"] = check_count("segments", self.segments, owner)
         for key in ("mass_per_length", "Cdn", "Cdt", "Can", "Cat", "Cd_end", "Ca_end"):

@@ -19,7 +19,20 @@ from .rod import Rod
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["COMPRESSION", "Body", "Cable", "Driven", "Fixed", "Free", "OnBody", "OnDrivenBody", "Point", "Rod", "Scene", "SceneError"]
+__all__ = [
+    "COMPRESSION",
+    "Body",
+    "Cable",
+    "Driven",
+    "Fixed",
+    "Free",
+    "OnBody",
+    "OnDrivenBody",
+    "Point",
+    "Rod",
+    "Scene",
+    "SceneError",
+]
 
 
 @dataclass(frozen=True)

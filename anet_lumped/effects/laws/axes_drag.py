@@ -5,8 +5,8 @@ fluid relative to the origin,
 
     F = sum_a k_a |u_a| u_a e_a ,     u_a = u.e_a ,     k_a = rho/2 CdA_a .
 
-In a fluid at rest F.v <= 0 whatever the axes are. The accelerated water pushes with M (a + sum_a Ca_a (a.e_a) e_a), and the added mass
-is M sum_a Ca_a e_a e_a^T, with the displaced mass M.
+In a fluid at rest F.v <= 0 whatever the axes are. The accelerated water pushes with M (a + sum_a Ca_a (a.e_a) e_a), and the added
+mass is M sum_a Ca_a e_a e_a^T, with the displaced mass M.
 Source: Hall, MoorDyn V2, ASME IOWTC (2020), for the drag; DNV-RP-C205 (2010), 6.3.
 """
 
@@ -57,7 +57,7 @@ def subtract_axis_slopes(u, gradient, e, per, k, c_q, c_v, own, other):
 
         dF/du = 2 k |s| e e^T ,     dF/dd = k |s| (2 e u^T + s I)(I - e e^T)/|d| ,     s = u.e ,
 
-    with the vector d from the origin to the point. ``gradient`` (9,) [1/s] is that of the fluid's velocity by rows, ``per`` is 1/|d|.
+    with the vector d from the origin to the point. ``gradient`` (9,) [1/s] is that of the fluid's velocity, ``per`` is 1/|d|.
     """
     s = _dot(u, e)
     a = k * abs(s)

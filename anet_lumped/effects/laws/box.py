@@ -24,7 +24,7 @@ from anet_lumped.compiled.jit import njit
 class Immersed(NamedTuple):
     """I [m4] of the module, its slopes g (4,) in (c, n) [m3], [m4], and its second slopes by rows H (10,) of the upper triangle."""
 
-    I: float  # noqa: E741
+    I: float
     g: tuple
     H: tuple
 
