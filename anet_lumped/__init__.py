@@ -35,6 +35,7 @@ from anet_lumped.prescribed import paths, signals
 from anet_lumped.results.loading import load_run
 from anet_lumped.results.run import Run, State
 from anet_lumped.scene.payload_change import PayloadChange
+from anet_lumped.scene.rod_body import rod_body
 from anet_lumped.scene.ropes import rope
 from anet_lumped.scene.scene import Body, Cable, Driven, Fixed, Free, Rod, Scene, SceneError
 from anet_lumped.statics.catenary import catenary
@@ -70,6 +71,7 @@ __all__ = [
     "load_scene",
     "paths",
     "read_moordyn",
+    "rod_body",
     "rope",
     "save_moordyn",
     "save_scene",

@@ -164,7 +164,7 @@ class Body:
         are known whatever its inertia, and the four masses; at last its centre of buoyancy, unless that is the origin, and the
         nodes of its rods.
         """
-        ends = [(self.name, (0.0, 0.0, 0.0)), *((f"{self.name}.{name}", arm) for name, arm in self.attachments)]
+        ends = [(self.name, (0.0, 0.0, 0.0)), *((f"{self.name}.{name}", arm) for name, arm in self._arms)]
         if self.is_driven:
             return tuple(
                 OnDrivenBody(name, TurningPath.of(*self.motion, self.rotation, arm), body=self.name, arm=arm) for name, arm in ends
@@ -196,6 +196,11 @@ class Body:
         return tuple(pairs)
 
     @property
+    def _arms(self) -> tuple[tuple[str, Vector], ...]:
+        """Names and places of its attachments, once they are checked."""
+        return self.attachments  # type: ignore[return-value]
+
+    @property
     def displaced(self) -> float:
         """Volume of the hull, or `volume` [m3]."""
         return self.volume if self.hull is None else float(np.prod(self.hull))
@@ -214,7 +219,7 @@ class Body:
     @cached_property
     def radius(self) -> float:
         """Largest distance of an attachment from the centre of mass, or the radius of gyration if that is larger [m]."""
-        distances = [float(np.linalg.norm(np.subtract(arm, self.whole.centre))) for _, arm in self.attachments]
+        distances = [float(np.linalg.norm(np.subtract(arm, self.whole.centre))) for _, arm in self._arms]
         return max([self.gyration, *distances])
 
     @cached_property
