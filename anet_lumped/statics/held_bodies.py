@@ -50,3 +50,19 @@ def straight_around(model: Model) -> np.ndarray:
     middle = tuple(np.mean(known, axis=0).tolist())
     points = [replace(p, at=middle) if p in scene.free_points and p.at is None else p for p in scene.points]
     return straight(replace(model, scene=replace(scene, points=points)))
+
+
+def keep_shapes(model: Model, q: np.ndarray) -> None:
+    """Move the nodes of each body that moves, in q (n, 3) [m], to the nearest place where it has its shape (Kabsch).
+
+    A displacement along turns is that of a body to first order only.
+    """
+    bodies = model.bodies
+    for b, pivot in enumerate(bodies.pivot):
+        own = slice(bodies.node_at[b], bodies.node_at[b + 1])
+        nodes, arms = bodies.node[own], bodies.arm[own]
+        about = nodes == pivot if pivot >= 0 else np.full(len(nodes), True)
+        middle, centre = arms[about].mean(axis=0), q[nodes[about]].mean(axis=0)
+        U, _, Vt = np.linalg.svd((q[nodes] - centre).T @ (arms - middle))
+        U[:, 2] *= np.linalg.det(U @ Vt)
+        q[nodes] = centre + (arms - middle) @ (U @ Vt).T

@@ -16,6 +16,7 @@ from anet_lumped.model.tables import AXIAL_PUSH_SHARE
 
 from .descent import descended
 from .failure_reasons import bends_but_does_not_push, impossible
+from .held_bodies import keep_shapes
 from .relaxation import QUICK, SLOW, Pace, net_at_rest, relaxed
 from .stability import Curvature, curvature
 from .starts import obstacles, raised
@@ -152,6 +153,7 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
             break
         beside = found.shape.q.copy()
         beside[: model.n_free] += nudge * found.down.direction
+        keep_shapes(model, beside)
         if not model.has_bodies:
             whole.tension[:] = descended(model, net, beside, load)[0]
         residual = _balanced(model, net, whole, beside, load, attempt.pace)
