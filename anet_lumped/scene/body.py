@@ -252,7 +252,7 @@ def _check_fluid(body: Body, owner: str) -> dict[str, Any]:
             raise SceneError(f"Edges of a `hull` must be positive [m], but {owner} has hull={checked['hull']}.")
         if checked["volume"] > 0.0:
             raise SceneError(f"Only one of `volume` and `hull` may be given, but {owner} has both.")
-    rods = as_entries(body.rods)
+    rods = None if isinstance(body.rods, Mapping) else as_entries(body.rods)
     if rods is None or not all(isinstance(rod, Rod) for rod in rods):
         raise SceneError(f"Argument `rods` must be a sequence of Rod, but {owner} has rods={shown(body.rods)}.")
     names = [rod.name for rod in rods]

@@ -19,6 +19,7 @@ from anet_lumped import (
     Free,
     InputError,
     PayloadChange,
+    Rod,
     Scene,
     SceneError,
     equilibrium,
@@ -46,6 +47,7 @@ MAKERS = {
     "Driven": (Driven, {"name": "a", "path": paths.line((0, 0, 0), (1, 0, 0), 1.0)}),
     "Free": (Free, {"name": "a"}),
     "Body": (Body, {"name": "a", "mass": 1.0, "inertia": (0.1, 0.1, 0.1), "at": (0, 0, 0), "attachments": {"hook": (0, 0, 0.1)}}),
+    "Rod": (Rod, {"name": "leg", "start": (0, 0, 0), "end": (0, 0, 1), "diameter": 0.1}),
     "Cable": (Cable, {"start": "a", "end": "b", "length": 1.0, "mass_per_length": 0.1, "EA": 1e3, "segments": 2}),
     "PayloadChange": (PayloadChange, {"point": "b", "t": 1.0, "mass": 1.0}),
     "paths.line": (paths.line, {"start": (0, 0, 0), "velocity": (1, 0, 0), "ramp": 1.0}),
@@ -93,13 +95,14 @@ WRONG = {
     "escapes": ["\x1b[31m\n" * 100],
 }
 NAMES = {
-    ("Body", "name"), ("Fixed", "name"), ("Driven", "name"), ("Free", "name"), ("Cable", "start"), ("Cable", "end"),
-    ("Cable", "name"), ("PayloadChange", "point"),
+    ("Body", "name"), ("Rod", "name"), ("Fixed", "name"), ("Driven", "name"), ("Free", "name"), ("Cable", "start"),
+    ("Cable", "end"), ("Cable", "name"), ("PayloadChange", "point"),
 }  # fmt: skip
 NONE = {
     ("Free", "at"), ("Cable", "BA"), ("Cable", "name"), ("Cable", "diameter"), ("Cable", "breaking_tension"),
     ("Cable", "tension_strain"), ("air", "wind"), ("air", "surface"), ("water", "current"), ("water", "wave"), ("water", "g"),
     ("load", "cables"), ("rope", "tension"), ("Body", "pinned"), ("Body", "path"), ("Body", "turning"),
+    ("Body", "hull"),
 }  # fmt: skip
 EMPTY = {
     ("air", "wind"),
@@ -109,6 +112,7 @@ EMPTY = {
     ("Scene", "events"),
     ("Scene", "bodies"),
     ("Body", "attachments"),
+    ("Body", "rods"),
 }
 BY_NAME = {("axial_damping", "rate"), ("temperature", "expansion")}
 RIGHT = (
