@@ -14,8 +14,11 @@ with the share w of a sphere of its diameter at the node. The pressure that acce
 segments, with its part along the rod. A rod is thin: its lift acts on its axis, and its waterplane has no stiffness against turns.
 
 In still water the lift over a whole step does the work that its energy says. The rate of the added mass is left out, as on cables,
-and with it the moment that turns a body across a stream in an ideal fluid (Munk). In the tangent the turning of a rod's end caps,
-and the slope of the share by which drag goes, are left out where another node than that of the drag moves.
+and with it the moment that turns a body across a stream in an ideal fluid (Munk).
+
+Three small slopes are left out of the tangent: by the turning of a rod's end caps, by the turning of the axes along which
+accelerated water pushes with Ca, and by the height that changes the share with which drag acts at another place. Newton's method
+looks at the forces after each step, so that what is left out costs iterations where it counts, and no accuracy.
 Source: Hall, MoorDyn V2: new capabilities in mooring system components and load cases, ASME IOWTC (2020); Gonzalez, J. Nonlinear
 Sci. 6 (1996) 449, for the step.
 """

@@ -56,7 +56,7 @@ class Body:
     """A rigid body, to whose attachments cables are tied: a cable ends at "quad1.hook", or at the body's origin, "quad1".
 
     It moves freely, unless it is `pinned` or its motion is prescribed by `path` and `turning`. Lengths within the body are measured
-    from its origin, along its own axes.
+    from its origin, along its own axes. Air, water and ground do not act on a body whose motion is prescribed.
 
     Parameters
     ----------
@@ -78,8 +78,6 @@ class Body:
         part of the box under a level surface lifts it at the centre of that part
     contact_area : float [m2], of its attachments together, or of its origin if it has none, on a ground
     rods : sequence of Rod, parts of the body that add their mass, inertia and forces; `mass` may then be left out
-
-    Air, water and ground do not act on a body whose motion is prescribed: nothing would come of it.
 
     Raises
     ------
