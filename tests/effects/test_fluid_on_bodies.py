@@ -247,3 +247,19 @@ def test_messages(given, match):
 def test_a_rod_without_length_is_refused():
     with pytest.raises(SceneError, match='A rod must have a length, but rod "leg" starts and ends at'):
         Rod("leg", (0, 0, 1), (0, 0, 1), diameter=0.1)
+
+
+@pytest.mark.parametrize("method, order", [("backward_euler", 1), ("symplectic_euler", 1), ("verlet", 2), ("rk4", 4)])
+def test_other_methods_take_the_added_mass_by_their_order(method, order):
+    """A body whose added mass turns with it, without drag, which is no smooth function; a cable that allows explicit steps."""
+    body = Body("b", **BALL, volume=1e-3, Ca=(0.5, 1.0, 2.0), centre_of_buoyancy=(0.1, 0.05, -0.1))
+    points = [Fixed("far", (60.0, 0.0, 30.0)), Free("tip", at=(60.0, 0.0, 29.0))]
+    cable = Cable("far", "tip", length=1.0, segments=1, mass_per_length=1.0, EA=1e3, diameter=1e-3)
+    scene = Scene(points, [cable], [Gravity(G), Water(RHO, 9.0)], bodies=[body])
+    start, nodes = thrown(scene, angular_velocity=(3.0, -2.0, 4.0), velocity=(0.3, 0.2, 0.1)), [p.name for p in body.points]
+    exact = simulate(scene, 0.4, method="dop853", start=start, rtol=1e-12, atol=1e-13).final
+    errors = []
+    for dt in (0.008, 0.004, 0.002, 0.001):
+        end = simulate(scene, 0.4, method=method, dt=dt, start=start).final
+        errors.append(max(np.abs(end.position(name) - exact.position(name)).max() for name in nodes))
+    assert -np.polyfit(np.arange(4.0), np.log2(errors), 1)[0] == pytest.approx(order, abs=0.15)
