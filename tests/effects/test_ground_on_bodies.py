@@ -68,3 +68,14 @@ def test_the_area_of_a_body_without_attachments_is_at_its_origin():
     body = Body("b", mass=2.0, inertia=(0.1, 0.1, 0.1), at=(0.0, 0.0, 0.05), contact_area=0.01)
     run = simulate(alone(body, Ground(0.0, 1e6, 1e5)), 2.0, method="edmc", dt=0.005, start="straight")
     assert run.position("b")[-1, 2] == pytest.approx(-2.0 * G / (1e6 * 0.01), rel=1e-4)
+
+
+def test_on_a_hard_ground_without_damper_the_velocities_do_not_ring():
+    """The step does not resolve the contact: what is left of the fall neither bounces nor rings from step to step."""
+    run = simulate(
+        alone(Body("b", at=(0.0, 0.0, 0.11), **BOX), Ground(0.0, 1e10, 0.0)), 2.0, method="edmc", dt=0.01, start="straight"
+    )
+    assert run.position("b")[-1, 2] == pytest.approx(0.1, abs=1e-6)
+    late = run.t > 1.0
+    assert np.abs(run.velocity("b")[late]).max() < 1e-6 and np.abs(run.angular_velocity("b")[late]).max() < 1e-6
+    assert abs(run.energy_balance.imbalance) < 1e-6  # rounding of impulses on points of a billionth of the mass

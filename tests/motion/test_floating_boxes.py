@@ -106,7 +106,7 @@ def test_a_box_that_tumbles_through_the_surface_gains_no_energy(dt):
     scale = body.mass * G * 2.0
     assert np.max(energy - np.minimum.accumulate(energy)) < 1e-8 * scale  # what Newton's method leaves out of balance
     assert np.ptp(energy[run.t > 0.5]) < 1e-8 * scale  # once the far cable has stretched
-    assert run.work.newton_iterations < 4.0 * run.work.steps
+    assert run.work.newton_iterations < 2.2 * run.work.steps  # 2.6 if the tangent of the lift joins no nodes
 
 
 def test_a_damped_box_comes_to_the_rest_of_statics():
