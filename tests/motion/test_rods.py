@@ -81,6 +81,16 @@ def test_it_falls_by_the_hyperbolic_tangent(ends, method):
     assert abs(run.energy_balance.imbalance) < 1e-7
 
 
+def test_many_nodes_at_a_steady_speed_far_from_the_origin():
+    """Weight and drag cancel, and what rounding leaves of the places of many light nodes does not keep a step from its end."""
+    body = rod((-2.0, 0.0, -50.0), (2.0, 0.0, -50.0), segments=60, mass_per_length=60.0)
+    run = simulate(alone(body, Water(RHO)), 8.0, method="edmc", dt=0.01, start="straight")
+    k = drag(LEVEL)[0]
+    assert run.status == "done"
+    assert run.velocity("rod.a")[-1, 2] == pytest.approx(-math.sqrt((60.0 - RHO * AREA) * LENGTH * G / k), rel=1e-8)
+    assert_allclose(run.rotation("rod")[-1][:, 2], (1.0, 0.0, 0.0), atol=1e-11)
+
+
 def test_in_air_it_falls_by_the_drag_of_the_air():
     run = simulate(alone(rod(*LEVEL), Air(1.225)), 60.0, method="edmc", dt=0.05, start="straight")
     k = drag(LEVEL)[0] * 1.225 / RHO

@@ -17,13 +17,20 @@ class Group(NamedTuple):
 
 @inlined
 def centre_of_mass(net, b, q):
-    """Mass of a body, and the mean of the rows of q weighted by the masses of its nodes."""
-    bodies, mass, sum_of = net.bodies, 0.0, (0.0, 0.0, 0.0)
+    """Mass of a body, and the mean of the rows of q weighted by the masses of its nodes.
+
+    The mean of what is left of the places is added to the mean: alike roundings of many light nodes would else move a body.
+    """
+    bodies, mass, sum_of, rest = net.bodies, 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
         i = bodies.node[k]
         m = net.mass[i]
         mass, sum_of = mass + m, plus(sum_of, scaled(m, row(q, i)))
-    return mass, scaled(1.0 / mass, sum_of)
+    mean = scaled(1.0 / mass, sum_of)
+    for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
+        i = bodies.node[k]
+        rest = plus(rest, scaled(net.mass[i], minus(row(q, i), mean)))
+    return mass, plus(mean, scaled(1.0 / mass, rest))
 
 
 @inlined

@@ -17,6 +17,7 @@ from anet_lumped.mechanics.optional import CableBalance
 from anet_lumped.mechanics.residual import FORCE_ROUNDING
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
+    BODY_COORDINATE,
     BODY_FORCE,
     BODY_INERTIA,
     BODY_MOMENT,
@@ -72,10 +73,11 @@ def place_bodies(stage, net_address, base, target, q):
         group = group_of(net, b, base, q)
         theta = rotation_between(net, b, group, base, q)
         J = place(net, b, group, theta, base, q)
-        shift, moment, stiffness = NO_VECTOR, NO_VECTOR, times_scalar(stage.W, J)
+        shift, moment, stiffness, coordinate = NO_VECTOR, NO_VECTOR, times_scalar(stage.W, J), 0.0
         for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
             i = bodies.node[k]
             m, ahead = net.mass[i] * stage.W, minus(row(target, i), row(q, i))
+            coordinate = max(coordinate, largest(row(q, i)))
             shift = plus(shift, scaled(m, ahead))
             if stage.law != LAW_BETWEEN:
                 arm = row(bodies.arm_end, k)
@@ -100,7 +102,7 @@ def place_bodies(stage, net_address, base, target, q):
             second_order += per_h * (J[0] + J[4] + J[8]) * math.sqrt(dot(end, end))
         of = bodies.state[b]
         of[BODY_INERTIA], of[BODY_RADIUS] = group.mass * stage.W, math.sqrt(0.5 * (J[0] + J[4] + J[8]) / group.mass)
-        of[BODY_SECOND_ORDER] = second_order
+        of[BODY_SECOND_ORDER], of[BODY_COORDINATE] = second_order, coordinate
         for x in range(3):
             of[BODY_FORCE + x], of[BODY_MOMENT + x] = shift[x], moment[x]
         for x in range(9):
@@ -125,8 +127,21 @@ def _weighted(moment, radius, noise):
     return max(force, MOMENT_WEIGHT * (force - noise))
 
 
+@inlined
+def _stiffness(net, b):
+    """Sum over the nodes of a body of the largest slope of an external force, or of the inertia of fluid, in a place [N/m]."""
+    total = 0.0
+    for k in range(net.bodies.node_at[b], net.bodies.node_at[b + 1]):
+        block, slope = net.diagonal[net.bodies.node[k]], 0.0
+        for x in range(3):
+            for y in range(3):
+                slope = max(slope, abs(block[x, y]))
+        total += slope
+    return total
+
+
 @on_demand
-def balance_bodies(stage, net_address, largest_coordinate, cable_noise, predicted_noise):
+def balance_bodies(stage, net_address, cable_noise, predicted_noise):
     """`CableBalance` of the bodies, with moments over the radius of gyration; adds what forces do to the turning of their arms.
 
     The last two arguments are what rounding leaves of the forces of cables, by their law and as predicted [N].
@@ -142,13 +157,13 @@ def balance_bodies(stage, net_address, largest_coordinate, cable_noise, predicte
         force_predicted, moment_predicted = _total(net, b, net.predicted_force, net.n_interior, between)
         load, load_moment = _total(net, b, net.right_side, 0, between)
         held = 0.0 if pinned else 1.0
-        of_inertia = FORCE_ROUNDING * of[BODY_INERTIA] * largest_coordinate
-        by_law = _weighted(plus(moment_by_law, moment), radius, cable_noise + of_inertia)
+        of_places = FORCE_ROUNDING * (of[BODY_INERTIA] + _stiffness(net, b)) * of[BODY_COORDINATE]
+        by_law = _weighted(plus(moment_by_law, moment), radius, cable_noise + of_places)
         norm = max(norm, held * largest(plus(force_by_law, shift)), by_law)
-        as_predicted = _weighted(plus(moment_predicted, moment), radius, predicted_noise + of_inertia)
+        as_predicted = _weighted(plus(moment_predicted, moment), radius, predicted_noise + of_places)
         predicted = max(predicted, held * largest(plus(force_predicted, shift)), as_predicted)
         scale = max(scale, largest(load), largest(shift), largest(load_moment) / radius, largest(moment) / radius)
-        noise = max(noise, of_inertia)
+        noise = max(noise, of_places)
         sum_of_forces += dot(force_by_law, (1.0, 1.0, 1.0)) + dot(moment_by_law, (1.0, 1.0, 1.0))
         share = -0.5 if between else -1.0
         for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
