@@ -106,7 +106,12 @@ RIGHT = (
     | {("nothing", *one) for one in NONE}
     | {("an empty list", *one) for one in EMPTY}
     | {("a dict", *one) for one in BY_NAME}
-    | {("an empty dict", "bending", "clamped"), ("a bool", "wind.Gust", "stays"), ("escapes", "load", "cables")}
+    | {
+        ("an empty dict", "bending", "clamped"),
+        ("a bool", "wind.Gust", "stays"),
+        ("a bool", "water", "points_float"),
+        ("escapes", "load", "cables"),
+    }
     | {("400 digits", "wind.Dryden", "seed"), ("5000 digits", "wind.Dryden", "seed")}
 )
 """What is no mistake after all."""
