@@ -314,7 +314,7 @@ def moordyn_reads(deck, start, t_end, dt):
     with silence():
         engine = moordyn.Create(str(deck))
         try:
-            fairlead, still = start.model.scene.point("point3").at, [0.0] * 3
+            fairlead, still = start.model.scene.point("point3").path.at(0.0)[0], [0.0] * 3
             moordyn.Init_NoIC(engine, list(fairlead), still)
             (deck.parent / "state").write_bytes(state_file(start))
             moordyn.LoadState(engine, str(deck.parent / "state"))
