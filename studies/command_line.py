@@ -159,7 +159,8 @@ def simulate(
 ):
     """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, positions at the end [m].
 
-    With --out the run is saved there (run.nc), with its account (run.json) and a picture (run.png). A run that does not reach
+    With --out the run is saved there (run.nc), with its account (run.json), a picture (run.png), and the channels that a MoorDyn
+    file asks for (.out, .LineN.out). A run that does not reach
     its end, gains energy or fails its audit exits with 1, and says so in all of them.
     """
     from anet_lumped.files.motion_file import moved
@@ -176,9 +177,11 @@ def simulate(
         run = stopped.run
 
     def save():
+        from anet_lumped.files.moordyn_channels import write_asked
         from studies.shown.run_figure import plot
 
         run.save(out / "run.nc")
+        write_asked(scene, run, out)
         plot(run).savefig(out / "run.png", dpi=110)
 
     give(run_summary(run), as_json, out, "run", save)

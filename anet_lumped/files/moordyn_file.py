@@ -47,7 +47,7 @@ class Deck:
     points, lines : dict of int to str
         Names that the points and lines of the file have in the scene, by their numbers.
     channels : tuple of str
-        Words of the section OUTPUTS, in capitals.
+        Words of the section OUTPUTS.
     line_outputs : dict of int to str
         Letters of output of each line that has some, by its number.
     """
@@ -137,7 +137,7 @@ def deck_from_text(
         remarks=findings.remarks,
         points=held,
         lines={line.number: line.cable.name for line in lines},
-        channels=tuple(word.strip("\"',").upper() for row in sections.get("outputs", []) for word in row.words),
+        channels=tuple(word.strip("\"',") for row in sections.get("outputs", []) for word in row.words if word.upper() != "END"),
         line_outputs={line.number: line.outputs for line in lines if line.outputs},
     )
 

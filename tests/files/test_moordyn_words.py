@@ -325,5 +325,5 @@ def test_names_of_a_file_and_what_it_wants_written(tmp_path):
     with pytest.warns(DeckWarning):
         deck = read_moordyn(file)
     assert deck.points == {1: "point1", 2: "point2", 3: "point3"} and deck.lines == {1: "line1", 2: "line2"}
-    assert deck.channels == ("FAIRTEN1", "CON3PX", "L2N4T")
+    assert deck.channels == ("FairTen1", "Con3px", "L2N4T")
     assert isinstance(deck.scene.point("point2"), Free)
