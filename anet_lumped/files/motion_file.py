@@ -20,8 +20,9 @@ from anet_lumped.scene.platform import platform
 from anet_lumped.scene.scene import Scene
 
 NAMES = TRANSLATIONS + ROTATIONS
+NUMBER = r"([0-9.]+(?:e[+-]?[0-9]+)?)"
 WORDS = re.compile(
-    r"\s*([a-z]+)\s*=\s*(-?[0-9.]+(?:e[+-]?[0-9]+)?)\s*(m|deg|rad)?\s*(sin|cos)\s*([0-9.]+(?:e[+-]?[0-9]+)?)\s*(?:hz)?\s*"
+    rf"\s*([a-z]+)\s*=\s*(-?){NUMBER}\s*(m|deg|rad)?\s*(sin|cos)\s*{NUMBER}\s*(?:hz)?\s*(?:ramp\s*{NUMBER}\s*s?)?\s*"
 )
 LIKE = 'a file, or like "surge=1sin0.1" (1 m at 0.1 Hz) or "pitch=3degsin0.1"'
 
@@ -32,7 +33,8 @@ def motions_of(given: Sequence[str]) -> SixMotions:
     Parameters
     ----------
     given : sequence of str
-        Such as "surge=1sin0.1", 1 m sin(2 pi 0.1 Hz t), "pitch=3degcos0.1", or the path of a file.
+        Such as "surge=1sin0.1", 1 m sin(2 pi 0.1 Hz t), "pitch=3degcos0.1ramp20", which grows from nothing in 20 s, or the path
+        of a file.
 
     Raises
     ------
@@ -47,8 +49,7 @@ def motions_of(given: Sequence[str]) -> SixMotions:
             for name, signal in zip(NAMES, _columns(text), strict=True):
                 found[name] += signal
         else:
-            name, amount, unit, function, frequency = words.groups()
-            found[_named(name, text)].append(_swing(name, amount, unit, function, frequency, text))
+            found[_named(words[1], text)].append(_swing(words, text))
     return SixMotions(**found)
 
 
@@ -77,18 +78,19 @@ def _named(name: str, text: str) -> str:
     return name
 
 
-def _swing(name: str, amount: str, unit: str | None, function: str, frequency: str, text: str) -> signals.Signal:
+def _swing(words: re.Match[str], text: str) -> signals.Signal:
     """A sine or a cosine; a cosine starts away from rest."""
+    name, sign, amount, unit, function, frequency, ramp = words.groups()
     turns = name in ROTATIONS
     if turns == (unit in (None, "m")):
         need = "deg or rad behind its amplitude, as in pitch=3degsin0.1" if turns else "an amplitude in m"
         raise SceneError(f"The motion {name} must have {need}, but it is {quoted(text)}.")
     try:
-        size, hertz = float(amount), float(frequency)
+        size, hertz, rise = float(sign + amount), float(frequency), float(ramp or 0.0)
     except ValueError:  # such as 1.2.3
         raise SceneError(f"A motion must be {LIKE}, but it is {quoted(text)}.") from None
     phase = 0.5 * math.pi if function == "cos" else 0.0
-    return signals.harmonic(0.0, math.radians(size) if unit == "deg" else size, hertz, phase)
+    return signals.harmonic(0.0, math.radians(size) if unit == "deg" else size, hertz, phase, rise)
 
 
 def _columns(path: str | PathLike[str]) -> list[list[signals.Signal]]:

@@ -53,6 +53,9 @@ def test_words_and_files_add_up(tmp_path):
     assert motions.surge[:2] == swings and motions.surge[2].kind == "samples"
     assert motions.pitch[0] == signals.harmonic(0.0, math.radians(-3.0), 0.1)
     assert motions.yaw == (signals.harmonic(0.0, 0.01, 0.05),)
+    assert motions_of(["heave=-.5sin0.1ramp20", "sway = 1 m sin 0.1 Hz ramp 20 s"]) == SixMotions(
+        heave=signals.harmonic(0.0, -0.5, 0.1, ramp=20.0), sway=signals.harmonic(0.0, 1.0, 0.1, ramp=20.0)
+    )
     assert motions_of([]) == SixMotions()
 
 
