@@ -57,6 +57,8 @@ def _bottom(options: Options, places: Places, like_moordyn: bool) -> Any:
     findings, friction, scale = options.findings, options.value("FrictionCoefficient"), options.value("StatDynFricScale")
     numbers = {"height": -_depth(options, places), "stiffness": options.value("kBot"), "damping": options.value("cBot")}
     numbers |= {"friction": friction}
+    if not numbers["stiffness"]:
+        raise options.row("kBot", "cBot").error("a bottom must have a kBot that carries something; for none, cBot must be 0 too.")
     if friction and scale != 1.0:
         raise options.row("StatDynFricScale").error("static friction that differs from dynamic is not supported; it must be 1.")
     row = options.row("kBot", "cBot")

@@ -88,7 +88,7 @@ def _read(number: int, row: Row, held: Attachment, frames: Mapping[int, Frame | 
         )
     name = row.name or f"point{number}"
     if hold is Hold.FREE:
-        first = CdA_WITHOUT_FORCE if len(row.words) < WITH_FORCE else CdA_WITH_FORCE
+        first = CdA_WITH_FORCE if _has_force(row) else CdA_WITHOUT_FORCE
         columns = ((5, "M", "mass"), (6, "V", "volume"), (first, "CdA", "CdA"), (first + 1, "CA", "Ca"))
         load = {key: row.number(column, what) for column, what, key in columns}
         found.points[number] = made(row, Free, name, at=(x, y, z), **load)
@@ -108,12 +108,18 @@ def _check_columns(row: Row) -> None:
             "a point must have 9 columns (ID, type, X, Y, Z, M, V, CdA, CA), or 12 with FX, FY, FZ before CdA, but has "
             f"{len(row.words)}."
         )
-    forced = len(row.words) >= WITH_FORCE
+    forced = _has_force(row)
     if forced and any(row.number(column, "a steady force") for column in (7, 8, 9)):
         raise row.error("a steady force on a point (FX, FY, FZ) is not supported; it must be 0.")
     beyond = row.words[(CdA_WITH_FORCE if forced else CdA_WITHOUT_FORCE) + 2 :]
     if beyond:
         row.findings.unused(" ".join(beyond), row.line, "columns of points behind CA")
+
+
+def _has_force(row: Row) -> bool:
+    """Whether a row has FX, FY, FZ: where it is that long, unless the file has other names for as many columns."""
+    other = len(row.columns) >= WITH_FORCE and row.columns[CdA_WITHOUT_FORCE].startswith("cda")
+    return len(row.words) >= WITH_FORCE and not other
 
 
 def _check_coupled(

@@ -130,7 +130,7 @@ def rows_by_section(text: str, findings: Findings) -> dict[str, list[Row]]:
     above = 0
     for number, line in enumerate(text.splitlines(), start=1):
         if "---" in line:
-            section = _section(line.strip(" -\t"), number, found, findings)
+            section = _section(" ".join(line.strip(" -\t").split()), number, found, findings)
             columns, above = (), 2 if section is not None and section not in WITHOUT_COLUMN_NAMES else 0
             continue
         if section is None:

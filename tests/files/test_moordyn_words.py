@@ -91,6 +91,18 @@ def test_columns_of_points_count_from_the_front(rows, load, remark):
     assert said((POINT_2, rows)) == ([remark] if remark else [])
 
 
+def test_names_of_columns_tell_that_there_is_no_force():
+    """MoorDyn takes columns 8 to 10 of a row of 12 for a force, whatever they are called."""
+    named = ("Mass Volume CdA Ca\n", "Mass Volume CdA Ca Name Group Extern\n")
+    row = (POINT_2, POINT_2 + " 7 8 9")
+    assert read(named, row).scene == deck_from_text(DECK).scene
+    assert read((POINT_2, "2 Free 30 0 -25 80 0.05 0 0 0 0.1 0.5")).scene == deck_from_text(DECK).scene
+
+
+def test_headings_may_have_tabs():
+    assert deck_from_text(DECK.replace(" ", "\t")).scene == deck_from_text(DECK).scene
+
+
 ONCE = ("4e5 kBot", "4e5 kBot\n%s")
 
 
@@ -255,6 +267,7 @@ FAILURE = "--- FAILURE ---\nh\nh\n1 %s\n--- OPTIONS"
         (POINT_3, "3 CoupledPinned 1 2 -3 0 0 0 0", r"line 11, .*must be Fixed, Coupled, Free or Body and a number"),
         ("3.1e7", "SYROPE:s.dat|2|3", r"line 5, .*the Syrope model of polyester, is not supported"),
         ("4e5 kBot", "4e5 kBot\n2 WaveKin", r"line 20, .*waves are not supported"),
+        ("4e5 kBot", "0 kBot", r'line 19, "0 kBot": a bottom must have a kBot that carries something; for none, cBot must be 0'),
     ],
 )  # fmt: skip
 def test_refusals(old, new, message):
