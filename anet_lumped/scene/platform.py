@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from anet_lumped.checks import SceneError, Vector, check_names, check_number, look_up, quoted, shown
-from anet_lumped.prescribed.six_motions import SixMotions, point_path
+from anet_lumped.prescribed.six_motions import SixMotions, point_paths
 
-from .scene import Driven, Scene, check_scene
+from .scene import Driven, Point, Scene, check_scene
 
 LATER = 1.01  # of the time that it moves, when it stops: a run of that time shall not end with velocities that are zero
 
@@ -45,21 +45,17 @@ def platform(
     t_end = check_number("t_end", t_end, "s", "the motion of a platform", sign="positive")
     if not isinstance(motions, SixMotions):
         raise SceneError(f"The motions of a platform must be SixMotions, but they are {shown(motions)}.")
-    able, by_name = driven_from_outside(scene), {point.name: point for point in scene.points}
+    able, by_name = driven_from_outside(scene), {point.name: point for point in scene.points if isinstance(point, Driven)}
     names = check_names("points", points, "a platform") or able
     if not names:
         raise SceneError(
             "A platform must carry points that are driven from outside, with the path paths.external, but there are none."
         )
     for name in names:
-        look_up("point", name, by_name)
+        look_up("point", name, {point.name: point for point in scene.points})
         if name not in able:
             raise SceneError(f"A platform must carry points with the path paths.external, but {quoted(name)} has another.")
-    carried = set(names)
-    moved = [
-        Driven(point.name, point_path(motions, point.path.at(0.0)[0].tolist(), LATER * t_end, origin))
-        if isinstance(point, Driven) and point.name in carried
-        else point
-        for point in scene.points
-    ]
-    return replace(scene, points=moved)
+    starts = {name: by_name[name].path.at(0.0)[0].tolist() for name in names}
+    moved = dict(zip(starts, point_paths(motions, list(starts.values()), LATER * t_end, origin), strict=True))
+    points: list[Point] = [Driven(point.name, moved[point.name]) if point.name in moved else point for point in scene.points]
+    return replace(scene, points=points)

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, SceneError, equilibrium, load_scene, save_scene, simulate
-from anet_lumped.effects import Bending, Gravity, Ground, ViscousDamping, Water
+from anet_lumped.effects import Bending, Gravity, Ground, MoordynBottom, ViscousDamping, Water
 from anet_lumped.files.moordyn_file import deck_from_text, read_moordyn
 from anet_lumped.files.moordyn_writer import moordyn_text, save_moordyn
 from anet_lumped.prescribed import paths
@@ -254,6 +254,16 @@ def test_round_trip_with_water_bottom_and_bending():
     effects = [Gravity(), Water(density=1000.0), Ground(height=-200.0, stiffness=1e5, damping=1e4, friction=0.5)]
     scene = Scene(scene.points, cables, [*effects, Bending()])
     assert deck_from_text(moordyn_text(scene)).scene == scene
+
+
+def test_round_trip_of_moordyns_own_laws():
+    scene = deck_from_text(DECK).scene
+    effects = [Gravity(), Water(density=1000.0, points_float=False), MoordynBottom(-200.0, 1e5, 1e4, 0.5, 300.0)]
+    scene = Scene(scene.points, scene.cables, effects)
+    assert deck_from_text(moordyn_text(scene), like_moordyn=True).scene == scene
+    assert isinstance(scene.point("point3"), Driven)
+    with pytest.raises(SceneError, match="must have one bottom to be written for MoorDyn, but it has Ground and MoordynBottom"):
+        moordyn_text(Scene(scene.points, scene.cables, [*effects, Ground(-200.0)]))
 
 
 def test_what_a_deck_has_no_place_for():
