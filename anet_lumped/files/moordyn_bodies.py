@@ -1,13 +1,16 @@
 """Bodies of a MoorDyn file that others move, or nobody: places and orientations of the points that they carry.
 
-Such a body is a frame: its mass, its inertia and its drag are the business of who moves it. Its orientation is R = Rx(roll)
-Ry(pitch) Rz(yaw), as MoorDyn has it (Misc.hpp: EulerXYZ). Bodies that move freely are refused where a point or a rod is on them.
+Such a body is a frame: its mass, its inertia and its drag are the business of who moves it. It is turned as a platform is, see
+`six_motions`. Bodies that move freely are refused where a point or a rod is on them.
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
+
+from anet_lumped.checks import Vector
+from anet_lumped.prescribed.six_motions import carried
 
 from .moordyn_attachments import Hold, attachment
 from .moordyn_findings import Findings
@@ -22,13 +25,18 @@ class Frame(NamedTuple):
     Parameters
     ----------
     hold : Hold.FIXED or Hold.COUPLED
-    at : (3,) float64 [m], its place
-    rotation : (3, 3) float64, from its axes to those of the scene
+    six : its place [m] and its three angles [rad]
     """
 
     hold: Hold
-    at: np.ndarray
-    rotation: np.ndarray
+    six: tuple[float, ...]
+
+    def place_of(self, point: Vector) -> Vector:
+        """Place (3,) [m] of a point that is given in the axes of the body."""
+        values = np.zeros((1, 3, 6))
+        values[0, 0] = self.six
+        x, y, z = carried(values, point)[0, 0].tolist()
+        return x, y, z
 
 
 def read_bodies(rows: list[Row], used: set[int], findings: Findings) -> dict[int, Frame | None]:
@@ -65,15 +73,6 @@ def _frame(row: Row) -> Frame:
     hold = Hold.COUPLED if found.hold is Hold.TURBINE else found.hold
     if hold not in (Hold.FIXED, Hold.COUPLED) or found.pinned:
         raise row.error("a body that moves by itself is not supported; it must be Fixed or Coupled.")
-    place = np.array([row.number(2 + x, name) for x, name in enumerate(("X0", "Y0", "Z0"))])
+    place = [row.number(2 + x, name) for x, name in enumerate(("X0", "Y0", "Z0"))]
     angles = [math.radians(row.number(5 + x, name)) for x, name in enumerate(("r0", "p0", "y0"))]
-    return Frame(hold, place, rotation(*angles))
-
-
-def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
-    """Rotation matrix Rx(roll) Ry(pitch) Rz(yaw), (3, 3); angles in [rad]."""
-    (a, b, c), (d, e, f) = np.cos((roll, pitch, yaw)), np.sin((roll, pitch, yaw))
-    about_x = np.array([[1.0, 0.0, 0.0], [0.0, a, -d], [0.0, d, a]])
-    about_y = np.array([[b, 0.0, e], [0.0, 1.0, 0.0], [-e, 0.0, b]])
-    about_z = np.array([[c, -f, 0.0], [f, c, 0.0], [0.0, 0.0, 1.0]])
-    return about_x @ about_y @ about_z
+    return Frame(hold, (*place, *angles))

@@ -81,7 +81,7 @@ def _read(number: int, row: Row, held: Attachment, frames: Mapping[int, Frame | 
         if frame is None:  # said of the body
             return
         hold = frame.hold
-        x, y, z = (frame.at + frame.rotation @ (x, y, z)).tolist()
+        x, y, z = frame.place_of((x, y, z))
     elif hold is Hold.TURBINE:
         row.findings.remark(
             f"Line {row.line}: point {number} is on turbine {held.number}; it is coupled, and starts where the row has it."

@@ -106,7 +106,7 @@ def point_paths(motions: SixMotions, places: Sequence[Vector], t_end: float, ori
     values = motions.at(times)
     found = []
     for at in places:
-        states = _states(values, np.subtract(check_vector("at", at, "m", "a point of a platform"), origin))
+        states = carried(values, np.subtract(check_vector("at", at, "m", "a point of a platform"), origin))
         states[:, 0] += origin
         place, velocity, acceleration = states.swapaxes(0, 1).tolist()
         found.append(paths.states(times.tolist(), place, velocity, acceleration))
@@ -134,8 +134,20 @@ def _values(path: Path, t: np.ndarray) -> np.ndarray:
     return found
 
 
-def _states(values: np.ndarray, arm: np.ndarray) -> np.ndarray:
-    """d + R p, and its first two derivatives, (k, 3, 3), for `SixMotions.at` at k times and an arm p."""
+def carried(values: np.ndarray, arm: Vector | np.ndarray) -> np.ndarray:
+    """Return places d + R p, velocities and accelerations of a point of a platform, about its origin.
+
+    Parameters
+    ----------
+    values : (k, 3, 6) float64
+        Of `SixMotions.at` at k times.
+    arm : (3,) array_like [m]
+        The point p when the platform is at rest.
+
+    Returns
+    -------
+    (k, 3, 3) float64 [m], [m/s], [m/s2]
+    """
     turned = np.zeros((len(values), 3, 3))
     turned[:, 0] = arm
     for axis in (2, 1, 0):

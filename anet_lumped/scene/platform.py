@@ -57,5 +57,5 @@ def platform(
             raise SceneError(f"A platform must carry points with the path paths.external, but {quoted(name)} has another.")
     starts = {name: by_name[name].path.at(0.0)[0].tolist() for name in names}
     moved = dict(zip(starts, point_paths(motions, list(starts.values()), LATER * t_end, origin), strict=True))
-    points: list[Point] = [Driven(point.name, moved[point.name]) if point.name in moved else point for point in scene.points]
-    return replace(scene, points=points)
+    every: list[Point] = [Driven(point.name, moved[point.name]) if point.name in moved else point for point in scene.points]
+    return replace(scene, points=every)

@@ -9,7 +9,6 @@ import pytest
 from anet_lumped import Driven, Fixed, Free, SceneError, load_scene, paths
 from anet_lumped.effects import Ground, MoordynBottom, Water
 from anet_lumped.files.moordyn_attachments import WORDS, Hold
-from anet_lumped.files.moordyn_bodies import rotation
 from anet_lumped.files.moordyn_file import deck_from_text, read_moordyn
 from anet_lumped.files.moordyn_findings import DeckError, DeckWarning
 
@@ -222,12 +221,6 @@ def test_points_of_a_body_that_does_not_move_by_itself(word):
     assert isinstance(point, Fixed if word == "Fixed" else Driven)
     at = point.at if word == "Fixed" else point.path.at(0.0)[0]
     assert np.allclose(at, (1.7332, 5.9776, -11.0532), atol=5e-5)  # of which MoorDyn's were noted to 1e-4
-
-
-def test_rotations_are_rotations():
-    turn = rotation(0.3, -1.1, 2.0)
-    assert np.allclose(turn @ turn.T, np.eye(3), atol=1e-15) and np.linalg.det(turn) == pytest.approx(1.0)
-    assert np.allclose(rotation(0.0, 0.0, np.pi / 2) @ (1, 0, 0), (0, 1, 0))
 
 
 def test_the_bottom_is_no_higher_than_what_is_held():

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from anet_lumped import SceneError, SixMotions, paths, signals
-from anet_lumped.files.moordyn_bodies import rotation
 from anet_lumped.prescribed.path_kernel import evaluate
 from anet_lumped.prescribed.six_motions import ROTATIONS, TRANSLATIONS, point_paths
 
@@ -18,6 +17,13 @@ SWING = SixMotions(
     pitch=signals.harmonic(0.0, 0.1, 0.09, 1.0),
     yaw=signals.harmonic(0.05, 0.2, 0.05),
 )
+
+
+def rotation(roll, pitch, yaw):
+    """Rx(roll) Ry(pitch) Rz(yaw), as matrices."""
+    (a, b, c), (d, e, f) = np.cos((roll, pitch, yaw)), np.sin((roll, pitch, yaw))
+    about_x, about_y = [[1, 0, 0], [0, a, -d], [0, d, a]], [[b, 0, e], [0, 1, 0], [-e, 0, b]]
+    return np.array(about_x) @ np.array(about_y) @ np.array([[c, -f, 0], [f, c, 0], [0, 0, 1]])
 
 
 def point_path(motions, at, t_end, origin=(0.0, 0.0, 0.0)):
