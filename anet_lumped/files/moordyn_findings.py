@@ -108,8 +108,19 @@ class Findings:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Sentences of the warning."""
-        lists = (f"No use is made of {kind}: {', '.join(found)}." for kind, found in self._unused.items())
-        return (*(one_line(text, SENTENCE) for text in lists), *self._remarks)
+        lists = (text for kind, found in self._unused.items() for text in _sentences(f"No use is made of {kind}: ", found))
+        return (*lists, *self._remarks)
+
+
+def _sentences(start: str, things: list[str]) -> Iterator[str]:
+    """Yield sentences of bounded length that list all of some things."""
+    listed = ""
+    for thing in things:
+        if listed and len(start) + len(listed) + len(thing) > SENTENCE - 3:
+            yield one_line(f"{start}{listed}.", SENTENCE)
+            listed = ""
+        listed += f", {thing}" if listed else thing
+    yield one_line(f"{start}{listed}.", SENTENCE)
 
 
 def _lines(numbers: list[int]) -> str:

@@ -333,3 +333,10 @@ def test_names_of_a_file_and_what_it_wants_written(tmp_path):
     assert deck.points == {1: "point1", 2: "point2", 3: "point3"} and deck.lines == {1: "line1", 2: "line2"}
     assert deck.channels == ("FairTen1", "Con3px", "L2N4T")
     assert isinstance(deck.scene.point("point2"), Free)
+
+
+def test_a_long_list_is_told_whole():
+    types = "".join(f"spare{i} 0.1 3 1e5 1 0 1 1 0 0\n" for i in range(40))
+    remarks = said(("--- POINTS", f"{types}--- POINTS"))
+    assert len(remarks) > 1 and all(len(remark) <= 270 for remark in remarks)
+    assert all(f"spare{i} (line {6 + i})" in " ".join(remarks) for i in range(40))
