@@ -5,10 +5,13 @@ difference of the velocities at p + 1 steps in a row,
 
     h^p d^(p+1) q/dt^(p+1) = sum_j (-1)^(p-j) (p over j) v_j ,
 
-so that it costs one addition a step. The prescribed nodes are where they should be, and what moves along with them is, too: of the
-derivative their mean is subtracted. What is left out is summed up by its size, since the error of a swing is one of its phase,
-which grows as long as it swings: x = A cos(omega t) is off by A C (omega h)^p omega t, and the sum is 2/pi of that. A damped motion
-forgets some of its errors, and a whip multiplies some, which this sum does not see.
+so that it costs one addition a step. The prescribed nodes are where they should be, and what moves along with them is, too; but
+what stays behind, as a weight does whose support shakes fast, is no more off for their motion. So of a coordinate the geometric mean
+of two counts: the derivative less the mean of the prescribed nodes, and the smaller of that and its own.
+
+What is left out is summed up by its size, since the error of a swing is one of its phase, which grows as long as it swings:
+x = A cos(omega t) is off by A C (omega h)^p omega t, and the sum is 2/pi of that. A damped motion forgets some of its errors, and a
+whip multiplies some, which this sum does not see.
 
 Source: Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (1993), II.3 (local and global error).
 """
@@ -108,7 +111,9 @@ def follow(growth, step_error, steps, weight, h, v, n_free):
         for i in range(n_free, n):
             shared += per_node * growth.difference[i, x]
         for i in range(n_free):
-            error[i, x] += left_out * abs(growth.difference[i, x] - shared)
+            own = growth.difference[i, x]
+            along = abs(own - shared)
+            error[i, x] += left_out * np.sqrt(along * min(abs(own), along))
     return -(unseen + 1), 1.0
 
 
