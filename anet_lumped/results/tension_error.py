@@ -102,7 +102,7 @@ def _missing(run: Any, cable: Cable, T: np.ndarray) -> np.ndarray:
     missing = np.maximum(BETWEEN * second, lowest.overshoot * unresolved * ringing)
     missing = np.maximum(missing, OF_SEGMENT * highest_axial_mode(cable).unresolved(run.dt) * jump)
     if unresolved > 0.0 and run.energy.shape[1] > BY_METHOD and schemes.scheme(run.method).books_its_losses:
-        lost = _vibration_lost(run.energy, 2.0 * decay) / len(run.scene.cables)
+        lost = vibration_lost(run.energy, 2.0 * decay) / len(run.scene.cables)
         vibration = SPREAD * np.sqrt(2.0 * cable.EA / cable.length * lost)[:, None]
         missing = np.maximum(missing, np.minimum(vibration, ringing / unresolved))
     return missing
@@ -135,7 +135,7 @@ def _remembered(jump: np.ndarray, decay: np.ndarray) -> np.ndarray:
         return np.exp(np.maximum.accumulate(np.log(jump) + passed, axis=0) - passed)
 
 
-def _vibration_lost(energy: np.ndarray, decay: np.ndarray) -> np.ndarray:
+def vibration_lost(energy: np.ndarray, decay: np.ndarray) -> np.ndarray:
     """Energy that the method took, less by exp(-sum of decay (k - 1,)) since, at each saved time (k,) [J]."""
     taken = np.maximum.accumulate(np.maximum(energy[:, BY_METHOD] - energy[0, BY_METHOD], 0.0))
     left = [0.0]

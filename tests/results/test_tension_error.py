@@ -8,7 +8,7 @@ import pytest
 
 from anet_lumped import Cable, Fixed, Free, Scene, simulate
 from anet_lumped.effects import Gravity
-from anet_lumped.results.tension_error import Mode, _remembered, _vibration_lost
+from anet_lumped.results.tension_error import Mode, _remembered, vibration_lost
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.5, 1.0, 3.0])
@@ -39,7 +39,7 @@ def test_jumps_and_energies_fade():
         kept.append(np.maximum(jump[k + 1], kept[-1] * math.exp(-decay[k])))
         left.append((left[-1] + energy[k + 1, -1] - energy[k, -1]) * math.exp(-decay[k]))
     np.testing.assert_allclose(_remembered(jump, decay), kept, rtol=1e-13)
-    np.testing.assert_allclose(_vibration_lost(energy, decay), left, rtol=1e-13)
+    np.testing.assert_allclose(vibration_lost(energy, decay), left, rtol=1e-13)
     still = np.full(29, 300.0)  # the most that is handed over
     np.testing.assert_allclose(_remembered(jump, still)[jump > 0.0], jump[jump > 0.0], rtol=1e-10)
 
