@@ -114,6 +114,15 @@ def lost_share(energy: np.ndarray) -> np.ndarray:
     return np.where(lost > 0.0, np.minimum(lost / np.maximum(energy_in_play(energy), 1e-300), 1.0), 0.0)
 
 
+def moved_share(energy: np.ndarray) -> np.ndarray:
+    """Largest share of the energy in play that the steps have taken or given up to each saved time, (k,)."""
+    change = energy - energy[0]
+    gained = change[:, : POTENTIAL + 1].sum(axis=1) - change[:, WORK] + change[:, BY_DAMPERS : BY_EFFECTS + 1].sum(axis=1)
+    moved = np.abs(gained)
+    share = np.where(moved > 0.0, np.minimum(moved / np.maximum(energy_in_play(energy), 1e-300), 1.0), 0.0)
+    return np.maximum.accumulate(share)
+
+
 def book_remainder(rows: np.ndarray) -> None:
     """Book to the method what neither work nor forces account for since the first row; ``rows`` (k, 7) [J] are changed."""
     rows[:, BY_METHOD] = 0.0

@@ -4,7 +4,7 @@ What the steps leave out adds up in the march (`integrators.marching.error_growt
 off by (`free_flight`). Both fade as the motion does: dampers and drag that take the power D of a motion of the energy E let its
 amplitude, and the errors in it, fade at the rate D/2E.
 
-Besides, energy that the method took is missing in the motion: of an amplitude A, which goes with the square root of the energy, a
+Besides, energy that the method took is missing in the motion, and what it gave is too much: of an amplitude A, which goes with the square root of the energy, a
 share E_lost/2E. A swing that starts at rest goes 2A. Where all is lost the motion is off by its whole way 2A, and so it is by its
 share of 2A where a weight flies as high as its energy takes it. What a method took of stretching alone, as `edmc` does, lifts the
 weight W of all that moves by E_lost/W at most, less what the dampers of the cable would have taken, which act half of the time if it
@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.results.energy_balance import BY_DAMPERS, BY_EFFECTS, BY_METHOD, KINETIC, lost_share
+from anet_lumped.results.energy_balance import BY_DAMPERS, BY_EFFECTS, BY_METHOD, KINETIC, lost_share, moved_share
 from anet_lumped.scene.scene import Driven
 from integrators import schemes
 
@@ -49,7 +49,7 @@ def place_errors(run: Any) -> np.ndarray:
 
 
 def _lost_way(run: Any, flying: float) -> np.ndarray:
-    """Part of the way of the motion that is missing with the energy that the method took, (k,) [m].
+    """Part of the way of the motion that is missing with the energy that the method took, or gave, (k,) [m].
 
     ``flying`` is the share of the saved times at which a node has no taut segment.
     """
@@ -57,11 +57,12 @@ def _lost_way(run: Any, flying: float) -> np.ndarray:
     if any(isinstance(point, Driven) for point in run.scene.points):
         moved = moved - moved[:, run.model.n_free :].mean(axis=1, keepdims=True)
     amplitude = 0.5 * np.maximum.accumulate(np.abs(moved).max(axis=(1, 2)))
-    share = lost_share(run.energy)
+    books = schemes.scheme(run.method).books_its_losses
+    share = lost_share(run.energy) if books else np.maximum(lost_share(run.energy), moved_share(run.energy))
     way = share * (0.5 + 1.5 * np.maximum(share, flying)) * amplitude
     n_free = run.model.n_free
     weight = float(np.linalg.norm(run.scene.gravity)) * float(run.model.mass[:n_free].sum())
-    if schemes.scheme(run.method).books_its_losses and weight > 0.0:
+    if books and weight > 0.0:
         modes = [lowest_axial_mode(run.scene, cable) for cable in run.scene.cables]
         decay = np.minimum(min(mode.zeta * mode.omega for mode in modes) * np.diff(run.t), FORGOTTEN)
         way = np.minimum(way, np.maximum.accumulate(vibration_lost(run.energy, decay)) / weight)

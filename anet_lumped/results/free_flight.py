@@ -30,6 +30,19 @@ def loose(run: Any) -> np.ndarray:
     return ~held[:, : model.n_free]
 
 
+def goes_loose(run: Any) -> bool:
+    """Whether a node of a cable of several segments has none that is taut at a saved time after the start."""
+    return bool((loose(run) & _of_several_segments(run))[1:].any())
+
+
+def _of_several_segments(run: Any) -> np.ndarray:
+    """Which free nodes belong to a cable of several segments, (n_free,) bool."""
+    several = np.zeros(run.model.n, bool)
+    for cable in run.scene.cables:
+        several[run.model.nodes(cable.name)] |= cable.segments > 1
+    return several[: run.model.n_free]
+
+
 def flight_errors(run: Any, flies: np.ndarray) -> np.ndarray:
     """Largest error that a flight has led to up to each saved time, where nothing but gravity acts.
 
@@ -42,10 +55,7 @@ def flight_errors(run: Any, flies: np.ndarray) -> np.ndarray:
     -------
     error : (k,) float64 [m]
     """
-    several = np.zeros(run.model.n, bool)
-    for cable in run.scene.cables:
-        several[run.model.nodes(cable.name)] |= cable.segments > 1
-    flies = flies & several[: run.model.n_free]
+    flies = flies & _of_several_segments(run)
     if len(run.t) < 2 or not flies.any() or not all(isinstance(effect, Gravity) for effect in run.scene.effects):
         return np.zeros(len(run.t))
     v = run.v[:, : run.model.n_free]
