@@ -4,11 +4,11 @@ What the steps leave out adds up in the march (`integrators.marching.error_growt
 off by (`free_flight`). Both fade as the motion does: dampers and drag that take the power D of a motion of the energy E let its
 amplitude, and the errors in it, fade at the rate D/2E.
 
-Besides, energy that the method took is missing in the motion, and what it gave is too much: of an amplitude A, which goes with the square root of the energy, a
-share E_lost/2E. A swing that starts at rest goes 2A. Where all is lost the motion is off by its whole way 2A, and so it is by its
-share of 2A where a weight flies as high as its energy takes it. What a method took of stretching alone, as `edmc` does, lifts the
-weight W of all that moves by E_lost/W at most, less what the dampers of the cable would have taken, which act half of the time if it
-goes slack in between.
+Besides, energy that the method took is missing in the motion, and what it gave is too much: of an amplitude A, which goes with the
+square root of the energy, a share E_lost/2E. A swing that starts at rest goes 2A. Where all is lost the motion is off by its whole
+way 2A, and so it is by its share of 2A where a weight flies as high as its energy takes it. What a method took of stretching alone,
+as `edmc` does, lifts the weight W of all that moves by E_lost/W at most, less what the dampers of the cable would have taken, which
+act half of the time if it goes slack in between.
 
 All together is not more than the longest way that a node goes. How far this is from the truth, the study `error_estimate` shows.
 """
@@ -17,14 +17,13 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.results.energy_balance import BY_DAMPERS, BY_EFFECTS, BY_METHOD, KINETIC, lost_share, moved_share
+from anet_lumped.results.energy_balance import BY_DAMPERS, BY_EFFECTS, BY_METHOD, KINETIC, SWINGS, lost_share, moved_share
 from anet_lumped.scene.scene import Driven
 from integrators import schemes
 
 from .free_flight import flight_errors, loose
 from .tension_error import lowest_axial_mode, vibration_lost
 
-SWINGS = 16  # parts of a run, in one of which a swing is taken to come to its largest kinetic energy at least once
 FORGOTTEN = 300.0  # exponent of decay over a run beyond which nothing of an error is left
 
 

@@ -1,9 +1,9 @@
 """Nodes that nothing holds: which of them fly, and how far the error of a velocity takes them while they do.
 
 Where the last taut segment at a node goes slack, its force ends within a step. What the step leaves out of the velocity is of the
-size of the second difference of the velocities there. A node that is held swings about its place with that; one that flies keeps it,
-so that its error grows with the time of its flight. A weight on one segment leaves with the speed that the energy gives it, which
-`edmc` keeps; so only nodes of cables of several segments count, whose vibrations share the energy out.
+size of the second difference of the velocities there. A node that is held swings about its place with that; one that flies keeps
+it, so that its error grows with the time of its flight. A weight on one segment leaves with the speed that the energy gives it,
+which `edmc` keeps; so only nodes of cables of several segments count, whose vibrations share the energy out.
 """
 
 from typing import Any

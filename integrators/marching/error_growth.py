@@ -6,8 +6,8 @@ difference of the velocities at p + 1 steps in a row,
     h^p d^(p+1) q/dt^(p+1) = sum_j (-1)^(p-j) (p over j) v_j ,
 
 so that it costs one addition a step. The prescribed nodes are where they should be, and what moves along with them is, too; but
-what stays behind, as a weight does whose support shakes fast, is no more off for their motion. So of a coordinate the geometric mean
-of two counts: the derivative less the mean of the prescribed nodes, and the smaller of that and its own.
+what stays behind, as a weight does whose support shakes fast, is no more off for their motion. So of a coordinate the geometric
+mean of two counts: the derivative less the mean of the prescribed nodes, and the smaller of that and its own.
 
 What is left out is summed up by its size, since the error of a swing is one of its phase, which grows as long as it swings:
 x = A cos(omega t) is off by A C (omega h)^p omega t, and the sum is 2/pi of that. A damped motion forgets some of its errors, and a
