@@ -2,9 +2,12 @@
 
 import json
 
+import numpy as np
 import pandas as pd
 import pytest
 
+from anet_lumped import simulate
+from anet_lumped.motion.accuracy import Wanted
 from studies.catalogue.random_motions import KINDS, random_motion
 from studies.questions import error_estimate
 
@@ -23,6 +26,18 @@ def test_a_motion_beside_its_reference(number):
     assert len(runs) == 4 and len(judged) >= 2 and (judged.true_m.diff()[1:] < 0.0).all()
     assert (judged.told_m / judged.true_m).between(0.25, 4.0).all()
     assert default["kept"] and default["true_m"] < 2.0 * default["allowed_m"]
+
+
+@pytest.mark.parametrize("number", [92, 94])
+def test_a_fall_that_goes_loose_is_not_off_by_more_than_it_says(number):
+    """Of four segments, whose places change at once with the step (14 times what it said once), and a short run of Verlet (4)."""
+    motion = random_motion(number)
+    run = simulate(motion.scene, motion.t_end, start=motion.start)
+    fine = simulate(
+        motion.scene, motion.t_end, start=motion.start, method="edmc", dt=run.dt / 8, save_every=run.t[1] - run.t[0]
+    )  # fmt: skip
+    off = np.linalg.norm(run.q - fine.q, axis=2).max()
+    assert off < 2.0 * (Wanted(None, 0.02).of_places(run) if run.kept else run.error_estimate)
 
 
 def rows(told, kept=True):
