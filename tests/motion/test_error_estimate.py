@@ -107,4 +107,4 @@ def test_energy_that_swings_with_a_method_is_no_error_and_what_stays_is():
     steps[160:, 0] += 1.0
     assert moved_share(energy).max() < 1e-12 and moved_share(swings).max() < 0.02
     gave = moved_share(steps)
-    assert gave[139] < 1e-12 and gave[180] == gave[-1] == pytest.approx(1.0 / 11.0, rel=0.02)
+    assert gave[139] < 1e-12 and gave[180] == pytest.approx(1.0 / 11.0, rel=0.02) == gave[-1]
