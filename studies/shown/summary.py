@@ -17,6 +17,7 @@ def rest_summary(state) -> dict:
     return {
         "cables": [{"cable": cable.name} | _at_rest(state, cable) for cable in state.scene.cables],
         "points": _points(state),
+        **_bodies("bodies", state),
         "stable": state.stable,
         "residual": state.residual,
     }
@@ -51,6 +52,7 @@ def run_summary(run) -> dict:
             for cable in run.scene.cables
         ],
         "points_at_the_end": _points(run.final),
+        **_bodies("bodies_at_the_end", run.final),
     }
 
 
@@ -290,6 +292,17 @@ def _points(state):
     """Positions of the points that move."""
     free = [point.name for point in state.scene.points if isinstance(point, Free)]
     return [{"point": name} | _xyz(state.position(name)) for name in free]
+
+
+def _bodies(title, state):
+    """A table of the places and rotations of bodies, if there are any."""
+    rows = [
+        {"body": body.name}
+        | _xyz(state.position(body.name))
+        | {f"rotation_{part}": x for part, x in zip("wxyz", state.quaternion(body.name), strict=True)}
+        for body in state.scene.bodies
+    ]
+    return {title: rows} if rows else {}
 
 
 def _xyz(vector):
