@@ -10,7 +10,7 @@ from toy_effects import DEAD, LIVE, NAME, constant, hung, later, level, light, m
 
 from anet_lumped import Driven, Free, PayloadChange, Scene, SceneError, equilibrium, paths, simulate, wind
 from anet_lumped.compiled.exceptions import may_raise
-from anet_lumped.effects import REGISTRY, Air, Effect, Gravity, Load, Temperature, ViscousDamping, Water, node_energy, node_force
+from anet_lumped.effects import REGISTRY, Air, Effect, Gravity, Load, Temperature, ViscousDamping, Water, node_force
 from anet_lumped.effects.effect import STRAIN, LengthChange, check_effect_class
 from anet_lumped.effects.signatures import FORCE_SIGNATURE, SLOTS
 from anet_lumped.model import tables
@@ -142,14 +142,14 @@ def test_laws_of_users_may_not_raise():
             raise ValueError("too deep")
         return 0.0, 0.0, 0.0
 
-    @node_energy
-    def summed(t, q, weights):
+    @node_force
+    def summed(t, q, v, weights):
         total = 0.0
         for w in weights:
             total += w * math.log(1.0 + q[0] ** 2)
         for x in range(3):
             total += weights[x] * q[x] / (1.0 + q[x] ** 2)
-        return total
+        return total, 0.0, 0.0
 
     with pytest.raises(SceneError, match=r"`force` .* must not raise, but that of effect fragile may raise ValueError in"):
         build(hung(fragile()))

@@ -158,9 +158,12 @@ SAVING = {
 }
 
 
-@pytest.mark.parametrize("command", SAVING, ids=lambda command: command[0])
-@pytest.mark.parametrize("how", ["closed", "full"])
-def test_what_is_not_printed_is_saved_all_the_same(command, how, tmp_path):
+@pytest.mark.parametrize(
+    ("how", "command"),
+    [*(("closed", command) for command in SAVING), ("full", ("equilibrium", "net_held"))],
+    ids=lambda given: given if isinstance(given, str) else given[0],
+)
+def test_what_is_not_printed_is_saved_all_the_same(how, command, tmp_path):
     """On a pipe that nobody reads, and on a device that is full. Python is told to write at once, as to a screen."""
     if how == "full":
         stdout = open("/dev/full", "w") if Path("/dev/full").exists() else pytest.skip("no device that is full")
