@@ -307,17 +307,18 @@ def measures():
 
 @app.command(epilog="Example: anet-lumped study length_error --quick --out results/length_error")
 def study(
-    name: Annotated[str | None, typer.Argument(help="Name of the study; lists them if not given.")] = None,
+    name: Annotated[str | None, typer.Argument(help="Name of the study; lists them and their questions if not given.")] = None,
     quick: Quick = False,
     out: Annotated[
         Path | None, typer.Option(help="Folder for its rows and figures; results/NAME by default.", callback=_folder)
     ] = None,
 ):
     """Run one study. Writes its rows and figures, prints its answer."""
-    from studies.study import NAMES, run_study
+    from studies.study import NAMES, question_of, run_study
 
     if name is None:
-        print("\n".join(NAMES))
+        for one in NAMES:
+            print(f"{one:{max(map(len, NAMES))}}  {question_of(one)}")
         return
     announce_compiling("study")
     logging.getLogger("anet_lumped").setLevel(logging.WARNING)  # of a study its rows are told, not their runs

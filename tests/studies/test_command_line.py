@@ -20,7 +20,7 @@ from anet_lumped.files.scene_file import SCENES
 from studies import command_line
 from studies.command_line import main
 from studies.quantities import metres, newtons, seconds
-from studies.study import NAMES
+from studies.study import NAMES, module_of
 
 COMMANDS = [
     "equilibrium",
@@ -445,7 +445,8 @@ def test_a_stopped_sweep_is_resumed(tmp_path, capsys, how, ctrl_c):
 
 def test_study_lists_and_runs(monkeypatch, tmp_path, capsys):
     assert call("study") == 0
-    assert capsys.readouterr().out.splitlines()[0] == "thesis_tables"
+    listed = [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()]
+    assert listed == [[name, module_of(name).STUDY.question] for name in NAMES]
     fake_study(monkeypatch, "order")
     assert call("study", "order", "--quick", "--out", tmp_path) == 0
     assert "It stretches by 10%." in capsys.readouterr().out
