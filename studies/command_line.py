@@ -127,12 +127,12 @@ def _about(
 
 
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
-def equilibrium(scene: Scene, out: Out = None, as_json: Json = False):
+def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False):
     """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point."""
     from anet_lumped.statics.equilibrium import equilibrium
     from studies.shown.summary import rest_summary, write_nodes
 
-    state = equilibrium(_load(scene, "equilibrium"))
+    state = equilibrium(_changed(_load(scene, "equilibrium"), change))
     give(rest_summary(state), as_json, out, "equilibrium", lambda: write_nodes(state, out / "nodes.csv"))
 
 
@@ -189,14 +189,16 @@ def recommend(
     t_end: Annotated[float | None, typer.Option(help="Motion to look at; two swings if not given.", **TIME)] = None,
     start: Start = "equilibrium",
     realtime: Annotated[float | None, typer.Option(help="How many times faster than real time it must run.")] = None,
+    change: Changes = (),
     as_json: Json = False,
 ):
     """Find the cheapest segments, method and step for an error. Its parts, the runner-up, and the command to run."""
     from anet_lumped.advice.recommend import recommend
     from studies.shown.summary import recommendation_summary
 
-    found = recommend(_load(scene, "recommend"), error, at=at, t_end=t_end, start=start, realtime=realtime)
-    give(recommendation_summary(found, scene), as_json)
+    loaded = _changed(_load(scene, "recommend"), change)
+    found = recommend(loaded, error, at=at, t_end=t_end, start=start, realtime=realtime)
+    give(recommendation_summary(found, scene, change), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
         tell(
@@ -235,12 +237,13 @@ def effects(
 def check(
     scene: Scene,
     dt: Annotated[float | None, typer.Option(help="A step to judge, as in 1ms.", **TIME)] = None,
+    change: Changes = (),
     as_json: Json = False,
 ):
     """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
     from studies.shown.summary import prediction_summary
 
-    give(prediction_summary(_load(scene, "equilibrium"), dt), as_json)
+    give(prediction_summary(_changed(_load(scene, "equilibrium"), change), dt), as_json)
 
 
 @app.command(epilog="Example: anet-lumped sweep net_held --vary EA=1e2:1e6:9log --vary segments=5,10  (EA in N)")
@@ -259,6 +262,7 @@ def sweep(
     method: Method = None,
     dt: Step = None,
     start: Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")] = None,
+    change: Changes = (),
     out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=_folder)] = None,
     workers: Annotated[int | None, typer.Option(help="Processes; one a core by default.", min=1)] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
@@ -276,7 +280,7 @@ def sweep(
     where = {"out": out, "resume": resume}
     try:
         table = sweep(
-            _load(scene, "simulate" if t_end else "equilibrium"),
+            _changed(_load(scene, "simulate" if t_end else "equilibrium"), change),
             parse_vary(vary),
             measure,
             **settings,
@@ -332,13 +336,14 @@ def study(
 def mismatch(
     scene: Scene,
     markers: Annotated[Path | None, typer.Option(help="Measured positions (CSV); the catenary if not given.")] = None,
+    change: Changes = (),
     out: Out = None,
     as_json: Json = False,
 ):
     """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable."""
     from studies.shown.summary import catenary_comparison, marker_comparison
 
-    loaded = _load(scene, "equilibrium")
+    loaded = _changed(_load(scene, "equilibrium"), change)
     found = marker_comparison(loaded, markers) if markers else catenary_comparison(loaded)
     give(found, as_json, out, "mismatch")
 
@@ -399,6 +404,7 @@ def convert(
     out: Annotated[
         Path, typer.Argument(metavar="OUT", help="The file to write: .toml, MoorDyn's .txt, .dat, .moordyn; of a run .pvd.")
     ],
+    change: Changes = (),
 ):
     """Write a scene as TOML or a MoorDyn input file, by the ending of OUT, or a saved run as a VTK series for ParaView."""
     from anet_lumped.checks import InputError
@@ -406,11 +412,13 @@ def convert(
     from anet_lumped.files.scene_file import MOORDYN, save_scene
 
     if scene.lower().endswith(ENDING):
+        if change:
+            raise InputError(f"A saved run is written as it is; --set changes a scene, but {scene} is a run.")
         print(view_saved(scene, out))
         return
     if out.suffix.lower() not in (".toml", *MOORDYN):
         raise InputError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}; .pvd is for a saved run (.nc).")
-    save_scene(_load(scene, "equilibrium"), out)
+    save_scene(_changed(_load(scene, "equilibrium"), change), out)
     print(out)
 
 

@@ -4,6 +4,7 @@ import csv
 import inspect
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -487,3 +488,24 @@ def test_compiling_is_told_in_one_line_and_not_where_nothing_compiles(monkeypatc
     monkeypatch.setattr(compiling, "call_when_compiling", lambda call, only_cached: None)
     assert call("equilibrium", "net_held") == 0
     assert capsys.readouterr().err == ""
+
+
+def test_every_command_that_takes_a_scene_changes_it_first(tmp_path, capsys):
+    """A net with p0 as heavy as its cables hangs lower; the recommended command has the change in it."""
+
+    def said(*words):
+        assert call(*words) == 0
+        return capsys.readouterr().out
+
+    change = ("--set", "p0.mass=0.4")
+    for words in (("equilibrium", "net_held"), ("check", "net_held"), ("mismatch", "net_held")):
+        assert said(*words, "--json", *change) != said(*words, "--json")
+    assert said("convert", "net_held", tmp_path / "net.toml", *change) and "mass = 0.4" in (tmp_path / "net.toml").read_text()
+    swept = ("sweep", "net_held", "--vary", "segments=5", "--measure", "height:p0", "--out", tmp_path, "--json")
+    table = json.loads(said(*swept, *change))
+    (point,) = json.loads(said("equilibrium", "net_held", "--set", "segments=5", "--json", *change))["points"]
+    assert table["rows"][0]["height:p0"] == pytest.approx(point["z"], abs=1e-9)
+    recommended = said("recommend", "net_carried", "--error", "5mm", "--t-end", 1, *change, "--set", "segments=30")
+    assert re.search(r"command: .* --set p0.mass=0.4 --set segments=\d+\n", recommended)
+    assert call("convert", OLD_RUN, tmp_path / "run.pvd", *change) == 2
+    assert "A saved run is written as it is; --set changes a scene, but" in capsys.readouterr().err
