@@ -15,7 +15,11 @@ CORNERS = {"nw": (-0.2, 0.15), "ne": (0.2, 0.15), "se": (0.2, -0.15), "sw": (-0.
 @pytest.fixture
 def file(tmp_path):
     crate = Body(
-        "crate", mass=1.5, inertia=(0.02, 0.03, 0.045), at=(0.0, 0.0, -0.9), attachments={k: (*xy, 0.05) for k, xy in CORNERS.items()}
+        "crate",
+        mass=1.5,
+        inertia=(0.02, 0.03, 0.045),
+        at=(0.0, 0.0, -0.9),
+        attachments={k: (*xy, 0.05) for k, xy in CORNERS.items()},
     )
     points = [Fixed(name, (2 * x, 2 * y, 0.0)) for name, (x, y) in CORNERS.items()]
     cables = [Cable(name, f"crate.{name}", length=0.9, mass_per_length=0.02, EA=1e4, zeta=0.05, segments=4) for name in CORNERS]
@@ -37,7 +41,18 @@ def test_places_and_rotations_are_told(file):
 
 
 def test_numbers_of_a_body_are_varied(file, tmp_path):
-    said("sweep", file, "--vary", "crate.mass=1,2", "--vary", "crate.at.x=0,0.1", "--measure", "tension", "--out", str(tmp_path / "s"))
+    said(
+        "sweep",
+        file,
+        "--vary",
+        "crate.mass=1,2",
+        "--vary",
+        "crate.at.x=0,0.1",
+        "--measure",
+        "tension",
+        "--out",
+        str(tmp_path / "s"),
+    )
     rows = (tmp_path / "s" / "rows.csv").read_text().splitlines()
     assert len(rows) == 5 and "crate.mass" in rows[0]
 
