@@ -1,0 +1,136 @@
+"""Accelerations and tensions of links at rigid bodies against a dense solution in the shifts and turns of the bodies.
+
+With the velocities x' = P y of all nodes by those of the pieces y, and x'' = P y' + g with g = w x (w x d) on the nodes of bodies:
+
+    P^T M P y' + (B P)^T T = P^T (f - M g) ,    B P y' = (wanted) - B g .
+"""
+
+import math
+
+import dense_links as dense
+import naive
+import numpy as np
+import pytest
+
+from anet_lumped import Body, Cable, Fixed, Free, Scene
+from anet_lumped.effects import Gravity, ViscousDamping
+from anet_lumped.model.build import build
+from anet_lumped.prescribed import paths
+from anet_lumped.prescribed.turning import matrix_of
+
+EFFECTS = [Gravity(), ViscousDamping(0.7)]
+CLOSE = 1e-10  # of the largest number: conditions are up to some 1e4
+HOOKS = {"a": (0.3, 0.2, 0.1), "b": (-0.3, 0.25, 0.1), "c": (-0.28, -0.2, 0.05), "d": (0.1, -0.2, 0.4)}
+TENSOR = ((0.09, 0.01, -0.02), (0.01, 0.16, 0.005), (-0.02, 0.005, 0.2))
+
+
+def body(name="box", at=(0.0, 0.0, -1.5), **more):
+    return Body(name, mass=4.0, inertia=TENSOR, at=at, attachments=HOOKS, centre_of_mass=(0.02, -0.01, -0.05), rotation=(0.2, 0.5, -0.1), **more)  # fmt: skip
+
+
+def cable(start, end, segments=1, **more):
+    return Cable(start, end, length=1.3, mass_per_length=0.2, EA=math.inf, segments=segments, compression="linear", **more)
+
+
+TOPS = [Fixed(f"f{k}", at) for k, at in enumerate([(1, 1, 0.2), (-1, 1, 0), (-1, -1, 0.1), (1, -1, 0)])]
+SECOND = body("slab", at=(0.5, -0.3, -3.0))
+SCENES = {
+    "hung on one": ([TOPS[0]], [cable("f0", "box.a")], [body()]),
+    "hung on four": (TOPS, [cable(f"f{k}", f"box.{hook}", 1 + k) for k, hook in enumerate("abcd")], [body()]),
+    "two at one attachment": (TOPS[:2], [cable("f0", "box.a"), cable("f1", "box.a", 3)], [body()]),
+    "at the origin too": (TOPS[:2], [cable("f0", "box"), cable("box.b", "f1", 2)], [body()]),
+    "no cable of its own": ([TOPS[0], Free("m", mass=1.0)], [cable("f0", "m", 3)], [body()]),
+    "between free points": ([Free("m", mass=0.7), Free("n", mass=1.1)], [cable("m", "box.a"), cable("box.b", "n", 4), cable("m", "n", 2)], [body()]),
+    "two bodies": (TOPS[:1], [cable("f0", "box.a"), cable("box.b", "slab.c", 3), cable("slab.a", "box.d"), cable("slab.b", "box")], [body(), SECOND]),
+    "to itself": (TOPS[:1], [cable("f0", "box.a"), cable("box.b", "box.d", 3)], [body()]),
+    "pinned": (TOPS[:2], [cable("f0", "box.a"), cable("box.b", "f1", 2)], [body(pinned="c")]),
+    "pinned at its origin, cables at its pivot": (TOPS[:1], [cable("box.a", "m"), cable("f0", "box"), Cable("box", "m", length=2.0, mass_per_length=0.1, EA=math.inf, segments=2)], [body(pinned="")]),
+    "on a driven body": ([], [cable("deck.a", "box.a"), cable("box.b", "deck", 2)], [body(), Body("deck", attachments={"a": (1, 0, 0)}, path=paths.harmonic((0, 0, 1), (0.1, 0, 0.2), frequency=1.0), turning=paths.harmonic((0, 0, 0), (0.3, 0, 0.1), frequency=0.7))]),
+}  # fmt: skip
+SCENES["pinned at its origin, cables at its pivot"][0].append(Free("m", mass=0.4))
+
+
+def scene_of(name):
+    points, cables, bodies = SCENES[name]
+    return Scene(points, cables, EFFECTS, bodies=bodies)
+
+
+def pieces(model, q):
+    """P (3 n_free, unknowns) of the places q."""
+    columns, taken = [], set()
+    for one in model.scene.bodies:
+        if one.is_driven:
+            continue
+        nodes = [model.node_of[point.name] for point in one.points]
+        taken |= set(nodes)
+        origin = q[nodes[0]]
+        pivot = None if one.pinned is None else q[model.node_of[f"box.{one.pinned}" if one.pinned else "box"]]
+        for x in np.eye(3):
+            if pivot is None:
+                columns.append(_column(model, nodes, np.tile(x, (len(nodes), 1))))
+            columns.append(_column(model, nodes, np.cross(x, q[nodes] - (origin if pivot is None else pivot))))
+    for i in sorted(set(range(model.n_free)) - taken):
+        columns += [_column(model, [i], [x]) for x in np.eye(3)]
+    return np.array(columns).T
+
+
+def _column(model, nodes, rows):
+    out = np.zeros((model.n_free, 3))
+    out[nodes] = rows
+    return out.ravel()
+
+
+def at_random(model, seed):
+    """Places and velocities in which each body is one piece, with its spins; lengths are those that come."""
+    rng = np.random.default_rng(seed)
+    (q, v), spins = dense.prescribed(model, 0.3)[:2], {}
+    q[: model.n_free], v[: model.n_free] = rng.normal(size=(2, model.n_free, 3))
+    for one in model.scene.bodies:
+        if one.is_driven:
+            continue
+        nodes, arms = [model.node_of[point.name] for point in one.points], np.array([point.arm for point in one.points])
+        spins[one.name] = rng.normal(size=3)
+        q[nodes] = rng.normal(size=3) + arms @ matrix_of(tuple(rng.normal(size=3))).T
+        pivot = None if one.pinned is None else model.node_of[f"box.{one.pinned}" if one.pinned else "box"]
+        drift = rng.normal(size=3) if pivot is None else np.cross(spins[one.name], q[nodes[0]] - q[pivot])
+        v[nodes] = drift + np.cross(spins[one.name], q[nodes] - q[nodes[0]])
+    return q, v, spins
+
+
+def turning_accelerations(model, q, spins):
+    """g (n, 3) of the nodes of bodies: w x (w x d), of a free body relative to its origin, which y' then takes up."""
+    g = np.zeros((model.n, 3))
+    for one in model.scene.bodies:
+        if not one.is_driven:
+            nodes, w = [model.node_of[point.name] for point in one.points], spins[one.name]
+            about = q[nodes[0]] if one.pinned is None else q[model.node_of[f"box.{one.pinned}" if one.pinned else "box"]]
+            g[nodes] = np.cross(w, np.cross(w, q[nodes] - about))
+    return g
+
+
+def dense_solution(model, q, v, spins):
+    """Accelerations of the moving nodes (n_free, 3) and tensions (n_segments,)."""
+    n, lengths = 3 * model.n_free, dense.constant_lengths(model)
+    P, g, M = pieces(model, q), turning_accelerations(model, q, spins), np.repeat(naive.masses(model)[: model.n_free], 3)
+    B = dense.constraints(model, q)
+    r = dense.wanted(model, q, v, lengths) - B[:, n:] @ dense.prescribed(model, 0.3)[2].ravel()[n:] - B[:, :n] @ g.ravel()[:n]
+    f = naive.external(model, q, v).ravel()[:n] - M * g.ravel()[:n]
+    BP = B[:, :n] @ P
+    moves = np.flatnonzero(np.abs(BP).max(axis=1) > 1e-12)  # a link between two held points carries nothing
+    K = np.block([[P.T @ (M[:, None] * P), BP[moves].T], [BP[moves], np.zeros((len(moves),) * 2)]])
+    x = np.linalg.solve(K, np.concatenate([P.T @ f, r[moves]]))
+    T = np.zeros(model.n_segments)
+    T[moves] = x[P.shape[1] :]
+    return (P @ x[: P.shape[1]] + g.ravel()[:n]).reshape(-1, 3), T
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("name", SCENES)
+def test_every_kind_of_net_with_bodies(name, seed):
+    scene = scene_of(name)
+    model = build(scene)
+    q, v, spins = at_random(model, seed)
+    found = dense.compiled(scene, 0.3, q, v)
+    a, T = dense_solution(model, q, v, spins)
+    np.testing.assert_allclose(found.a, a, rtol=0.0, atol=CLOSE * np.abs(a).max())
+    np.testing.assert_allclose(found.T, T, rtol=0.0, atol=CLOSE * np.abs(T).max())
