@@ -74,19 +74,18 @@ def mobility_bodies(net_address, q):
 
 @on_demand
 def meet_bodies(net_address):
-    """Add to the system of the end links what joins those that end at one body."""
+    """Add to the system of the end links what joins those that end at one body; one with both ends on it carries nothing."""
     net = view_net(net_address)
     links, arms = net.links, net.bodies.arm_end
     for j in range(links.body_meeting.shape[0]):
         pair = links.body_meeting[j]
         first, second = pair[BODY_MEETING_FIRST], pair[BODY_MEETING_SECOND]
+        if first == second:
+            links.diagonal[pair[BODY_MEETING_ENTRY]], links.size[first] = 0.0, 0.0
+            continue
         k, l = pair[BODY_MEETING_FIRST_NODE], pair[BODY_MEETING_SECOND_NODE]
         moved = _mobile(links, pair[BODY_MEETING_BODY], row(arms, l), row(arms, k), row(links.vector, first))
-        value = pair[BODY_MEETING_SIGN] * dot(row(links.vector, second), moved)
-        if first == second:
-            links.diagonal[pair[BODY_MEETING_ENTRY]] += 2.0 * value
-        else:
-            links.entry[pair[BODY_MEETING_ENTRY]] += value
+        links.entry[pair[BODY_MEETING_ENTRY]] += pair[BODY_MEETING_SIGN] * dot(row(links.vector, second), moved)
 
 
 @on_demand

@@ -64,7 +64,7 @@ def _factor_end_links(links):
             diagonal[u] = 1.0 / diagonal[u]
         else:
             diagonal[u] = 0.0
-            redundant += 1 if links.size[links.segment[u]] > 0.0 else 0  # one of size 0 joins a pivot and a prescribed point
+            redundant += 1 if links.size[links.segment[u]] > 0.0 else 0  # see `bodies`: size 0 is of a link that nothing can move
         first, last, target = links.later_at[u], links.later_at[u + 1], links.target_at[u]
         for i in range(first, last):
             share = entry[i] * diagonal[u]
