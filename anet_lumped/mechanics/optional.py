@@ -91,7 +91,9 @@ as_set_lengths, as_power_of_lengths, as_work_of_lengths, as_energy_of_paid_out =
 as_place_bodies, as_balance_bodies, as_reduce_bodies, as_spread_bodies, as_finish_bodies = (
     callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("place", "balance", "reduce", "spread", "finish")
 )
-as_turn_bodies, as_stiffen_bodies, as_force_bodies = (callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("turn", "stiffen", "force"))
+as_turn_bodies, as_stiffen_bodies, as_force_bodies = (
+    callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("turn", "stiffen", "force")
+)
 as_mobility_bodies, as_meet_bodies, as_pull_bodies, as_shape_bodies = (
     callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("mobility", "meet", "pull", "shape")
 )

@@ -5,9 +5,9 @@ m/4 at r + (s1 a1 e1 + s2 a2 e2 + s3 a3 e3), with the signs of (+++), (+--), (-+
 
     a_k = sqrt(E_k/m) ,     E_k = (J_1 + J_2 + J_3)/2 - J_k ,
 
-have the same three (Routh, The Elementary Part of a Treatise on the Dynamics of a System of Rigid Bodies, 1905, article 36). So gravity,
-kinetic energy and momenta of a body are sums over points. E_k is the second moment of the mass along the axis e_k and cannot be
-negative, which is why no principal inertia exceeds the sum of the other two.
+have the same three (Routh, The Elementary Part of a Treatise on the Dynamics of a System of Rigid Bodies, 1905, article 36). So
+gravity, kinetic energy and momenta of a body are sums over points. E_k is the second moment of the mass along the axis e_k and
+cannot be negative, which is why no principal inertia exceeds the sum of the other two.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,18 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, as_entries, check_name, check_number, check_pairs, check_vector, nearest, quoted, shown
+from anet_lumped.checks import (
+    SceneError,
+    Vector,
+    as_entries,
+    check_name,
+    check_number,
+    check_pairs,
+    check_vector,
+    nearest,
+    quoted,
+    shown,
+)
 from anet_lumped.prescribed.paths import Path, line
 from anet_lumped.prescribed.turning import matrix_of
 from anet_lumped.prescribed.turning_path import TurningPath
@@ -93,7 +104,10 @@ class Body:
         for key, unit in (("rotation", "rad"), ("centre_of_mass", "m")):
             checked[key] = check_vector(key, getattr(self, key), unit, owner)
         pairs = check_pairs("attachments", self.attachments, "an attachment's name and its place", owner, may_be_empty=True)
-        checked["attachments"] = tuple((check_name(name, "attachment"), check_vector(name, at, "m", owner)) for name, at in pairs)
+        checked["attachments"] = tuple(
+            (check_name(name, "attachment"), check_vector("attachments", at, "m", f"{quoted(name)} of {owner}"))
+            for name, at in pairs
+        )
         for key in ("path", "turning"):
             if getattr(self, key) is not None and not isinstance(getattr(self, key), Path):
                 raise SceneError(
@@ -111,9 +125,9 @@ class Body:
         if not self.is_driven or self.inertia is not None:
             checked["inertia"] = _check_inertia(self.inertia, owner)
         names = [name for name, _ in checked["attachments"]]
-        if self.pinned and self.pinned not in names:
+        if self.pinned is not None and self.pinned not in ("", *names):
             raise SceneError(
-                f'Argument `pinned` must name an attachment, or be "" for the origin, but {owner} has pinned={quoted(self.pinned)}'
+                f'Argument `pinned` must name an attachment, or be "" for the origin, but {owner} has pinned={shown(self.pinned)}'
                 + (nearest(self.pinned, names) or ".")
             )
         for key, value in checked.items():
@@ -154,7 +168,6 @@ class Body:
         J = np.array(self.inertia, float)
         return np.diag(J) if J.ndim == 1 else J
 
-
     @cached_property
     def radius(self) -> float:
         """Largest distance of an attachment from the centre of mass, or the radius of gyration if that is larger [m]."""
@@ -179,8 +192,10 @@ def _check_inertia(value: Any, owner: str) -> tuple:
     """Principal moments (3,) or a symmetric tensor (3, 3), as tuples; what a mass distribution can have."""
     rows = as_entries(value) or ()
     tensor = len(rows) == 3 and all(as_entries(row) is not None for row in rows)
-    checked: tuple = tuple(check_vector("inertia", row, "kg m2", owner) for row in rows) if tensor else check_vector(
-        "inertia", value, "kg m2", owner
+    checked: tuple = (
+        tuple(check_vector("inertia", row, "kg m2", owner) for row in rows)
+        if tensor
+        else check_vector("inertia", value, "kg m2", owner)
     )
     J = np.array(checked)
     J = J if tensor else np.diag(J)

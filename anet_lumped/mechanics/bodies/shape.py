@@ -45,7 +45,8 @@ def keep_shape(net, b, q):
     mass, centre, middle = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(first, end):
         m = net.mass[bodies.node[k]]
-        mass, centre, middle = mass + m, plus(centre, scaled(m, row(q, bodies.node[k]))), plus(middle, scaled(m, row(bodies.arm, k)))
+        mass, centre = mass + m, plus(centre, scaled(m, row(q, bodies.node[k])))
+        middle = plus(middle, scaled(m, row(bodies.arm, k)))
     centre, middle = scaled(1.0 / mass, centre), scaled(1.0 / mass, middle)
     pivot = bodies.pivot[b]
     if pivot >= 0:

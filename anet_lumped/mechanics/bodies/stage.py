@@ -4,8 +4,8 @@ From a to b over h, with the rotation R_b R_a^T of the Cayley vector theta and t
 
     m (v_b - v_a)/h = sum F ,    (J_b w_b - J_a w_a)/h = sum s x F ,    w_b = 2 theta/h - R_b R_a^T w_a .
 
-Because a force's point moves by dr + theta x s exactly, the work of F is the change of kinetic energy to the last bit, whatever F is.
-Stages of other laws take forces, and the inertia m W (target - q) of each node, at the end.
+Because a force's point moves by dr + theta x s exactly, the work of F is the change of kinetic energy to the last bit, whatever F
+is. Stages of other laws take forces, and the inertia m W (target - q) of each node, at the end.
 Source: Simo and Wong, Int. J. Numer. Methods Engrg. 31 (1991) 19; Armero and Romero, Comput. Methods Appl. Mech. Engrg. 190 (2001)
 2603.
 """
@@ -38,14 +38,13 @@ from .vectors import (
     matrix_product,
     minus,
     plus,
-    put,
     row,
     scaled,
     solved,
+    three,
     times_scalar,
     turned,
 )
-
 
 NO_VECTOR = (0.0, 0.0, 0.0)
 
@@ -126,7 +125,7 @@ def balance_bodies(stage, net_address, largest_coordinate):
     norm, scale, predicted, noise, sum_of_forces = 0.0, 0.0, 0.0, 0.0, 0.0
     for b in range(bodies.pivot.shape[0]):
         of, pinned = bodies.state[b], bodies.pivot[b] >= 0
-        shift, moment = (of[BODY_FORCE], of[BODY_FORCE + 1], of[BODY_FORCE + 2]), (of[BODY_MOMENT], of[BODY_MOMENT + 1], of[BODY_MOMENT + 2])
+        shift, moment = three(of, BODY_FORCE), three(of, BODY_MOMENT)
         radius = of[BODY_RADIUS]
         force_by_law, moment_by_law = _total(net, b, net.law_force, 0, between)
         force_predicted, moment_predicted = _total(net, b, net.predicted_force, net.n_interior, between)
