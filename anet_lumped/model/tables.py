@@ -113,10 +113,9 @@ BODY_MEETING_FIRST_NODE, BODY_MEETING_SECOND_NODE, BODY_MEETING_BODY, BODY_MEETI
 BODY_MEETING_SIGN, BODY_MEETING_ENTRY = 5, 6
 BODY_MEETING_COLUMNS = 7
 
-# `Links.body`, one row a body: the inverse of its mass, 0 for one that is pinned [1/kg], and its inertia about its centre of mass or
-# its pivot (nine columns by rows) [kg m2].
-LINKED_BODY_PER_MASS, LINKED_BODY_INERTIA = 0, 1
-LINKED_BODY_COLUMNS = 10
+# `Links.body`, one row a body: the three matrices of `bodies.inertia.Inertia`, nine columns each by rows.
+LINKED_BODY_PER_MASS, LINKED_BODY_CARRIED, LINKED_BODY_TURNING = 0, 9, 18
+LINKED_BODY_COLUMNS = 27
 
 # `Links.state`: time that was prescribed last [s]; 1 if ``Links.tau`` belongs to it and to the state whose force was asked for
 # last; largest component of an external force on a node then [N]; most redundant lengths found so far in a run.

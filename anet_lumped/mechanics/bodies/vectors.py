@@ -88,6 +88,16 @@ def applied(A, x):
 
 
 @inlined
+def transposed_applied(A, x):
+    """A^T x."""
+    return (
+        A[0] * x[0] + A[3] * x[1] + A[6] * x[2],
+        A[1] * x[0] + A[4] * x[1] + A[7] * x[2],
+        A[2] * x[0] + A[5] * x[1] + A[8] * x[2],
+    )
+
+
+@inlined
 def cross_matrix(a):
     """The matrix [a] with [a] x = a x x."""
     zero = 0.0 * a[0]

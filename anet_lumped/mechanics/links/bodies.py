@@ -5,13 +5,14 @@ A force f on node l of a body gives its node k the acceleration W_kl f, beside w
     W_kl f = f/m + (J^-1 (d_l x f)) x d_k ,    W_kl = I/m - [d_k] J^-1 [d_l] ,
 
 with the mass m of the body and of what its nodes carry, the inertia J and the arms d about the centre of mass, and [x] the matrix of
-the cross product. A pinned body has no first term, and J and d are about its pivot. Source: Newton and Euler.
+the cross product. A pinned body has no first term, and J and d are about its pivot. `mechanics.bodies.inertia` has the same in a
+fluid. Source: Newton and Euler.
 """
 
 from anet_lumped.compiled.jit import inlined, on_demand
-from anet_lumped.mechanics.bodies.rotation import centre_of_mass
+from anet_lumped.mechanics.bodies.inertia import Inertia, inertia_with_fluid, moved_by, reference_of
 from anet_lumped.mechanics.bodies.shape import keep_shape
-from anet_lumped.mechanics.bodies.vectors import added, cross, dot, inertia_of, minus, plus, put, row, scaled, solved
+from anet_lumped.mechanics.bodies.vectors import cross, dot, minus, plus, put, row
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     BODY_MEETING_BODY,
@@ -21,53 +22,61 @@ from anet_lumped.model.tables import (
     BODY_MEETING_SECOND,
     BODY_MEETING_SECOND_NODE,
     BODY_MEETING_SIGN,
-    LINKED_BODY_INERTIA,
+    LINKED_BODY_CARRIED,
     LINKED_BODY_PER_MASS,
+    LINKED_BODY_TURNING,
 )
 
 ZERO = (0.0, 0.0, 0.0)
 
 
 @inlined
+def _matrix(numbers, i):
+    """Nine numbers of a flat array from the i-th on."""
+    return (
+        numbers[i], numbers[i + 1], numbers[i + 2], numbers[i + 3], numbers[i + 4], numbers[i + 5], numbers[i + 6], numbers[i + 7],
+        numbers[i + 8],
+    )  # fmt: skip
+
+
+@inlined
 def _inertia(links, b):
-    """Inertia of body b, a matrix (9,) by rows."""
-    J, at = links.body[b], LINKED_BODY_INERTIA
-    return J[at], J[at + 1], J[at + 2], J[at + 3], J[at + 4], J[at + 5], J[at + 6], J[at + 7], J[at + 8]
+    """`Inertia` of body b as `mobility_bodies` left it."""
+    own = links.body[b]
+    return Inertia(_matrix(own, LINKED_BODY_PER_MASS), _matrix(own, LINKED_BODY_CARRIED), _matrix(own, LINKED_BODY_TURNING))
 
 
 @inlined
 def _mobile(links, b, arm_k, arm_l, f):
     """W_kl f of two nodes of body b by their arms."""
-    turn = solved(_inertia(links, b), cross(arm_l, f))
-    return plus(scaled(links.body[b, LINKED_BODY_PER_MASS], f), cross(turn, arm_k))
+    shift, turn = moved_by(_inertia(links, b), f, cross(arm_l, f))
+    return plus(shift, cross(turn, arm_k))
 
 
 @on_demand
 def mobility_bodies(net_address, q):
-    """Write mass, inertia and arms of each body at the places q, and W_ii of all moving nodes to ``links.matrix_mobility``."""
+    """Write inertia and arms of each body at the places q, and W_ii of all moving nodes to ``links.matrix_mobility``.
+
+    With fluid the rows of nodes that no body carries are written already.
+    """
     net = view_net(net_address)
     links, bodies = net.links, net.bodies
     W = links.matrix_mobility
-    for i in range(bodies.first):
+    for i in range(bodies.first if net.added_mass.shape[0] == 0 else 0):
         per_mass = 1.0 / net.mass[i] if net.mass[i] > 0.0 else 0.0
         for x in range(3):
             for y in range(3):
                 W[i, x, y] = per_mass if x == y else 0.0
     for b in range(bodies.pivot.shape[0]):
-        mass, reference = centre_of_mass(net, b, q)
-        pivot, J = bodies.pivot[b], (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        if pivot >= 0:
-            reference = row(q, pivot)
-        for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
-            i = bodies.node[k]
-            arm = minus(row(q, i), reference)
-            put(bodies.arm_end, k, arm)
-            J = added(J, inertia_of(net.mass[i], arm))
-        links.body[b, LINKED_BODY_PER_MASS] = 0.0 if pivot >= 0 else 1.0 / mass
+        mass, reference = reference_of(net, b, q)
+        inertia = inertia_with_fluid(net, b, mass, reference, q)
         for x in range(9):
-            links.body[b, LINKED_BODY_INERTIA + x] = J[x]
+            links.body[b, LINKED_BODY_PER_MASS + x] = inertia.per_mass[x]
+            links.body[b, LINKED_BODY_CARRIED + x] = inertia.carried[x]
+            links.body[b, LINKED_BODY_TURNING + x] = inertia.turning[x]
         for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
-            own, arm = W[bodies.node[k]], row(bodies.arm_end, k)
+            own, arm = W[bodies.node[k]], minus(row(q, bodies.node[k]), reference)
+            put(bodies.arm_end, k, arm)
             for x in range(3):
                 put(own, x, _mobile(links, b, arm, arm, (1.0 if x == 0 else 0.0, 1.0 if x == 1 else 0.0, 1.0 if x == 2 else 0.0)))
 
@@ -100,7 +109,7 @@ def pull_bodies(net_address, x):
             f = row(links.body_pull, i)
             put(links.body_pull, i, ZERO)
             force, moment = plus(force, f), plus(moment, cross(row(bodies.arm_end, k), f))
-        shift, turn = scaled(links.body[b, LINKED_BODY_PER_MASS], force), solved(_inertia(links, b), moment)
+        shift, turn = moved_by(_inertia(links, b), force, moment)
         for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
             i = bodies.node[k]
             put(x, i, plus(row(x, i), plus(shift, cross(turn, row(bodies.arm_end, k)))))

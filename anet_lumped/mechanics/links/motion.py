@@ -63,14 +63,14 @@ def set_masses(net, t, q):
     if net.lengths.cable.shape[0] > 0:
         for i in range(net.n_free):
             links.mobility[i] = 1.0 / net.mass[i] if net.mass[i] > 0.0 else 0.0
-    if net.bodies.first < net.n_free:
-        as_mobility_bodies(net.kernels[KERNEL_MOBILITY_BODIES])(net.address, q)
-    elif links.matrix_mobility.shape[0] > 0:
+    if net.added_mass.shape[0] > 0:
         add_masses(net, t, q)
-        for i in range(net.n_free):
+        for i in range(net.bodies.first):
             W, found = flat(links.matrix_mobility[i]), mobility_with_fluid(net.mass[i], net.added_mass[i])
             for k in range(9):
                 W[k] = found[k]
+    if net.bodies.first < net.n_free:
+        as_mobility_bodies(net.kernels[KERNEL_MOBILITY_BODIES])(net.address, q)
 
 
 @internal
@@ -123,9 +123,9 @@ def _accelerate(net, t, q, v, f):
     for e in range(effects.address.shape[0]):
         index, params = numbers_of(effects, e)
         power += as_force(effects.address[e, SLOT_FORCE])(t, q, v, index, params, f)
+    set_masses(net, t, q)
     if net.bodies.first < net.n_free:
         as_force_bodies(net.kernels[KERNEL_FORCE_BODIES])(net.address, t, q, v, f)
-    set_masses(net, t, q)
     for i in range(net.n_free):
         if i < net.bodies.first:
             a[i, 0], a[i, 1], a[i, 2] = mobile(net, i, f[i, 0], f[i, 1], f[i, 2])
