@@ -133,7 +133,12 @@ def turned(theta, a):
 
     theta = 2 tan(angle/2) along the axis, and then turned - a = theta x (turned + a)/2.
     """
+    return plus(a, turned_by(theta, a))
+
+
+@inlined
+def turned_by(theta, a):
+    """`turned` less a, to all digits, however small the rotation is."""
     once = cross(theta, a)
     twice = cross(theta, once)
-    per = 1.0 / (1.0 + 0.25 * dot(theta, theta))
-    return a[0] + per * (once[0] + 0.5 * twice[0]), a[1] + per * (once[1] + 0.5 * twice[1]), a[2] + per * (once[2] + 0.5 * twice[2])
+    return scaled(1.0 / (1.0 + 0.25 * dot(theta, theta)), plus(once, scaled(0.5, twice)))
