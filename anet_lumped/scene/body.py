@@ -41,7 +41,7 @@ INERTIA_ROUNDING = 1e-6  # of the largest inertia: by how much one may exceed th
 
 @dataclass(frozen=True)
 class OnBody(Free):
-    """A point of a body: its origin, an attachment, or one of the masses that stand for it.
+    """A point of a body: its origin, an attachment, one on each of its axes, or one of the masses that stand for it.
 
     Parameters
     ----------
@@ -149,16 +149,23 @@ class Body:
 
     @cached_property
     def points(self) -> tuple[OnBody, ...] | tuple[OnDrivenBody, ...]:
-        """Its points: the origin, of a body that is not driven the four masses, and the attachments."""
+        """Its points: the origin and the attachments.
+
+        A body that is not driven has seven more, behind its origin: one on each of its axes, at its radius of gyration, by which
+        its axes are known whatever its inertia; and the four masses.
+        """
         ends = [(self.name, (0.0, 0.0, 0.0)), *((f"{self.name}.{name}", arm) for name, arm in self.attachments)]
         if self.is_driven:
             return tuple(
                 OnDrivenBody(name, TurningPath.of(*self.motion, self.rotation, arm), body=self.name, arm=arm) for name, arm in ends
             )
         assert self.mass is not None and self.at is not None
+        d = self.gyration
+        on_axes = [(f"{self.name}[x]", (d, 0.0, 0.0)), (f"{self.name}[y]", (0.0, d, 0.0)), (f"{self.name}[z]", (0.0, 0.0, d))]
+        ends[1:1] = on_axes
         masses = _four_masses(self, [arm for _, arm in ends])
         named = [(*end, NEGLIGIBLE * self.mass) for end in ends]
-        named[1:1] = [(f"{self.name}[{k}]", arm, m) for k, (arm, m) in enumerate(masses, start=1)]
+        named[4:4] = [(f"{self.name}[{k}]", arm, m) for k, (arm, m) in enumerate(masses, start=1)]
         R, origin = matrix_of(self.rotation), np.array(self.at)
         return tuple(OnBody(name, m, at=tuple((origin + R @ arm).tolist()), body=self.name, arm=arm) for name, arm, m in named)
 
@@ -169,10 +176,14 @@ class Body:
         return np.diag(J) if J.ndim == 1 else J
 
     @cached_property
+    def gyration(self) -> float:
+        """Radius of gyration about the centre of mass, the root of half the trace of the inertia over the mass [m]."""
+        return float(np.sqrt(0.5 * np.trace(self.inertia_tensor) / self.mass))
+
+    @cached_property
     def radius(self) -> float:
         """Largest distance of an attachment from the centre of mass, or the radius of gyration if that is larger [m]."""
-        gyration = float(np.sqrt(0.5 * np.trace(self.inertia_tensor) / self.mass))
-        return max([gyration, *(float(np.linalg.norm(np.subtract(arm, self.centre_of_mass))) for _, arm in self.attachments)])
+        return max([self.gyration, *(float(np.linalg.norm(np.subtract(arm, self.centre_of_mass))) for _, arm in self.attachments)])
 
     @cached_property
     def least_masses(self) -> dict[str, float]:

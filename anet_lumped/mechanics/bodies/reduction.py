@@ -31,6 +31,7 @@ from anet_lumped.model.tables import (
 )
 from integrators.stage import LAW_BETWEEN
 
+from .stage import MOMENT_WEIGHT
 from .vectors import cross, cross_matrix, dot, matrix_product, plus, put, row, scaled, three, turned_by
 
 
@@ -188,5 +189,6 @@ def finish_bodies(net_address):
         shift, turn, radius = of[BODY_SECOND_ORDER + 3], of[BODY_SECOND_ORDER + 4], of[BODY_RADIUS]
         stiffness_arm, force_arm = of[BODY_SECOND_ORDER + 1], of[BODY_SECOND_ORDER + 2]
         of_places = stiffness_arm * turn * (turn + shift / radius)
-        bound = max(bound, of_places + (force_arm + of[BODY_SECOND_ORDER]) * turn * turn / radius)
+        of_moments = MOMENT_WEIGHT * (force_arm + of[BODY_SECOND_ORDER]) * turn * turn / radius
+        bound = max(bound, of_places + of_moments)
     return bound
