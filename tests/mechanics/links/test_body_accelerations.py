@@ -6,6 +6,7 @@ With the velocities x' = P y of all nodes by those of the pieces y, and x'' = P 
 """
 
 import math
+from dataclasses import replace
 
 import dense_links as dense
 import naive
@@ -13,12 +14,13 @@ import numpy as np
 import pytest
 
 from anet_lumped import Body, Cable, Fixed, Free, Scene
-from anet_lumped.effects import Gravity, ViscousDamping
+from anet_lumped.effects import Gravity, ViscousDamping, Water
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import paths
 from anet_lumped.prescribed.turning import matrix_of
 
 EFFECTS = [Gravity(), ViscousDamping(0.7)]
+T_TEST = 0.3  # [s]
 CLOSE = 1e-10  # of the largest number: conditions are up to some 1e4
 HOOKS = {"a": (0.3, 0.2, 0.1), "b": (-0.3, 0.25, 0.1), "c": (-0.28, -0.2, 0.05), "d": (0.1, -0.2, 0.4)}
 TENSOR = ((0.09, 0.01, -0.02), (0.01, 0.16, 0.005), (-0.02, 0.005, 0.2))
@@ -83,7 +85,7 @@ def _column(model, nodes, rows):
 def at_random(model, seed):
     """Places and velocities in which each body is one piece, with its spins; lengths are those that come."""
     rng = np.random.default_rng(seed)
-    (q, v), spins = dense.prescribed(model, 0.3)[:2], {}
+    (q, v), spins = dense.prescribed(model, T_TEST)[:2], {}
     q[: model.n_free], v[: model.n_free] = rng.normal(size=(2, model.n_free, 3))
     for one in model.scene.bodies:
         if one.is_driven:
@@ -108,20 +110,28 @@ def turning_accelerations(model, q, spins):
     return g
 
 
-def dense_solution(model, q, v, spins):
-    """Accelerations of the moving nodes (n_free, 3) and tensions (n_segments,)."""
+def dense_solution(model, q, v, spins, forces=0.0, added=None):
+    """Accelerations of the moving nodes (n_free, 3) and tensions (n_segments,).
+
+    Effects of a fluid add ``forces`` (n, 3) and what nodes carry along, ``added`` (n_free, 3, 3).
+    """
     n, lengths = 3 * model.n_free, dense.constant_lengths(model)
-    P, g, M = pieces(model, q), turning_accelerations(model, q, spins), np.repeat(naive.masses(model)[: model.n_free], 3)
-    B = dense.constraints(model, q)
-    r = dense.wanted(model, q, v, lengths) - B[:, n:] @ dense.prescribed(model, 0.3)[2].ravel()[n:] - B[:, :n] @ g.ravel()[:n]
-    f = naive.external(model, q, v).ravel()[:n] - M * g.ravel()[:n]
+    P, g, B = pieces(model, q), turning_accelerations(model, q, spins).ravel()[:n], dense.constraints(model, q)
+    M = dense.mass_matrix(naive.masses(model)[: model.n_free], added)
+    r = dense.wanted(model, q, v, lengths) - B[:, n:] @ dense.prescribed(model, T_TEST)[2].ravel()[n:] - B[:, :n] @ g
+    f = (naive.external(model, q, v) + forces).ravel()[:n] - M @ g
     BP = B[:, :n] @ P
     moves = np.flatnonzero(np.abs(BP).max(axis=1) > 1e-12)  # a link between two held points carries nothing
-    K = np.block([[P.T @ (M[:, None] * P), BP[moves].T], [BP[moves], np.zeros((len(moves),) * 2)]])
+    K = np.block([[P.T @ M @ P, BP[moves].T], [BP[moves], np.zeros((len(moves),) * 2)]])
     x = np.linalg.solve(K, np.concatenate([P.T @ f, r[moves]]))
     T = np.zeros(model.n_segments)
     T[moves] = x[P.shape[1] :]
-    return (P @ x[: P.shape[1]] + g.ravel()[:n]).reshape(-1, 3), T
+    return (P @ x[: P.shape[1]] + g).reshape(-1, 3), T
+
+
+def agree(found, a, T):
+    np.testing.assert_allclose(found.a, a, rtol=0.0, atol=CLOSE * np.abs(a).max())
+    np.testing.assert_allclose(found.T, T, rtol=0.0, atol=CLOSE * np.abs(T).max())
 
 
 @pytest.mark.parametrize("seed", [0, 1])
@@ -130,7 +140,31 @@ def test_every_kind_of_net_with_bodies(name, seed):
     scene = scene_of(name)
     model = build(scene)
     q, v, spins = at_random(model, seed)
-    found = dense.compiled(scene, 0.3, q, v)
-    a, T = dense_solution(model, q, v, spins)
-    np.testing.assert_allclose(found.a, a, rtol=0.0, atol=CLOSE * np.abs(a).max())
-    np.testing.assert_allclose(found.T, T, rtol=0.0, atol=CLOSE * np.abs(T).max())
+    agree(dense.compiled(scene, T_TEST, q, v), *dense_solution(model, q, v, spins))
+
+
+@pytest.mark.parametrize("name", ["hung on four", "two bodies", "pinned", "on a driven body"])
+def test_bodies_in_water(name):
+    """Halves of segments at its attachments give a body an inertia that differs by direction; the power to the fluid is told."""
+    points, cables, bodies = SCENES[name]
+    water = Water(level=20.0)
+    scene = Scene(points, [replace(one, diameter=0.2) for one in cables], [*EFFECTS, water], bodies=bodies)
+    model = build(scene)
+    q, v, spins = at_random(model, 2)
+    index, params = (np.asarray(x, kind) for x, kind in zip(water.table(model), (np.int64, float), strict=True))
+    added, forces = np.zeros((model.n_free, 3, 3)), np.zeros((model.n, 3))
+    water.kernels()["inertia"](T_TEST, q, index, params, added)
+    taken = water.kernels()["force"](T_TEST, q, v, index, params, forces)
+    of_bodies = np.concatenate([added[model.node_of[p.name]].ravel() for one in bodies if not one.is_driven for p in one.points])
+    assert np.abs(of_bodies).max() > 1.0  # a quarter of the mass of a body, and more
+    a, T = dense_solution(model, q, v, spins, forces, added)
+    found = dense.compiled(scene, T_TEST, q, v)
+    agree(found, a, T)
+    of_fluid = sum(v[i] @ added[i] @ a[i] for i in range(model.n_free))
+    by_damping = -sum(v[i] @ naive.external(replace_effects(model, EFFECTS[1:]), q, v)[i] for i in range(model.n_free))
+    assert found.power[1] == pytest.approx(taken + by_damping + of_fluid, rel=1e-9)
+
+
+def replace_effects(model, effects):
+    """The model of the same scene with other effects."""
+    return build(replace(model.scene, effects=effects))

@@ -227,7 +227,7 @@ def reeled_in():
     """The box, one of whose cables is reeled in, with its mass."""
     scene = box(segments=2)
     length = signals.harmonic(-0.01, 0.01, 1.0, phase=0.5 * math.pi)  # as it is at first, with no rate
-    return replace(scene, effects=[Gravity(G), LineChange("f0-box.h0", length)])
+    return replace(scene, effects=[Gravity(G), LineChange({"f0-box.h0": length})])
 
 
 @pytest.mark.parametrize("made", [in_water, hung_beneath_an_arm, reeled_in])
