@@ -97,7 +97,9 @@ def link_tables(model):
         target_at=np.cumsum([0, *map(len, target)]).astype(np.int64),
         target=np.array([e for own in target for e in own], np.int64),
         meeting=np.array([(node, a, b, sign, entry_of(a, b)) for node, a, b, sign in meetings], np.int64).reshape(-1, 5),
-        body_meeting=np.array([(*pair, entry_of(pair[3], pair[4])) for pair in on_bodies], np.int64).reshape(-1, BODY_MEETING_COLUMNS),
+        body_meeting=np.array([(*pair, entry_of(pair[3], pair[4])) for pair in on_bodies], np.int64).reshape(
+            -1, BODY_MEETING_COLUMNS
+        ),
         mobility=mobility,
         matrix_mobility=np.zeros((model.n_free if has_added_mass or model.has_bodies else 0, 3, 3)),
         vector=np.zeros((segments, 3)),

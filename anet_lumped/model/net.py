@@ -147,7 +147,9 @@ class Links(NamedTuple):
     acceleration: np.ndarray  # (n, 3) [m/s2]
     driven: np.ndarray  # (3, driven nodes, 3) scratch of places and velocities, and the velocities before an impulse
     body: np.ndarray  # (bodies, 27) inertia
-    body_pull: np.ndarray  # (nodes of bodies, 3) [N] scratch: pull of the links on each node from `Bodies.first` on; zero between uses
+    body_pull: (
+        np.ndarray
+    )  # (nodes of bodies, 3) [N] scratch: pull of the links on each node from `Bodies.first` on; zero between uses
     state: np.ndarray  # (4,)
 
     def of_a_run(self):

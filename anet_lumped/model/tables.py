@@ -106,9 +106,9 @@ END_LINK_FIRST, END_LINK_LAST, END_LINKS_ENTRY = range(3)
 # and the entry of the system that joins them.
 MEETING_NODE, MEETING_FIRST, MEETING_SECOND, MEETING_SIGN, MEETING_ENTRY = range(5)
 
-# `Links.body_meeting`, one row for two end links that end at the same body: the positions in `Bodies.node` of the nodes at which they
-# do, the body, the two segments, the product of their signs there and the entry of the system that joins them. For one link with
-# both ends on the body, the two segments are the same, and the last column holds its number among the end links.
+# `Links.body_meeting`, one row for two end links that end at the same body: the positions in `Bodies.node` of the nodes at which
+# they do, the body, the two segments, the product of their signs there and the entry of the system that joins them. For one link
+# with both ends on the body, the two segments are the same, and the last column holds its number among the end links.
 BODY_MEETING_FIRST_NODE, BODY_MEETING_SECOND_NODE, BODY_MEETING_BODY, BODY_MEETING_FIRST, BODY_MEETING_SECOND = range(5)
 BODY_MEETING_SIGN, BODY_MEETING_ENTRY = 5, 6
 BODY_MEETING_COLUMNS = 7

@@ -1,7 +1,7 @@
 """What forces do to a body: its inertia with the fluid that its nodes carry, which need not be the same in all directions.
 
-Node k, at the arm d_k from the reference point, has the acceleration a + w' x d_k + g_k with g_k = w x (w x d_k), and resists it with
-its mass and its added mass, B_k = m_k I + A_k. So of the force F and the moment M on the body
+Node k, at the arm d_k from the reference point, has the acceleration a + w' x d_k + g_k with g_k = w x (w x d_k), and resists it
+with its mass and its added mass, B_k = m_k I + A_k. So of the force F and the moment M on the body
 
     S a - C w' = F - sum B_k g_k ,    -C^T a + J w' = M - sum d_k x B_k g_k ,
 
@@ -17,7 +17,19 @@ from anet_lumped.compiled.jit import inlined
 from anet_lumped.mechanics.linear.node_elimination import inverse
 
 from .rotation import centre_of_mass
-from .vectors import added, applied, cross_matrix, inertia_of, matrix_product, minus, plus, row, solved, times_scalar, transposed_applied
+from .vectors import (
+    added,
+    applied,
+    cross_matrix,
+    inertia_of,
+    matrix_product,
+    minus,
+    plus,
+    row,
+    solved,
+    times_scalar,
+    transposed_applied,
+)
 
 NO_MATRIX = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 

@@ -4,9 +4,9 @@ A force f on node l of a body gives its node k the acceleration W_kl f, beside w
 
     W_kl f = f/m + (J^-1 (d_l x f)) x d_k ,    W_kl = I/m - [d_k] J^-1 [d_l] ,
 
-with the mass m of the body and of what its nodes carry, the inertia J and the arms d about the centre of mass, and [x] the matrix of
-the cross product. A pinned body has no first term, and J and d are about its pivot. `mechanics.bodies.inertia` has the same in a
-fluid. Source: Newton and Euler.
+with the mass m of the body and of what its nodes carry, the inertia J and the arms d about the centre of mass, and [x] the matrix
+of the cross product. A pinned body has no first term, and J and d are about its pivot. `mechanics.bodies.inertia` has the same in
+a fluid. Source: Newton and Euler.
 """
 
 from anet_lumped.compiled.jit import inlined, on_demand

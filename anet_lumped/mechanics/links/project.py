@@ -2,8 +2,8 @@
 
     |q_b - q_a| = L    and    (q_b - q_a) . (v_b - v_a) = L L' .
 
-Bodies get their shape back first, and move as one piece then. A change of the velocities is an impulse of the links. A cable that is caught when it is straight, or whose end sets off at once,
-gets it without bounce.
+Bodies get their shape back first, and move as one piece then. A change of the velocities is an impulse of the links. A cable that
+is caught when it is straight, or whose end sets off at once, gets it without bounce.
 """
 
 import math

@@ -27,29 +27,40 @@ TENSOR = ((0.09, 0.01, -0.02), (0.01, 0.16, 0.005), (-0.02, 0.005, 0.2))
 
 
 def body(name="box", at=(0.0, 0.0, -1.5), **more):
-    return Body(name, mass=4.0, inertia=TENSOR, at=at, attachments=HOOKS, centre_of_mass=(0.02, -0.01, -0.05), rotation=(0.2, 0.5, -0.1), **more)  # fmt: skip
+    own = dict(mass=4.0, inertia=TENSOR, attachments=HOOKS, centre_of_mass=(0.02, -0.01, -0.05), rotation=(0.2, 0.5, -0.1))
+    return Body(name, at=at, **own, **more)
 
 
-def cable(start, end, segments=1, **more):
-    return Cable(start, end, length=1.3, mass_per_length=0.2, EA=math.inf, segments=segments, compression="linear", **more)
+def cable(start, end, segments=1, length=1.3, **more):
+    return Cable(start, end, length=length, mass_per_length=0.2, EA=math.inf, segments=segments, compression="linear", **more)
 
 
 TOPS = [Fixed(f"f{k}", at) for k, at in enumerate([(1, 1, 0.2), (-1, 1, 0), (-1, -1, 0.1), (1, -1, 0)])]
-SECOND = body("slab", at=(0.5, -0.3, -3.0))
-SCENES = {
-    "hung on one": ([TOPS[0]], [cable("f0", "box.a")], [body()]),
+M, N = Free("m", mass=0.7), Free("n", mass=1.1)
+SLAB = body("slab", at=(0.5, -0.3, -3.0))
+DECK = Body(
+    "deck",
+    attachments={"a": (1, 0, 0)},
+    path=paths.harmonic((0, 0, 1), (0.1, 0, 0.2), frequency=1.0),
+    turning=paths.harmonic((0, 0, 0), (0.3, 0, 0.1), frequency=0.7),
+)
+SCENES = {  # points, cables, bodies
+    "hung on one": (TOPS[:1], [cable("f0", "box.a")], [body()]),
     "hung on four": (TOPS, [cable(f"f{k}", f"box.{hook}", 1 + k) for k, hook in enumerate("abcd")], [body()]),
     "two at one attachment": (TOPS[:2], [cable("f0", "box.a"), cable("f1", "box.a", 3)], [body()]),
     "at the origin too": (TOPS[:2], [cable("f0", "box"), cable("box.b", "f1", 2)], [body()]),
-    "no cable of its own": ([TOPS[0], Free("m", mass=1.0)], [cable("f0", "m", 3)], [body()]),
-    "between free points": ([Free("m", mass=0.7), Free("n", mass=1.1)], [cable("m", "box.a"), cable("box.b", "n", 4), cable("m", "n", 2)], [body()]),
-    "two bodies": (TOPS[:1], [cable("f0", "box.a"), cable("box.b", "slab.c", 3), cable("slab.a", "box.d"), cable("slab.b", "box")], [body(), SECOND]),
+    "no cable of its own": ([TOPS[0], M], [cable("f0", "m", 3)], [body()]),
+    "between free points": ([M, N], [cable("m", "box.a"), cable("box.b", "n", 4), cable("m", "n", 2)], [body()]),
+    "two bodies": (
+        TOPS[:1],
+        [cable("f0", "box.a"), cable("box.b", "slab.c", 3), cable("slab.a", "box.d"), cable("slab.b", "box")],
+        [body(), SLAB],
+    ),
     "to itself": (TOPS[:1], [cable("f0", "box.a"), cable("box.b", "box.d", 3)], [body()]),
     "pinned": (TOPS[:2], [cable("f0", "box.a"), cable("box.b", "f1", 2)], [body(pinned="c")]),
-    "pinned at its origin, cables at its pivot": (TOPS[:1], [cable("box.a", "m"), cable("f0", "box"), Cable("box", "m", length=2.0, mass_per_length=0.1, EA=math.inf, segments=2)], [body(pinned="")]),
-    "on a driven body": ([], [cable("deck.a", "box.a"), cable("box.b", "deck", 2)], [body(), Body("deck", attachments={"a": (1, 0, 0)}, path=paths.harmonic((0, 0, 1), (0.1, 0, 0.2), frequency=1.0), turning=paths.harmonic((0, 0, 0), (0.3, 0, 0.1), frequency=0.7))]),
-}  # fmt: skip
-SCENES["pinned at its origin, cables at its pivot"][0].append(Free("m", mass=0.4))
+    "at the pivot": ([TOPS[0], M], [cable("box.a", "m"), cable("f0", "box"), cable("box", "m", 2, 2.0)], [body(pinned="")]),
+    "on a driven body": ([], [cable("deck.a", "box.a"), cable("box.b", "deck", 2)], [body(), DECK]),
+}
 
 
 def scene_of(name):
