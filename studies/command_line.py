@@ -395,21 +395,28 @@ def view(
 @app.command(epilog="Example: anet-lumped convert mooring.txt mooring.toml   (lengths in m, forces in N)")
 def convert(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="A scene, as of the other commands, or a saved run (.nc).")],
-    out: Annotated[
-        Path, typer.Argument(metavar="OUT", help="The file to write: .toml, MoorDyn's .txt, .dat, .moordyn; of a run .pvd.")
-    ],
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write, whose ending says what it is to be.")],
+    links: Annotated[str, typer.Option(help="Of a twin: cylinder or lumped.")] = "cylinder",
+    joints: Annotated[str, typer.Option(help="Of a twin: ball or revolute.")] = "ball",
+    damping: Annotated[float, typer.Option(help="Of a twin: damper of each joint [N m s].")] = 0.0,
+    dt: Step = None,
 ):
-    """Write a scene as TOML or a MoorDyn input file, by the ending of OUT, or a saved run as a VTK series for ParaView."""
+    """Write a scene as TOML (.toml), for MoorDyn (.txt, .dat, .moordyn), as its twin of rigid links for MuJoCo (.xml) or Gazebo
+    (.sdf); or a saved run as a VTK series for ParaView (.pvd)."""
     from anet_lumped.checks import InputError
     from anet_lumped.files.saved_run import ENDING, view_saved
     from anet_lumped.files.scene_file import MOORDYN, save_scene
+    from anet_lumped.files.twin_file import ENDINGS, save_twin
 
     if scene.lower().endswith(ENDING):
         print(view_saved(scene, out))
         return
-    if out.suffix.lower() not in (".toml", *MOORDYN):
-        raise InputError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}; .pvd is for a saved run (.nc).")
-    save_scene(_load(scene, "equilibrium"), out)
+    if out.suffix.lower() not in (".toml", *MOORDYN, *ENDINGS):
+        raise InputError(f"OUT must end in .toml, {', '.join((*MOORDYN, *ENDINGS))}, but is {out}; .pvd is for a saved run (.nc).")
+    if out.suffix.lower() in ENDINGS:
+        save_twin(_load(scene, "equilibrium"), out, dt, links=links, joints=joints, damping=damping)
+    else:
+        save_scene(_load(scene, "equilibrium"), out)
     print(out)
 
 

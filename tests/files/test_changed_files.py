@@ -57,7 +57,7 @@ def test_a_changed_moordyn_file_is_a_scene_or_refused(tmp_path, data):
         (SCENE.replace("ramp = 1.0}\n[[", "ramp = 1e90}\n[[", 1), r"`ramp` must be zero or at least 1e-06 s and up to 1e\+12"),
         (SCENE.replace('start = "a"', 'name = "c\\n"\nstart = "b"', 1), r'cable "c\\n" has start="b"\.'),
         ('["a\\n\\u001b"]', r"it.toml: unknown key `a\\n\\x1b`; known: `points`"),
-        (f"[{'z' * 10**5}]", "it.toml: unknown key `zzz.* ... .*zzz`; known: `points`, `cables`, .*`events`"),
+        (f"[{'z' * 10**5}]", "it.toml: unknown key `zzz.* ... .*zzz`; known: `points`, `bodies`, `cables`, .*`events`"),
         (f"[effects]\n{'z' * 10**5} = 1", r"\[\[points\]\]|it.toml: `points` must be an array"),
     ],
 )  # fmt: skip

@@ -330,3 +330,11 @@ def test_an_impulse_begins_a_run_of_edmc():
     linked = simulate(scene, 0.05, method="links", rtol=1e-9, start=begin)
     np.testing.assert_allclose(run.v[0], linked.v[0], atol=1e-13)
     assert np.abs(run.v[0] - begin.v).max() > 1e-3
+
+
+def test_small_steps_of_edmc_converge():
+    """The turns of a body by which the last iterations correct it are smaller than the rounding of its arms."""
+    scene = box(compression="none")
+    begin = at_rest(scene, box=dict(velocity=(0, 0, 1.0)))
+    run = simulate(scene, 0.3, method="edmc", dt=2.5e-4, start=begin)
+    assert run.ok and run.work.halvings == 0
