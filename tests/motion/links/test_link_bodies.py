@@ -145,6 +145,18 @@ def test_double_pendulum_of_a_cable_and_a_body(start):
     assert run.ok and np.abs(hook[:, 1]).max() < 1e-13
 
 
+def test_coarse_steps_leave_bodies_in_one_piece():
+    """A step that is wrong by far more than rounding leaves neither shape nor velocities with a share of that."""
+    scene, begin, _ = pendulum(1.2, -1.0, 0.0, 8.0)
+    run = simulate(scene, 0.4, method="links", dt=0.02, start=begin, save_every=0.04)
+    exact = simulate(scene, 0.4, method="links", rtol=RTOL, start=begin, save_every=0.04)
+    nodes = [run.model.node(point.name) for point in scene.bodies[0].points]
+    d, rate = (x[:, nodes, None] - x[:, None, nodes] for x in (run.q, run.v))
+    assert run.ok and run.method == "links5" and off_length(run) < 1e-13 and off_shape(run, "bob") < 1e-14
+    assert np.abs((d * rate).sum(axis=-1)).max() < 1e-13
+    assert np.abs(run.q[-1] - exact.q[-1]).max() > 1e-5
+
+
 def test_bifilar_pendulum():
     """A bar on two parallel cables turns about the vertical, omega^2 = m g b^2/(J L), with half of each cable's mass on the bar.
 
