@@ -101,7 +101,7 @@ def link_tables(model):
             -1, BODY_MEETING_COLUMNS
         ),
         mobility=mobility,
-        matrix_mobility=np.zeros((model.n_free if has_added_mass or model.has_bodies else 0, 3, 3)),
+        matrix_mobility=np.zeros((model.n_free - (0 if has_added_mass else model.bodies.first), 3, 3)),
         vector=np.zeros((segments, 3)),
         size=np.zeros(segments),
         pivot=np.zeros(segments),

@@ -134,7 +134,7 @@ class Links(NamedTuple):
     meeting: np.ndarray  # (pairs, 5)
     body_meeting: np.ndarray  # (pairs, 7)
     mobility: np.ndarray  # (n,) [1/kg] inverse of the masses, 0 for prescribed nodes
-    matrix_mobility: np.ndarray  # (n_free, 3, 3) the same with added mass, or of nodes of bodies; empty where there are neither
+    matrix_mobility: np.ndarray  # (nodes, 3, 3) of the last moving nodes: of bodies' ones, or with added mass of all
     vector: np.ndarray  # (n_segments, 3) [m]
     size: np.ndarray  # (n_segments,) diagonal of the system
     pivot: np.ndarray  # (n_segments,) inverse of the pivot

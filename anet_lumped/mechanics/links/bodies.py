@@ -55,18 +55,10 @@ def _mobile(links, b, arm_k, arm_l, f):
 
 @on_demand
 def mobility_bodies(net_address, q):
-    """Write inertia and arms of each body at the places q, and W_ii of all moving nodes to ``links.matrix_mobility``.
-
-    With fluid the rows of nodes that no body carries are written already.
-    """
+    """Write inertia and arms of each body at the places q, and W_ii of its nodes to ``links.matrix_mobility``."""
     net = view_net(net_address)
     links, bodies = net.links, net.bodies
-    W = links.matrix_mobility
-    for i in range(bodies.first if net.added_mass.shape[0] == 0 else 0):
-        per_mass = 1.0 / net.mass[i] if net.mass[i] > 0.0 else 0.0
-        for x in range(3):
-            for y in range(3):
-                W[i, x, y] = per_mass if x == y else 0.0
+    W, first = links.matrix_mobility, net.n_free - links.matrix_mobility.shape[0]
     for b in range(bodies.pivot.shape[0]):
         mass, reference = reference_of(net, b, q)
         inertia = inertia_with_fluid(net, b, mass, reference, q)
@@ -75,7 +67,7 @@ def mobility_bodies(net_address, q):
             links.body[b, LINKED_BODY_CARRIED + x] = inertia.carried[x]
             links.body[b, LINKED_BODY_TURNING + x] = inertia.turning[x]
         for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
-            own, arm = W[bodies.node[k]], minus(row(q, bodies.node[k]), reference)
+            own, arm = W[bodies.node[k] - first], minus(row(q, bodies.node[k]), reference)
             put(bodies.arm_end, k, arm)
             for x in range(3):
                 put(own, x, _mobile(links, b, arm, arm, (1.0 if x == 0 else 0.0, 1.0 if x == 1 else 0.0, 1.0 if x == 2 else 0.0)))

@@ -36,10 +36,12 @@ def mobile(net, i, x, y, z):
     """W_i (x, y, z) of a node; zero for one that is prescribed."""
     links = net.links
     if links.matrix_mobility.shape[0] > 0:
+        first = net.n_free - links.matrix_mobility.shape[0]
         if i >= net.n_free:
             return 0.0, 0.0, 0.0
-        W = flat(links.matrix_mobility[i])
-        return times((W[0], W[1], W[2], W[3], W[4], W[5], W[6], W[7], W[8]), x, y, z)
+        if i >= first:
+            W = flat(links.matrix_mobility[i - first])
+            return times((W[0], W[1], W[2], W[3], W[4], W[5], W[6], W[7], W[8]), x, y, z)
     w = links.mobility[i]
     return w * x, w * y, w * z
 
