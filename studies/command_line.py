@@ -53,6 +53,9 @@ Start = Annotated[str, typer.Option(help="equilibrium or straight.")]
 Changes = Annotated[
     list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
 ]
+Move = Annotated[
+    list[str], typer.Option("--move", metavar="MOTION", help="Move the platform, as in surge=1sin0.1, pitch=3degsin0.1 or six.csv.")
+]
 Quick = Annotated[bool, typer.Option("--quick", help="A first look: the same from less work.")]
 Full = Annotated[
     bool, typer.Option("--full", help="All of every study, the long ones too, which takes about a quarter of an hour.")
@@ -147,6 +150,7 @@ def simulate(
     start: Start = "equilibrium",
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
+    move: Move = (),
     error: Annotated[float | None, typer.Option(help="Error of places to keep, as in 1mm; chosen if not given.", **LENGTH)] = None,
     tension_error: Annotated[float | None, typer.Option(help="Error of the largest tension to keep, over it; 0.02 is 2 %.")] = None,
     audit: Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")] = False,
@@ -155,15 +159,17 @@ def simulate(
 ):
     """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, positions at the end [m].
 
-    With --out the run is saved there (run.nc), with its account (run.json) and a picture (run.png). A run that does not reach
+    With --out the run is saved there (run.nc), with its account (run.json), a picture (run.png), and the channels that a MoorDyn
+    file asks for (.out, .LineN.out). A run that does not reach
     its end, gains energy or fails its audit exits with 1, and says so in all of them.
     """
+    from anet_lumped.files.motion_file import moved
     from anet_lumped.motion.simulate import RunInterrupt, simulate
     from studies.shown.summary import run_summary
 
     try:
         run = simulate(
-            _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start=start,
+            moved(_changed(_load(scene, "simulate"), change), move, t_end), t_end, method=method, dt=dt, rtol=rtol, start=start,
             save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
             error=error,
         )  # fmt: skip
@@ -171,9 +177,11 @@ def simulate(
         run = stopped.run
 
     def save():
+        from anet_lumped.files.moordyn_channels import write_asked
         from studies.shown.run_figure import plot
 
         run.save(out / "run.nc")
+        write_asked(scene, run, out)
         plot(run).savefig(out / "run.png", dpi=110)
 
     give(run_summary(run), as_json, out, "run", save)

@@ -120,6 +120,7 @@ RIGHT = (
         ("an empty dict", "bending", "clamped"),
         ("an empty dict", "Body", "attachments"),
         ("a bool", "wind.Gust", "stays"),
+        ("a bool", "water", "points_float"),
         ("escapes", "load", "cables"),
     }
     | {("400 digits", "wind.Dryden", "seed"), ("5000 digits", "wind.Dryden", "seed")}
