@@ -218,7 +218,7 @@ def test_a_method_that_moves_no_bodies_is_refused_in_a_sentence():
 
 
 def test_the_account_closes_where_a_body_moves_water():
-    """Added mass at attachments that turn: what the fluid is given is counted by the velocities of the body at both ends of a step."""
+    """Added mass at attachments that turn: the fluid is given what the velocities of the body at both ends of a step say."""
     cable = Cable("a", "b.l", length=1.0, mass_per_length=0.02, EA=1e4, zeta=0.05, segments=3, diameter=0.02)
     body = Body("b", mass=1.5, inertia=tuple(INERTIA), at=(0.2, 0.0, -1.0), attachments={"l": (-0.2, 0.0, 0.0)})
     scene = Scene([Fixed("a", (0.0, 0.0, 0.0))], [cable], [Gravity(G), Water()], bodies=[body])
