@@ -50,8 +50,8 @@ class AppliedForces(Effect):
         Axes in which forces and torques are given; those of a body turn with it, those on a free point are the world's.
     """
 
-    force: Mapping[str, Vector | Path] | Sequence[tuple[str, Vector | Path]] = ()
-    torque: Mapping[str, Vector | Path] | Sequence[tuple[str, Vector | Path]] = ()
+    force: Mapping[str, Vector | Path] | tuple[tuple[str, Vector | Path], ...] = ()
+    torque: Mapping[str, Vector | Path] | tuple[tuple[str, Vector | Path], ...] = ()
     axes: Literal["world", "body"] = "world"
 
     def check_parameters(self) -> None:
@@ -79,7 +79,7 @@ class AppliedForces(Effect):
     @property
     def dead_load(self) -> bool:
         """Constant forces in the axes of the world, and no torque."""
-        return self.axes == "world" and not self.torque and not any(isinstance(value, Path) for _, value in self.force)
+        return self.axes == "world" and not self.torque and not any(isinstance(value, Path) for value in dict(self.force).values())
 
     @property
     def linear_in_node_state(self) -> bool:
@@ -91,7 +91,7 @@ class AppliedForces(Effect):
         """The functions of time, whose corners steps end on."""
         return tuple(
             Signal(argument, ((name, value),), value)
-            for argument in ("force", "torque") for name, value in getattr(self, argument) if isinstance(value, Path)
+            for argument in ("force", "torque") for name, value in dict(getattr(self, argument)).items() if isinstance(value, Path)
         )  # fmt: skip
 
     @classmethod
@@ -127,24 +127,24 @@ class AppliedForces(Effect):
         """Forces, with the names of their points."""
         free = {point.name: None for point in scene.free_points}
         on_body = {point.name: body for body in scene.bodies if not body.is_driven for point in body.points}
-        for name, _ in self.force:
+        for name in dict(self.force):
             if name not in free and name not in on_body:
                 scene.point(name)
                 raise SceneError(
                     f"A force must act on a point or body that moves freely, but {quoted(name)} of {self._called} does not."
                 )
-        return [(_Load(FORCE, _path(value), on_body.get(name)), name) for name, value in self.force]
+        return [(_Load(FORCE, _path(value), on_body.get(name)), name) for name, value in dict(self.force).items()]
 
     def _torques(self, scene: Any) -> list[tuple[_Load, str]]:
         """Torques, with the names of their bodies."""
-        for name, _ in self.torque:
+        for name in dict(self.torque):
             if scene.body(name).is_driven:
                 raise SceneError(f"A torque must act on a body that moves freely, but {quoted(name)} of {self._called} does not.")
-        return [(_Load(TORQUE, _path(value), scene.body(name)), name) for name, value in self.torque]
+        return [(_Load(TORQUE, _path(value), scene.body(name)), name) for name, value in dict(self.torque).items()]
 
     def without_bodies(self, held: Sequence[str]) -> Effect | None:
-        force = tuple((name, value) for name, value in self.force if name not in held)
-        torque = tuple((name, value) for name, value in self.torque if name not in held)
+        force = tuple((name, value) for name, value in dict(self.force).items() if name not in held)
+        torque = tuple((name, value) for name, value in dict(self.torque).items() if name not in held)
         return AppliedForces(force, torque, self.axes) if force or torque else None
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:

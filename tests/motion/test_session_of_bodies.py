@@ -152,7 +152,7 @@ def test_a_push_that_is_held_is_the_run_with_that_force():
 
 
 def test_a_driven_body_follows_what_is_given():
-    """The same motion as by paths of the same body: sines of place and rotation, whose cubics differ by the fourth order of a step."""
+    """The same motion as by paths of the same body: sines of place and rotation; cubics differ by the fourth order of a step."""
     waves = {"path": paths.harmonic((0, 0, 2.0), (0.1, 0, 0.05), 0.5), "turning": paths.harmonic((0, 0, 0), (0.2, 0.1, 0.4), 0.7)}
     by_path = replace(DRIVEN, **waves)
     start = equilibrium(slung(replace(DRIVEN, turning=None))).shape("deck.hook-load")
