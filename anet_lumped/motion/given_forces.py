@@ -40,6 +40,7 @@ class GivenForces:
             self.of_body[[self.row[point.name] for point in body.points]] = b
         self.force = np.zeros((len(self.names), 3))
         self.torque = np.zeros((len(self.bodies), 3))
+        self._origins = np.array([self.row[body.name] for body in self.bodies], np.int64)
         self.axes = np.zeros((2, len(self.names)), np.int64)  # of forces, and of torques by body
         self.acts = self.turns = False
         self.changed = True
@@ -48,6 +49,7 @@ class GivenForces:
         """Write to the table of `Push` of a model from now on, which begins at ``params[begin]``."""
         slots = {name: begin + 3 * k for k, name in enumerate(pushed_points(model.scene))}
         self._node = np.array([model.node_of[name] for name in self.names], np.int64)
+        self.free_nodes = self._node[: len(self.scene.free_points)]
         self._slot = np.array([slots[name] for name in self.names], np.int64)
         self._params, self._table = params, body_table(model, self.bodies)
         self._rows = np.array([self.row[point.name] for body in self.bodies for point in body.points], np.int64)
@@ -73,6 +75,18 @@ class GivenForces:
             self.torque[b] = 0.0 if torque is None else vector("torque", torque, "N m", "push")
             self.axes[1, b] = AXES[axes]
         self._look()
+
+    def push_bodies(self, force: np.ndarray, torque: np.ndarray, axes: str) -> None:
+        """Keep what `Session.push_bodies` is given."""
+        count = len(self.bodies)
+        for name, value in (("force", force), ("torque", torque)):
+            if np.shape(value) != (count, 3) or not np.isfinite(value).all():
+                raise InputError(f"Argument `{name}` of push_bodies must be finite numbers ({count}, 3), but it is {shown(value)}.")
+        if axes not in AXES:
+            raise InputError(f'Argument `axes` of push_bodies must be "world" or "body", but it is {shown(axes)}.')
+        self.force[self._origins], self.torque[:] = force, torque
+        self.axes[0, self._origins] = self.axes[1, :count] = AXES[axes]
+        self.acts = self.turns = self.changed = True
 
     def _look(self) -> None:
         """See whether anything acts, and whether anything of it turns."""

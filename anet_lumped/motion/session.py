@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from anet_lumped.model.tables import AXIAL_TWO_WAY_DAMPER, SEGMENT_DIRECTION
 from anet_lumped.results.body_motion import quaternions
 from anet_lumped.results.energy_balance import BY_EFFECTS, WORK, book_remainder
 from anet_lumped.results.events import Event
-from anet_lumped.results.run import State, Work
+from anet_lumped.results.run import STATUS, State, Work
 from anet_lumped.scene.origin import near_origin
 from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.equilibrium import equilibrium
@@ -31,37 +31,20 @@ from integrators.system import BALANCE, COUNTS, DONE, ENERGIES, EVENT, SAME_TIME
 from integrators.system import words_in_memory as system_words
 
 from .body_readings import Motions, body_table, motions_of, read
+from .cable_ends import CableEnds
 from .choice import check_method, choose
 from .failure_messages import why_it_stopped
 from .given_forces import GivenForces
 from .given_motions import GivenMotions
 from .legs import Legs
 from .own_methods import net_and_system
+from .session_mark import Mark, SessionError, own_arrays
 from .simulate import StabilityWarning
 from .stability import transverse_frequency
 from .times import Leg
 
 NOTHING = (0.0, 0.0, 0.0)
 _NO_ADDRESSES = np.empty(0, np.int64)
-
-
-class SessionError(RuntimeError):
-    """A step that failed; the session stands where it failed, and may be restored to what was saved before."""
-
-
-@dataclass(frozen=True, eq=False)
-class Mark:
-    """What `Session.save` has kept; only `Session.restore` of the same session reads it."""
-
-    session: int
-    t: float
-    steps: int
-    structure: tuple
-    legs: tuple[np.ndarray, ...]
-    forces: tuple[np.ndarray, ...]
-    arrays: tuple[np.ndarray, ...]
-    events: tuple[Event, ...]
-    due: tuple[float, ...]
 
 
 class Session:
@@ -163,6 +146,7 @@ class Session:
         if self._motions.tracks:
             self._lead()
         self._table = body_table(model, self._forces.bodies)
+        self._cable_ends = CableEnds(model, self._table)
         self._begin(self._address)
 
     def _lead(self) -> None:
@@ -215,6 +199,10 @@ class Session:
         """
         self._forces.push(name, force, torque, axes)
 
+    def push_bodies(self, force: np.ndarray, torque: np.ndarray, axes: str = "world") -> None:
+        """`push` of all bodies that move freely at their origins, in the order of the scene: (bodies, 3) [N] and [N m]."""
+        self._forces.push_bodies(force, torque, axes)
+
     # Steps ---------------------------------------------------------------------------------------------------------------
 
     def step(self) -> None:
@@ -248,7 +236,9 @@ class Session:
                 self._legs.break_segments(self._legs.overloaded(at_least=1))
                 self._new_march()
             elif status != DONE:
-                raise SessionError(why_it_stopped(self._legs.left.model, self._choice, status, self.t, node, None, self._counts))
+                raise SessionError(
+                    STATUS[status], why_it_stopped(self._legs.left.model, self._choice, status, self.t, node, None, self._counts)
+                )
             elif end >= goal - same:
                 break
         self._steps += 1
@@ -346,17 +336,27 @@ class Session:
         return found
 
     def pull(self, point: str) -> np.ndarray:
-        """(3,) force of the cables on a point that acted in the last step [N]."""
-        model, node, acted, total = self._legs.left.model, self._node(point), self._acted(), np.zeros(3)
-        for s in np.flatnonzero((model.ends == node).any(axis=1)):
-            a, b = model.ends[s]
-            if self._scheme.explicit or self._steps == 0:
-                d = self._state.q[b] - self._state.q[a]
-                direction = d / np.linalg.norm(d)
-            else:
-                direction = self._net.segment[s, SEGMENT_DIRECTION : SEGMENT_DIRECTION + 3]
-            total += (acted[s] if a == node else -acted[s]) * direction
-        return total
+        """(3,) force of the cables on a point that acted in the last step [N]; of a body at its origin alone, see `pulls`."""
+        rows, column = self._directions()
+        return self._cable_ends.pull(self._node(point), rows[:, column : column + 3], self._acted())
+
+    def pulls(self) -> tuple[np.ndarray, np.ndarray]:
+        """(bodies, 3) forces of the cables on all bodies that move freely [N], and moments about their origins [N m].
+
+        Half segments that end at a body count with their weight, as of a cable whose mass is spread over its length.
+        """
+        return self._cable_ends.on_bodies(self._state.q, *self._directions(), self._acted())
+
+    def _directions(self) -> tuple[np.ndarray, int]:
+        """Rows of the segments left, and the first of the three columns of the direction in which each pulled in the last step."""
+        if self._scheme.explicit or self._steps == 0:
+            return self._cable_ends.directions(self._state.q), 0
+        return self._net.segment, SEGMENT_DIRECTION
+
+    def free_points(self) -> tuple[np.ndarray, np.ndarray]:
+        """(k, 3) places [m] and velocities [m/s] of all free points, in the order of the scene."""
+        nodes = self._forces.free_nodes
+        return self._state.q[nodes] + self._origin, self._state.v[nodes]
 
     def _node(self, point: str) -> int:
         try:
@@ -383,7 +383,7 @@ class Session:
     def _arrays(self) -> Iterator[np.ndarray]:
         """Everything that a step changes, besides what the legs hold."""
         net = self._net._replace(words=_NO_ADDRESSES, kernels=_NO_ADDRESSES)
-        yield from (self._numbers, self._counts, self._motions.given, *self._state, *_own_arrays(net, self._legs.left.model))
+        yield from (self._numbers, self._counts, self._motions.given, *self._state, *own_arrays(net, self._legs.left.model))
 
     def save(self) -> Mark:
         """Keep the whole state of the session, to go back to."""
@@ -428,18 +428,3 @@ class Session:
 
     def __repr__(self) -> str:
         return f"<Session at t={self.t:g} s: {self.method} with dt={self.dt:g} s, {self._legs.model.n} nodes>"
-
-
-def _own_arrays(value: Any, model: Any) -> list[np.ndarray]:
-    """Arrays in a nested tuple that no model holds."""
-    held = {id(array) for array in _flat(tuple(vars(model).values()))}
-    return [array for array in _flat(value) if array.size and id(array) not in held]
-
-
-def _flat(value: Any) -> Iterator[np.ndarray]:
-    """The arrays in a nested tuple."""
-    if isinstance(value, np.ndarray):
-        yield value
-    elif isinstance(value, tuple):
-        for part in value:
-            yield from _flat(part)
