@@ -79,7 +79,9 @@ def turn_to(force, rotation, angular_velocity, moment, inertia, numbers, thrust,
 
 @kernel(void(_f1, _f2, _f3, _f2, _f2))
 def command_rotors(thrust, torque, sharing, limits, speed):
-    """Speeds (m, 4) [rad/s] that give thrusts (m,) [N] and torques (m, 3) [N m], each rotor as far as it can.
+    """Speeds (m, 4) [rad/s] that give thrusts (m,) [N] and torques (m, 3) [N m], as far as rotors can.
+
+    Torques come first: where a rotor would have to push down, all give more; where one would have to give too much, all give less.
 
     Parameters
     ----------
@@ -87,11 +89,16 @@ def command_rotors(thrust, torque, sharing, limits, speed):
     limits : (m, 2) float64, largest thrust of a rotor [N], thrust coefficient [N s2]
     """
     for b in range(speed.shape[0]):
+        least, most, shares = math.inf, -math.inf, speed[b]
         for r in range(4):
-            share = sharing[b, r, 0] * thrust[b]
+            shares[r] = sharing[b, r, 0] * thrust[b]
             for x in range(3):
-                share += sharing[b, r, 1 + x] * torque[b, x]
-            speed[b, r] = math.sqrt(min(max(share, 0.0), limits[b, 0]) / limits[b, 1])
+                shares[r] += sharing[b, r, 1 + x] * torque[b, x]
+            least, most = min(least, shares[r]), max(most, shares[r])
+        shift = max(0.0, -least)
+        shift -= max(0.0, most + shift - limits[b, 0])
+        for r in range(4):
+            shares[r] = math.sqrt(min(max(shares[r] + shift, 0.0), limits[b, 0]) / limits[b, 1])
 
 
 @kernel(void(_f2, _f2, _f2, _f3, _f2, _f2, _f3, _f2, _f2))

@@ -11,8 +11,11 @@ from .quadrotor import Quadrotor
 class Rotors:
     """The four rotors of each of m quadrotors.
 
-    A commanded thrust and torque is shared among the rotors. What a rotor cannot give is cut off, below at zero, above at its
-    largest thrust. The speed of a rotor follows the commanded one with its lag, exactly for a command that is held over the step,
+    A commanded thrust and torque is shared among the rotors, each of which gives something between zero and its largest thrust.
+    Torques come first: where a rotor would have to push down, all give more; where one would have to give too much, all give less.
+    What cannot be given even so is cut off.
+
+    The speed of a rotor follows the commanded one with its lag, exactly for a command that is held over the step,
 
         omega(t) = c + (omega_0 - c) exp(-t/lag) ,
 
