@@ -38,9 +38,10 @@ def add_work(balance, time, power):
 
 @internal
 def evaluate_end(system_address, data_address, t, h, state, counts, end_share=0.5):
-    """Write the prescribed rows at t + h, what constraints ask for and the force there, in ``state.memory[0]``; add the step's work.
+    """Write the prescribed rows at t + h, what constraints ask for, and the force there, in ``state.memory[0]``.
 
-    The dissipated energy weights the powers at the end of the step by ``end_share``, the weight of the forces there in the step.
+    Adds the work of the step from t. The dissipated energy weights the powers at the end of the step by ``end_share``, the weight
+    of the forces there in the step.
     """
     system, balance = system_at(system_address), state.balance
     power = balance[SCRATCH:]

@@ -53,6 +53,9 @@ Start = Annotated[str, typer.Option(help="equilibrium or straight.")]
 Changes = Annotated[
     list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
 ]
+Move = Annotated[
+    list[str], typer.Option("--move", metavar="MOTION", help="Move the platform, as in surge=1sin0.1, pitch=3degsin0.1 or six.csv.")
+]
 Quick = Annotated[bool, typer.Option("--quick", help="A first look: the same from less work.")]
 Full = Annotated[
     bool, typer.Option("--full", help="All of every study, the long ones too, which takes about a quarter of an hour.")
@@ -147,6 +150,7 @@ def simulate(
     start: Start = "equilibrium",
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
+    move: Move = (),
     error: Annotated[float | None, typer.Option(help="Error of places to keep, as in 1mm; chosen if not given.", **LENGTH)] = None,
     tension_error: Annotated[float | None, typer.Option(help="Error of the largest tension to keep, over it; 0.02 is 2 %.")] = None,
     audit: Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")] = False,
@@ -155,15 +159,17 @@ def simulate(
 ):
     """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, positions at the end [m].
 
-    With --out the run is saved there (run.nc), with its account (run.json) and a picture (run.png). A run that does not reach
+    With --out the run is saved there (run.nc), with its account (run.json), a picture (run.png), and the channels that a MoorDyn
+    file asks for (.out, .LineN.out). A run that does not reach
     its end, gains energy or fails its audit exits with 1, and says so in all of them.
     """
+    from anet_lumped.files.motion_file import moved
     from anet_lumped.motion.simulate import RunInterrupt, simulate
     from studies.shown.summary import run_summary
 
     try:
         run = simulate(
-            _changed(_load(scene, "simulate"), change), t_end, method=method, dt=dt, rtol=rtol, start=start,
+            moved(_changed(_load(scene, "simulate"), change), move, t_end), t_end, method=method, dt=dt, rtol=rtol, start=start,
             save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
             error=error,
         )  # fmt: skip
@@ -171,9 +177,11 @@ def simulate(
         run = stopped.run
 
     def save():
+        from anet_lumped.files.moordyn_channels import write_asked
         from studies.shown.run_figure import plot
 
         run.save(out / "run.nc")
+        write_asked(scene, run, out)
         plot(run).savefig(out / "run.png", dpi=110)
 
     give(run_summary(run), as_json, out, "run", save)
@@ -395,21 +403,28 @@ def view(
 @app.command(epilog="Example: anet-lumped convert mooring.txt mooring.toml   (lengths in m, forces in N)")
 def convert(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="A scene, as of the other commands, or a saved run (.nc).")],
-    out: Annotated[
-        Path, typer.Argument(metavar="OUT", help="The file to write: .toml, MoorDyn's .txt, .dat, .moordyn; of a run .pvd.")
-    ],
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write, whose ending says what it is to be.")],
+    links: Annotated[str, typer.Option(help="Of a twin: cylinder or lumped.")] = "cylinder",
+    joints: Annotated[str, typer.Option(help="Of a twin: ball or revolute.")] = "ball",
+    damping: Annotated[float, typer.Option(help="Of a twin: damper of each joint [N m s].")] = 0.0,
+    dt: Step = None,
 ):
-    """Write a scene as TOML or a MoorDyn input file, by the ending of OUT, or a saved run as a VTK series for ParaView."""
+    """Write a scene as TOML (.toml), for MoorDyn (.txt, .dat, .moordyn), as its twin of rigid links for MuJoCo (.xml) or Gazebo
+    (.sdf); or a saved run as a VTK series for ParaView (.pvd)."""
     from anet_lumped.checks import InputError
     from anet_lumped.files.saved_run import ENDING, view_saved
     from anet_lumped.files.scene_file import MOORDYN, save_scene
+    from anet_lumped.files.twin_file import ENDINGS, save_twin
 
     if scene.lower().endswith(ENDING):
         print(view_saved(scene, out))
         return
-    if out.suffix.lower() not in (".toml", *MOORDYN):
-        raise InputError(f"OUT must end in .toml, {', '.join(MOORDYN)}, but is {out}; .pvd is for a saved run (.nc).")
-    save_scene(_load(scene, "equilibrium"), out)
+    if out.suffix.lower() not in (".toml", *MOORDYN, *ENDINGS):
+        raise InputError(f"OUT must end in .toml, {', '.join((*MOORDYN, *ENDINGS))}, but is {out}; .pvd is for a saved run (.nc).")
+    if out.suffix.lower() in ENDINGS:
+        save_twin(_load(scene, "equilibrium"), out, dt, links=links, joints=joints, damping=damping)
+    else:
+        save_scene(_load(scene, "equilibrium"), out)
     print(out)
 
 

@@ -69,6 +69,7 @@ REGISTRY = Registry(
         "ground": "Ground",
         "line_change": "LineChange",
         "load": "Load",
+        "moordyn_bottom": "MoordynBottom",
         "temperature": "Temperature",
         "viscous_damping": "ViscousDamping",
         "water": "Water",

@@ -6,7 +6,8 @@ The force on each end of a segment, and its added mass, are
 
 with the velocity u of the water minus that of the node and the acceleration a of the water (Morison, see `laws.morison` and
 `laws.drag`). w is the share of the segment's volume that is under water and belongs to this end: 1/2 for a segment under water,
-with a smooth change at the surface, see `laws.submergence`. V is the unstretched volume. A point with a volume counts as a sphere.
+with a smooth change at the surface, see `laws.submergence`. V is the unstretched volume. A point with a volume counts as a sphere;
+where points do not float, w is 1 for them at any height.
 The tension is the effective one of mooring codes, which includes the pressure on a cross-section of the cable.
 
 The velocity of the water is the sum of that of a current, whose acceleration is left out, and that of a wave, whose surface limits
@@ -29,7 +30,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number, quoted, shown
+from anet_lumped.checks import SceneError, Vector, check_flag, check_number, quoted, shown
 from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.flow.wave_kernel import AT_REST, wave_at
 from anet_lumped.effects.flow.waves import Airy
@@ -44,7 +45,14 @@ from anet_lumped.effects.laws.drag import (
     tangent_of,
 )
 from anet_lumped.effects.laws.morison import add_mass, point_force, segment_force, subtract_inertia_slopes
-from anet_lumped.effects.laws.submergence import sphere_diameter, submerged_share, submerged_share_between, wetted, wetted_between
+from anet_lumped.effects.laws.submergence import (
+    ALWAYS_UNDER,
+    point_share,
+    point_share_between,
+    sphere_diameter,
+    wetted,
+    wetted_between,
+)
 
 from .effect import Effect, height_under
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, INERTIA_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
@@ -66,6 +74,8 @@ class Water(Effect):
     current : None, a wind of `anet_lumped.wind`, or several, whose velocities add up
     wave : None, or a wave of `anet_lumped.waves`
     g : float [m/s2], gravity of buoyancy and wave; None: that of the scene, which must then point along -z
+    points_float : bool
+        Whether a point comes out of the water at its surface; False: points are under water at any height, as MoorDyn has them.
     """
 
     density: float = 1025.0
@@ -73,6 +83,7 @@ class Water(Effect):
     current: Wind | Sequence[Wind] | None = None
     wave: Airy | None = None
     g: float | None = None
+    points_float: bool = True
 
     coupled_neighbours: ClassVar[int] = 1
     stiff: ClassVar[bool] = True
@@ -84,6 +95,7 @@ class Water(Effect):
             level=check_number("level", self.level, "m", owner),
             current=check_winds("current", self.current, owner),
             g=None if self.g is None else check_number("g", self.g, "m/s2", owner, sign="non-negative"),
+            points_float=check_flag("points_float", self.points_float, owner),
         )
         if not (self.wave is None or isinstance(self.wave, Airy)):
             raise SceneError(
@@ -154,7 +166,8 @@ class Water(Effect):
 
     def _of_point(self, point: Any, g: float) -> tuple[float, ...]:
         mass = self.density * point.volume
-        return sphere_diameter(point), point_coefficient(self.density, point), g * mass, mass, point.Ca
+        diameter = sphere_diameter(point) if self.points_float else ALWAYS_UNDER
+        return diameter, point_coefficient(self.density, point), g * mass, mass, point.Ca
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "inertia": inertia}
@@ -244,7 +257,7 @@ def force(t, q, v, index, params, f):
     for p in range(index.shape[0] - 1 - 2 * segments):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
         flow, V = _flow(t, _row(q, node), level, current, wave), _row(v, node)
-        w, _, _ = submerged_share(flow[0], numbers[0])
+        w, _, _ = point_share(flow[0], numbers[0])
         F = point_force(_difference(flow[2], V), flow[4], numbers[1], numbers[3], numbers[4])
         _add(f, node, w, F, w * numbers[2])
         power -= w * (F[0] * V[0] + F[1] * V[1] + (F[2] + (1.0 - still_water) * numbers[2]) * V[2])
@@ -306,7 +319,7 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     for p in range(index.shape[0] - 1 - 2 * segments):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
         flow = _flow(t, _row(q, node), level, current, wave)
-        _point_slopes(node, flow, _row(v, node), submerged_share(flow[0], numbers[0]), numbers[2], numbers, c_q, c_v, D)
+        _point_slopes(node, flow, _row(v, node), point_share(flow[0], numbers[0]), numbers[2], numbers, c_q, c_v, D)
 
 
 @njit(ENERGY_SIGNATURE, cache=True, error_model="numpy")
@@ -322,7 +335,7 @@ def energy(t, q, index, params):
     begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
         numbers = params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
-        total -= numbers[2] * submerged_share(q[index[1 + 2 * segments + p], 2] - level, numbers[0])[2]
+        total -= numbers[2] * point_share(q[index[1 + 2 * segments + p], 2] - level, numbers[0])[2]
     return total
 
 
@@ -384,11 +397,11 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
         flow, V, lift = _flow(t, _middle(base, q, node), level, current, wave), _mean_velocity(base, q, node, per_h), numbers[2]
         if not waves:
-            g, slope = submerged_share_between(base[node, 2] - level, q[node, 2] - level, numbers[0])
+            g, slope = point_share_between(base[node, 2] - level, q[node, 2] - level, numbers[0])
             f[node, 2] += lift * g
             D[node, 2, 2] -= lift * slope
             lift = 0.0
-        wet = submerged_share(flow[0], numbers[0])
+        wet = point_share(flow[0], numbers[0])
         _point_slopes(node, flow, V, wet, lift, numbers, 0.5, per_h, D)
         F = point_force(_difference(flow[2], V), flow[4], numbers[1], numbers[3], numbers[4])
         _add(f, node, wet[0], F, wet[0] * lift)
@@ -423,7 +436,7 @@ def inertia(t, q, index, params, A):
     begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
-        m = submerged_share(_height(t, q, node, level, wave), numbers[0])[0] * numbers[3] * numbers[4]
+        m = point_share(_height(t, q, node, level, wave), numbers[0])[0] * numbers[3] * numbers[4]
         A[node, 0, 0] += m
         A[node, 1, 1] += m
         A[node, 2, 2] += m

@@ -11,8 +11,8 @@ from anet_lumped.prescribed.turning_kernel import cross, spin, turned
 def evaluate_driven(t, net, q, v, a):
     """Write the places, velocities and accelerations of the driven nodes at time t, one row a node.
 
-    A point of a driven body is at r + R d, with the path r of its origin and the rotation R of the path of its rotation vector; d is
-    its arm as it starts. It has the acceleration r'' + w' x R d + w x (w x R d).
+    A point of a driven body is at r + R d, with the path r of its origin and the rotation R of the path of its rotation vector; d
+    is its arm as it starts. It has the acceleration r'' + w' x R d + w x (w x R d).
     """
     carried, points = net.carried, q.shape[0] - net.carried.body.shape[0]
     if carried.body.shape[0] == 0:
@@ -42,7 +42,8 @@ def evaluate_driven(t, net, q, v, a):
 def drive(t, net_address, q, v):
     """Write position and velocity of the driven nodes at time t."""
     net = view_net(net_address)
-    first, acceleration = net.n_driven, net.newton_step  # scratch: rows of prescribed nodes, which must be zero again afterwards
+    first = net.n_driven
+    acceleration = net.newton_step  # scratch: its rows of prescribed nodes must be zero again afterwards
     evaluate_driven(t, net, q[first:], v[first:], acceleration[first:])
     for i in range(first, q.shape[0]):
         for x in range(3):

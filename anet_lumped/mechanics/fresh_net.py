@@ -24,7 +24,6 @@ from anet_lumped.prescribed.paths import line, pack
 from anet_lumped.prescribed.turning import matrix_of
 from anet_lumped.scene.scene import Driven
 
-
 NOWHERE = (0.0, 0.0, 0.0)
 
 

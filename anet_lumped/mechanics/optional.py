@@ -69,7 +69,7 @@ SIGNATURES = {
     "work_of_lengths": float64(STAGE, int64, _f2, _f2, _f2),
     "energy_of_paid_out": float64(STAGE, int64, _f2, _f2),
     "place_bodies": types.void(STAGE, int64, _f2, _f2, _f2),
-    "balance_bodies": types.NamedUniTuple(float64, 6, CableBalance)(STAGE, int64, float64),
+    "balance_bodies": types.NamedUniTuple(float64, 6, CableBalance)(STAGE, int64, float64, float64, float64),
     "reduce_bodies": types.void(int64),
     "spread_bodies": types.void(int64),
     "finish_bodies": float64(int64),
@@ -87,4 +87,6 @@ as_set_lengths, as_power_of_lengths, as_work_of_lengths, as_energy_of_paid_out =
 as_place_bodies, as_balance_bodies, as_reduce_bodies, as_spread_bodies, as_finish_bodies = (
     callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("place", "balance", "reduce", "spread", "finish")
 )
-as_turn_bodies, as_stiffen_bodies, as_force_bodies = (callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("turn", "stiffen", "force"))
+as_turn_bodies, as_stiffen_bodies, as_force_bodies = (
+    callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("turn", "stiffen", "force")
+)

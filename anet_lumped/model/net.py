@@ -88,7 +88,10 @@ class Bodies(NamedTuple):
 
 
 class Carried(NamedTuple):
-    """Points of bodies whose motion is prescribed: the last nodes. ``Net.paths`` ends with two paths a body, origin and rotation."""
+    """Points of bodies whose motion is prescribed, the last nodes.
+
+    ``Net.paths`` ends with two paths a body, of its origin and of its rotation vector.
+    """
 
     body: np.ndarray  # (nodes,) which of these bodies carries each
     arm: np.ndarray  # (nodes, 3) [m] from the origin, as the body starts
@@ -214,7 +217,8 @@ POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
 LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f1), Links)
 NO_LINKS = Links(*(np.zeros((0,) * kind.ndim, np.int64 if kind.dtype == types.int64 else float) for kind in LINKS.types))
 NET = types.NamedTuple(
-    (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, TABLE, types.int64, CARRIED, EFFECTS, LENGTHS, POINTS, BODIES)
+    (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, TABLE, types.int64)
+    + (CARRIED, EFFECTS, LENGTHS, POINTS, BODIES)
     + (_f2, _f1, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f2, _f3)
     + (_f2,) * 3
     + (_f4, _f4, _f3)

@@ -92,8 +92,8 @@ JOINED_COLUMNS = 14
 
 # `Bodies.state`, one row a body, of the stage that was placed last: its mass over the square of the step [kg/s2]; inertial force
 # [N] and moment [N m]; the matrix of the moment over the turn (nine columns by rows), at first of inertia alone [N m]; radius of
-# gyration [m]; and five numbers by which a Newton step is judged: inertial moment over the square of a turn [N m], sums of stiffness
-# and of force times arm [N], [N m], and the last shift and turn [m], [rad].
+# gyration [m]; and five numbers by which a Newton step is judged: inertial moment over the square of a turn [N m], sums of
+# stiffness and of force times arm [N], [N m], and the last shift and turn [m], [rad].
 BODY_INERTIA, BODY_FORCE, BODY_MOMENT, BODY_TURNING, BODY_RADIUS, BODY_SECOND_ORDER = 0, 1, 4, 7, 16, 17
 BODY_COLUMNS = 22
 

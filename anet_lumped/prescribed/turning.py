@@ -40,7 +40,8 @@ def spin(phi, rate, second):
     """
     A, B, C, dA, dB, dC = coefficients(phi[0] * phi[0] + phi[1] * phi[1] + phi[2] * phi[2])
     along = phi[0] * rate[0] + phi[1] * rate[1] + phi[2] * rate[2]
-    along_rate = rate[0] * rate[0] + rate[1] * rate[1] + rate[2] * rate[2] + phi[0] * second[0] + phi[1] * second[1] + phi[2] * second[2]
+    rate_square = rate[0] * rate[0] + rate[1] * rate[1] + rate[2] * rate[2]
+    along_rate = rate_square + phi[0] * second[0] + phi[1] * second[1] + phi[2] * second[2]
     ds = 2.0 * along
     across, across_rate = cross(phi, rate), cross(phi, second)
     omega = (

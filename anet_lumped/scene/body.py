@@ -5,9 +5,9 @@ m/4 at r + (s1 a1 e1 + s2 a2 e2 + s3 a3 e3), with the signs of (+++), (+--), (-+
 
     a_k = sqrt(E_k/m) ,     E_k = (J_1 + J_2 + J_3)/2 - J_k ,
 
-have the same three (Routh, The Elementary Part of a Treatise on the Dynamics of a System of Rigid Bodies, 1905, article 36). So gravity,
-kinetic energy and momenta of a body are sums over points. E_k is the second moment of the mass along the axis e_k and cannot be
-negative, which is why no principal inertia exceeds the sum of the other two.
+have the same three (Routh, The Elementary Part of a Treatise on the Dynamics of a System of Rigid Bodies, 1905, article 36). So
+gravity, kinetic energy and momenta of a body are sums over points. E_k is the second moment of the mass along the axis e_k and
+cannot be negative, which is why no principal inertia exceeds the sum of the other two.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,18 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, as_entries, check_name, check_number, check_pairs, check_vector, nearest, quoted, shown
+from anet_lumped.checks import (
+    SceneError,
+    Vector,
+    as_entries,
+    check_name,
+    check_number,
+    check_pairs,
+    check_vector,
+    nearest,
+    quoted,
+    shown,
+)
 from anet_lumped.prescribed.paths import Path, line
 from anet_lumped.prescribed.turning import matrix_of
 from anet_lumped.prescribed.turning_path import TurningPath
@@ -30,7 +41,7 @@ INERTIA_ROUNDING = 1e-6  # of the largest inertia: by how much one may exceed th
 
 @dataclass(frozen=True)
 class OnBody(Free):
-    """A point of a body: its origin, an attachment, or one of the masses that stand for it.
+    """A point of a body: its origin, an attachment, one on each of its axes, or one of the masses that stand for it.
 
     Parameters
     ----------
@@ -93,7 +104,10 @@ class Body:
         for key, unit in (("rotation", "rad"), ("centre_of_mass", "m")):
             checked[key] = check_vector(key, getattr(self, key), unit, owner)
         pairs = check_pairs("attachments", self.attachments, "an attachment's name and its place", owner, may_be_empty=True)
-        checked["attachments"] = tuple((check_name(name, "attachment"), check_vector(name, at, "m", owner)) for name, at in pairs)
+        checked["attachments"] = tuple(
+            (check_name(name, "attachment"), check_vector("attachments", at, "m", f"{quoted(name)} of {owner}"))
+            for name, at in pairs
+        )
         for key in ("path", "turning"):
             if getattr(self, key) is not None and not isinstance(getattr(self, key), Path):
                 raise SceneError(
@@ -111,9 +125,9 @@ class Body:
         if not self.is_driven or self.inertia is not None:
             checked["inertia"] = _check_inertia(self.inertia, owner)
         names = [name for name, _ in checked["attachments"]]
-        if self.pinned and self.pinned not in names:
+        if self.pinned is not None and self.pinned not in ("", *names):
             raise SceneError(
-                f'Argument `pinned` must name an attachment, or be "" for the origin, but {owner} has pinned={quoted(self.pinned)}'
+                f'Argument `pinned` must name an attachment, or be "" for the origin, but {owner} has pinned={shown(self.pinned)}'
                 + (nearest(self.pinned, names) or ".")
             )
         for key, value in checked.items():
@@ -135,16 +149,23 @@ class Body:
 
     @cached_property
     def points(self) -> tuple[OnBody, ...] | tuple[OnDrivenBody, ...]:
-        """Its points: the origin, of a body that is not driven the four masses, and the attachments."""
+        """Its points: the origin and the attachments.
+
+        A body that is not driven has seven more, behind its origin: one on each of its axes, at its radius of gyration, by which
+        its axes are known whatever its inertia; and the four masses.
+        """
         ends = [(self.name, (0.0, 0.0, 0.0)), *((f"{self.name}.{name}", arm) for name, arm in self.attachments)]
         if self.is_driven:
             return tuple(
                 OnDrivenBody(name, TurningPath.of(*self.motion, self.rotation, arm), body=self.name, arm=arm) for name, arm in ends
             )
         assert self.mass is not None and self.at is not None
+        d = self.gyration
+        on_axes = [(f"{self.name}[x]", (d, 0.0, 0.0)), (f"{self.name}[y]", (0.0, d, 0.0)), (f"{self.name}[z]", (0.0, 0.0, d))]
+        ends[1:1] = on_axes
         masses = _four_masses(self, [arm for _, arm in ends])
         named = [(*end, NEGLIGIBLE * self.mass) for end in ends]
-        named[1:1] = [(f"{self.name}[{k}]", arm, m) for k, (arm, m) in enumerate(masses, start=1)]
+        named[4:4] = [(f"{self.name}[{k}]", arm, m) for k, (arm, m) in enumerate(masses, start=1)]
         R, origin = matrix_of(self.rotation), np.array(self.at)
         return tuple(OnBody(name, m, at=tuple((origin + R @ arm).tolist()), body=self.name, arm=arm) for name, arm, m in named)
 
@@ -154,12 +175,15 @@ class Body:
         J = np.array(self.inertia, float)
         return np.diag(J) if J.ndim == 1 else J
 
+    @cached_property
+    def gyration(self) -> float:
+        """Radius of gyration about the centre of mass, the root of half the trace of the inertia over the mass [m]."""
+        return float(np.sqrt(0.5 * np.trace(self.inertia_tensor) / self.mass))
 
     @cached_property
     def radius(self) -> float:
         """Largest distance of an attachment from the centre of mass, or the radius of gyration if that is larger [m]."""
-        gyration = float(np.sqrt(0.5 * np.trace(self.inertia_tensor) / self.mass))
-        return max([gyration, *(float(np.linalg.norm(np.subtract(arm, self.centre_of_mass))) for _, arm in self.attachments)])
+        return max([self.gyration, *(float(np.linalg.norm(np.subtract(arm, self.centre_of_mass))) for _, arm in self.attachments)])
 
     @cached_property
     def least_masses(self) -> dict[str, float]:
@@ -179,8 +203,10 @@ def _check_inertia(value: Any, owner: str) -> tuple:
     """Principal moments (3,) or a symmetric tensor (3, 3), as tuples; what a mass distribution can have."""
     rows = as_entries(value) or ()
     tensor = len(rows) == 3 and all(as_entries(row) is not None for row in rows)
-    checked: tuple = tuple(check_vector("inertia", row, "kg m2", owner) for row in rows) if tensor else check_vector(
-        "inertia", value, "kg m2", owner
+    checked: tuple = (
+        tuple(check_vector("inertia", row, "kg m2", owner) for row in rows)
+        if tensor
+        else check_vector("inertia", value, "kg m2", owner)
     )
     J = np.array(checked)
     J = J if tensor else np.diag(J)

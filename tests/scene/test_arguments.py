@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from anet_lumped import (
+    Body,
     Cable,
     Driven,
     Fixed,
@@ -44,6 +45,7 @@ MAKERS = {
     "Fixed": (Fixed, {"name": "a", "at": (0, 0, 0)}),
     "Driven": (Driven, {"name": "a", "path": paths.line((0, 0, 0), (1, 0, 0), 1.0)}),
     "Free": (Free, {"name": "a"}),
+    "Body": (Body, {"name": "a", "mass": 1.0, "inertia": (0.1, 0.1, 0.1), "at": (0, 0, 0), "attachments": {"hook": (0, 0, 0.1)}}),
     "Cable": (Cable, {"start": "a", "end": "b", "length": 1.0, "mass_per_length": 0.1, "EA": 1e3, "segments": 2}),
     "PayloadChange": (PayloadChange, {"point": "b", "t": 1.0, "mass": 1.0}),
     "paths.line": (paths.line, {"start": (0, 0, 0), "velocity": (1, 0, 0), "ramp": 1.0}),
@@ -91,22 +93,36 @@ WRONG = {
     "escapes": ["\x1b[31m\n" * 100],
 }
 NAMES = {
-    ("Fixed", "name"), ("Driven", "name"), ("Free", "name"), ("Cable", "start"), ("Cable", "end"), ("Cable", "name"),
-    ("PayloadChange", "point"),
+    ("Body", "name"), ("Fixed", "name"), ("Driven", "name"), ("Free", "name"), ("Cable", "start"), ("Cable", "end"),
+    ("Cable", "name"), ("PayloadChange", "point"),
 }  # fmt: skip
 NONE = {
     ("Free", "at"), ("Cable", "BA"), ("Cable", "name"), ("Cable", "diameter"), ("Cable", "breaking_tension"),
     ("Cable", "tension_strain"), ("air", "wind"), ("air", "surface"), ("water", "current"), ("water", "wave"), ("water", "g"),
-    ("load", "cables"), ("rope", "tension"),
+    ("load", "cables"), ("rope", "tension"), ("Body", "pinned"), ("Body", "path"), ("Body", "turning"),
 }  # fmt: skip
-EMPTY = {("air", "wind"), ("water", "current"), ("bending", "clamped"), ("Scene", "effects"), ("Scene", "events")}
+EMPTY = {
+    ("air", "wind"),
+    ("water", "current"),
+    ("bending", "clamped"),
+    ("Scene", "effects"),
+    ("Scene", "events"),
+    ("Scene", "bodies"),
+    ("Body", "attachments"),
+}
 BY_NAME = {("axial_damping", "rate"), ("temperature", "expansion")}
 RIGHT = (
     {("a string", *one) for one in NAMES}
     | {("nothing", *one) for one in NONE}
     | {("an empty list", *one) for one in EMPTY}
     | {("a dict", *one) for one in BY_NAME}
-    | {("an empty dict", "bending", "clamped"), ("a bool", "wind.Gust", "stays"), ("escapes", "load", "cables")}
+    | {
+        ("an empty dict", "bending", "clamped"),
+        ("an empty dict", "Body", "attachments"),
+        ("a bool", "wind.Gust", "stays"),
+        ("a bool", "water", "points_float"),
+        ("escapes", "load", "cables"),
+    }
     | {(empty, "applied_forces", what) for empty in ("an empty list", "an empty dict") for what in ("force", "torque")}
     | {("400 digits", "wind.Dryden", "seed"), ("5000 digits", "wind.Dryden", "seed")}
 )

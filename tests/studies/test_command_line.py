@@ -3,6 +3,7 @@
 import csv
 import inspect
 import json
+import math
 import os
 import signal
 import subprocess
@@ -253,6 +254,52 @@ def test_convert_writes_what_every_command_reads(tmp_path, capsys):
         assert call("equilibrium", scene, "--json") == 0
         rests.append(json.loads(capsys.readouterr().out)["points"])
     assert rests[0] == rests[1] == rests[2]
+
+
+MOORING = """\
+--- LINE TYPES ---
+Name Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx
+(-) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
+rode 0.05 12 3e6 -0.8 0 1.5 1 0.2 0
+--- POINTS ---
+ID Type X Y Z M V CdA CA
+(-) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
+1 Fixed 40 0 -20 0 0 0 0
+2 Vessel 0 0 -2 0 0 0 0
+--- LINES ---
+ID Type A B Length Segs Flags
+(-) (-) (-) (-) (m) (-) (-)
+1 rode 1 2 46 10 t
+--- OPTIONS ---
+0 kBot
+0 cBot
+0.01 dtM
+--- OUTPUTS ---
+FairTen1 Con2px
+--- need this line ---
+"""
+
+
+def test_a_platform_moves_a_mooring_file_and_its_channels_are_written(tmp_path, capsys):
+    (tmp_path / "rode.dat").write_text(MOORING)
+    arguments = ["simulate", tmp_path / "rode.dat", "--t-end", "5s", "--out", tmp_path / "out"]
+    assert call(*arguments, "--move", "surge=1sin0.1", "--move", "pitch=2degsin0.1") == 0
+    said = capsys.readouterr()
+    assert "warning: rode.dat: No use is made of options of MoorDyn's own run: dtM (line 17)." in said.err
+    names, _, *rows = [line.split() for line in (tmp_path / "out" / "rode.out").read_text().splitlines()]
+    assert names == ["Time", "FairTen1", "Con2px"]
+    assert max(float(row[2]) for row in rows) == pytest.approx(1.0 - 2.0 * math.sin(math.radians(2.0)), rel=1e-3)  # at t = 2.5 s
+    assert (tmp_path / "out" / "rode.Line1.out").is_file()
+    assert call(*arguments) == 0
+    assert 'Nothing moves in this run: point "point2" is driven from outside' in capsys.readouterr().out
+
+
+def test_all_that_is_refused_of_a_mooring_file_is_told_line_by_line(tmp_path, capsys):
+    (tmp_path / "rode.dat").write_text(MOORING.replace("0.01 dtM", "3 WaveKin\n2 Currents"))
+    assert call("equilibrium", tmp_path / "rode.dat") == 2
+    first, second = capsys.readouterr().err.splitlines()
+    assert first.startswith('anet-lumped: rode.dat, line 17, "3 WaveKin": waves are not supported')
+    assert second.startswith('anet-lumped: rode.dat, line 18, "2 Currents": currents are not supported')
 
 
 def test_convert_refuses_an_ending_it_does_not_know(tmp_path, capsys):

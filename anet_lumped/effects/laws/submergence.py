@@ -26,6 +26,7 @@ from anet_lumped.compiled.jit import njit
 from .axial import select
 
 GAUSS_POINT = 0.7745966692414834  # Gauss-Legendre, three points: 0 and +-sqrt(3/5), of weights 4/9 and 5/18 on [0, 1]
+ALWAYS_UNDER = 0.0  # in place of the diameter of a point that is under water at any height
 SMALL_CHANGE = 1e-4  # of the diameter: over a smaller change of height the slope in the middle is the secant, to SMALL_CHANGE^2/24
 
 
@@ -165,3 +166,19 @@ def submerged_share_between(z_a, z_b, d):
     h, _, after = submerged_share(z_b, d)
     g = (after - before) / rise
     return g, (h - g) / rise
+
+
+@njit(cache=True, forceinline=True)
+def point_share(z, d):
+    """`submerged_share` of a point, all of which is under water where d is `ALWAYS_UNDER`."""
+    if d == ALWAYS_UNDER:
+        return 1.0, 0.0, z
+    return submerged_share(z, d)
+
+
+@njit(cache=True, forceinline=True)
+def point_share_between(z_a, z_b, d):
+    """`submerged_share_between` of a point, all of which is under water where d is `ALWAYS_UNDER`."""
+    if d == ALWAYS_UNDER:
+        return 1.0, 0.0
+    return submerged_share_between(z_a, z_b, d)

@@ -1,7 +1,7 @@
 """Bodies in the linear system of a Newton step: the blocks of their nodes, mapped to two unknowns a body and back.
 
-A body shifts by dr and turns by dphi: its node k, at the arm b, moves by dr + dphi x b. With the block S and the force f that are left
-at the node, the equations of the body become
+A body shifts by dr and turns by dphi: its node k, at the arm b, moves by dr + dphi x b. With the block S and the force f that are
+left at the node, the equations of the body become
 
     sum f = sum S (dr - [b] dphi) + m W dr ,      sum s x f = sum [s] S (dr - [b] dphi) + T dphi ,
 
@@ -31,7 +31,8 @@ from anet_lumped.model.tables import (
 )
 from integrators.stage import LAW_BETWEEN
 
-from .vectors import cross, cross_matrix, dot, matrix_product, minus, plus, put, row, scaled, turned
+from .stage import MOMENT_WEIGHT
+from .vectors import cross, cross_matrix, dot, matrix_product, minus, plus, put, row, scaled, three, turned
 
 
 @inlined
@@ -81,7 +82,7 @@ def reduce_bodies(net_address):
         for x in range(3):
             for y in range(3):
                 shifts[x, y], turns[x, y] = (of[BODY_INERTIA] if x == y else 0.0), of[BODY_TURNING + 3 * x + y]
-        force, moment = (of[BODY_FORCE], of[BODY_FORCE + 1], of[BODY_FORCE + 2]), (of[BODY_MOMENT], of[BODY_MOMENT + 1], of[BODY_MOMENT + 2])
+        force, moment = three(of, BODY_FORCE), three(of, BODY_MOMENT)
         of[BODY_SECOND_ORDER + 1] = 0.0
         of[BODY_SECOND_ORDER + 2] = 0.0
         for k in range(first, end):
@@ -188,5 +189,6 @@ def finish_bodies(net_address):
         shift, turn, radius = of[BODY_SECOND_ORDER + 3], of[BODY_SECOND_ORDER + 4], of[BODY_RADIUS]
         stiffness_arm, force_arm = of[BODY_SECOND_ORDER + 1], of[BODY_SECOND_ORDER + 2]
         of_places = stiffness_arm * turn * (turn + shift / radius)
-        bound = max(bound, of_places + (force_arm + of[BODY_SECOND_ORDER]) * turn * turn / radius)
+        of_moments = MOMENT_WEIGHT * (force_arm + of[BODY_SECOND_ORDER]) * turn * turn / radius
+        bound = max(bound, of_places + of_moments)
     return bound

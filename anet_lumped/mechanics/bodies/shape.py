@@ -16,14 +16,12 @@ REFINEMENTS = 2  # of a rotation that is off by what one step leaves out
 
 
 @inlined
-def _axes(array, a, b, c, d):
-    """Three directions across each other from four points, the longest of a body's axes first."""
-    p, q, r, s = row(array, a), row(array, b), row(array, c), row(array, d)
-    third = minus(plus(p, s), plus(q, r))
-    second = minus(plus(p, r), plus(q, s))
-    u = scaled(1.0 / math.sqrt(dot(third, third)), third)
-    second = minus(second, scaled(dot(second, u), u))
-    w = scaled(1.0 / math.sqrt(dot(second, second)), second)
+def _axes(array, origin, x, y):
+    """Three directions across each other, from the places of the origin of a body and of points on its first two axes."""
+    to_x, to_y = minus(row(array, x), row(array, origin)), minus(row(array, y), row(array, origin))
+    u = scaled(1.0 / math.sqrt(dot(to_x, to_x)), to_x)
+    across = minus(to_y, scaled(dot(to_y, u), u))
+    w = scaled(1.0 / math.sqrt(dot(across, across)), across)
     return u, w, cross(u, w)
 
 
@@ -39,13 +37,13 @@ def _keep_shape(net, b, q):
     """Move the nodes of a body to the nearest place at which it has its shape, by the masses of the nodes."""
     bodies = net.bodies
     first, end = bodies.node_at[b], bodies.node_at[b + 1]
-    a = first + 1  # the four masses that stand for the body follow its origin
-    reference = _axes(bodies.arm, a, a + 1, a + 2, a + 3)
-    axes = _axes(q, bodies.node[a], bodies.node[a + 1], bodies.node[a + 2], bodies.node[a + 3])
+    reference = _axes(bodies.arm, first, first + 1, first + 2)  # points on the axes of a body follow its origin
+    axes = _axes(q, bodies.node[first], bodies.node[first + 1], bodies.node[first + 2])
     mass, centre, middle = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(first, end):
         m = net.mass[bodies.node[k]]
-        mass, centre, middle = mass + m, plus(centre, scaled(m, row(q, bodies.node[k]))), plus(middle, scaled(m, row(bodies.arm, k)))
+        mass, centre = mass + m, plus(centre, scaled(m, row(q, bodies.node[k])))
+        middle = plus(middle, scaled(m, row(bodies.arm, k)))
     centre, middle = scaled(1.0 / mass, centre), scaled(1.0 / mass, middle)
     pivot = bodies.pivot[b]
     if pivot >= 0:

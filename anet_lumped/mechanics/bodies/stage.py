@@ -4,8 +4,8 @@ From a to b over h, with the rotation R_b R_a^T of the Cayley vector theta and t
 
     m (v_b - v_a)/h = sum F ,    (J_b w_b - J_a w_a)/h = sum s x F ,    w_b = 2 theta/h - R_b R_a^T w_a .
 
-Because a force's point moves by dr + theta x s exactly, the work of F is the change of kinetic energy to the last bit, whatever F is.
-Stages of other laws take forces, and the inertia m W (target - q) of each node, at the end.
+Because a force's point moves by dr + theta x s exactly, the work of F is the change of kinetic energy to the last bit, whatever F
+is. Stages of other laws take forces, and the inertia m W (target - q) of each node, at the end.
 Source: Simo and Wong, Int. J. Numer. Methods Engrg. 31 (1991) 19; Armero and Romero, Comput. Methods Appl. Mech. Engrg. 190 (2001)
 2603.
 """
@@ -38,16 +38,16 @@ from .vectors import (
     matrix_product,
     minus,
     plus,
-    put,
     row,
     scaled,
     solved,
+    three,
     times_scalar,
     turned,
 )
 
-
 NO_VECTOR = (0.0, 0.0, 0.0)
+MOMENT_WEIGHT = 1e3  # of a moment over the radius of gyration, among forces: what is left of it changes the angular momentum
 
 
 @inlined
@@ -118,24 +118,37 @@ def _total(net, b, forces, first, between):
     return force, moment
 
 
+@inlined
+def _weighted(moment, radius, noise):
+    """A moment as a force that counts `MOMENT_WEIGHT` times, but for what rounding leaves."""
+    force = largest(moment) / radius
+    return max(force, MOMENT_WEIGHT * (force - noise))
+
+
 @on_demand
-def balance_bodies(stage, net_address, largest_coordinate):
-    """`CableBalance` of the bodies, with moments over the radius of gyration; adds what forces do to the turning of their arms."""
+def balance_bodies(stage, net_address, largest_coordinate, cable_noise, predicted_noise):
+    """`CableBalance` of the bodies, with moments over the radius of gyration; adds what forces do to the turning of their arms.
+
+    The last two arguments are what rounding leaves of the forces of cables, by their law and as predicted [N].
+    """
     net, between = view_net(net_address), stage.law == LAW_BETWEEN
     bodies = net.bodies
     norm, scale, predicted, noise, sum_of_forces = 0.0, 0.0, 0.0, 0.0, 0.0
     for b in range(bodies.pivot.shape[0]):
         of, pinned = bodies.state[b], bodies.pivot[b] >= 0
-        shift, moment = (of[BODY_FORCE], of[BODY_FORCE + 1], of[BODY_FORCE + 2]), (of[BODY_MOMENT], of[BODY_MOMENT + 1], of[BODY_MOMENT + 2])
+        shift, moment = three(of, BODY_FORCE), three(of, BODY_MOMENT)
         radius = of[BODY_RADIUS]
         force_by_law, moment_by_law = _total(net, b, net.law_force, 0, between)
         force_predicted, moment_predicted = _total(net, b, net.predicted_force, net.n_interior, between)
         load, load_moment = _total(net, b, net.right_side, 0, between)
         held = 0.0 if pinned else 1.0
-        norm = max(norm, held * largest(plus(force_by_law, shift)), largest(plus(moment_by_law, moment)) / radius)
-        predicted = max(predicted, held * largest(plus(force_predicted, shift)), largest(plus(moment_predicted, moment)) / radius)
+        of_inertia = FORCE_ROUNDING * of[BODY_INERTIA] * largest_coordinate
+        by_law = _weighted(plus(moment_by_law, moment), radius, cable_noise + of_inertia)
+        norm = max(norm, held * largest(plus(force_by_law, shift)), by_law)
+        as_predicted = _weighted(plus(moment_predicted, moment), radius, predicted_noise + of_inertia)
+        predicted = max(predicted, held * largest(plus(force_predicted, shift)), as_predicted)
         scale = max(scale, largest(load), largest(shift), largest(load_moment) / radius, largest(moment) / radius)
-        noise = max(noise, FORCE_ROUNDING * of[BODY_INERTIA] * largest_coordinate)
+        noise = max(noise, of_inertia)
         sum_of_forces += dot(force_by_law, (1.0, 1.0, 1.0)) + dot(moment_by_law, (1.0, 1.0, 1.0))
         share = -0.5 if between else -1.0
         for k in range(bodies.node_at[b], bodies.node_at[b + 1]):

@@ -10,6 +10,12 @@ def row(array, i):
 
 
 @inlined
+def three(numbers, i):
+    """Three numbers of a flat array from the i-th on."""
+    return numbers[i], numbers[i + 1], numbers[i + 2]
+
+
+@inlined
 def put(array, i, x):
     """Write row i of an (n, 3) array."""
     array[i, 0], array[i, 1], array[i, 2] = x[0], x[1], x[2]

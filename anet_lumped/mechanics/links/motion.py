@@ -9,6 +9,7 @@ from numba import float64, int64, types, void
 
 from anet_lumped.compiled.jit import internal, kernel
 from anet_lumped.effects.signatures import as_force
+from anet_lumped.mechanics.drive import evaluate_driven
 from anet_lumped.mechanics.effect_forces import add_masses, mobility_with_fluid, numbers_of
 from anet_lumped.mechanics.optional import as_power_of_lengths, as_set_lengths
 from anet_lumped.mechanics.prescribe import prescribe
@@ -31,7 +32,6 @@ from anet_lumped.model.tables import (
     LINKS_TIME,
     SLOT_FORCE,
 )
-from anet_lumped.mechanics.drive import evaluate_driven
 from integrators.flat_view import flat
 from integrators.system import NO_EVENTS
 
