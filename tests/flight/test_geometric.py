@@ -59,7 +59,7 @@ def test_hover_thrust_is_the_weight(scene):
     assert run.ok
     for body in scene.bodies:  # they stay where they are
         assert run.position(body.name)[-1] == pytest.approx(body.at, abs=1e-9)
-        assert np.abs(run.velocity(body.name)).max() < 1e-9
+        assert np.abs(run.velocity(body.name)).max() < 1e-8  # attitudes are found to 1e-10 rad: 1e-9 m/s2
 
 
 def linear_step(size, steps):
