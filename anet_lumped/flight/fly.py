@@ -84,6 +84,8 @@ def fly(
     """
     check_scene(scene)
     t_end, dt = (check_number(name, x, "s", "fly", sign="positive") for name, x in (("t_end", t_end), ("dt", dt)))
+    if dt > t_end * (1.0 + 1e-9):
+        raise InputError(f"Argument `dt` must not exceed t_end={t_end:g} s, but it is {dt:g} s.")
     crew = quadrotors_of(scene, quadrotors)
     if "start" not in session:
         ready = hovering(scene)

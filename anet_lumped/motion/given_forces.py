@@ -107,9 +107,9 @@ class GivenForces:
         """Places of all points that may be pushed (k, 3) [m]."""
         return q[self._node]
 
-    def work(self, moved: np.ndarray) -> float:
-        """Work of the forces on points that have moved by ``moved`` (k, 3) [m]."""
-        return float(np.sum(self._params[self._slot[:, None] + np.arange(3)] * moved))
+    def work(self, before: np.ndarray, q: np.ndarray) -> float:
+        """Work of the forces [J] on points that were at ``before`` (k, 3), of `places`, and are in q (n, 3) [m] now."""
+        return float(work_of(self._params, self._slot, self._node, before, q))
 
     def saved(self) -> tuple[np.ndarray, ...]:
         """What has been given."""
@@ -127,6 +127,16 @@ def vector(name: str, value: Any, unit: str, owner: str) -> np.ndarray:
     if isinstance(value, np.ndarray) and value.shape == (3,) and value.dtype == float and np.isfinite(value).all():
         return value
     return np.array(check_vector(name, value, unit, owner))
+
+
+@kernel(float64(_f1, _i1, _i1, _f2, _f2))
+def work_of(params, slot, node, before, q):
+    """Sum of the forces at ``slot`` in ``params`` times the ways of their nodes from ``before`` (k, 3) to q (n, 3) [J]."""
+    total = 0.0
+    for k in range(slot.shape[0]):
+        for x in range(3):
+            total += params[slot[k] + x] * (q[node[k], x] - before[k, x])
+    return total
 
 
 @inlined

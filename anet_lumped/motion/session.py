@@ -146,6 +146,8 @@ class Session:
         if self._motions.tracks:
             self._lead()
         self._table = body_table(model, self._forces.bodies)
+        two_way = model.axial[model.cable_of, AXIAL_TWO_WAY_DAMPER] > 0.0
+        self._least_tension = np.where(two_way, -math.inf, 0.0)
         self._cable_ends = CableEnds(model, self._table)
         self._begin(self._address)
 
@@ -228,7 +230,7 @@ class Session:
             before = forces.places(self._state.q) if forces.acts else None
             status, node = self._step_to(self._address, end)
             if before is not None:
-                work = forces.work(forces.places(self._state.q) - before)
+                work = forces.work(before, self._state.q)
                 self._legs.carried[WORK] += work
                 self._legs.carried[BY_EFFECTS] += work
             if status == EVENT:
@@ -242,7 +244,8 @@ class Session:
             elif end >= goal - same:
                 break
         self._steps += 1
-        self._motions.go_on()
+        if self._motions.tracks:
+            self._motions.go_on()
 
     def _change(self, t: float) -> None:
         """Change the payloads whose events are at t."""
@@ -369,9 +372,7 @@ class Session:
         """Tension of every segment that acted in the last step, of what is left of the scene."""
         if self._scheme.explicit or self._steps == 0:
             return self._end_tension()
-        model = self._legs.left.model
-        two_way = model.axial[model.cable_of, AXIAL_TWO_WAY_DAMPER] > 0.0
-        return np.where(two_way, self._net.tension, np.maximum(self._net.tension, 0.0))
+        return np.maximum(self._net.tension, self._least_tension)
 
     def _end_tension(self) -> np.ndarray:
         """Tension of every segment at the time reached, as a run saves it."""

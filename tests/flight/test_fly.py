@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from flying import AGILE, alone
 
-from anet_lumped import InputError, Scene, load_run, load_scene, paths
+from anet_lumped import Cable, Free, InputError, Scene, load_run, load_scene, paths
+from anet_lumped.effects import Gravity
 from anet_lumped.flight.admittance import Admittance
 from anet_lumped.flight.fly import fly
 from anet_lumped.flight.geometric import Goal, Wrench, follow, geometric, hold
 from anet_lumped.flight.hovering import hovering
 from anet_lumped.flight.net_guide import NetGuide
-from anet_lumped.flight.quadrotor import CRAZYFLIE, THESIS_QUADROTOR
-from anet_lumped.flight.seen import Seen
+from anet_lumped.flight.quadrotor import CRAZYFLIE, THESIS_QUADROTOR, quadrotor
+from anet_lumped.flight.seen import Seen, Sensors
 
 CREW = [THESIS_QUADROTOR] * 4
 NET = load_scene("quadrotors_net")
@@ -118,6 +119,21 @@ def test_quadrotors_give_way_to_the_pull_of_a_load():
     assert run.ok and run.position("quad0")[-1, 2] == pytest.approx(low / 9.0, rel=0.05)
 
 
+def test_two_crazyflies_carry_a_load_by_what_they_measure():
+    """With noise and delay, in the plane of both, where nothing swings: the load comes within some noise of its place."""
+    crew = [quadrotor(f"cf{i}", (0.0, y, 1.0), CRAZYFLIE, attachments={"hook": (0, 0, -0.01)}) for i, y in enumerate((-0.2, 0.2))]
+    made = {"length": 0.5, "mass_per_length": 0.002, "EA": 500.0, "zeta": 0.05, "segments": 6}
+    scene = Scene(
+        [Free("load", mass=0.010)], [Cable(f"cf{i}.hook", "load", **made) for i in range(2)], [Gravity(9.81)], bodies=crew
+    )
+    guide = NetGuide(scene, (0.0, 0.1, 0.6), point="load")
+    sensors = Sensors(position=1e-3, velocity=1e-2, rotation=2e-3, angular_velocity=1e-2, delay=0.004, seed=1)
+    run = fly(scene, geometric([CRAZYFLIE] * 2, guide, delay=0.002), 8.0, quadrotors=CRAZYFLIE, sensors=sensors)
+    assert run.ok and run.work.halvings == 0
+    assert run.position("load")[-1, 1:] == pytest.approx((0.1, 0.6), abs=0.01)
+    assert run.energy_balance.imbalance < 1e-6  # Newton's tolerance
+
+
 def test_a_flight_is_a_run(tmp_path):
     run = fly(NET, geometric(CREW, hold([body.at for body in NET.bodies])), 0.4, save_every=0.1)
     assert run.t == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4]) and run.method == "edmc" and run.work.steps == 100
@@ -146,6 +162,8 @@ def test_names_and_numbers():
         fly(NET, controller, 1.0, quadrotors=3)
     with pytest.raises(InputError, match=r"`t_end` must be positive and finite \[s\], but fly has t_end=0"):
         fly(NET, controller, 0)
+    with pytest.raises(InputError, match="`dt` must not exceed t_end=0.001 s, but it is 0.004 s"):
+        fly(NET, controller, 0.001)
     with pytest.raises(InputError, match="needs a body that moves freely, but the scene has none"):
         hovering(load_scene("net_held"))
     with pytest.raises(InputError, match='guided by a free point, but "quad0" is none'):
