@@ -162,7 +162,7 @@ def test_names_and_numbers():
         fly(NET, controller, 1.0, quadrotors=3)
     with pytest.raises(InputError, match=r"`t_end` must be positive and finite \[s\], but fly has t_end=0"):
         fly(NET, controller, 0)
-    with pytest.raises(InputError, match="`dt` must not exceed t_end=0.001 s, but it is 0.004 s"):
+    with pytest.raises(InputError, match=r"`dt` must not exceed t_end=0\.001 s, but it is 0\.004 s"):
         fly(NET, controller, 0.001)
     with pytest.raises(InputError, match="needs a body that moves freely, but the scene has none"):
         hovering(load_scene("net_held"))
