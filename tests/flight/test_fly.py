@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flying import AGILE, alone
 
-from anet_lumped import Cable, Free, InputError, Scene, load_run, load_scene, paths
+from anet_lumped import Cable, Free, InputError, NoRestError, Scene, equilibrium, load_run, load_scene, paths
 from anet_lumped.effects import Gravity
 from anet_lumped.flight.admittance import Admittance
 from anet_lumped.flight.fly import fly
@@ -132,6 +132,20 @@ def test_two_crazyflies_carry_a_load_by_what_they_measure():
     assert run.ok and run.work.halvings == 0
     assert run.position("load")[-1, 1:] == pytest.approx((0.1, 0.6), abs=0.01)
     assert run.energy_balance.imbalance < 1e-6  # Newton's tolerance
+
+
+def test_cables_that_do_not_stretch():
+    """Links, whose explicit steps are of order 5, against edmc with EA = inf: both see the pull of the last step."""
+    cables = [replace(cable, EA=np.inf, compression="linear", zeta=0.0) for cable in NET.cables]
+    rigid, controller = replace(NET, cables=cables), geometric(CREW, NetGuide(NET, REST + 0.1))
+    links, edmc = (fly(rigid, controller, 1.0, method=method) for method in ("links", "edmc"))
+    assert links.ok and np.abs(links.position("p0") - edmc.position("p0")).max() < 1e-3
+    assert np.ptp(links.position("p0")[:, 2]) > 0.05
+
+
+def test_what_has_to_be_flown_has_no_rest_of_its_own():
+    with pytest.raises(NoRestError, match=r'nothing holds .* "p0" .*, and anet_lumped\.flight lets quadrotors carry it\.'):
+        equilibrium(NET)
 
 
 def test_a_flight_is_a_run(tmp_path):
