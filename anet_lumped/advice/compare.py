@@ -198,7 +198,7 @@ def compare(state: State, *, reference: str = "net", elastic: bool = True) -> Co
     scene = state.scene
     places = {point.name: np.asarray(state.position(point.name)) for point in scene.all_points}
     if scene.bodies:
-        held = [Fixed(point.name, places[point.name]) for body in scene.bodies for point in body.points]
+        held = [Fixed(point.name, tuple(places[point.name].tolist())) for body in scene.bodies for point in body.points]
         scene = replace(scene, points=(*scene.points, *held), bodies=())
     if reference == "net":
         net = catenary_net(scene, places, elastic=elastic)
