@@ -63,6 +63,7 @@ class NetGuide:
         if spread is not None and height is not None:
             raise InputError("Only one of `spread` and `height` may be given to a NetGuide, for the other follows, but both are.")
         self.scene, self.point = scene, point
+        self._number = scene.free_points.index(scene.point(point))
         self.at = at if isinstance(at, Path) else check_vector("at", at, "m", "NetGuide")
         self.rate = check_number("rate", rate, "1/s", "NetGuide", sign="non-negative")
         self._names = [body.name for body in scene.bodies if not body.is_driven]
@@ -137,9 +138,8 @@ class NetGuide:
             place, velocity, acceleration = self.at.at(seen.t)
         else:
             place, velocity, acceleration = np.array(self.at), np.zeros(3), np.zeros(3)
-        number = [point.name for point in self.scene.free_points].index(self.point)
         if not math.isnan(self._t):
-            self._sum += self.rate * (seen.t - self._t) * (place - seen.point[number])
+            self._sum += self.rate * (seen.t - self._t) * (place - seen.point[self._number])
             size = float(np.linalg.norm(self._sum))
             if size > REACH * self.spread:
                 self._sum *= REACH * self.spread / size
