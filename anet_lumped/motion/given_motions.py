@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from anet_lumped.checks import InputError, quoted, shown
+from anet_lumped.model.body_rotation import turn_of_points
 from anet_lumped.prescribed.path_kernel import lead
 from anet_lumped.prescribed.turning import coefficients
-from anet_lumped.results.body_motion import turn_of_points
 from anet_lumped.scene.scene import Driven, Scene
 
 from .given_forces import vector

@@ -11,10 +11,10 @@ import numpy as np
 from anet_lumped.checks import InputError, number, shown
 from anet_lumped.effects.push import Push
 from anet_lumped.model import rest_lengths
+from anet_lumped.model.body_rotation import quaternions
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
 from anet_lumped.model.tables import AXIAL_TWO_WAY_DAMPER, SEGMENT_DIRECTION
-from anet_lumped.results.body_motion import quaternions
 from anet_lumped.results.energy_balance import BY_EFFECTS, WORK, book_remainder
 from anet_lumped.results.events import Event
 from anet_lumped.results.run import STATUS, State, Work

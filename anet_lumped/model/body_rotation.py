@@ -1,16 +1,15 @@
 """Rotation and angular velocity of bodies, from the places and velocities of their points."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import InputError, Vector, check_vector, quoted
-from anet_lumped.model.model import Model
 from anet_lumped.prescribed.turning import matrix_of, spin
 
+from .model import Model
 
-def _of(model: Model, body: str) -> tuple[np.ndarray, np.ndarray]:
+
+def points_of(model: Model, body: str) -> tuple[np.ndarray, np.ndarray]:
     """Nodes of a body (k,), and their places in its own axes (k, 3) [m]."""
     points = model.scene.body(body).points
     return np.array([model.node_of[point.name] for point in points]), np.array([point.arm for point in points], float)
@@ -28,8 +27,8 @@ def rotations(model: Model, body: str, t: Any, q: np.ndarray) -> np.ndarray:
             rows = [matrix_of(turn_of_points(model, body, places, places)[0]) for places in q.reshape(-1, *q.shape[-2:])]
             return (np.array(rows) @ first).reshape((*np.shape(t), 3, 3))
         turned = [np.eye(3) if turning is None else matrix_of(turning.at(float(time))[0]) for time in np.ravel(t)]
-        return (np.array(turned) @ first).reshape((*np.shape(t), 3, 3))
-    nodes, arms = _of(model, body)
+        return (np.array(turned).reshape(-1, 3, 3) @ first).reshape((*np.shape(t), 3, 3))
+    nodes, arms = points_of(model, body)
     arms = arms - arms.mean(axis=0)
     places = q[..., nodes, :] - q[..., nodes, :].mean(axis=-2, keepdims=True)
     U, _, Vt = np.linalg.svd(np.swapaxes(places, -1, -2) @ arms)
@@ -47,7 +46,7 @@ def angular_velocities(model: Model, body: str, t: Any, q: np.ndarray, v: np.nda
             return np.array([turn_of_points(model, body, *row)[1] for row in rows]).reshape((*np.shape(t), 3))
         found = [np.zeros(3) if turning is None else spin(*(tuple(x) for x in turning.at(float(time))))[0] for time in np.ravel(t)]
         return np.array(found).reshape((*np.shape(t), 3))
-    nodes, _ = _of(model, body)
+    nodes, _ = points_of(model, body)
     arms = q[..., nodes, :] - q[..., nodes, :].mean(axis=-2, keepdims=True)
     rates = v[..., nodes, :] - v[..., nodes, :].mean(axis=-2, keepdims=True)
     inertia = (arms**2).sum(axis=(-2, -1))[..., None, None] * np.eye(3) - np.swapaxes(arms, -1, -2) @ arms
@@ -68,7 +67,7 @@ def turn_of_points(model: Model, body: str, q: np.ndarray, v: np.ndarray) -> tup
     from scipy.spatial.transform import Rotation
 
     own = model.scene.body(body)
-    nodes, arms = _of(model, body)
+    nodes, arms = points_of(model, body)
     arms = arms @ matrix_of(own.rotation).T
     places, rates = q[nodes] - q[nodes[0]], v[nodes] - v[nodes[0]]
     size = float(np.linalg.norm(arms))
@@ -88,38 +87,3 @@ def quaternions(matrices: np.ndarray) -> np.ndarray:
 
     flat = Rotation.from_matrix(matrices.reshape(-1, 3, 3)).as_quat(canonical=True)
     return np.roll(flat, 1, axis=-1).reshape((*matrices.shape[:-2], 4))
-
-
-def moved(
-    state: Any, body: str, at: Vector | None = None, rotation: Vector | None = None, velocity: Vector | None = None,
-    angular_velocity: Vector | None = None,
-) -> Any:  # fmt: skip
-    """A State with a body at another place, or in another motion; the nodes of cables stay, but for those at its attachments.
-
-    Parameters
-    ----------
-    state : State
-    body : name of a body whose motion is not prescribed
-    at, velocity : (3,) array_like or None [m], [m/s], of its origin
-    rotation : (3,) array_like or None [rad], rotation vector of its axes
-    angular_velocity : (3,) array_like or None [rad/s], in the axes of the world
-
-    Raises
-    ------
-    InputError : a body whose motion is prescribed
-    """
-    own = state.scene.body(body)
-    if own.is_driven:
-        raise InputError(f"A body to be moved must move freely, but the motion of {quoted(body)} is prescribed.")
-    nodes, arms = _of(state.model, body)
-    R = state.rotation(body) if rotation is None else matrix_of(check_vector("rotation", rotation, "rad", f"body {quoted(body)}"))
-    origin = state.q[nodes[0]] if at is None else np.array(check_vector("at", at, "m", f"body {quoted(body)}"))
-    rate = state.v[nodes[0]] if velocity is None else np.array(check_vector("velocity", velocity, "m/s", f"body {quoted(body)}"))
-    if angular_velocity is None:
-        turn = state.angular_velocity(body)
-    else:
-        turn = np.array(check_vector("angular_velocity", angular_velocity, "rad/s", f"body {quoted(body)}"))
-    q, v = state.q.copy(), state.v.copy()
-    q[nodes] = origin + arms @ R.T
-    v[nodes] = rate + np.cross(turn, q[nodes] - origin)
-    return replace(state, q=q, v=v, q_near=None)
