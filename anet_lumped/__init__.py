@@ -28,13 +28,16 @@ from anet_lumped.checks import InputError
 from anet_lumped.effects.flow import waves, wind
 from anet_lumped.files.moordyn_file import read_moordyn
 from anet_lumped.files.moordyn_writer import save_moordyn
+from anet_lumped.files.motion_file import read_motions
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.motion.session import Session, SessionError
 from anet_lumped.motion.simulate import RunError, RunInterrupt, simulate
 from anet_lumped.prescribed import paths, signals
+from anet_lumped.prescribed.six_motions import SixMotions
 from anet_lumped.results.loading import load_run
 from anet_lumped.results.run import Run, State
 from anet_lumped.scene.payload_change import PayloadChange
+from anet_lumped.scene.platform import platform
 from anet_lumped.scene.rod_body import rod_body
 from anet_lumped.scene.ropes import rope
 from anet_lumped.scene.scene import Body, Cable, Driven, Fixed, Free, Rod, Scene, SceneError
@@ -64,13 +67,16 @@ __all__ = [
     "SceneError",
     "Session",
     "SessionError",
+    "SixMotions",
     "State",
     "catenary",
     "equilibrium",
     "load_run",
     "load_scene",
     "paths",
+    "platform",
     "read_moordyn",
+    "read_motions",
     "rod_body",
     "rope",
     "save_moordyn",

@@ -9,11 +9,12 @@ FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "recommend": 30, "effects":
 """Seconds of compiling on one core of 3 GHz where nothing is compiled yet, by what is asked for."""
 
 
-def tell(line):
-    """Say something in one line of bounded length."""
+def tell(text):
+    """Say something in one line of bounded length, or in several, where an error or a warning has several."""
     from anet_lumped.checks import one_line
 
-    print(f"anet-lumped: {one_line(str(line))}", file=sys.stderr)
+    for line in str(text).split("\n"):
+        print(f"anet-lumped: {one_line(line)}", file=sys.stderr)
 
 
 def announce_compiling(what):

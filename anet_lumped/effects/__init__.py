@@ -62,12 +62,14 @@ class Registry(MutableMapping):
 REGISTRY = Registry(
     {
         "air": "Air",
+        "applied_forces": "AppliedForces",
         "axial_damping": "AxialDamping",
         "bending": "Bending",
         "gravity": "Gravity",
         "ground": "Ground",
         "line_change": "LineChange",
         "load": "Load",
+        "moordyn_bottom": "MoordynBottom",
         "temperature": "Temperature",
         "viscous_damping": "ViscousDamping",
         "water": "Water",

@@ -31,7 +31,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law, law, njit
 from anet_lumped.effects.flow.wind.kernel import pack
 from anet_lumped.effects.laws.axes_drag import along_axes, axes_drag, axis_of, subtract_axis_slopes
 from anet_lumped.effects.laws.drag import segment_coefficients, subtract_segment_slopes, tangent_of
@@ -133,7 +133,7 @@ class FluidOnBodies(Effect):
         return functions if self.dry else functions | {"inertia": inertia}
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _fluid(params):
     """Level, current, wave, whether it is air, buoyancy per volume; where the numbers of bodies begin."""
     begin = HEADER + int(params[1])
@@ -141,12 +141,12 @@ def _fluid(params):
     return params[0], params[HEADER:begin], params[begin:end], params[3] > 0.0, params[4], end
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _middle(base, q, i):
     return 0.5 * (base[i, 0] + q[i, 0]), 0.5 * (base[i, 1] + q[i, 1]), 0.5 * (base[i, 2] + q[i, 2])
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _velocity(base, q, v, per_h, i):
     """Mean velocity of a node over a step, or where per_h is 0 that in v."""
     if per_h == 0.0:
@@ -154,38 +154,38 @@ def _velocity(base, q, v, per_h, i):
     return per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _minus(a, b):
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _add(f, i, w, force):
     f[i, 0] += w * force[0]
     f[i, 1] += w * force[1]
     f[i, 2] += w * force[2]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _sphere(z, d, dry):
     """Share of a sphere in the fluid, and its slope [1/m]."""
     w, slope, _ = submerged_share(z, d)
     return (1.0 - w, -slope) if dry else (w, slope)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _along(z1, z2, d, dry):
     """Weights w1, w2 of `submergence` in the fluid, and their slopes k11, k12, k22 [1/m]."""
     _, w1, w2, k11, k12, k22 = wetted(z1, z2, d)
     return (0.5 - w1, 0.5 - w2, -k11, -k12, -k22) if dry else (w1, w2, k11, k12, k22)
 
 
-@njit(cache=True, error_model="numpy")
+@law
 def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
     """Add the forces on bodies to f, in the middle of base and q; returns the power -f.v that is taken [W].
 
@@ -255,7 +255,7 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
     return power
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _subtract_share_slope(block, force, slope, up):
     """Subtract force slope up^T: the share of the force changes with the height."""
     for x in range(3):
@@ -263,7 +263,7 @@ def _subtract_share_slope(block, force, slope, up):
             block[x, y] -= slope * force[x] * up[y]
 
 
-@njit(cache=True, error_model="numpy")
+@law
 def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
     """Subtract c_q df/dq + c_v df/dv of `_on_bodies`, but for what the module says is left out."""
     level, current, wave, dry, per_volume, begin = _fluid(params)

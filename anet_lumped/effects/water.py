@@ -6,7 +6,8 @@ The force on each end of a segment, and its added mass, are
 
 with the velocity u of the water minus that of the node and the acceleration a of the water (Morison, see `laws.morison` and
 `laws.drag`). w is the share of the segment's volume that is under water and belongs to this end: 1/2 for a segment under water,
-with a smooth change at the surface, see `laws.submergence`. V is the unstretched volume. A point with a volume counts as a sphere.
+with a smooth change at the surface, see `laws.submergence`. V is the unstretched volume. A point with a volume counts as a sphere;
+where points do not float, w is 1 for them at any height.
 The tension is the effective one of mooring codes, which includes the pressure on a cross-section of the cable.
 
 The velocity of the water is the sum of that of a current, whose acceleration is left out, and that of a wave, whose surface limits
@@ -29,8 +30,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number, quoted, shown
-from anet_lumped.compiled.jit import njit
+from anet_lumped.checks import SceneError, Vector, check_flag, check_number, quoted, shown
+from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.effects.flow.surface import flow_at, height_at
 from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.wind import Wind
@@ -44,7 +45,14 @@ from anet_lumped.effects.laws.drag import (
     tangent_of,
 )
 from anet_lumped.effects.laws.morison import add_mass, point_force, segment_force, subtract_inertia_slopes
-from anet_lumped.effects.laws.submergence import sphere_diameter, submerged_share, submerged_share_between, wetted, wetted_between
+from anet_lumped.effects.laws.submergence import (
+    ALWAYS_UNDER,
+    point_share,
+    point_share_between,
+    sphere_diameter,
+    wetted,
+    wetted_between,
+)
 
 from .effect import Effect, height_under
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, INERTIA_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
@@ -68,6 +76,8 @@ class Water(Effect):
     current : None, a wind of `anet_lumped.wind`, or several, whose velocities add up
     wave : None, or a wave of `anet_lumped.waves`
     g : float [m/s2], gravity of buoyancy and wave; None: that of the scene, which must then point along -z
+    points_float : bool
+        Whether a point comes out of the water at its surface; False: points are under water at any height, as MoorDyn has them.
     """
 
     density: float = 1025.0
@@ -75,6 +85,7 @@ class Water(Effect):
     current: Wind | Sequence[Wind] | None = None
     wave: Airy | None = None
     g: float | None = None
+    points_float: bool = True
 
     coupled_neighbours: ClassVar[int] = 1
     stiff: ClassVar[bool] = True
@@ -86,6 +97,7 @@ class Water(Effect):
             level=check_number("level", self.level, "m", owner),
             current=check_winds("current", self.current, owner),
             g=None if self.g is None else check_number("g", self.g, "m/s2", owner, sign="non-negative"),
+            points_float=check_flag("points_float", self.points_float, owner),
         )
         if not (self.wave is None or isinstance(self.wave, Airy)):
             raise SceneError(
@@ -156,7 +168,8 @@ class Water(Effect):
 
     def _of_point(self, point: Any, g: float) -> tuple[float, ...]:
         mass = self.density * point.volume
-        return sphere_diameter(point), point_coefficient(self.density, point), g * mass, mass, point.Ca
+        diameter = sphere_diameter(point) if self.points_float else ALWAYS_UNDER
+        return diameter, point_coefficient(self.density, point), g * mass, mass, point.Ca
 
     def on_bodies(self, scene: Any) -> Effect | None:
         if not any(body.displaced > 0.0 or any(body.CdA) or body.rods for body in scene.bodies if not body.is_driven):
@@ -169,24 +182,24 @@ class Water(Effect):
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "inertia": inertia}
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _read_params(params):
     """Level, current, wave, and the position in ``params`` at which the numbers of the segments begin."""
     begin = HEADER + int(params[1])
     return params[0], params[HEADER:begin], params[begin : begin + int(params[2])], begin + int(params[2])
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _row(q, i):
     return q[i, 0], q[i, 1], q[i, 2]
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _difference(a, b):
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _add(f, i, w, force, lift):
     """Add w times a force, and a lift along z, to the force on a node."""
     f[i, 0] += w * force[0]
@@ -194,7 +207,7 @@ def _add(f, i, w, force, lift):
     f[i, 2] += w * force[2] + lift
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _subtract_share_slope(block, force, lift, slope, up):
     """Subtract (force + lift e_z) slope up^T from a block, the part of a tangent that is due to the change of the submerged share.
 
@@ -237,14 +250,14 @@ def force(t, q, v, index, params, f):
     for p in range(index.shape[0] - 1 - 2 * segments):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
         flow, V = flow_at(t, _row(q, node), level, current, wave), _row(v, node)
-        w, _, _ = submerged_share(flow[0], numbers[0])
+        w, _, _ = point_share(flow[0], numbers[0])
         F = point_force(_difference(flow[2], V), flow[4], numbers[1], numbers[3], numbers[4])
         _add(f, node, w, F, w * numbers[2])
         power -= w * (F[0] * V[0] + F[1] * V[1] + (F[2] + (1.0 - still_water) * numbers[2]) * V[2])
     return power
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _segment_slopes(s, i, j, flow_i, flow_j, v1, v2, t, per_l, wet, lift, numbers, waves, c_q, c_v, D, near):
     """Subtract the slopes of the force on both nodes of a segment; ``lift`` [N] is the part of its buoyancy that w multiplies."""
     for side in range(2):
@@ -262,7 +275,7 @@ def _segment_slopes(s, i, j, flow_i, flow_j, v1, v2, t, per_l, wet, lift, number
             _subtract_share_slope(other, F, lift, c_q * wet[4], flow_j[1] if side == 0 else flow_i[1])
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _point_slopes(node, flow, V, wet, lift, numbers, c_q, c_v, D):
     """Subtract the slopes of the force on a point; ``lift`` as for a segment."""
     w, slope, _ = wet
@@ -299,7 +312,7 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     for p in range(index.shape[0] - 1 - 2 * segments):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
         flow = flow_at(t, _row(q, node), level, current, wave)
-        _point_slopes(node, flow, _row(v, node), submerged_share(flow[0], numbers[0]), numbers[2], numbers, c_q, c_v, D)
+        _point_slopes(node, flow, _row(v, node), point_share(flow[0], numbers[0]), numbers[2], numbers, c_q, c_v, D)
 
 
 @njit(ENERGY_SIGNATURE, cache=True, error_model="numpy")
@@ -315,16 +328,16 @@ def energy(t, q, index, params):
     begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
         numbers = params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
-        total -= numbers[2] * submerged_share(q[index[1 + 2 * segments + p], 2] - level, numbers[0])[2]
+        total -= numbers[2] * point_share(q[index[1 + 2 * segments + p], 2] - level, numbers[0])[2]
     return total
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _middle(base, q, i):
     return 0.5 * (base[i, 0] + q[i, 0]), 0.5 * (base[i, 1] + q[i, 1]), 0.5 * (base[i, 2] + q[i, 2])
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _mean_velocity(base, q, i, per_h):
     return per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
 
@@ -377,11 +390,11 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
         flow, V, lift = flow_at(t, _middle(base, q, node), level, current, wave), _mean_velocity(base, q, node, per_h), numbers[2]
         if not waves:
-            g, slope = submerged_share_between(base[node, 2] - level, q[node, 2] - level, numbers[0])
+            g, slope = point_share_between(base[node, 2] - level, q[node, 2] - level, numbers[0])
             f[node, 2] += lift * g
             D[node, 2, 2] -= lift * slope
             lift = 0.0
-        wet = submerged_share(flow[0], numbers[0])
+        wet = point_share(flow[0], numbers[0])
         _point_slopes(node, flow, V, wet, lift, numbers, 0.5, per_h, D)
         F = point_force(_difference(flow[2], V), flow[4], numbers[1], numbers[3], numbers[4])
         _add(f, node, wet[0], F, wet[0] * lift)
@@ -410,7 +423,7 @@ def inertia(t, q, index, params, A):
     begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
-        m = submerged_share(height_at(t, q, node, level, wave), numbers[0])[0] * numbers[3] * numbers[4]
+        m = point_share(height_at(t, q, node, level, wave), numbers[0])[0] * numbers[3] * numbers[4]
         A[node, 0, 0] += m
         A[node, 1, 1] += m
         A[node, 2, 2] += m

@@ -1,9 +1,9 @@
 """Scene → MoorDyn's input file.
 
-Written so that MoorDyn v2 runs it and that `moordyn_file` reads it back as an equal scene; names travel as remarks. What a deck
-cannot hold is refused: two-way springs, cables that do not stretch or may break, events, damping by the environment. What it has
-no place for is lost: the path of a driven point, which MoorDyn moves from outside, the EI of a scene without bending, and that a
-cable has no diameter or a free point no place.
+Written so that MoorDyn v2 runs it and that `moordyn_file` reads it back as an equal scene, like_moordyn where the bottom is
+`MoordynBottom` and points do not float; names travel as remarks. What a deck cannot hold is refused: two-way springs, cables that
+do not stretch or may break, events, damping by the environment. What it has no place for is lost: the path of a driven point, which
+MoorDyn moves from outside, the EI of a scene without bending, and that a cable has no diameter or a free point no place.
 """
 
 import math
@@ -72,6 +72,8 @@ def moordyn_text(
     """
     if scene.events:
         raise SceneError(f"A scene must have no events to be written for MoorDyn, but it has {shown(scene.events[0])}.")
+    if scene.bodies:
+        raise SceneError(f"A scene must have no bodies to be written for MoorDyn, but it has body {quoted(scene.bodies[0].name)}.")
     places = _places(scene, places or {})
     environment = _environment(scene, max(abs(float(at[2])) for at in places.values()))
     bends = "bending" in {_name(effect) for effect in scene.effects}
@@ -166,12 +168,14 @@ def _environment(scene: Scene, far: float) -> dict[str, float]:
     """Options that stand for the effects of a scene, whose points start no farther from z=0 than ``far`` [m]."""
     given: dict[str | None, Any] = {_name(effect): effect for effect in scene.effects}
     for name, effect in given.items():
-        if name not in ("gravity", "water", "ground", "bending"):
+        if name not in ("gravity", "water", "ground", "moordyn_bottom", "bending"):
             raise SceneError(f"A scene must have no {type(effect).__name__} to be written for MoorDyn, which has no such effect.")
     x, y, z = scene.gravity.tolist()
     if x or y or z > 0.0:
         raise SceneError(f"Gravity must point along -z to be written for MoorDyn, but the scene's acceleration is {(x, y, z)}.")
-    water, ground = given.get("water"), given.get("ground")
+    if "ground" in given and "moordyn_bottom" in given:
+        raise SceneError("A scene must have one bottom to be written for MoorDyn, but it has Ground and MoordynBottom.")
+    water, ground = given.get("water"), given.get("ground", given.get("moordyn_bottom"))
     if water is not None:
         for name, still in (("level", 0.0), ("current", None), ("wave", None)):
             if (value := getattr(water, name)) != still:
@@ -184,6 +188,7 @@ def _environment(scene: Scene, far: float) -> dict[str, float]:
         return options | {"WtrDpth": max(NO_BOTTOM, 2.0 * reach), "kBot": 0.0, "cBot": 0.0}
     if ground.height > 0.0:
         raise SceneError(f"The ground must lie at or below z=0 to be written for MoorDyn, but it has height={ground.height}.")
-    return options | {
+    options |= {
         "WtrDpth": -ground.height + 0.0, "kBot": ground.stiffness, "cBot": ground.damping, "FrictionCoefficient": ground.friction,
     }  # fmt: skip
+    return options | ({"FricDamp": ground.friction_damping} if "moordyn_bottom" in given else {})

@@ -37,7 +37,7 @@ def mobility_with_fluid(m, A):
 def share_with_fluid(net, t, q, v, f):
     """Multiply the force f on each moving node by m (m I + A)^-1, so that f/m is its acceleration with the added mass A.
 
-    The nodes of bodies are left to `bodies.free_motion`, for they accelerate together.
+    Nodes of bodies are left to `bodies.free_motion`.
 
     Returns
     -------

@@ -70,13 +70,16 @@ SIGNATURES = {
     "energy_of_paid_out": float64(STAGE, int64, _f2, _f2),
     "place_bodies": types.void(STAGE, int64, _f2, _f2, _f2),
     "balance_bodies": types.NamedUniTuple(float64, 6, CableBalance)(STAGE, int64, float64, float64),
-    "resist_bodies": types.void(STAGE, int64, _f2, _f2, _f2),
     "reduce_bodies": types.void(int64),
     "spread_bodies": types.void(int64),
     "finish_bodies": float64(int64),
     "turn_bodies": types.void(STAGE, int64, _f2, _f2, _f2),
     "stiffen_bodies": float64(int64, _f2, _f2),
     "force_bodies": float64(int64, float64, _f2, _f2, _f2),
+    "mobility_bodies": types.void(int64, _f2),
+    "meet_bodies": types.void(int64),
+    "pull_bodies": types.void(int64, _f2),
+    "shape_bodies": types.void(int64, _f2),
 }
 as_cable_force, as_cable_residual, as_finish, as_cable_settle, as_settle_effects = (
     callable_at(SIGNATURES[name]) for name in ("force", "residual", "finish", "settle", "settle_effects")
@@ -85,9 +88,12 @@ as_eliminate, as_substitute, as_drive = (callable_at(SIGNATURES[name]) for name 
 as_set_lengths, as_power_of_lengths, as_work_of_lengths, as_energy_of_paid_out = (
     callable_at(SIGNATURES[name]) for name in ("set_lengths", "power_of_lengths", "work_of_lengths", "energy_of_paid_out")
 )
-as_place_bodies, as_balance_bodies, as_resist_bodies, as_reduce_bodies, as_spread_bodies, as_finish_bodies = (
-    callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("place", "balance", "resist", "reduce", "spread", "finish")
+as_place_bodies, as_balance_bodies, as_reduce_bodies, as_spread_bodies, as_finish_bodies = (
+    callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("place", "balance", "reduce", "spread", "finish")
 )
 as_turn_bodies, as_stiffen_bodies, as_force_bodies = (
     callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("turn", "stiffen", "force")
+)
+as_mobility_bodies, as_meet_bodies, as_pull_bodies, as_shape_bodies = (
+    callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("mobility", "meet", "pull", "shape")
 )

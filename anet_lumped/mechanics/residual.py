@@ -21,7 +21,6 @@ from anet_lumped.mechanics.optional import (
     as_balance_bodies,
     as_cable_residual,
     as_place_bodies,
-    as_resist_bodies,
     as_set_lengths,
 )
 from anet_lumped.mechanics.segment_law import cable_law, linearise
@@ -39,7 +38,6 @@ from anet_lumped.model.tables import (
     KERNEL_PLACE_BODIES,
     KERNEL_RESIDUAL_GROUPS,
     KERNEL_RESIDUAL_SINGLES,
-    KERNEL_RESIST_BODIES,
     KERNEL_SET_LENGTHS,
     LINEARISED_BEGINNING,
     LINEARISED_LAW,
@@ -235,13 +233,16 @@ def residual(stage, base, target, q, net_address):
             )
     if net.added_mass.shape[0] > 0:
         add_masses(net, stage.t, middle_q)
-        if first_of_bodies < n_free:
-            as_resist_bodies(net.kernels[KERNEL_RESIST_BODIES])(stage, net_address, base, target, q)
-        for i in range(first_of_bodies):
+        for i in range(n_free):
             A = net.added_mass[i]
+            for y in range(3):
+                slowing = stage.W * (target[i, y] - q[i, y])
+                if i >= first_of_bodies:
+                    slowing = net.bodies.slowing[i - first_of_bodies, y]
+                for x in range(3):
+                    right_side[i, x] += A[x, y] * slowing
             for x in range(3):
                 for y in range(3):
-                    right_side[i, x] += stage.W * A[x, y] * (target[i, y] - q[i, y])
                     diagonal[i, x, y] += stage.W * A[x, y]
     law_force = net.law_force
     for i in range(net.n_interior, n):

@@ -274,11 +274,12 @@ def settle(stage, base, q, v, net_address, energy):
             for x in range(3):
                 put_in -= right_side[i, x] * (q[i, x] - base[i, x])
         for i in range(net.added_mass.shape[0]):  # energy given to the fluid: the step's acceleration is 2 (v_b - v_mean)/h
-            on_body = i >= net.bodies.first  # of whose nodes `turn_bodies` has left the velocities at the start in ``law_force``
             for x in range(3):
                 for y in range(3):
-                    change_y = v[i, y] - net.law_force[i, y] if on_body else 2.0 * (v[i, y] - net.middle_v[i, y])
-                    by_effects += net.middle_v[i, x] * net.added_mass[i, x, y] * change_y
+                    half_change = v[i, y] - net.middle_v[i, y]
+                    if i >= net.bodies.first:  # whose velocities before the step `turn_bodies` has left there
+                        half_change = 0.5 * (v[i, y] - net.law_force[i, y])
+                    by_effects += 2.0 * net.middle_v[i, x] * net.added_mass[i, x, y] * half_change
     for i in range(net.n_interior, q.shape[0]):
         for x in range(3):
             change[i, x] = 0.0

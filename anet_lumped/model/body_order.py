@@ -86,6 +86,7 @@ class PointOrder(NamedTuple):
             pairs=np.array(pairs, np.int64).reshape(-1, 3),
             arm_end=np.zeros((count, 3)),
             arm_mean=np.zeros((count, 3)),
+            slowing=np.zeros((count, 3)),
             state=np.zeros((len(free), BODY_COLUMNS)),
         )
 

@@ -102,6 +102,9 @@ def _path_scales(path):
         scales.append(1.0 / (math.pi * parameters["frequency"]))
     if path.kind == "samples":
         scales.append(4.0 * float(np.min(np.diff(parameters["t"]))))
+    if path.kind == "states":
+        fastest, hardest = (float(np.abs(parameters[name]).max()) for name in ("velocity", "acceleration"))
+        scales += [2.0 * fastest / hardest] if hardest > 0.0 and fastest > 0.0 else []
     return scales
 
 

@@ -1,4 +1,5 @@
-"""Warnings attached to a completed run: energy lost or added by its steps, cables too long for their tension, no limit in sight.
+"""Warnings attached to a completed run: energy lost or added by its steps, cables too long for their tension, no limit in sight,
+points that nothing has moved.
 
 A run with a warning is done all the same: a method that damps the motion is asked for by name, and a rest may be right that
 was reached by wrong damping. But a reader of its swing or its stretch must know. On the catalogue of hard cases
@@ -13,6 +14,7 @@ from anet_lumped.checks import quoted
 from anet_lumped.results.audit import SHARE
 from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.results.tension_error import lowest_axial_mode
+from anet_lumped.scene.platform import driven_from_outside
 from anet_lumped.scene.scene import Driven
 from integrators import schemes
 
@@ -20,6 +22,7 @@ from .energy_gain import ALLOWED_GAIN
 
 EXCESS_STRETCH = 0.1  # by which a cable may be stretched more than its tension stretches it, over the latter
 SHARE_OF_PATH = 0.05  # of the path of a node: error of the finer of two runs up to which they are extrapolated
+STILL = 1e-6  # of its cables' length, by which a net may move that counts as still
 ALLOWED_LOSS = 0.01  # of the energy in play, which a method may take without a warning
 TOLERANCE = 1e-7  # of its length: what Newton's tolerance leaves
 
@@ -31,6 +34,7 @@ class Finding(Enum):
     TAKEN_BY_METHOD = "energy that the method took"
     EXCESS_LENGTH = "a cable longer than its tension can hold it"
     FAR_FROM_LIMIT = "two extrapolated runs that are far apart"
+    STOOD_STILL = "points that are driven from outside, which nothing has moved"
 
 
 def findings(run, adaptive=False):
@@ -51,6 +55,7 @@ def findings(run, adaptive=False):
         Finding.TAKEN_BY_METHOD: _taken_by_method(run, step, adaptive),
         Finding.EXCESS_LENGTH: _excess_length(run, step),
         Finding.FAR_FROM_LIMIT: _far_from_limit(run, step),
+        Finding.STOOD_STILL: _stood_still(run),
     }
     return {finding: text for finding, text in texts.items() if text}
 
@@ -144,4 +149,19 @@ def _far_from_limit(run, step):
     return (
         f"The two runs that are extrapolated are {3.0 * run.error_estimate:.2g} m apart, which is far from a limit: the result "
         f"need not be any motion; take {step}, or no extrapolation."
+    )
+
+
+def _stood_still(run):
+    """Points that are driven from outside stand still in a run of their own."""
+    names = driven_from_outside(run.scene)
+    if not names:
+        return ""
+    moved = float(np.linalg.norm(run.q - run.q[0], axis=2).max())
+    still = moved <= STILL * max(cable.length for cable in run.scene.cables)
+    what = "Nothing moves in this run: " if still else ""
+    points = f"point {quoted(names[0])} is" if len(names) == 1 else f"{len(names)} points, from {quoted(names[0])} on, are"
+    return (
+        f"{what}{points} driven from outside and stood still; platform(scene, motions, t_end), --move surge=1sin0.1 or a Session "
+        "moves them."
     )

@@ -31,14 +31,14 @@ class Harmonic(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Path:
-    """A prescribed motion; make one with `line`, `samples`, `harmonic` or `external`.
+    """A prescribed motion; make one with `line`, `samples`, `states`, `harmonic` or `external`.
 
     From breaks[k] to breaks[k + 1] (the last one without end) the position is Σ coefficients[k, i]·(t − breaks[k])^i,
     plus the harmonic if there is one. Before breaks[0] the polynomial part is held.
 
     Parameters
     ----------
-    kind : "line", "samples", "harmonic" or "external"
+    kind : "line", "samples", "states", "harmonic" or "external"
     parameters : pairs (name, value) of that function's arguments; they alone decide equality
     breaks : (k,) float64 [s]
     coefficients : (k, 7, 3) float64 [m/s^i]
@@ -85,7 +85,7 @@ class Path:
 def seen_from(path: Path, origin: Vector) -> Path:
     """Return the same motion in coordinates whose origin lies at ``origin`` (3,) [m] of today's."""
     parameters: dict[str, Any] = dict(path.parameters)
-    place = {"line": "start", "samples": "xyz", "harmonic": "center", "external": "start"}[path.kind]
+    place = {"line": "start", "samples": "xyz", "states": "xyz", "harmonic": "center", "external": "start"}[path.kind]
     parameters[place] = (np.array(parameters[place]) - origin).tolist()
     return KINDS[path.kind](**parameters)
 
@@ -140,28 +140,7 @@ def samples(t: Sequence[float], xyz: Sequence[Vector]) -> Path:
     ------
     SceneError : fewer than two samples, times that do not increase, shapes that do not fit, values not finite
     """
-    try:
-        times, places = np.asarray(t, dtype=float), np.asarray(xyz, dtype=float)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise SceneError(f"Arguments `t` and `xyz` of samples must be arrays of numbers, but {error}.") from None
-    if times.ndim != 1 or len(times) < 2 or places.shape != (len(times), 3):
-        raise SceneError(
-            "Arguments `t` [s] and `xyz` [m] of samples must have shapes (k,) and (k, 3) with k at least 2, "
-            f"but have {times.shape} and {places.shape}."
-        )
-    usable = (np.abs(times) <= LARGEST) & (np.abs(places) <= LARGEST).all(axis=1)
-    if not usable.all():
-        row = int(np.argmin(usable))
-        what = f"of a size up to {LARGEST:g}" if np.isfinite(times[row]) and np.isfinite(places[row]).all() else "finite"
-        raise SceneError(
-            f"Arguments `t` [s] and `xyz` [m] of samples must be {what}, "
-            f"but sample {row} has t={times[row]}, xyz={tuple(places[row].tolist())}."
-        )
-    if not (np.diff(times) > 0.0).all():
-        row = int(np.argmin(np.diff(times) > 0.0))
-        raise SceneError(
-            f"Argument `t` [s] of samples must increase, but t[{row}]={times[row]} is followed by t[{row + 1}]={times[row + 1]}."
-        )
+    times, places = _check_samples("samples", "xyz", "m", t, xyz)
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(times, places, bc_type="clamped")
@@ -170,6 +149,37 @@ def samples(t: Sequence[float], xyz: Sequence[Vector]) -> Path:
     coefficients[-1, 0] = places[-1]
     parameters = (("t", tuple(times.tolist())), ("xyz", tuple(map(tuple, places.tolist()))))
     return Path("samples", parameters, times.copy(), coefficients, times[[0, -1]])
+
+
+def states(t: Sequence[float], xyz: Sequence[Vector], velocity: Sequence[Vector], acceleration: Sequence[Vector]) -> Path:
+    """Return a smooth motion through places at given velocities and accelerations, as another motion has them at these times.
+
+    From sample to sample the polynomial of degree 5 that has all three at both ends: twice continuously differentiable, and off by
+    h^6/46080 times the sixth derivative at intervals h. Held at the first place before t[0] and at the last after t[-1].
+
+    Parameters
+    ----------
+    t : (k,) array_like [s], increasing, k >= 2
+    xyz, velocity, acceleration : (k, 3) array_like [m], [m/s], [m/s2]
+
+    Raises
+    ------
+    SceneError : as `samples`
+    """
+    times, q = _check_samples("states", "xyz", "m", t, xyz)
+    _, v = _check_samples("states", "velocity", "m/s", t, velocity)
+    _, a = _check_samples("states", "acceleration", "m/s²", t, acceleration)
+    h = np.diff(times)[:, None]
+    way = q[1:] - q[:-1] - h * v[:-1] - 0.5 * h**2 * a[:-1]  # beyond the Taylor polynomial of the start, and its two slopes
+    slope, bend = h * (v[1:] - v[:-1] - h * a[:-1]), h**2 * (a[1:] - a[:-1])
+    coefficients = np.zeros((len(times), DEGREE + 1, 3))
+    coefficients[:-1, :3] = np.stack([q[:-1], v[:-1], 0.5 * a[:-1]], axis=1)
+    for power, (of_way, of_slope, of_bend) in enumerate(((10.0, -4.0, 0.5), (-15.0, 7.0, -1.0), (6.0, -3.0, 0.5)), start=3):
+        coefficients[:-1, power] = (of_way * way + of_slope * slope + of_bend * bend) / h**power
+    coefficients[-1, 0] = q[-1]
+    arrays = (("xyz", q), ("velocity", v), ("acceleration", a))
+    parameters = (("t", tuple(times.tolist())), *((name, tuple(map(tuple, rows.tolist()))) for name, rows in arrays))
+    return Path("states", parameters, times.copy(), coefficients, times[[0, -1]])
 
 
 def harmonic(center: Vector, amplitude: Vector, frequency: float, phase: float = 0.0, ramp: float = 0.0) -> Path:
@@ -222,7 +232,9 @@ def external(start: Vector) -> Path:
     return Path("external", (("start", start),), np.zeros(2), coefficients, np.zeros(0))
 
 
-KINDS: dict[str, Callable[..., Path]] = {"line": line, "samples": samples, "harmonic": harmonic, "external": external}
+KINDS: dict[str, Callable[..., Path]] = {
+    "line": line, "samples": samples, "states": states, "harmonic": harmonic, "external": external
+}  # fmt: skip
 
 
 class PathTable(NamedTuple):
@@ -249,6 +261,33 @@ def pack(paths: Sequence[Path]) -> PathTable:
         amplitude=np.array([sine.amplitude for _, sine in waving], dtype=float).reshape(-1, 3),
         wave=np.array([sine[1:] for _, sine in waving], dtype=float).reshape(-1, 3),
     )
+
+
+def _check_samples(owner: str, name: str, unit: str, t: Any, xyz: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Times (k,) that increase and finite vectors (k, 3) at them, k at least 2."""
+    try:
+        times, places = np.asarray(t, dtype=float), np.asarray(xyz, dtype=float)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise SceneError(f"Arguments `t` and `{name}` of {owner} must be arrays of numbers, but {error}.") from None
+    if times.ndim != 1 or len(times) < 2 or places.shape != (len(times), 3):
+        raise SceneError(
+            f"Arguments `t` [s] and `{name}` [{unit}] of {owner} must have shapes (k,) and (k, 3) with k at least 2, "
+            f"but have {times.shape} and {places.shape}."
+        )
+    usable = (np.abs(times) <= LARGEST) & (np.abs(places) <= LARGEST).all(axis=1)
+    if not usable.all():
+        row = int(np.argmin(usable))
+        what = f"of a size up to {LARGEST:g}" if np.isfinite(times[row]) and np.isfinite(places[row]).all() else "finite"
+        raise SceneError(
+            f"Arguments `t` [s] and `{name}` [{unit}] of {owner} must be {what}, "
+            f"but sample {row} has t={times[row]}, {name}={tuple(places[row].tolist())}."
+        )
+    if not (np.diff(times) > 0.0).all():
+        row = int(np.argmin(np.diff(times) > 0.0))
+        raise SceneError(
+            f"Argument `t` [s] of {owner} must increase, but t[{row}]={times[row]} is followed by t[{row + 1}]={times[row + 1]}."
+        )
+    return times, places
 
 
 def _check_ramp(ramp: Any, owner: str) -> float:

@@ -162,7 +162,7 @@ class Body:
         are known whatever its inertia, and the four masses; at last its centre of buoyancy, unless that is the origin, and the
         nodes of its rods.
         """
-        ends = [(self.name, (0.0, 0.0, 0.0)), *((f"{self.name}.{name}", arm) for name, arm in self._arms)]
+        ends = [(self.name, (0.0, 0.0, 0.0)), *((f"{self.name}.{name}", arm) for name, arm in self.places)]
         if self.is_driven:
             return tuple(
                 OnDrivenBody(name, TurningPath.of(*self.motion, self.rotation, arm), body=self.name, arm=arm) for name, arm in ends
@@ -181,6 +181,11 @@ class Body:
         R, origin = matrix_of(self.rotation), np.array(self.at)
         return tuple(OnBody(name, m, at=tuple((origin + R @ arm).tolist()), body=self.name, arm=arm) for name, arm, m in named)
 
+    @property
+    def places(self) -> tuple[tuple[str, Vector], ...]:
+        """Name and place of each attachment [m], from the origin, in its own axes."""
+        return tuple(self.attachments)  # type: ignore[arg-type]  # pairs, once they are checked
+
     @cached_property
     def pairs(self) -> tuple[tuple[int, int], ...]:
         """Which of its points, by their number, a force on one may depend on the other: its first four; neighbours on a rod."""
@@ -194,11 +199,6 @@ class Body:
         return tuple(pairs)
 
     @property
-    def _arms(self) -> tuple[tuple[str, Vector], ...]:
-        """Names and places of its attachments, once they are checked."""
-        return self.attachments  # type: ignore[return-value]
-
-    @property
     def displaced(self) -> float:
         """Volume of the hull, or `volume` [m3]."""
         return self.volume if self.hull is None else float(np.prod(self.hull))
@@ -210,6 +210,11 @@ class Body:
         return sum_of([*own, *(rod.mass for rod in self.rods if rod.mass_per_length > 0.0)])
 
     @property
+    def inertia_tensor(self) -> np.ndarray:
+        """(3, 3) inertia of the body with its rods about their centre of mass [kg m2], in its own axes."""
+        return self.whole.inertia
+
+    @property
     def gyration(self) -> float:
         """Radius of gyration about the centre of mass [m]."""
         return self.whole.gyration
@@ -217,7 +222,7 @@ class Body:
     @cached_property
     def radius(self) -> float:
         """Largest distance of an attachment from the centre of mass, or the radius of gyration if that is larger [m]."""
-        distances = [float(np.linalg.norm(np.subtract(arm, self.whole.centre))) for _, arm in self._arms]
+        distances = [float(np.linalg.norm(np.subtract(arm, self.whole.centre))) for _, arm in self.places]
         return max([self.gyration, *distances])
 
     @cached_property

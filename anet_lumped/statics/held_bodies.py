@@ -17,7 +17,15 @@ def with_bodies_held(scene: Scene) -> Scene:
     free = [body for body in scene.bodies if not body.is_driven]
     held = [Fixed(point.name, point.at) for body in free for point in body.points if point.name in ends and point.at is not None]
     driven = tuple(body for body in scene.bodies if body.is_driven)
-    return replace(scene, points=(*scene.points, *held), bodies=driven, events=())
+    names = [point.name for body in free for point in body.points]
+    effects = [effect.without_bodies(names) for effect in scene.effects]
+    left = [effect for effect in effects if effect is not None]
+    return replace(scene, points=(*scene.points, *held), bodies=driven, effects=left, events=())
+
+
+def stretching(scene: Scene, EA: float) -> Scene:
+    """The scene with an ``EA`` [N] in place of that of cables that do not stretch."""
+    return replace(scene, cables=[replace(cable, EA=EA) if cable.inextensible else cable for cable in scene.cables])
 
 
 def first_shape(model: Model, held: State | None) -> tuple[np.ndarray, np.ndarray]:

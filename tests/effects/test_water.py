@@ -482,3 +482,35 @@ def test_scene_file(tmp_path):
 def test_messages(make, message):
     with pytest.raises(SceneError, match=message):
         make()
+
+
+@pytest.mark.parametrize("h", [1e-3, 1e-1])
+def test_points_that_do_not_float_are_under_water_at_any_height(h):
+    """Buoyancy, drag and added mass of a point in the air are those of one in the deep; the energy is -rho g V times the depth."""
+    points = [Fixed("a", (0, 0, 5)), Free("b", 0.5, CdA=0.03, volume=2e-3, Ca=0.6)]
+    effect = Water(RHO, points_float=False)
+    scene = Scene(points, [cable(length=2.0)], [Gravity(G), effect])
+    model = build(scene)
+    index, params = effect.table(model)
+    kernels, b = effect.kernels(), model.node_of["b"]
+    q, base = np.zeros((2, model.n, 3))
+    q[:, 2], base[:, 2] = 5.0, 4.0  # in the air, all of them
+    v = np.random.default_rng(1).normal(size=(model.n, 3))
+    f, A = np.zeros_like(q), np.zeros((model.n_free, 3, 3))
+    kernels["force"](0.0, q, v, index, params, f)
+    kernels["inertia"](0.0, q, index, params, A)
+    drag = -0.5 * RHO * 0.03 * np.linalg.norm(v[b]) * v[b]
+    np.testing.assert_allclose(f[b], drag + np.array([0.0, 0.0, RHO * G * 2e-3]), rtol=1e-14)  # rounding
+    np.testing.assert_allclose(A[b], RHO * 2e-3 * 0.6 * np.eye(3), rtol=1e-14)
+    assert not np.delete(f, b, axis=0).any()
+    rise = kernels["energy"](0.0, q, index, params) - kernels["energy"](0.0, base, index, params)
+    assert rise == pytest.approx(-RHO * G * 2e-3 * 1.0, rel=1e-12)
+    D, near, far = np.zeros((model.n_free, 3, 3)), *np.zeros((2, model.n_segments, 2, 3, 3))
+    g = np.zeros_like(q)
+    taken, _ = kernels["whole_step"](0.0, h, 0.0, base, q, index, params, g, D, near, far)
+    assert rise == pytest.approx(-np.sum(g * (q - base)) - taken, abs=1e-14 * taken) and taken > 0.0  # rounding of the drag
+
+
+def test_points_float_must_be_said_by_a_flag():
+    with pytest.raises(SceneError, match="`points_float` must be True or False"):
+        Water(points_float=0.0)

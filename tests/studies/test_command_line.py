@@ -3,7 +3,9 @@
 import csv
 import inspect
 import json
+import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -20,7 +22,7 @@ from anet_lumped.files.scene_file import SCENES
 from studies import command_line
 from studies.command_line import main
 from studies.quantities import metres, newtons, seconds
-from studies.study import NAMES
+from studies.study import NAMES, module_of
 
 COMMANDS = [
     "equilibrium",
@@ -158,9 +160,12 @@ SAVING = {
 }
 
 
-@pytest.mark.parametrize("command", SAVING, ids=lambda command: command[0])
-@pytest.mark.parametrize("how", ["closed", "full"])
-def test_what_is_not_printed_is_saved_all_the_same(command, how, tmp_path):
+@pytest.mark.parametrize(
+    ("how", "command"),
+    [*(("closed", command) for command in SAVING), ("full", ("equilibrium", "net_held"))],
+    ids=lambda given: given if isinstance(given, str) else given[0],
+)
+def test_what_is_not_printed_is_saved_all_the_same(how, command, tmp_path):
     """On a pipe that nobody reads, and on a device that is full. Python is told to write at once, as to a screen."""
     if how == "full":
         stdout = open("/dev/full", "w") if Path("/dev/full").exists() else pytest.skip("no device that is full")
@@ -253,6 +258,52 @@ def test_convert_writes_what_every_command_reads(tmp_path, capsys):
         assert call("equilibrium", scene, "--json") == 0
         rests.append(json.loads(capsys.readouterr().out)["points"])
     assert rests[0] == rests[1] == rests[2]
+
+
+MOORING = """\
+--- LINE TYPES ---
+Name Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx
+(-) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
+rode 0.05 12 3e6 -0.8 0 1.5 1 0.2 0
+--- POINTS ---
+ID Type X Y Z M V CdA CA
+(-) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
+1 Fixed 40 0 -20 0 0 0 0
+2 Vessel 0 0 -2 0 0 0 0
+--- LINES ---
+ID Type A B Length Segs Flags
+(-) (-) (-) (-) (m) (-) (-)
+1 rode 1 2 46 10 t
+--- OPTIONS ---
+0 kBot
+0 cBot
+0.01 dtM
+--- OUTPUTS ---
+FairTen1 Con2px
+--- need this line ---
+"""
+
+
+def test_a_platform_moves_a_mooring_file_and_its_channels_are_written(tmp_path, capsys):
+    (tmp_path / "rode.dat").write_text(MOORING)
+    arguments = ["simulate", tmp_path / "rode.dat", "--t-end", "5s", "--out", tmp_path / "out"]
+    assert call(*arguments, "--move", "surge=1sin0.1", "--move", "pitch=2degsin0.1") == 0
+    said = capsys.readouterr()
+    assert "warning: rode.dat: No use is made of options of MoorDyn's own run: dtM (line 17)." in said.err
+    names, _, *rows = [line.split() for line in (tmp_path / "out" / "rode.out").read_text().splitlines()]
+    assert names == ["Time", "FairTen1", "Con2px"]
+    assert max(float(row[2]) for row in rows) == pytest.approx(1.0 - 2.0 * math.sin(math.radians(2.0)), rel=1e-3)  # at t = 2.5 s
+    assert (tmp_path / "out" / "rode.Line1.out").is_file()
+    assert call(*arguments) == 0
+    assert 'Nothing moves in this run: point "point2" is driven from outside' in capsys.readouterr().out
+
+
+def test_all_that_is_refused_of_a_mooring_file_is_told_line_by_line(tmp_path, capsys):
+    (tmp_path / "rode.dat").write_text(MOORING.replace("0.01 dtM", "3 WaveKin\n2 Currents"))
+    assert call("equilibrium", tmp_path / "rode.dat") == 2
+    first, second = capsys.readouterr().err.splitlines()
+    assert first.startswith('anet-lumped: rode.dat, line 17, "3 WaveKin": waves are not supported')
+    assert second.startswith('anet-lumped: rode.dat, line 18, "2 Currents": currents are not supported')
 
 
 def test_convert_refuses_an_ending_it_does_not_know(tmp_path, capsys):
@@ -442,7 +493,8 @@ def test_a_stopped_sweep_is_resumed(tmp_path, capsys, how, ctrl_c):
 
 def test_study_lists_and_runs(monkeypatch, tmp_path, capsys):
     assert call("study") == 0
-    assert capsys.readouterr().out.splitlines()[0] == "thesis_tables"
+    listed = [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()]
+    assert listed == [[name, module_of(name).STUDY.question] for name in NAMES]
     fake_study(monkeypatch, "order")
     assert call("study", "order", "--quick", "--out", tmp_path) == 0
     assert "It stretches by 10%." in capsys.readouterr().out
@@ -483,3 +535,24 @@ def test_compiling_is_told_in_one_line_and_not_where_nothing_compiles(monkeypatc
     monkeypatch.setattr(compiling, "call_when_compiling", lambda call, only_cached: None)
     assert call("equilibrium", "net_held") == 0
     assert capsys.readouterr().err == ""
+
+
+def test_every_command_that_takes_a_scene_changes_it_first(tmp_path, capsys):
+    """A net with p0 as heavy as its cables hangs lower; the recommended command has the change in it."""
+
+    def said(*words):
+        assert call(*words) == 0
+        return capsys.readouterr().out
+
+    change = ("--set", "p0.mass=0.4")
+    for words in (("equilibrium", "net_held"), ("check", "net_held"), ("mismatch", "net_held")):
+        assert said(*words, "--json", *change) != said(*words, "--json")
+    assert said("convert", "net_held", tmp_path / "net.toml", *change) and "mass = 0.4" in (tmp_path / "net.toml").read_text()
+    swept = ("sweep", "net_held", "--vary", "segments=5", "--measure", "height:p0", "--out", tmp_path, "--json")
+    table = json.loads(said(*swept, *change))
+    (point,) = json.loads(said("equilibrium", "net_held", "--set", "segments=5", "--json", *change))["points"]
+    assert table["rows"][0]["height:p0"] == pytest.approx(point["z"], abs=1e-9)
+    recommended = said("recommend", "net_carried", "--error", "5mm", "--t-end", 1, *change, "--set", "segments=30")
+    assert re.search(r"command: .* --set p0.mass=0.4 --set segments=\d+\n", recommended)
+    assert call("convert", OLD_RUN, tmp_path / "run.pvd", *change) == 2
+    assert "A saved run is written as it is; --set changes a scene, but" in capsys.readouterr().err

@@ -1,12 +1,12 @@
 """The surface of the water, and the motion of current and wave together, at a place."""
 
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law
 
 from .wave_kernel import AT_REST, wave_at
 from .wind.kernel import wind_at
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def flow_at(t, q, level, current, wave):
     """At a position q: height above the surface, its slopes; velocity of the water, its gradient; acceleration, its gradient."""
     velocity, gradient = wind_at(t, q[0], q[1], q[2], current)
@@ -22,7 +22,7 @@ def flow_at(t, q, level, current, wave):
     return q[2] - level - eta, (-eta_x, -eta_y, 1.0), velocity, gradient, a, a_gradient
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def height_at(t, q, i, level, wave):
     """Height of a node above the surface [m]."""
     return q[i, 2] - level - (wave_at(t, q[i, 0], q[i, 1], q[i, 2], wave)[0][0] if len(wave) > 0 else 0.0)

@@ -12,10 +12,10 @@ Source: Hall, MoorDyn V2, ASME IOWTC (2020), for the drag; DNV-RP-C205 (2010), 6
 
 import math
 
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def axis_of(origin, end):
     """Unit vector from one place to another, and the inverse of their distance [1/m]."""
     x, y, z = end[0] - origin[0], end[1] - origin[1], end[2] - origin[2]
@@ -23,12 +23,12 @@ def axis_of(origin, end):
     return (per * x, per * y, per * z), per
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def axes_drag(u, axes, k):
     """F of the module (3,) [N], for u (3,) [m/s], the three axes and k (3,) [kg/m]."""
     sx, sy, sz = _dot(u, axes[0]), _dot(u, axes[1]), _dot(u, axes[2])
@@ -40,7 +40,7 @@ def axes_drag(u, axes, k):
     )
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def along_axes(a, axes, C):
     """sum_a C_a (a.e_a) e_a, (3,)."""
     sx, sy, sz = C[0] * _dot(a, axes[0]), C[1] * _dot(a, axes[1]), C[2] * _dot(a, axes[2])
@@ -51,7 +51,7 @@ def along_axes(a, axes, C):
     )
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def subtract_axis_slopes(u, gradient, e, per, k, c_q, c_v, own, other):
     """Subtract c_q dF/dq + c_v dF/dv of one axis from the block of the origin, and from that of the axis' point in its row.
 

@@ -18,7 +18,7 @@ Source: Archimedes, On Floating Bodies, for the force; Kuhn, IBM J. Res. Dev. 4 
 
 from typing import NamedTuple
 
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law, law
 
 
 class Immersed(NamedTuple):
@@ -33,14 +33,14 @@ NOTHING = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
 """Sums over the pieces of a box: I; V and its first moments (4); area, first and second moments of the waterplane (10)."""
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _between(p, q):
     """The point of the edge from p to q, each (x, y, z, depth), at the depth 0, and the share of the edge that is before it."""
     r = p[3] / (p[3] - q[3])
     return (p[0] + r * (q[0] - p[0]), p[1] + r * (q[1] - p[1]), p[2] + r * (q[2] - p[2]), 0.0), r
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _with_tetrahedron(sums, volume, a, b, c, d):
     """Add a tetrahedron under water to the sums; a volume below 0 takes it away."""
     mean, q = 0.25 * volume, sums
@@ -52,12 +52,12 @@ def _with_tetrahedron(sums, volume, a, b, c, d):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _product(a, b, c, i, j):
     return a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + (a[i] + b[i] + c[i]) * (a[j] + b[j] + c[j])
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _with_triangle(sums, area, a, b, c):
     """Add a triangle of the waterplane to the sums."""
     third, twelfth, q = area / 3.0, area / 12.0, sums
@@ -70,12 +70,12 @@ def _with_triangle(sums, area, a, b, c):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _ordered(a, b):
     return (a, b) if a[3] >= b[3] else (b, a)
 
 
-@njit(cache=True, error_model="numpy")
+@law
 def _with_cut(sums, volume, p0, p1, p2, p3):
     """Add what is under water of a tetrahedron of a volume, with corners (x, y, z, depth)."""
     a, b = _ordered(p0, p1)
@@ -105,7 +105,7 @@ def _with_cut(sums, volume, p0, p1, p2, p3):
     return _with_triangle(sums, per_depth * abs(r_bc * (r_ac - 1.0 + r_bd) - r_ac * r_bd), ac, bc, bd)
 
 
-@njit(cache=True, error_model="numpy")
+@law
 def box_immersed(c, n, edges):
     """`Immersed` of a box.
 

@@ -8,7 +8,7 @@ column 9, the edges of the hull from column 10 on, and its centre from column 13
 ``index[at + 5]`` is the first of the rows of their pairs.
 """
 
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law, law
 
 from .box import box_immersed
 from .submergence import SMALL_CHANGE
@@ -16,7 +16,7 @@ from .submergence import SMALL_CHANGE
 NONE = (0.0, 0.0, 0.0, 0.0)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _from_heights(z0, zx, zy, zz, numbers):
     """c and n of `laws.box` from heights of the first four nodes of a body above the surface."""
     per = 1.0 / numbers[9]
@@ -24,7 +24,7 @@ def _from_heights(z0, zx, zy, zz, numbers):
     return z0 + numbers[13] * n[0] + numbers[14] * n[1] + numbers[15] * n[2], n
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _column(numbers, i):
     """Slopes of (c, n) in the height of the i-th of the first four nodes of a body."""
     per = 1.0 / numbers[9]
@@ -33,12 +33,12 @@ def _column(numbers, i):
     return per * numbers[12 + i], per if i == 1 else 0.0, per if i == 2 else 0.0, per if i == 3 else 0.0
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _dot4(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _times(H, x):
     """The symmetric matrix H (10,) times x (4,)."""
     return (
@@ -47,7 +47,7 @@ def _times(H, x):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@law
 def add_lift_slopes(index, at, numbers, weight, H, u, w, D, near):
     """Add ``weight`` times the matrix H + u w^T over (c, n), in the heights of the first four nodes, to their blocks."""
     pair = 0
@@ -63,12 +63,12 @@ def add_lift_slopes(index, at, numbers, weight, H, u, w, D, near):
             pair += 1
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _mean(base, q, i):
     return 0.5 * (base[i, 2] + q[i, 2])
 
 
-@njit(cache=True, error_model="numpy")
+@law
 def hull_immersed(base, q, level, index, at, numbers):
     """`Immersed` of a hull in the middle of base and q, under a surface at a level [m]."""
     c, n = _from_heights(
@@ -78,19 +78,19 @@ def hull_immersed(base, q, level, index, at, numbers):
     return box_immersed(c, n, (numbers[10], numbers[11], numbers[12]))
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def hull_share(wet, numbers):
     """Share of a hull that is under water."""
     return -wet.g[0] / (numbers[10] * numbers[11] * numbers[12])
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def weight_on_node(g, numbers, i):
     """Slope in the height of the i-th of the four nodes, from the slopes g in (c, n)."""
     return _dot4(g, _column(numbers, i))
 
 
-@njit(cache=True, error_model="numpy")
+@law
 def add_lift_over_step(base, q, level, per_volume, index, at, numbers, f, D, near):
     """Lift of a hull over a step in still water: its work is the change of its energy.
 

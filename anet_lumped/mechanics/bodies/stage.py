@@ -27,7 +27,7 @@ from anet_lumped.model.tables import (
 )
 from integrators.stage import LAW_BETWEEN
 
-from .rotation import group_of, place, rotation_between
+from .rotation import centre_of_mass, group_of, place, rotation_between
 from .vectors import (
     added,
     applied,
@@ -39,6 +39,7 @@ from .vectors import (
     matrix_product,
     minus,
     plus,
+    put,
     row,
     scaled,
     solved,
@@ -48,11 +49,11 @@ from .vectors import (
 )
 
 NO_VECTOR = (0.0, 0.0, 0.0)
-MOMENT_WEIGHT = 1e3  # of a moment over the radius of gyration, among forces: what is left of it changes the angular momentum
+MOMENT_WEIGHT = 1e3  # in steps that keep momenta, of a moment over the radius of gyration among forces
 
 
 @inlined
-def spin_before(net, b, group, base, target, per_h):
+def _before(net, b, group, base, target, per_h):
     """Angular velocity and momentum of a body at the start of a step, whose velocities are (target - base)/h."""
     bodies, momentum, inertia = net.bodies, NO_VECTOR, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
@@ -62,6 +63,39 @@ def spin_before(net, b, group, base, target, per_h):
         momentum = plus(momentum, scaled(m * per_h, cross(arm, minus(row(target, i), start))))
         inertia = added(inertia, inertia_of(m, arm))
     return solved(inertia, momentum), momentum
+
+
+@inlined
+def _slow(net, b, base, target, per_h, of_centre, spin):
+    """Write how much the nodes of a body slow down in the mean over a step, by its velocities at both ends, to ``bodies.slowing``.
+
+    The centre of mass slows down by ``of_centre`` [m/s2], and the body turns by ``spin`` at the end.
+    """
+    bodies = net.bodies
+    _, centre = centre_of_mass(net, b, base)
+    _, ahead = centre_of_mass(net, b, target)
+    start = scaled(per_h, minus(ahead, centre))
+    if bodies.pivot[b] >= 0:
+        start = NO_VECTOR
+    for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
+        i = bodies.node[k]
+        before = minus(scaled(per_h, minus(row(target, i), row(base, i))), start)
+        turning = minus(before, cross(spin, row(bodies.arm_end, k)))
+        put(bodies.slowing, i - bodies.first, plus(of_centre, scaled(per_h, turning)))
+
+
+@inlined
+def _slow_backward(stage, net, b, group, base, target, q, J):
+    """The same in a step of backward Euler, whose mean velocity and mean angular momentum are those at its end."""
+    bodies, per_h, momentum = net.bodies, 1.0 / stage.tau, NO_VECTOR
+    for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
+        i = bodies.node[k]
+        momentum = plus(momentum, scaled(net.mass[i] * per_h, cross(row(bodies.arm_end, k), minus(row(q, i), row(base, i)))))
+    spin, shift_rate = solved(J, momentum), scaled(per_h, minus(group.now, group.before))
+    for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
+        i = bodies.node[k]
+        moved = scaled(stage.tau, plus(shift_rate, cross(spin, row(bodies.arm_end, k))))
+        put(bodies.slowing, i - bodies.first, scaled(stage.W, minus(minus(row(target, i), row(base, i)), moved)))
 
 
 @on_demand
@@ -86,7 +120,7 @@ def place_bodies(stage, net_address, base, target, q):
                 stiffness = added(stiffness, turning)
         second_order = stage.W * (J[0] + J[4] + J[8])
         if stage.law == LAW_BETWEEN:
-            spin, momentum_before = spin_before(net, b, group, base, target, per_h)
+            spin, momentum_before = _before(net, b, group, base, target, per_h)
             w = turned(theta, spin)
             end = minus(scaled(2.0 * per_h, theta), w)
             momentum = applied(J, end)
@@ -100,6 +134,12 @@ def place_bodies(stage, net_address, base, target, q):
             rate = added(rate, cross_matrix(plus(end, w)))
             stiffness = times_scalar(per_h, added(matrix_product(J, rate), cross_matrix(scaled(-1.0, momentum))))
             second_order += per_h * (J[0] + J[4] + J[8]) * math.sqrt(dot(end, end))
+            mean_ahead = scaled(1.0 / (group.mass * stage.W), shift)
+            if bodies.pivot[b] >= 0:
+                mean_ahead = NO_VECTOR
+            _slow(net, b, base, target, per_h, scaled(stage.W, mean_ahead), end)
+        else:
+            _slow_backward(stage, net, b, group, base, target, q, J)
         of = bodies.state[b]
         of[BODY_INERTIA], of[BODY_RADIUS] = group.mass * stage.W, math.sqrt(0.5 * (J[0] + J[4] + J[8]) / group.mass)
         of[BODY_SECOND_ORDER], of[BODY_COORDINATE] = second_order, coordinate
@@ -121,10 +161,10 @@ def _total(net, b, forces, first, between):
 
 
 @inlined
-def _weighted(moment, radius, noise):
-    """A moment as a force that counts `MOMENT_WEIGHT` times, but for what rounding leaves."""
+def _weighted(moment, radius, noise, weight):
+    """A moment as a force that counts ``weight`` times, but for what rounding leaves."""
     force = largest(moment) / radius
-    return max(force, MOMENT_WEIGHT * (force - noise))
+    return max(force, weight * (force - noise))
 
 
 @inlined
@@ -147,7 +187,7 @@ def balance_bodies(stage, net_address, cable_noise, predicted_noise):
     The last two arguments are what rounding leaves of the forces of cables, by their law and as predicted [N].
     """
     net, between = view_net(net_address), stage.law == LAW_BETWEEN
-    bodies = net.bodies
+    bodies, weight = net.bodies, MOMENT_WEIGHT if between else 1.0
     norm, scale, predicted, noise, sum_of_forces = 0.0, 0.0, 0.0, 0.0, 0.0
     for b in range(bodies.pivot.shape[0]):
         of, pinned = bodies.state[b], bodies.pivot[b] >= 0
@@ -158,9 +198,9 @@ def balance_bodies(stage, net_address, cable_noise, predicted_noise):
         load, load_moment = _total(net, b, net.right_side, 0, between)
         held = 0.0 if pinned else 1.0
         of_places = FORCE_ROUNDING * (of[BODY_INERTIA] + _stiffness(net, b)) * of[BODY_COORDINATE]
-        by_law = _weighted(plus(moment_by_law, moment), radius, cable_noise + of_places)
+        by_law = _weighted(plus(moment_by_law, moment), radius, cable_noise + of_places, weight)
         norm = max(norm, held * largest(plus(force_by_law, shift)), by_law)
-        as_predicted = _weighted(plus(moment_predicted, moment), radius, predicted_noise + of_places)
+        as_predicted = _weighted(plus(moment_predicted, moment), radius, predicted_noise + of_places, weight)
         predicted = max(predicted, held * largest(plus(force_predicted, shift)), as_predicted)
         scale = max(scale, largest(load), largest(shift), largest(load_moment) / radius, largest(moment) / radius)
         noise = max(noise, of_places)

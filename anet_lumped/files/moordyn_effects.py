@@ -1,0 +1,95 @@
+"""The environment of a MoorDyn file as effects: gravity, water, bottom and bending, as far as it has them.
+
+`g` is Gravity, `rho` is Water (none for 0), `WtrDpth`, `kBot`, `cBot` and `FrictionCoefficient` are the bottom (none if `kBot` and
+`cBot` are 0), and an `EI` brings Bending. Values that are left out are MoorDyn's. As in MoorDyn, no fixed or coupled point lies
+below the bottom: it is as deep as the deepest of them.
+
+Three things mean one thing to MoorDyn and another here: what the damper of the bottom does to a node that rises, how friction grows
+with the speed, and whether points float. `like_moordyn` takes MoorDyn's: `MoordynBottom` for `Ground`, and `points_float=False`.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+from anet_lumped.scene.scene import Free
+
+from .moordyn_lines import Line
+from .moordyn_options import Options
+from .moordyn_points import Places
+from .moordyn_rows import Row, made
+
+OTHER = "; read_moordyn(..., like_moordyn=True) takes MoorDyn's."
+
+
+def read_effects(options: Options, places: Places, lines: Iterable[Line], *, like_moordyn: bool) -> list[Any]:
+    """Return the effects of a file.
+
+    Parameters
+    ----------
+    options : Options
+    places : Places
+    lines : iterable of Line
+    like_moordyn : bool
+        Whether MoorDyn's laws are taken where they are others than this package's.
+    """
+    findings, effects = options.findings, []
+    if options.value("g"):
+        with findings.refusing():
+            effects.append(_effect("gravity", options.row("g"), g=options.value("g")))
+    if options.value("rho"):
+        floating = any(isinstance(point, Free) and (point.volume or point.CdA) for point in places.points.values())
+        with findings.refusing():
+            law = {"points_float": False} if like_moordyn else {}
+            effects.append(_effect("water", options.row("rho"), density=options.value("rho"), **law))
+        if floating and not like_moordyn:
+            findings.remark(f"Points with a volume or a CdA float at the surface, where MoorDyn has them under water always{OTHER}")
+    if options.value("kBot") or options.value("cBot"):
+        with findings.refusing():
+            effects.append(_bottom(options, places, like_moordyn))
+    stiff = [line.row for line in lines if line.cable.EI]
+    if stiff:
+        effects.append(_effect("bending", stiff[0]))
+    return effects
+
+
+def _bottom(options: Options, places: Places, like_moordyn: bool) -> Any:
+    """The bottom, by this package's law or by MoorDyn's."""
+    findings, friction, scale = options.findings, options.value("FrictionCoefficient"), options.value("StatDynFricScale")
+    numbers = {"height": -_depth(options, places), "stiffness": options.value("kBot"), "damping": options.value("cBot")}
+    numbers |= {"friction": friction}
+    if not numbers["stiffness"]:
+        raise options.row("kBot", "cBot").error("a bottom must have a kBot that carries something; for none, cBot must be 0 too.")
+    if friction and scale != 1.0:
+        raise options.row("StatDynFricScale").error("static friction that differs from dynamic is not supported; it must be 1.")
+    row = options.row("kBot", "cBot")
+    if like_moordyn:
+        return _effect("moordyn_bottom", row, **numbers, friction_damping=options.value("FricDamp"))
+    if options.value("cBot"):
+        findings.remark(f"The damper of the bottom never pulls, where MoorDyn's holds back nodes that rise{OTHER}")
+    if friction:
+        findings.remark(
+            f"Friction on the bottom is {friction:g} of the load at any speed, where MoorDyn's grows with it, {friction:g} times "
+            f"FricDamp = {options.value('FricDamp'):g} N s/m a node{OTHER}"
+        )
+    return _effect("ground", row, **numbers)
+
+
+def _depth(options: Options, places: Places) -> float:
+    """Depth of the bottom [m]: as given, but not less than that of the deepest point that does not move freely."""
+    given = options.value("WtrDpth") if "WtrDpth" in options.rows else None
+    held = [-at[2] for number, at in places.at.items() if given is None or not isinstance(places.points[number], Free)]
+    deepest = max(0.0, *held) if held else 0.0
+    if given is None:
+        return deepest
+    if deepest > given:
+        options.findings.remark(
+            f"The bottom, WtrDpth = {given:g} m, lies above a point that is held at {deepest:g} m; it is taken at {deepest:g} m, "
+            "as by MoorDyn."
+        )
+    return max(given, deepest)
+
+
+def _effect(name: str, row: Row, **arguments: Any) -> Any:
+    from anet_lumped.effects import REGISTRY
+
+    return made(row, REGISTRY[name], **arguments)

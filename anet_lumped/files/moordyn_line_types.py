@@ -1,0 +1,129 @@
+"""The line types of a MoorDyn file: the cable fields that lines of one type share.
+
+`Diam` (volume-equivalent) is the cable's diameter, `Mass/m` its mass_per_length, `EA` and `EI` its stiffness; an `EA` that is the
+name of a file is its tension_strain, rows of a strain and a tension below lines of names and units. `BA/-zeta` is its BA [N·s], or
+its zeta where it is negative, because MoorDyn's c = zeta·L0·√(E·rho) times the area is zeta·L0·√(EA·mu). `Cd`, `Ca` are Cdn, Can,
+on d·L0 and on the displaced mass; `CdAx`, `CaAx` are Cdt, Cat, on π·d·L0 and on the displaced mass. Columns count by their place,
+as in MoorDyn, whatever their names.
+"""
+
+import os
+import pathlib
+from typing import Any, NamedTuple
+
+from anet_lumped.checks import NAMED, InputError, one_line, quoted, shown
+from anet_lumped.regular_files import read_text
+
+from .moordyn_findings import Findings
+from .moordyn_rows import WORD, Row, is_number, number_of
+
+SWAPPED = ("can", "cat", "cdn", "cdt")  # order of the first version, where MoorDyn reads Cd, Ca, CdAx, CaAx
+
+
+class Tables(NamedTuple):
+    """Where the tables are that a deck names.
+
+    Parameters
+    ----------
+    folder : of the deck
+    outside : whether they may be outside it
+    """
+
+    folder: str | pathlib.Path
+    outside: bool
+
+    def path(self, row: Row, name: str) -> pathlib.Path:
+        """Path of a table by its name in a row."""
+        path = pathlib.Path(self.folder) / name
+        try:
+            inside = pathlib.Path(os.path.realpath(path)).is_relative_to(os.path.realpath(self.folder))
+        except ValueError:  # a character that no path may have
+            raise row.error(f"EA must be a number or the name of a file, but is {shown(name)}.") from None
+        if not (inside or self.outside):
+            raise row.error(
+                f"a table must be in the folder of its deck, but {quoted(name)} leads out of it; "
+                "read_moordyn(..., outside=True) allows that."
+            )
+        return path
+
+
+def read_line_types(rows: list[Row], used: set[str], tables: Tables, findings: Findings) -> dict[str, tuple[Row, dict[str, Any]]]:
+    """Row and cable fields of each line type that is in order, by name.
+
+    Parameters
+    ----------
+    rows : list of Row
+    used : set of str
+        Names of the types that lines have; of others no use is made, whatever they say.
+    tables : Tables
+    findings : Findings
+    """
+    types: dict[str, tuple[Row, dict[str, Any]]] = {}
+    names: set[str] = set()
+    for row in rows:
+        name = row.words[0]
+        with findings.refusing():
+            if name in names:
+                raise row.error(f"a line type must come once, but {one_line(name, WORD)} comes again.")
+            names.add(name)
+            if name in used:
+                types[name] = row, _type(row, tables)
+            else:
+                findings.unused(one_line(name, WORD), row.line, "line types that no line has")
+    return types
+
+
+def _type(row: Row, tables: Tables) -> dict[str, Any]:
+    """Cable fields of a line type. All columns that are refused are gathered before the last of them is raised."""
+    first = len(row.words) == 9 and "cdn" in row.columns  # v1: Diam Mass/m EA BA Can Cat Cdn Cdt
+    if not (first or 10 <= len(row.words) <= 13):
+        raise row.error(
+            f"a line type must have 10 columns (name, Diam, Mass/m, EA, BA/-zeta, EI, Cd, Ca, CdAx, CaAx) and up to 3 more "
+            f"(Cl, dF, cF), but has {len(row.words)}."
+        )
+    _check_laws(row, first)
+    if not first and tuple(row.columns[6:10]) == SWAPPED:
+        row.findings.remark(
+            f"Line {row.line}: columns 7 to 10 are read as Cd, Ca, CdAx, CaAx, as MoorDyn does, though the file calls them "
+            f"{', '.join(SWAPPED)}."
+        )
+    damping = row.number(4, "BA/-zeta")
+    fields: dict[str, Any] = {"diameter": row.number(1, "Diam"), "mass_per_length": row.number(2, "Mass/m")}
+    stretches = row.words[3]
+    fields |= {"EA": row.number(3, "EA")} if is_number(stretches) else {"tension_strain": _curve(row, tables.path(row, stretches))}
+    fields |= {"zeta": -damping} if damping <= 0.0 else {"BA": damping}
+    names = ("Can", "Cat", "Cdn", "Cdt") if first else ("EI", "Cdn", "Can", "Cdt", "Cat")
+    return fields | {name: row.number(column, name) for column, name in enumerate(names, start=5)}
+
+
+def _check_laws(row: Row, first: bool) -> None:
+    """Refuse laws of stretching, damping, bending and lift that are no number."""
+    columns = ((3, "EA"), (4, "BA/-zeta")) if first else ((3, "EA"), (4, "BA/-zeta"), (5, "EI"))
+    refused = []
+    for column, what in columns:
+        word = one_line(row.words[column], WORD)
+        if word.upper().startswith("SYROPE"):
+            refused.append(f"{what} must be one number; {word}, the Syrope model of polyester, is not supported")
+        elif "|" in word:
+            refused.append(f"{what} must be one number; {word}, a viscoelastic line, is not supported")
+        elif what != "EA" and not is_number(row.words[column]):
+            refused.append(f"{what} must be a number; {word}, a table in a file, is not supported")
+    if len(row.words) > 10 and row.number(10, "Cl") != 0.0:
+        refused.append("vortex-induced vibration is not supported; Cl must be 0")
+    if refused:
+        raise row.error("; ".join(refused) + ".")
+
+
+def _curve(row: Row, path: pathlib.Path) -> tuple[tuple[float, float], ...]:
+    """Rows (strain, tension [N]) of a file, below those that begin with no number."""
+    try:
+        text = read_text(path, "It", errors="replace")
+    except InputError as error:
+        raise row.error(f"EA must be a number or the name of a readable file, but {one_line(path.name, WORD)}: {error}") from None
+    lines = [line.split() for line in text.splitlines() if line.strip()]
+    first = next((i for i, words in enumerate(lines) if is_number(words[0])), len(lines))
+    for words in lines[first:]:
+        if len(words) < 2 or not all(map(is_number, words[:2])):
+            given = quoted(" ".join(words))
+            raise row.error(f"rows of {one_line(str(path), NAMED)} must be a strain and a tension, but one is {given}.")
+    return tuple((number_of(strain), number_of(tension)) for strain, tension, *_ in lines[first:])

@@ -1,0 +1,113 @@
+"""The lines of a MoorDyn file: unstretched length (less than 0: a multiple of the distance between its ends), in equal segments.
+
+A spring cannot push but its damper always acts: compression="damped".
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from anet_lumped.checks import nearest, one_line, quoted
+from anet_lumped.scene.scene import Cable
+
+from .moordyn_findings import Findings
+from .moordyn_points import Places
+from .moordyn_rows import DIGITS, WORD, Row, made
+
+NO_OUTPUT = ("-", "0", "none")
+POINT_LETTERS = ("", "c", "con", "p", "point", "connect")
+
+
+class Line(NamedTuple):
+    """A line of a file that is in order.
+
+    Parameters
+    ----------
+    number : its number
+    cable : Cable
+    ends : numbers of the points at both
+    row : where it stands
+    outputs : its letters of output, "" for none
+    """
+
+    number: int
+    cable: Cable
+    ends: tuple[int, int]
+    row: Row
+    outputs: str
+
+
+def type_of(row: Row) -> str:
+    """Name of the type of a line, "" where the row is too short."""
+    return row.words[1] if len(row.words) > 1 else ""
+
+
+def read_lines(
+    rows: list[Row], names: list[str], types: Mapping[str, tuple[Row, dict[str, Any]]], places: Places, findings: Findings
+) -> list[Line]:
+    """Read the lines, but for those whose type or whose points are refused.
+
+    Parameters
+    ----------
+    rows : list of Row
+    names : list of str
+        Of all types in the file.
+    types : dict
+        Row and cable fields of those in order.
+    places : Places
+    findings : Findings
+    """
+    found: list[Line] = []
+    numbers: set[int] = set()
+    for row in rows:
+        with findings.refusing():
+            line = _line(row, names, types, places)
+            number = row.count(0, "the number of a line")
+            if number in numbers or (line is not None and line.cable.name in [other.cable.name for other in found]):
+                called = line.cable.name if line is not None else f"line{number}"
+                raise row.error(f"a line must come once, but {one_line(called, WORD)} comes again.")
+            numbers.add(number)
+            if line is not None:
+                found.append(line)
+    return found
+
+
+def _line(row: Row, names: list[str], types: Mapping[str, tuple[Row, dict[str, Any]]], places: Places) -> Line | None:
+    """Line of a row; None if its type or one of its points is refused."""
+    if len(row.words) < 7:
+        raise row.error(f"a line must have 7 columns (ID, type, A, B, UnstrLen, NumSegs, outputs), but has {len(row.words)}.")
+    first = len(row.columns) > 2 and row.columns[2].startswith("unstr")  # v1: ID type UnstrLen NumSegs A B outputs
+    at_a, at_b, at_length, at_segments = (4, 5, 2, 3) if first else (2, 3, 4, 5)
+    kind = row.words[1]
+    if kind not in names and names:
+        hint = nearest(kind, names) or f"; known: {', '.join(names)}."
+        raise row.error(f"a line must be of a type in LINE TYPES, but {quoted(kind)} is none{hint}")
+    ends = _end(row, at_a, places), _end(row, at_b, places)
+    length, segments = row.number(at_length, "UnstrLen"), row.count(at_segments, "NumSegs")
+    outputs = "".join(word for word in row.words[6:] if word.lower() not in NO_OUTPUT)
+    start, end = (places.points.get(number) for number in ends)
+    if kind not in types or start is None or end is None:  # said already
+        return None
+    if length < 0.0:  # MoorDyn's Line::initialize
+        length = -length * math.dist(*(places.at[number] for number in ends))
+    number = row.count(0, "the number of a line")
+    cable = made(
+        row, Cable, start.name, end.name, name=row.name or f"line{number}",
+        length=length, segments=segments, compression="damped", **types[kind][1],
+    )  # fmt: skip
+    return Line(number, cable, ends, row, outputs)
+
+
+def _end(row: Row, column: int, places: Places) -> int:
+    """Number of the point at an end of a line: 3, P3, Point3, C3 or Con3."""
+    word = row.words[column]
+    letters = word.rstrip("0123456789")
+    number = word[len(letters) :]
+    if letters.lower() in POINT_LETTERS and number:
+        if len(number) <= DIGITS and (int(number) in places.points or places.without_number or not places.points):
+            return int(number)
+        known = ", ".join(map(str, places.points))
+        raise row.error(f"a line must end at a point in POINTS, but point {one_line(word, WORD)} is not there; known: {known}.")
+    if word.lower().startswith("r"):
+        raise row.error(f"lines that end at a rod are not supported, but {one_line(word, WORD)} is one.")
+    raise row.error(f"a line must end at the number of a point, but {one_line(word, WORD)} is none.")

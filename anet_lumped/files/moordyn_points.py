@@ -1,0 +1,140 @@
+"""The points of a MoorDyn file.
+
+`Fixed` is Fixed; `Free` is Free with its mass, volume, CdA and Ca; `Coupled`, which the calling program moves in MoorDyn, is driven
+from outside: it stays where it is unless it is given a path, a platform that carries it, or a session. A point on a body that is
+fixed or coupled is what its body is.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from anet_lumped.checks import SceneError, Vector, shown
+from anet_lumped.prescribed import paths
+from anet_lumped.prescribed.paths import Path
+from anet_lumped.scene.scene import Driven, Fixed, Free, Point
+
+from .moordyn_attachments import Attachment, Hold, hold_of_point
+from .moordyn_bodies import Frame, read_bodies
+from .moordyn_findings import Findings
+from .moordyn_rows import Row, made
+
+CdA_WITHOUT_FORCE, CdA_WITH_FORCE = 7, 10  # columns
+WITH_FORCE = 12  # columns of a row that has FX, FY, FZ
+
+
+class Places(NamedTuple):
+    """The points of a file, by number.
+
+    Parameters
+    ----------
+    points : Point, or None of one that is refused
+    at : (3,) [m], where it starts
+    without_number : lines of the rows whose number cannot be read
+    """
+
+    points: dict[int, Point | None]
+    at: dict[int, Vector]
+    without_number: list[int]
+
+
+def read_points(rows: list[Row], bodies: list[Row], coupled: Mapping[int, Path], findings: Findings) -> Places:
+    """Read points and the bodies that carry them.
+
+    Parameters
+    ----------
+    rows, bodies : list of Row
+    coupled : dict of point number to Path
+        Motions that are given.
+    findings : Findings
+    """
+    held: dict[int, Attachment] = {}
+    found = Places({}, {}, [])
+    good: list[tuple[int, Row]] = []
+    for row in rows:
+        with findings.refusing():
+            found.without_number.append(row.line)
+            number = row.count(0, "the number of a point")
+            found.without_number.pop()
+            if number in found.points:
+                raise row.error(f"a point must come once, but {number} comes again.")
+            found.points[number] = None
+            _check_columns(row)
+            held[number] = hold_of_point(row)
+            good.append((number, row))
+    used = {each.number for each in held.values() if each.hold is Hold.BODY}
+    frames = read_bodies(bodies, used, findings)
+    _check_coupled(coupled, held, frames, findings)
+    for number, row in good:
+        with findings.refusing():
+            _read(number, row, held[number], frames, coupled.get(number), found)
+    return found
+
+
+def _read(number: int, row: Row, held: Attachment, frames: Mapping[int, Frame | None], path: Path | None, found: Places) -> None:
+    """Read the point of a row into ``found``."""
+    x, y, z = (row.number(2 + x, "XYZ"[x]) for x in range(3))
+    hold = held.hold
+    if hold is Hold.BODY:
+        if held.number not in frames:
+            raise row.error(f"a point must be on a body in BODIES, but body {held.number} is not there.")
+        frame = frames[held.number]
+        if frame is None:  # said of the body
+            return
+        hold = frame.hold
+        x, y, z = frame.place_of((x, y, z))
+    elif hold is Hold.TURBINE:
+        row.findings.remark(
+            f"Line {row.line}: point {number} is on turbine {held.number}; it is coupled, and starts where the row has it."
+        )
+    name = row.name or f"point{number}"
+    if hold is Hold.FREE:
+        first = CdA_WITH_FORCE if _has_force(row) else CdA_WITHOUT_FORCE
+        columns = ((5, "M", "mass"), (6, "V", "volume"), (first, "CdA", "CdA"), (first + 1, "CA", "Ca"))
+        load = {key: row.number(column, what) for column, what, key in columns}
+        found.points[number] = made(row, Free, name, at=(x, y, z), **load)
+    elif hold is Hold.FIXED:
+        found.points[number] = made(row, Fixed, name, (x, y, z))
+    else:
+        found.points[number] = made(row, Driven, name, path or made(row, paths.external, (x, y, z)))
+        if path is not None:
+            x, y, z = path.at(0.0)[0].tolist()
+    found.at[number] = x, y, z
+
+
+def _check_columns(row: Row) -> None:
+    """Refuse rows that are too short, and a force on a point; columns behind the last one are passed over, as MoorDyn does."""
+    if len(row.words) < CdA_WITHOUT_FORCE + 2:
+        raise row.error(
+            "a point must have 9 columns (ID, type, X, Y, Z, M, V, CdA, CA), or 12 with FX, FY, FZ before CdA, but has "
+            f"{len(row.words)}."
+        )
+    forced = _has_force(row)
+    if forced and any(row.number(column, "a steady force") for column in (7, 8, 9)):
+        raise row.error("a steady force on a point (FX, FY, FZ) is not supported; it must be 0.")
+    beyond = row.words[(CdA_WITH_FORCE if forced else CdA_WITHOUT_FORCE) + 2 :]
+    if beyond:
+        row.findings.unused(" ".join(beyond), row.line, "columns of points behind CA")
+
+
+def _has_force(row: Row) -> bool:
+    """Whether a row has FX, FY, FZ: where it is that long, unless the file has other names for as many columns."""
+    other = len(row.columns) >= WITH_FORCE and row.columns[CdA_WITHOUT_FORCE].startswith("cda")
+    return len(row.words) >= WITH_FORCE and not other
+
+
+def _check_coupled(
+    coupled: Mapping[int, Path], held: Mapping[int, Attachment], frames: Mapping[int, Frame | None], findings: Findings
+) -> None:
+    """Refuse a motion of a point that is not coupled."""
+
+    def is_coupled(each: Attachment) -> bool:
+        frame = frames.get(each.number) if each.hold is Hold.BODY else None
+        return each.hold in (Hold.COUPLED, Hold.TURBINE) or (frame is not None and frame.hold is Hold.COUPLED)
+
+    able = [number for number, each in held.items() if is_coupled(each)]
+    for number in coupled:
+        if number not in able:
+            given = ", ".join(map(str, able)) or "none"
+            raise SceneError(
+                f"Argument `coupled` must name coupled points of {findings.source} ({given}), but names {shown(number)}."
+            )
