@@ -38,8 +38,10 @@ from anet_lumped.effects.laws.drag import segment_coefficients, subtract_segment
 from anet_lumped.effects.laws.hull import NONE, add_lift_over_step, add_lift_slopes, hull_immersed, hull_share, weight_on_node
 from anet_lumped.effects.laws.morison import add_mass, segment_force, subtract_inertia_slopes
 from anet_lumped.effects.laws.submergence import (
+    ALWAYS_UNDER,
+    point_share,
+    point_share_between,
     submerged_share,
-    submerged_share_between,
     wetted,
     wetted_between,
 )
@@ -63,6 +65,7 @@ class FluidOnBodies(Effect):
     wave: Any = None
     g: float = 0.0
     dry: bool = False
+    floats: bool = True  # whether small bodies go through the surface; else they are under water at any height
 
     coupled_neighbours: ClassVar[int] = 1
     from_outside: ClassVar[bool] = True
@@ -115,6 +118,7 @@ class FluidOnBodies(Effect):
         drag = [0.5 * self.density * area for area in body.CdA]
         volume, mass = body.displaced, 0.0 if self.dry else self.density * body.displaced
         sphere = (6.0 * volume / math.pi) ** (1.0 / 3.0) if volume > 0.0 else math.sqrt(4.0 * max(body.CdA) / math.pi)
+        sphere = sphere if self.floats or body.hull is not None else ALWAYS_UNDER
         hull = body.hull or (0.0, 0.0, 0.0)
         return [*drag, sphere, self.g * mass, mass, *body.Ca, body.gyration, *hull, *body.centre_of_buoyancy]
 
@@ -174,7 +178,7 @@ def _add(f, i, w, force):
 @inlined_law
 def _sphere(z, d, dry):
     """Share of a sphere in the fluid, and its slope [1/m]."""
-    w, slope, _ = submerged_share(z, d)
+    w, slope, _ = point_share(z, d)
     return (1.0 - w, -slope) if dry else (w, slope)
 
 
@@ -352,7 +356,7 @@ def energy(t, q, index, params):
         if numbers[10] > 0.0:
             total += per_volume * hull_immersed(q, q, level, index, at, numbers).I
         else:
-            total -= numbers[4] * submerged_share(q[index[at + 4], 2] - level, numbers[3])[2]
+            total -= numbers[4] * point_share(q[index[at + 4], 2] - level, numbers[3])[2]
     at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
     for s in range(index[1]):
         i, j, numbers = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], params[begin + SEGMENT_NUMBERS * s :]
@@ -375,7 +379,7 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
             add_lift_over_step(base, q, level, per_volume, index, at, numbers, f, D, near)
         else:
             b = index[at + 4]
-            g, slope = submerged_share_between(base[b, 2] - level, q[b, 2] - level, numbers[3])
+            g, slope = point_share_between(base[b, 2] - level, q[b, 2] - level, numbers[3])
             f[b, 2] += numbers[4] * g
             D[b, 2, 2] -= numbers[4] * slope
     at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
@@ -401,7 +405,7 @@ def inertia(t, q, index, params, A):
     for k in range(index[0]):
         at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
         o, b, height = index[at], index[at + 4], height_at(t, q, index[at + 4], level, wave)
-        share = submerged_share(height, numbers[3])[0]
+        share = point_share(height, numbers[3])[0]
         if numbers[10] > 0.0:
             share = hull_share(hull_immersed(q, q, q[b, 2] - height, index, at, numbers), numbers)
         for a in range(3):

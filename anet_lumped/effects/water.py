@@ -176,7 +176,7 @@ class Water(Effect):
             return None
         from .fluid_on_bodies import FluidOnBodies  # compiled for those scenes alone
 
-        return FluidOnBodies(self.density, self.level, self.current, self.wave, self.gravity(scene))
+        return FluidOnBodies(self.density, self.level, self.current, self.wave, self.gravity(scene), floats=self.points_float)
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "inertia": inertia}

@@ -263,3 +263,15 @@ def test_other_methods_take_the_added_mass_by_their_order(method, order):
         end = simulate(scene, 0.4, method=method, dt=dt, start=start).final
         errors.append(max(np.abs(end.position(name) - exact.position(name)).max() for name in nodes))
     assert -np.polyfit(np.arange(4.0), np.log2(errors), 1)[0] == pytest.approx(order, abs=0.15)
+
+
+def test_where_points_do_not_float_small_bodies_do_not_either():
+    """A body above the surface is lifted all the same, and its energy is that of its depth."""
+    body = Body("b", **BALL, volume=1e-3)
+    scene = alone(body, effects=[Gravity(G), Water(RHO, -9.0, points_float=False)])
+    model, kernels, (index, params) = on_bodies(scene)
+    q = simulate(scene, 1e-9, method="edmc", dt=1e-9, start="straight").state(0).q
+    f = np.zeros_like(q)
+    kernels["force"](0.0, q, np.zeros_like(q), index, params, f)
+    assert f.sum(axis=0)[2] == pytest.approx(RHO * G * 1e-3)
+    assert kernels["energy"](0.0, q, index, params) == pytest.approx(-RHO * G * 1e-3 * 6.0)
