@@ -16,6 +16,7 @@ from typing import Annotated
 import typer
 
 from studies.quantities import metres, newtons, seconds
+from studies.scenes import changed, load
 from studies.shown.given import give
 from studies.stop_signals import stop_signals
 from studies.streams import PrintError, standard_streams
@@ -130,12 +131,12 @@ def _about(
 
 
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
-def equilibrium(scene: Scene, out: Out = None, as_json: Json = False):
+def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False):
     """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point."""
     from anet_lumped.statics.equilibrium import equilibrium
     from studies.shown.summary import rest_summary, write_nodes
 
-    state = equilibrium(_load(scene, "equilibrium"))
+    state = equilibrium(changed(load(scene, "equilibrium"), change))
     give(rest_summary(state), as_json, out, "equilibrium", lambda: write_nodes(state, out / "nodes.csv"))
 
 
@@ -169,7 +170,7 @@ def simulate(
 
     try:
         run = simulate(
-            moved(_changed(_load(scene, "simulate"), change), move, t_end), t_end, method=method, dt=dt, rtol=rtol, start=start,
+            moved(changed(load(scene, "simulate"), change), move, t_end), t_end, method=method, dt=dt, rtol=rtol, start=start,
             save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
             error=error,
         )  # fmt: skip
@@ -197,14 +198,16 @@ def recommend(
     t_end: Annotated[float | None, typer.Option(help="Motion to look at; two swings if not given.", **TIME)] = None,
     start: Start = "equilibrium",
     realtime: Annotated[float | None, typer.Option(help="How many times faster than real time it must run.")] = None,
+    change: Changes = (),
     as_json: Json = False,
 ):
     """Find the cheapest segments, method and step for an error. Its parts, the runner-up, and the command to run."""
     from anet_lumped.advice.recommend import recommend
     from studies.shown.summary import recommendation_summary
 
-    found = recommend(_load(scene, "recommend"), error, at=at, t_end=t_end, start=start, realtime=realtime)
-    give(recommendation_summary(found, scene), as_json)
+    loaded = changed(load(scene, "recommend"), change)
+    found = recommend(loaded, error, at=at, t_end=t_end, start=start, realtime=realtime)
+    give(recommendation_summary(found, scene, change), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
         tell(
@@ -234,7 +237,7 @@ def effects(
     from studies.shown.summary import effects_summary, write_effects
 
     limit = newtons(error) if tension else metres(error)
-    loaded = _changed(_load(scene, "effects"), change)
+    loaded = changed(load(scene, "effects"), change)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
     give(effects_summary(found), as_json, out, "effects", lambda: write_effects(found, out / "effects.csv"))
 
@@ -243,12 +246,13 @@ def effects(
 def check(
     scene: Scene,
     dt: Annotated[float | None, typer.Option(help="A step to judge, as in 1ms.", **TIME)] = None,
+    change: Changes = (),
     as_json: Json = False,
 ):
     """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
     from studies.shown.summary import prediction_summary
 
-    give(prediction_summary(_load(scene, "equilibrium"), dt), as_json)
+    give(prediction_summary(changed(load(scene, "equilibrium"), change), dt), as_json)
 
 
 @app.command(epilog="Example: anet-lumped sweep net_held --vary EA=1e2:1e6:9log --vary segments=5,10  (EA in N)")
@@ -267,6 +271,7 @@ def sweep(
     method: Method = None,
     dt: Step = None,
     start: Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")] = None,
+    change: Changes = (),
     out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=_folder)] = None,
     workers: Annotated[int | None, typer.Option(help="Processes; one a core by default.", min=1)] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
@@ -284,7 +289,7 @@ def sweep(
     where = {"out": out, "resume": resume}
     try:
         table = sweep(
-            _load(scene, "simulate" if t_end else "equilibrium"),
+            changed(load(scene, "simulate" if t_end else "equilibrium"), change),
             parse_vary(vary),
             measure,
             **settings,
@@ -315,17 +320,18 @@ def measures():
 
 @app.command(epilog="Example: anet-lumped study length_error --quick --out results/length_error")
 def study(
-    name: Annotated[str | None, typer.Argument(help="Name of the study; lists them if not given.")] = None,
+    name: Annotated[str | None, typer.Argument(help="Name of the study; lists them and their questions if not given.")] = None,
     quick: Quick = False,
     out: Annotated[
         Path | None, typer.Option(help="Folder for its rows and figures; results/NAME by default.", callback=_folder)
     ] = None,
 ):
     """Run one study. Writes its rows and figures, prints its answer."""
-    from studies.study import NAMES, run_study
+    from studies.study import NAMES, question_of, run_study
 
     if name is None:
-        print("\n".join(NAMES))
+        for one in NAMES:
+            print(f"{one:{max(map(len, NAMES))}}  {question_of(one)}")
         return
     announce_compiling("study")
     logging.getLogger("anet_lumped").setLevel(logging.WARNING)  # of a study its rows are told, not their runs
@@ -339,13 +345,14 @@ def study(
 def mismatch(
     scene: Scene,
     markers: Annotated[Path | None, typer.Option(help="Measured positions (CSV); the catenary if not given.")] = None,
+    change: Changes = (),
     out: Out = None,
     as_json: Json = False,
 ):
     """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable."""
     from studies.shown.summary import catenary_comparison, marker_comparison
 
-    loaded = _load(scene, "equilibrium")
+    loaded = changed(load(scene, "equilibrium"), change)
     found = marker_comparison(loaded, markers) if markers else catenary_comparison(loaded)
     give(found, as_json, out, "mismatch")
 
@@ -404,6 +411,7 @@ def view(
 def convert(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="A scene, as of the other commands, or a saved run (.nc).")],
     out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write, whose ending says what it is to be.")],
+    change: Changes = (),
     links: Annotated[str, typer.Option(help="Of a twin: cylinder or lumped.")] = "cylinder",
     joints: Annotated[str, typer.Option(help="Of a twin: ball or revolute.")] = "ball",
     damping: Annotated[float, typer.Option(help="Of a twin: damper of each joint [N m s].")] = 0.0,
@@ -417,38 +425,15 @@ def convert(
     from anet_lumped.files.twin_file import ENDINGS, save_twin
 
     if scene.lower().endswith(ENDING):
+        if change:
+            raise InputError(f"A saved run is written as it is; --set changes a scene, but {scene} is a run.")
         print(view_saved(scene, out))
         return
     if out.suffix.lower() not in (".toml", *MOORDYN, *ENDINGS):
         raise InputError(f"OUT must end in .toml, {', '.join((*MOORDYN, *ENDINGS))}, but is {out}; .pvd is for a saved run (.nc).")
+    ready = changed(load(scene, "equilibrium"), change)
     if out.suffix.lower() in ENDINGS:
-        save_twin(_load(scene, "equilibrium"), out, dt, links=links, joints=joints, damping=damping)
+        save_twin(ready, out, dt, links=links, joints=joints, damping=damping)
     else:
-        save_scene(_load(scene, "equilibrium"), out)
+        save_scene(ready, out)
     print(out)
-
-
-def _load(text, compiles):
-    """Scene of a file, or by its name one that comes with the package; `compiles` is one of `telling.FIRST_COMPILING`."""
-    announce_compiling(compiles)
-    from anet_lumped.checks import SceneError
-    from anet_lumped.files.scene_file import load_scene
-    from anet_lumped.model.build import build
-
-    scene = load_scene(text)
-    try:
-        build(scene)  # here the effects find what they lack in a scene
-    except SceneError as error:
-        raise SceneError(f"{text}: {error}") from None
-    return scene
-
-
-def _changed(scene, texts):
-    """The scene with NAME=VALUE put in."""
-    from studies.sweeping.vary import SETTINGS, VaryError, apply, parse_vary, read_values
-
-    values = read_values(scene, parse_vary(texts)) if texts else {}
-    for name, given in values.items():
-        if name in SETTINGS or len(given) != 1:
-            raise VaryError(f"What is set must be one value of a field of the scene, but `{name}` was given {given}.")
-    return apply(scene, {name: given[0] for name, given in values.items()})[0]

@@ -13,7 +13,8 @@ and whose name stands in NAMES. `quick` takes a first look: the same columns fro
 become file names. Constants in capitals are the study's parameters (a SEED too) and go to `meta.json`.
 """
 
-import importlib
+import ast
+import importlib.util
 import json
 import shutil
 import sys
@@ -124,6 +125,12 @@ def module_of(name: str):
         known = nearest(name, NAMES) or f"; known are {', '.join(NAMES)}."
         raise StudyError(f'There is no study "{name}"{known}')
     return importlib.import_module(f"studies.questions.{name}")
+
+
+def question_of(name: str) -> str:
+    """The question of a study: the first line of its file, which is read without an import of what the study needs."""
+    file = importlib.util.find_spec(f"studies.questions.{name}").origin
+    return ast.get_docstring(ast.parse(Path(file).read_text(encoding="utf-8"))).splitlines()[0]
 
 
 def run_study(name: str, out: str | Path, *, quick: bool = False, executor: Executor | None = None) -> Study:

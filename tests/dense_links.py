@@ -153,7 +153,7 @@ def compiled(scene, t, q, v):
 def prescribed(model, t):
     """(3, n, 3): places, velocities and accelerations of fixed and driven points at a time; free nodes are zero."""
     out = np.zeros((3, model.n, 3))
-    for point in model.scene.points:
+    for point in model.scene.all_points:
         if isinstance(point, Driven):
             out[:, model.node(point.name)] = point.path.at(t)
         elif hasattr(point, "at") and model.node(point.name) >= model.n_free:

@@ -19,7 +19,7 @@ def masses(model):
         for a, b in itertools.pairwise(nodes):
             m[a] += cable.mass_per_length * cable.L0 / 2
             m[b] += cable.mass_per_length * cable.L0 / 2
-    for point in model.scene.points:
+    for point in model.scene.all_points:
         if isinstance(point, Free):
             m[model.node(point.name)] += point.mass
     return m

@@ -4,14 +4,14 @@ The catenary is the observation Y of Eqs. 4.1-4.4 of the thesis, the lumped mode
 with the catenary at the same unstretched arc length, and with the nearest point of its curve.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from anet_lumped.checks import InputError, shown
 from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Cable, Free
+from anet_lumped.scene.scene import Cable, Fixed, Free
 from anet_lumped.statics.catenary_net import Turned, catenaries_between_ends, catenary_net
 
 CURVE_POINTS = 4001  # chords of a curve drawn with 4,000 miss it by 1e-8 of its length
@@ -196,7 +196,10 @@ def compare(state: State, *, reference: str = "net", elastic: bool = True) -> Co
     if not isinstance(state, State):
         raise InputError(f"A state to compare must be a State, as equilibrium(scene) returns one, but it is {shown(state)}.")
     scene = state.scene
-    places = {point.name: np.asarray(state.position(point.name)) for point in scene.points}
+    places = {point.name: np.asarray(state.position(point.name)) for point in scene.all_points}
+    if scene.bodies:
+        held = [Fixed(point.name, tuple(places[point.name].tolist())) for body in scene.bodies for point in body.points]
+        scene = replace(scene, points=(*scene.points, *held), bodies=())
     if reference == "net":
         net = catenary_net(scene, places, elastic=elastic)
     elif reference == "ends":

@@ -1,12 +1,12 @@
-"""How functions are compiled: `njit`, and four decorators, one for each way in which a function is called.
+"""How functions are compiled: `njit`, and six decorators, one for each way in which a function is called.
 
-None of the four counts references to arrays: the functions allocate nothing, and their callers hold the arrays that they read and
+Only those of laws count references to arrays. The others allocate nothing, and their callers hold the arrays that they read and
 write. Without reference counts, and without a wrapper for Python, a function compiles in half the time.
 """
 
 from integrators.jit import SHARED, WITHOUT_ADDRESS, WITHOUT_PYTHON, njit
 
-__all__ = ["inlined", "internal", "kernel", "njit", "on_demand"]
+__all__ = ["inlined", "inlined_law", "internal", "kernel", "law", "njit", "on_demand"]
 
 _SHARED = SHARED | {"fastmath": {"contract"}}
 
@@ -23,3 +23,16 @@ on_demand = njit(**_SHARED, **WITHOUT_PYTHON)
 def kernel(signature):
     """A kernel that Python or an integrator calls, compiled when its module is first imported."""
     return njit(signature, **_SHARED)
+
+
+_OF_A_LAW = {"cache": True, "error_model": "numpy"}
+
+inlined_law = njit(forceinline=True, **_OF_A_LAW)
+"""The law of one element, or a part of one, copied into every effect and kernel that calls it. Python may call it, too.
+
+A function that does not say its error model takes that of its first caller, and is kept so on the disk for all others. If Python
+were the first, a division in it could raise in every effect that calls it.
+"""
+
+law = njit(**_OF_A_LAW)
+"""A longer law of one element, written once and called; as `inlined_law` otherwise."""

@@ -28,7 +28,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_direction, check_pairs, quoted
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law, law, njit
 
 from .effect import Effect
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
@@ -121,36 +121,36 @@ def _stiffness(cable: Any) -> list[float]:
     return [cable.EI / cable.L0, cable.L0, 4.0 * math.sqrt(cable.EI / cable.mass_per_length) / cable.L0**2]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _combined(factor_a, a, factor_b, b):
     """x a + y b."""
     return factor_a * a[0] + factor_b * b[0], factor_a * a[1] + factor_b * b[1], factor_a * a[2] + factor_b * b[2]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _between_nodes(q, i, j):
     return q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _tangent(d, L0):
     """Unit tangent and length of a segment, at least `SHORT` of L0."""
     l = max(math.sqrt(_dot(d, d)), SHORT * L0)
     return (d[0] / l, d[1] / l, d[2] / l), l
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _slope(B, l, t, other):
     """dE/dd = -(B/l) (other - (t . other) t)."""
     return _combined(-B / l, other, B / l * _dot(t, other), t)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _add(f, i, a, sign):
     f[i, 0] += sign * a[0]
     f[i, 1] += sign * a[1]
@@ -182,7 +182,7 @@ def force(t, q, v, index, params, f):
     return 0.0
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _own_block(H, B, l, t, other):
     """d2E/dd2 = (B/l^2) (t p^T + p t^T + c (I - t t^T)), p = other - c t, c = t . other, for H."""
     c, per = _dot(t, other), B / (l * l)
@@ -193,7 +193,7 @@ def _own_block(H, B, l, t, other):
         H[x, x] += per * c
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _cross_block(H, per, t1, t2):
     """per (I - t1 t1^T)(I - t2 t2^T), for H."""
     c = _dot(t1, t2)
@@ -203,7 +203,7 @@ def _cross_block(H, per, t1, t2):
         H[x, x] += per
 
 
-@njit(cache=True, error_model="numpy")
+@law
 def _assemble(weight, i, j, k, s, H11, H12, H21, H22, D, near, far):
     """Add weight times the blocks of the three nodes of a pair of segments; Hij is the derivative of g_i with respect to d_j."""
     free = D.shape[0]
@@ -224,7 +224,7 @@ def _assemble(weight, i, j, k, s, H11, H12, H21, H22, D, near, far):
             far[s, 1, x, y] -= c
 
 
-@njit(cache=True, error_model="numpy")
+@law
 def _assemble_clamp(weight, node, H, D):
     """Add weight times the block of the node next to a clamp."""
     if node < D.shape[0]:
@@ -274,7 +274,7 @@ def energy(t, q, index, params):
     return total
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _step_of(base, q, i, j, L0):
     """Of a segment in a step from ``base`` to ``q``: both tangents, both lengths, S and e of the module, change of the tangent."""
     a, b = _between_nodes(base, i, j), _between_nodes(q, i, j)
@@ -285,13 +285,13 @@ def _step_of(base, q, i, j, L0):
     return t_a, t_b, l_a, l_b, 0.5 * (1.0 / l_a + 1.0 / l_b), e, _combined(1.0, t_b, -1.0, t_a)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _turned(S, e, w):
     """S (I - e e^T) w."""
     return _combined(S, w, -S * _dot(e, w), e)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _own_step_block(H, B, S, e, t_b, l_a, l_b, w):
     """Derivative in d_b of -B S (I - e e^T) w at constant w, for H."""
     along, per = _dot(e, w), S / (l_a + l_b)
@@ -302,7 +302,7 @@ def _own_step_block(H, B, S, e, t_b, l_a, l_b, w):
         H[x, x] += B * per * along
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _add_turn_block(H, weight, S, e, t_b, l_b):
     """Add weight S (I - e e^T)(I - t_b t_b^T)/l_b to H."""
     c, per = _dot(e, t_b), weight * S / l_b

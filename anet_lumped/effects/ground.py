@@ -23,7 +23,7 @@ from typing import Any, Self
 import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_direction, check_number, quoted
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.effects.laws.axial import secant_tension, spring_energy
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
@@ -125,20 +125,20 @@ class Ground(Effect):
         return -f
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _depth_below(q, i, params):
     """Depth of a node below the plane [m]."""
     return params[3] - (params[0] * q[i, 0] + params[1] * q[i, 1] + params[2] * q[i, 2])
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _of_node(params, i):
     """k, c, depth and mass of a node."""
     first = HEADER + EACH * i
     return params[first], params[first + 1], params[first + 2], params[first + 3]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _normal_force(s, rate, k, c, depth):
     """N of the module's docstring [N], and its slopes in s [N/m] and in ds/dt [N s/m]."""
     if s <= 0.0:
@@ -150,7 +150,7 @@ def _normal_force(s, rate, k, c, depth):
     return N, k + (c / depth * rate if s < depth else 0.0), c * damper_share
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _damper_depth(s, depth):
     """R of the module's docstring [m], and its slope r."""
     if s <= 0.0:
@@ -160,7 +160,7 @@ def _damper_depth(s, depth):
     return s - 0.5 * depth, 1.0
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _normal_force_between(s_a, s_b, h, k, c, depth, numerical):
     """N over a whole step [N], its slope in s_b [N/m], and what damper and numerical damper [N/m] take [J]."""
     secant, slope = secant_tension(s_a, s_b, k, 0.0)
@@ -178,7 +178,7 @@ def _normal_force_between(s_a, s_b, h, k, c, depth, numerical):
     return N, slope, share * taken, (1.0 - share) * taken
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _sliding(vx, vy, vz, params):
     """v_t/sqrt(v_t^2 + u^2) with the velocity v_t along the plane; the root sqrt(v_t^2 + u^2); the speed of sinking in [m/s]."""
     along = params[0] * vx + params[1] * vy + params[2] * vz
@@ -187,13 +187,13 @@ def _sliding(vx, vy, vz, params):
     return (vx / root, vy / root, vz / root), root, -along
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _add_force(f, i, N, slide, params):
     for x in range(3):
         f[i, x] += N * (params[x] - params[4] * slide[x])
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _add_tangent(D, i, slope, viscous, slide, params):
     """Add the block of a node, with the slope of N in s, and ``viscous``, the slope of friction in the displacement of the node."""
     for x in range(3):

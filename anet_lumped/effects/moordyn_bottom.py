@@ -24,7 +24,7 @@ from typing import Any, Self
 import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_number, quoted
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.effects.laws.axial import secant_tension, spring_energy
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
@@ -110,14 +110,14 @@ class MoordynBottom(Effect):
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "settle": settle}
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _of_node(params, i):
     """k, c and mass of a node."""
     first = HEADER + EACH * i
     return params[first], params[first + 1], params[first + 2]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _friction(vx, vy, N, params):
     """Force over the velocity, F/|v_t| [N s/m], and 1 where it is limited by the load, else 0."""
     speed = math.sqrt(vx * vx + vy * vy)
@@ -126,14 +126,14 @@ def _friction(vx, vy, N, params):
     return params[1] * abs(N) / speed, 1.0
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _add_force(f, i, N, vx, vy, per_speed):
     f[i, 0] -= per_speed * vx
     f[i, 1] -= per_speed * vy
     f[i, 2] += N
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _add_tangent(D, i, N, slope, c_v, vx, vy, friction, mu):
     """Add the block of a node: ``slope`` of N against z, friction's force over the velocity times ``c_v``, and what limits it."""
     per_speed, limited = friction

@@ -31,7 +31,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_flag, check_number, quoted, shown
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.effects.flow.wave_kernel import AT_REST, wave_at
 from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.wind import Wind
@@ -173,14 +173,14 @@ class Water(Effect):
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "inertia": inertia}
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _read_params(params):
     """Level, current, wave, and the position in ``params`` at which the numbers of the segments begin."""
     begin = HEADER + int(params[1])
     return params[0], params[HEADER:begin], params[begin : begin + int(params[2])], begin + int(params[2])
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _flow(t, q, level, current, wave):
     """At a position q: height above the surface, its slopes; velocity of the water, its gradient; acceleration, its gradient."""
     velocity, gradient = wind_at(t, q[0], q[1], q[2], current)
@@ -196,17 +196,17 @@ def _flow(t, q, level, current, wave):
     return q[2] - level - eta, (-eta_x, -eta_y, 1.0), velocity, gradient, a, a_gradient
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _row(q, i):
     return q[i, 0], q[i, 1], q[i, 2]
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _difference(a, b):
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _add(f, i, w, force, lift):
     """Add w times a force, and a lift along z, to the force on a node."""
     f[i, 0] += w * force[0]
@@ -214,7 +214,7 @@ def _add(f, i, w, force, lift):
     f[i, 2] += w * force[2] + lift
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _subtract_share_slope(block, force, lift, slope, up):
     """Subtract (force + lift e_z) slope up^T from a block, the part of a tangent that is due to the change of the submerged share.
 
@@ -264,7 +264,7 @@ def force(t, q, v, index, params, f):
     return power
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _segment_slopes(s, i, j, flow_i, flow_j, v1, v2, t, per_l, wet, lift, numbers, waves, c_q, c_v, D, near):
     """Subtract the slopes of the force on both nodes of a segment; ``lift`` [N] is the part of its buoyancy that w multiplies."""
     for side in range(2):
@@ -282,7 +282,7 @@ def _segment_slopes(s, i, j, flow_i, flow_j, v1, v2, t, per_l, wet, lift, number
             _subtract_share_slope(other, F, lift, c_q * wet[4], flow_j[1] if side == 0 else flow_i[1])
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _point_slopes(node, flow, V, wet, lift, numbers, c_q, c_v, D):
     """Subtract the slopes of the force on a point; ``lift`` as for a segment."""
     w, slope, _ = wet
@@ -339,12 +339,12 @@ def energy(t, q, index, params):
     return total
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _middle(base, q, i):
     return 0.5 * (base[i, 0] + q[i, 0]), 0.5 * (base[i, 1] + q[i, 1]), 0.5 * (base[i, 2] + q[i, 2])
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _mean_velocity(base, q, i, per_h):
     return per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
 
@@ -409,7 +409,7 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     return dissipated, 0.0
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def _height(t, q, i, level, wave):
     """Height of a node above the surface [m]."""
     return q[i, 2] - level - (wave_at(t, q[i, 0], q[i, 1], q[i, 2], wave)[0][0] if len(wave) > 0 else 0.0)

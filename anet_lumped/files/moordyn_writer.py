@@ -72,6 +72,8 @@ def moordyn_text(
     """
     if scene.events:
         raise SceneError(f"A scene must have no events to be written for MoorDyn, but it has {shown(scene.events[0])}.")
+    if scene.bodies:
+        raise SceneError(f"A scene must have no bodies to be written for MoorDyn, but it has body {quoted(scene.bodies[0].name)}.")
     places = _places(scene, places or {})
     environment = _environment(scene, max(abs(float(at[2])) for at in places.values()))
     bends = "bending" in {_name(effect) for effect in scene.effects}

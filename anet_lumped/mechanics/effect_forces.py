@@ -37,6 +37,8 @@ def mobility_with_fluid(m, A):
 def share_with_fluid(net, t, q, v, f):
     """Multiply the force f on each moving node by m (m I + A)^-1, so that f/m is its acceleration with the added mass A.
 
+    Nodes of bodies are left to `bodies.free_motion`.
+
     Returns
     -------
     power : float64 [W]
@@ -44,7 +46,7 @@ def share_with_fluid(net, t, q, v, f):
     """
     add_masses(net, t, q)
     power = 0.0
-    for i in range(net.n_free):
+    for i in range(net.bodies.first):
         m = net.mass[i]
         mobility = mobility_with_fluid(m, net.added_mass[i])
         own_force = times(mobility, m * f[i, 0], m * f[i, 1], m * f[i, 2])

@@ -91,7 +91,7 @@ def fresh_net(model, force=True, newton=True, links=False):
         links=model.links.of_a_run() if links else NO_LINKS,
         kernels=np.zeros(KERNELS, np.int64),
     ).addressed()
-    require(net, model, force and not links, newton)
+    require(net, model, force, newton, links)
     if changing:
         from anet_lumped.mechanics.changing_lengths import set_lengths  # compiled for those scenes alone
 

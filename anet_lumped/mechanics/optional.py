@@ -76,6 +76,10 @@ SIGNATURES = {
     "turn_bodies": types.void(STAGE, int64, _f2, _f2, _f2),
     "stiffen_bodies": float64(int64, _f2, _f2),
     "force_bodies": float64(int64, float64, _f2, _f2, _f2),
+    "mobility_bodies": types.void(int64, _f2),
+    "meet_bodies": types.void(int64),
+    "pull_bodies": types.void(int64, _f2),
+    "shape_bodies": types.void(int64, _f2),
 }
 as_cable_force, as_cable_residual, as_finish, as_cable_settle, as_settle_effects = (
     callable_at(SIGNATURES[name]) for name in ("force", "residual", "finish", "settle", "settle_effects")
@@ -89,4 +93,7 @@ as_place_bodies, as_balance_bodies, as_reduce_bodies, as_spread_bodies, as_finis
 )
 as_turn_bodies, as_stiffen_bodies, as_force_bodies = (
     callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("turn", "stiffen", "force")
+)
+as_mobility_bodies, as_meet_bodies, as_pull_bodies, as_shape_bodies = (
+    callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("mobility", "meet", "pull", "shape")
 )

@@ -5,7 +5,7 @@ from anet_lumped.mechanics.optional import SIGNATURES
 from anet_lumped.model import tables
 
 
-def require(net, model, force=False, newton=False):
+def require(net, model, force=False, newton=False, links=False):
     """Write the addresses of the kernels that a run needs to ``net.kernels``; compile those that have not been compiled.
 
     Parameters
@@ -14,6 +14,8 @@ def require(net, model, force=False, newton=False):
     model : Model
     force, newton : bool
         Whether the run needs forces at one time, and whether it needs the stages of an implicit method.
+    links : bool
+        Whether its forces are those of links, cables that do not stretch.
     """
     groups, singles = len(net.cable_groups) > 0, len(net.single_cables) > 0
     if model.n_driven < model.n:
@@ -25,7 +27,7 @@ def require(net, model, force=False, newton=False):
 
         for name in ("set_lengths", "power_of_lengths", "work_of_lengths", "energy_of_paid_out"):
             _write(net, name.upper(), name, getattr(changing_lengths, name))
-    if force:
+    if force and not links:
         from anet_lumped.mechanics import force as forces
 
         _write_both(net, "force", forces.force_of_singles if singles else None, forces.force_of_groups if groups else None)
@@ -39,7 +41,7 @@ def require(net, model, force=False, newton=False):
             _write(net, "SETTLE_EFFECTS", "settle_effects", settle.settle_effects)
         require_elimination(net, model.coupled_neighbours)
     if model.has_bodies:
-        _require_bodies(net, force, newton)
+        _require_bodies(net, force, newton, links)
 
 
 def require_elimination(net, reach):
@@ -64,7 +66,7 @@ def require_elimination(net, reach):
             _write(net, f"SUBSTITUTE_{kind.upper()}", "substitute", getattr(substituting[kind], f"substitute_{kind}"))
 
 
-def _require_bodies(net, force, newton):
+def _require_bodies(net, force, newton, links):
     """`require` for the kernels of rigid bodies."""
     from anet_lumped.mechanics.bodies import free_motion, reduction, settling, stage
 
@@ -74,6 +76,11 @@ def _require_bodies(net, force, newton):
     if newton:
         modules |= {"place": stage, "balance": stage, "turn": settling, "stiffen": settling}
         modules |= dict.fromkeys(("reduce", "spread", "finish"), reduction)
+    if links:
+        from anet_lumped.mechanics.links import bodies
+
+        modules |= {"force": free_motion, "stiffen": settling}
+        modules |= dict.fromkeys(("mobility", "meet", "pull", "shape"), bodies)
     for name, module in modules.items():
         _write(net, f"{name.upper()}_BODIES", f"{name}_bodies", getattr(module, f"{name}_bodies"))
 

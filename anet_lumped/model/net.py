@@ -132,8 +132,9 @@ class Links(NamedTuple):
     target_at: np.ndarray
     target: np.ndarray
     meeting: np.ndarray  # (pairs, 5)
+    body_meeting: np.ndarray  # (pairs, 7)
     mobility: np.ndarray  # (n,) [1/kg] inverse of the masses, 0 for prescribed nodes
-    fluid_mobility: np.ndarray  # (n_free, 3, 3) the same with added mass, empty where no effect has any
+    matrix_mobility: np.ndarray  # (nodes, 3, 3) of the last moving nodes: of bodies' ones, or with added mass of all
     vector: np.ndarray  # (n_segments, 3) [m]
     size: np.ndarray  # (n_segments,) diagonal of the system
     pivot: np.ndarray  # (n_segments,) inverse of the pivot
@@ -145,11 +146,15 @@ class Links(NamedTuple):
     tau: np.ndarray  # (n_segments,) [N/m] tension over length
     acceleration: np.ndarray  # (n, 3) [m/s2]
     driven: np.ndarray  # (3, driven nodes, 3) scratch of places and velocities, and the velocities before an impulse
+    body: np.ndarray  # (bodies, 27) inertia
+    body_pull: (
+        np.ndarray
+    )  # (nodes of bodies, 3) [N] scratch: pull of the links on each node from `Bodies.first` on; zero between uses
     state: np.ndarray  # (4,)
 
     def of_a_run(self):
         """The same with numbers of its own."""
-        return self._replace(**{name: getattr(self, name).copy() for name in self._fields[7:]})
+        return self._replace(**{name: getattr(self, name).copy() for name in self._fields[8:]})
 
 
 class Net(NamedTuple):
@@ -214,7 +219,7 @@ LENGTHS = types.NamedTuple((_i1, _f2, TABLE, _f1, _i1, _i1, _f1, _f1, _i1, _i1, 
 CARRIED = types.NamedTuple((_i1, _f2, _f3), Carried)
 BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2, _i2, _i2, _f2, _f2, _f2), Bodies)
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
-LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f1), Links)
+LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f2, _f2, _f1), Links)
 NO_LINKS = Links(*(np.zeros((0,) * kind.ndim, np.int64 if kind.dtype == types.int64 else float) for kind in LINKS.types))
 NET = types.NamedTuple(
     (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, TABLE, types.int64)

@@ -81,7 +81,8 @@ KERNEL_DRIVE, KERNEL_SET_LENGTHS, KERNEL_POWER_OF_LENGTHS, KERNEL_WORK_OF_LENGTH
 KERNEL_SETTLE_EFFECTS = 19
 KERNEL_PLACE_BODIES, KERNEL_BALANCE_BODIES, KERNEL_REDUCE_BODIES, KERNEL_SPREAD_BODIES, KERNEL_FINISH_BODIES = 20, 21, 22, 23, 24
 KERNEL_TURN_BODIES, KERNEL_STIFFEN_BODIES, KERNEL_FORCE_BODIES = 25, 26, 27
-KERNELS = 28
+KERNEL_MOBILITY_BODIES, KERNEL_MEET_BODIES, KERNEL_PULL_BODIES, KERNEL_SHAPE_BODIES = 28, 29, 30, 31
+KERNELS = 32
 
 # `Bodies.joined`, one row a cable that ends at a body and at another moving point: the nodes of its start and end, the bodies that
 # carry them or -1, the unknown (of the first of two, of a body) of each, the blocks of its nodes (start, end) and (end, start), and
@@ -104,6 +105,17 @@ END_LINK_FIRST, END_LINK_LAST, END_LINKS_ENTRY = range(3)
 # `Links.meeting`, one row for two end links that meet at a free point: its node, the two segments, the product of their signs there
 # and the entry of the system that joins them.
 MEETING_NODE, MEETING_FIRST, MEETING_SECOND, MEETING_SIGN, MEETING_ENTRY = range(5)
+
+# `Links.body_meeting`, one row for two end links that end at the same body: the positions in `Bodies.node` of the nodes at which
+# they do, the body, the two segments, the product of their signs there and the entry of the system that joins them. For one link
+# with both ends on the body, the two segments are the same, and the last column holds its number among the end links.
+BODY_MEETING_FIRST_NODE, BODY_MEETING_SECOND_NODE, BODY_MEETING_BODY, BODY_MEETING_FIRST, BODY_MEETING_SECOND = range(5)
+BODY_MEETING_SIGN, BODY_MEETING_ENTRY = 5, 6
+BODY_MEETING_COLUMNS = 7
+
+# `Links.body`, one row a body: the three matrices of `bodies.inertia.Inertia`, nine columns each by rows.
+LINKED_BODY_PER_MASS, LINKED_BODY_CARRIED, LINKED_BODY_TURNING = 0, 9, 18
+LINKED_BODY_COLUMNS = 27
 
 # `Links.state`: time that was prescribed last [s]; 1 if ``Links.tau`` belongs to it and to the state whose force was asked for
 # last; largest component of an external force on a node then [N]; most redundant lengths found so far in a run.

@@ -4,7 +4,8 @@ A run tells its own errors (`results.error_estimate`), so that one run is enough
 the next one takes steps that its predecessor's errors ask for, a whole number of them in each of its predecessor's. Then there are
 two runs to compare: what they differ by is the error of the coarser one, and what that is of the error which it told corrects what
 the finer one tells. Where it is many times as much, the motion has multiplied errors: past a whip, or in chaos, no step keeps an
-error, and the run says from when on.
+error, and the run says from when on. Nodes of a loose cable fly until it is taut again, and where they are then changes at once
+with the step: two runs whose steps are far apart say little of how the error falls, and a third one between them is asked.
 """
 
 import logging
@@ -17,6 +18,7 @@ import numpy as np
 
 from anet_lumped.limits import STEPS, most_of
 from anet_lumped.results.distances import distances
+from anet_lumped.results.free_flight import goes_loose
 from anet_lumped.results.run import Run
 from integrators import schemes
 
@@ -33,6 +35,7 @@ FEWEST_STEPS = 400  # a shorter run costs so little that it is its own pilot
 AIM = 0.5  # of the error asked for, by an estimate that may be half of the truth; of tensions, where no second run corrects it, too
 MOST_AT_ONCE = 8  # steps that one is replaced by
 MOST_FOR_PLACES, MOST_FOR_TENSIONS = 512, 32  # steps in all that one of the first choice is replaced by; beyond, the run says so
+TRUSTED_PARTS = 2  # steps in one: beyond, the error of a motion that goes loose need not have fallen as its order says
 AMPLIFIED = 4.0  # times the error that a run tells of itself: from there on the motion has multiplied it
 NEARER, NEARER_TENSION = 0.7, 0.8  # of an error of places, and of a tension: what shorter steps must leave at most, or are in vain
 LEAST_OF_TOLD = 0.05  # of the error that a run tells of itself, which is left of it by a comparison
@@ -125,7 +128,7 @@ def keep_error(
         other = instead(run, _wish(run, wanted, 1.0, known.of_told)) if instead is not None and known.apart == math.inf else None
         if other is not None:
             return other
-        coarser, before, choice = run, known, _finer(choice, parts, span)
+        coarser, before, before_choice, choice = run, known, choice, _finer(choice, parts, span)
         took = parts * run.wall_time
         LOG.info("with dt=%.3g s places are known to %.2g m, the largest tension to %.2g", run.dt, known.error, known.tension_error)
         LOG.info("again with dt=%.3g s, which takes about %.2g s", choice.dt, took)
@@ -135,6 +138,10 @@ def keep_error(
         if (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0) and run.tension_error > before.tension_error:
             return told(coarser, before, wanted, too_short=run.dt)
         known = _compared(run, coarser, wanted, before.apart)
+        if parts > TRUSTED_PARTS and _kept(run, known, wanted) and goes_loose(run):
+            between = march(_finer(before_choice, (parts + 1) // 2, span), duration)
+            if between.ok:
+                known = known._replace(error=max(known.error, _left_of(run, between)))
         # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
         loses = run.energy_balance.lost_to_method > ALLOWED_LOSS * run.energy_balance.in_play
         as_far = known.tension_error > NEARER_TENSION * before.tension_error
@@ -202,6 +209,13 @@ def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kn
     changed = abs(peak - peak_of_coarser) / max(peak, peak_of_coarser, 1e-300)
     tension_error = run.tension_error * max(changed / max(coarser.tension_error, 1e-300), LEAST_OF_TENSION)
     return Known(error, min(tension_error, 1.0), of_told, since, last)
+
+
+def _left_of(run: Run, coarser: Run) -> float:
+    """Error of a run that falls with the order of its method from that of a coarser one [m]."""
+    scheme = schemes.scheme(run.method)
+    order = scheme.error_order or scheme.order or 1
+    return float(distances(run, coarser).apart.max()) / ((coarser.dt / run.dt) ** order - 1.0)
 
 
 def _kept(run: Run, known: Known, wanted: Wanted) -> bool:

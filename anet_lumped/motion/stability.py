@@ -205,14 +205,18 @@ def transverse_frequency(state: "State") -> float:
     """Bound of the frequencies of transverse vibrations under the tensions of a state [rad/s], by Gershgorin's circles.
 
     omega^2 <= max 2 W_i sum T/l over the segments at node i, with the mobility W_i; in a uniform cable it is the highest frequency
-    of a chain, 2 sqrt(T/(m l)).
+    of a chain, 2 sqrt(T/(m l)). The nodes of a body move together: W_i sum T/l is summed over them, with the largest W_i of each.
     """
     model = state.model
     pull = np.maximum(state.segment_tension, 0.0) / model.axial[model.cable_of, AXIAL_L0]
     at_node = np.bincount(model.ends[:, 0], pull, model.n) + np.bincount(model.ends[:, 1], pull, model.n)
-    mass = model.mass[: model.n_free]
-    moves = mass > 0.0
-    return float(np.sqrt(2.0 * np.max(at_node[: model.n_free][moves] / mass[moves], initial=0.0)))
+    mass, alone = model.mass[: model.n_free], model.bodies.first  # nodes that no body carries come first
+    moves = np.flatnonzero(mass[:alone] > 0.0)
+    squares = [np.max(at_node[moves] / mass[moves], initial=0.0)]
+    for body in model.scene.bodies:
+        if not body.is_driven:
+            squares.append(sum(at_node[model.node_of[name]] / least for name, least in body.least_masses.items()))
+    return float(np.sqrt(2.0 * max(squares)))
 
 
 def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None = None) -> Prediction:

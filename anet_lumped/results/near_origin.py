@@ -80,7 +80,8 @@ def _is_shape(value: Any) -> bool:
 def _lost_digits(near: Near) -> str:
     """Warning about places that are rounded, with the tension that rounding stands for."""
     scene = near.scene
-    free = [point.at for point in (*scene.free_points, *scene.bodies) if point.at is not None]
+    free = [point.at for point in scene.free_points if point.at is not None]
+    free += [body.at for body in scene.bodies if body.at is not None]
     places = np.abs(scene.supports or free)
     rounding = float(np.spacing(places.max()))
     cable = max((cable for cable in scene.cables if not cable.inextensible), key=lambda cable: cable.stiffness, default=None)

@@ -154,20 +154,25 @@ class Body:
         A body that is not driven has seven more, behind its origin: one on each of its axes, at its radius of gyration, by which
         its axes are known whatever its inertia; and the four masses.
         """
-        ends = [(self.name, (0.0, 0.0, 0.0)), *((f"{self.name}.{name}", arm) for name, arm in self.attachments)]
+        ends: list[tuple[str, Vector]] = [(self.name, (0.0, 0.0, 0.0))]
+        ends += [(f"{self.name}.{name}", arm) for name, arm in self.places]
         if self.is_driven:
             return tuple(
                 OnDrivenBody(name, TurningPath.of(*self.motion, self.rotation, arm), body=self.name, arm=arm) for name, arm in ends
             )
         assert self.mass is not None and self.at is not None
         d = self.gyration
-        on_axes = [(f"{self.name}[x]", (d, 0.0, 0.0)), (f"{self.name}[y]", (0.0, d, 0.0)), (f"{self.name}[z]", (0.0, 0.0, d))]
-        ends[1:1] = on_axes
+        ends[1:1] = [(f"{self.name}[x]", (d, 0.0, 0.0)), (f"{self.name}[y]", (0.0, d, 0.0)), (f"{self.name}[z]", (0.0, 0.0, d))]
         masses = _four_masses(self, [arm for _, arm in ends])
         named = [(*end, NEGLIGIBLE * self.mass) for end in ends]
         named[4:4] = [(f"{self.name}[{k}]", arm, m) for k, (arm, m) in enumerate(masses, start=1)]
         R, origin = matrix_of(self.rotation), np.array(self.at)
         return tuple(OnBody(name, m, at=tuple((origin + R @ arm).tolist()), body=self.name, arm=arm) for name, arm, m in named)
+
+    @property
+    def places(self) -> tuple[tuple[str, Vector], ...]:
+        """Name and place of each attachment [m], from the origin, in its own axes."""
+        return tuple(self.attachments)  # type: ignore[arg-type]  # pairs, once they are checked
 
     @cached_property
     def inertia_tensor(self) -> np.ndarray:
@@ -183,7 +188,7 @@ class Body:
     @cached_property
     def radius(self) -> float:
         """Largest distance of an attachment from the centre of mass, or the radius of gyration if that is larger [m]."""
-        return max([self.gyration, *(float(np.linalg.norm(np.subtract(arm, self.centre_of_mass))) for _, arm in self.attachments)])
+        return max([self.gyration, *(float(np.linalg.norm(np.subtract(arm, self.centre_of_mass))) for _, arm in self.places)])
 
     @cached_property
     def least_masses(self) -> dict[str, float]:
@@ -191,6 +196,7 @@ class Body:
 
         1/m is the largest eigenvalue of I/m - [a] J^-1 [a], with the place a of the point from the centre of mass.
         """
+        assert self.mass is not None
         found, J = {}, np.linalg.inv(self.inertia_tensor)
         for point in self.points:
             x, y, z = np.subtract(point.arm, self.centre_of_mass)
@@ -203,11 +209,10 @@ def _check_inertia(value: Any, owner: str) -> tuple:
     """Principal moments (3,) or a symmetric tensor (3, 3), as tuples; what a mass distribution can have."""
     rows = as_entries(value) or ()
     tensor = len(rows) == 3 and all(as_entries(row) is not None for row in rows)
-    checked: tuple = (
-        tuple(check_vector("inertia", row, "kg m2", owner) for row in rows)
-        if tensor
-        else check_vector("inertia", value, "kg m2", owner)
-    )
+    if tensor:
+        checked = tuple(check_vector("inertia", row, "kg m2", owner) for row in rows)
+    else:
+        checked = tuple(check_vector("inertia", value, "kg m2", owner))  # type: ignore[arg-type]
     J = np.array(checked)
     J = J if tensor else np.diag(J)
     if not np.allclose(J, J.T, rtol=1e-9, atol=0.0):

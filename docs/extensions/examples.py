@@ -133,24 +133,37 @@ def run(example, names, folder, file="document"):
     return printed.getvalue()
 
 
-def run_command(command, folder):
-    """Return what `anet-lumped ...` prints, without progress and the line that it compiles; SystemError if it fails."""
+def in_a_process(words, folder):
+    """Return the exit status of the program, and what it writes on stdout and on stderr."""
+    program = [sys.executable, "-c", "from studies.command_line import main; main()", *words]
+    done = subprocess.run(program, capture_output=True, text=True, cwd=folder)
+    return done.returncode, done.stdout, done.stderr
+
+
+def run_command(command, folder, call=in_a_process):
+    """Return what `anet-lumped ...` prints, without progress and the line that it compiles; SystemError if it fails.
+
+    Parameters
+    ----------
+    command : str
+    folder : path, where it runs
+    call : function like `in_a_process`
+    """
     words = command.split()
     if words[0] != "anet-lumped":
         raise ValueError(
             f"A command of a document must begin with anet-lumped, but it is {command!r}."
         )
-    program = [sys.executable, "-c", "from studies.command_line import main; main()", *words[1:]]
-    done = subprocess.run(program, capture_output=True, text=True, cwd=folder)
-    if done.returncode:
-        raise SystemError(f"{command} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
-    told = [line for line in done.stderr.splitlines() if line.startswith("anet-lumped: ")]
+    status, printed, complaints = call(words[1:], folder)
+    if status:
+        raise SystemError(f"{command} ended with {status}:\n{printed}{complaints}")
+    told = [line for line in complaints.splitlines() if line.startswith("anet-lumped: ")]
     for passing in (
         "Compiling",
         "... ",
     ):  # what the first run on a machine alone says, and progress
         told = [line for line in told if not line.startswith(f"anet-lumped: {passing}")]
-    lines = [line.rstrip() for line in [*done.stdout.splitlines(), *told]]
+    lines = [line.rstrip() for line in [*printed.splitlines(), *told]]
     return "".join(
         f"{line}\n" for line, after in zip(lines, [*lines[1:], "end"], strict=True) if line or after
     )

@@ -5,10 +5,13 @@ difference of the velocities at p + 1 steps in a row,
 
     h^p d^(p+1) q/dt^(p+1) = sum_j (-1)^(p-j) (p over j) v_j ,
 
-so that it costs one addition a step. The prescribed nodes are where they should be, and what moves along with them is, too: of the
-derivative their mean is subtracted. What is left out is summed up by its size, since the error of a swing is one of its phase,
-which grows as long as it swings: x = A cos(omega t) is off by A C (omega h)^p omega t, and the sum is 2/pi of that. A damped motion
-forgets some of its errors, and a whip multiplies some, which this sum does not see.
+so that it costs one addition a step. The prescribed nodes are where they should be, and what moves along with them is, too; but
+what stays behind, as a weight does whose support shakes fast, is no more off for their motion. So of a coordinate the geometric
+mean of two counts: the derivative less the mean of the prescribed nodes, and the smaller of that and its own.
+
+What is left out is summed up by its size, since the error of a swing is one of its phase, which grows as long as it swings:
+x = A cos(omega t) is off by A C (omega h)^p omega t, and the sum is 2/pi of that. A damped motion forgets some of its errors, and a
+whip multiplies some, which this sum does not see.
 
 Source: Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (1993), II.3 (local and global error).
 """
@@ -23,8 +26,10 @@ from integrators.jit import internal
 from integrators.states import copy
 
 SWING = 0.5 * np.pi  # largest of |cos| over its mean: the sum of what a swing leaves out is so much less than its error of phase
-# Steps after p in a row that are taken to be like these, so that what is added costs some per cent of a step.
-UNSEEN_EXPLICIT, UNSEEN_IMPLICIT = 29, 2
+# Steps after p + 1 in a row that are taken to be like these, so that what is added costs some per cent of a step. Of a short march
+# of explicit steps, which costs next to nothing, not so many: a snap among few steps would be overlooked.
+UNSEEN, UNSEEN_EXPLICIT = 2, 29
+SHORT = 4096  # steps
 WAITS = -1  # steps that a difference has, before which the next step is not one of it
 
 
@@ -39,14 +44,22 @@ class StepError(NamedTuple):
         p, of the error that grows.
     constant : float
         C.
+    unseen : int
+        Steps that are not looked at after p + 1 in a row, see `unseen_steps`.
     """
 
     explicit: bool
     order: int
     constant: float
+    unseen: int
 
 
-STEP_ERROR = types.NamedTuple((types.boolean, types.int64, types.float64), StepError)
+STEP_ERROR = types.NamedTuple((types.boolean, types.int64, types.float64, types.int64), StepError)
+
+
+def unseen_steps(explicit, steps):
+    """Steps that a march of so many does not look at after p + 1 in a row."""
+    return UNSEEN_EXPLICIT if explicit and steps > SHORT else UNSEEN
 
 
 class Growth(NamedTuple):
@@ -100,16 +113,17 @@ def follow(growth, step_error, steps, weight, h, v, n_free):
         difference[i] += weight * V[i]
     if steps < p:
         return steps, weight
-    unseen = UNSEEN_EXPLICIT if step_error.explicit else UNSEEN_IMPLICIT
-    left_out = SWING * step_error.constant * h * (p + unseen + 1)
+    left_out = SWING * step_error.constant * h * (p + step_error.unseen + 1)
     n, per_node = v.shape[0], 1.0 / max(v.shape[0] - n_free, 1)
     for x in range(3):
         shared = 0.0
         for i in range(n_free, n):
             shared += per_node * growth.difference[i, x]
         for i in range(n_free):
-            error[i, x] += left_out * abs(growth.difference[i, x] - shared)
-    return -(unseen + 1), 1.0
+            own = growth.difference[i, x]
+            along = abs(own - shared)
+            error[i, x] += left_out * np.sqrt(along * min(abs(own), along))
+    return -(step_error.unseen + 1), 1.0
 
 
 @internal

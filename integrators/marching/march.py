@@ -26,7 +26,7 @@ from integrators.system import (
 from . import embedded_steps
 from .adaptive_steps import AdaptiveSteps, compiled_adaptive_steps
 from .embedded_steps import PairLimits, compiled_embedded_steps
-from .error_growth import Growth, StepError
+from .error_growth import Growth, StepError, unseen_steps
 from .fixed_steps import FixedSteps, compiled_fixed_steps
 from .interruptible import interruptible
 from .stepper import Stepper
@@ -105,9 +105,9 @@ def march(
         loop, loop_argument = compiled_adaptive_steps(), scheme.order
     else:
         loop = compiled_fixed_steps()
-        loop_argument = StepError(
-            scheme.explicit and not scheme.keeps_constraints, scheme.error_order or scheme.order, scheme.error_constant
-        )
+        explicit, steps = scheme.explicit and not scheme.keeps_constraints, (times.t_end - times.origin) / times.dt
+        unseen = unseen_steps(explicit, steps)
+        loop_argument = StepError(explicit, scheme.error_order or scheme.order, scheme.error_constant, unseen)
     scratch = scratch_for(state, scheme.carried_rows, observed)
     room = () if adaptive else (Growth(np.empty((n, 3)), np.zeros((n, 3))),)
     started = time.perf_counter()

@@ -173,7 +173,7 @@ def free_cable():
     return Case(
         "A slack cable that nothing holds tumbles in no gravity: momentum and spin are kept.",
         scene,
-        0.5,
+        0.4,
         momentum_statements,
         start=start,
         measure=lambda run: centre_of_mass(run)[-1],

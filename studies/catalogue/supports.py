@@ -87,7 +87,7 @@ def settle(description, width, start):
     """Comes to rest in drag: at the sag and the tension of the catenary that its supports ask for."""
     from anet_lumped.statics.catenary import catenary
 
-    scene = span(width, EA=1e4, rate=3.0, zeta=1.0)
+    scene = span(width, EA=1e4, rate=6.0, zeta=1.0)
     if width:
         shape = catenary((0, 0, 0), (width, 0, 0), length=1.0, EA=1e4, mass_per_length=MU)
         tension = float(shape.tension(0.0))
@@ -102,7 +102,7 @@ def settle(description, width, start):
         speed = np.abs(end.v).max()
         yield Statement(REST, "last speed of any node", speed, most=5e-3, unit="m/s")
 
-    return Case(description, scene, 8.0, judge, start=(lambda: start(scene)) if callable(start) else start,
+    return Case(description, scene, 4.0, judge, start=(lambda: start(scene)) if callable(start) else start,
                 measure=lambda run: run.q[-1], tolerance=5e-3)  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 """How wrong can it be: what do runs say of their own errors beside the truth, and what does the default keep?"""
 
+import itertools
 import json
 import math
 import warnings
@@ -16,17 +17,21 @@ from studies.shown.sentences import counted, percent
 from studies.study import Drawing, Part, Record
 from studies.sweeping.rows import run_rows
 
-STUDY = Record(question=__doc__, part=Part.COST, first_look="8 random motions in place of 200.")
+STUDY = Record(question=__doc__, part=Part.COST, first_look="8 random motions in place of 200, and 2 hard cases.")
 TABLES = {
     "runs": "A line for each run: what it tells of its largest error of a place and of its largest tension, and the truth.",
+    "cases": "The same of the hard cases of the catalogue.",
     "defaults": "A line for each motion with neither method nor step given: what was kept, what the run says, and the truth.",
 }
 
 MOTIONS, QUICK_MOTIONS = 200, 8
 STEPS = (4.0, 2.0, 1.0, 0.5)  # of a 32nd of the motion's time scale
 MOST_STEPS = 3000  # of the first of these
-FINER = (16, 32)  # times as short as the shortest are the steps of the two references, extrapolated
-RESOLVED = 0.1  # of an error: what the two references may differ by where it is judged
+FINER = (8, 16, 32)  # times as short as the shortest are the steps of the three references, extrapolated
+RESOLVED = 0.1  # of an error: what the finest reference may be off by where it is judged
+SLOWEST = 0.95  # of the difference of the first two references: what the other two differ by at most, in the sum of a series
+MOST_NODE_STEPS = 3e5  # segments times steps of the first of these, of hard cases
+QUICK_CASES = ("swing, EA 1e+04 N", "quadrotors drop a net")
 UNDAMPED = 1.0  # rho_inf of the references of tensions: a numerical damper would take vibrations that are there, at any step alike
 FACTOR, FAR = 4.0, 10.0  # between an estimate and the truth
 SEEN = 1e-3  # of the largest tension: errors of it that are judged
@@ -46,24 +51,57 @@ def compare(row):
         except EquilibriumError:
             return found
         dt = min(SHARE_OF_TIME_SCALE * time_scale(scene, default.state(0).least_tension), motion.t_end / 100.0)
-        t_end = min(motion.t_end, MOST_STEPS * dt)
-        longest = t_end / math.ceil(t_end / (max(STEPS) * dt))
-        shortest = longest * min(STEPS) / max(STEPS)
-        coarse, fine = (_run(scene, t_end, start, shortest / finer, longest, extrapolate=True) for finer in FINER)
-        if coarse.ok and fine.ok:
-            peaks = [_peak(_run(scene, t_end, start, step, step, rho_inf=UNDAMPED)) for step in (shortest / n for n in FINER)]
-            known_to = float(np.linalg.norm(fine.q - coarse.q, axis=2).max())
-            runs = []
-            for share in STEPS:
-                step = longest * share / max(STEPS)
-                run = _run(scene, t_end, start, step, step)
-                rows = np.arange(0, len(run.t), round(max(STEPS) / share))
-                if run.ok and len(rows) == len(fine.t):
-                    off = float(np.linalg.norm(run.q[rows] - fine.q, axis=2).max())
-                    runs.append(_line(run, off, known_to, peaks, length) | {"step_share": share})
-            found["runs"] = json.dumps(runs)
+        found["runs"] = json.dumps(_some_steps(scene, start, motion.t_end, dt))
         found["default"] = json.dumps(_default(motion, default, length))
     return found
+
+
+def compare_case(row):
+    """Runs of one hard case with some steps beside the reference."""
+    from studies.catalogue.cases import CASES
+
+    case = CASES[row["case"]]()
+    scene, start = case.scene, case.start_state()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        first = simulate(scene, 1e-3 * case.t_end, start=start, method="edmc", dt=1e-3 * case.t_end).state(0)
+        dt = case.dt or min(SHARE_OF_TIME_SCALE * time_scale(scene, first.least_tension), case.t_end / 100.0)
+        work = min(case.t_end / dt, MOST_STEPS) * sum(cable.segments for cable in scene.cables)
+        breaks = any(cable.breaking_tension is not None for cable in scene.cables)  # two runs of it break at two times
+        runs = [] if breaks or work > MOST_NODE_STEPS else _some_steps(scene, start, case.t_end, dt)
+    return {"kind": row["case"], "runs": json.dumps(runs)}
+
+
+def _some_steps(scene, start, t_end, dt):
+    """What the runs with `STEPS` times a step tell and what is true, a line for each; none where a reference fails."""
+    length = max(cable.length for cable in scene.cables)
+    t_end = min(t_end, MOST_STEPS * dt)
+    longest = t_end / math.ceil(t_end / (max(STEPS) * dt))
+    shortest = longest * min(STEPS) / max(STEPS)
+    references = [_run(scene, t_end, start, shortest / finer, longest, extrapolate=True) for finer in FINER]
+    if not all(one.ok for one in references):
+        return []
+    fine = references[-1]
+    apart = [float(np.linalg.norm(b.q - a.q, axis=2).max()) for a, b in itertools.pairwise(references)]
+    peaks = [_peak(_run(scene, t_end, start, step, step, rho_inf=UNDAMPED)) for step in (shortest / n for n in FINER)]
+    lines = []
+    for share in STEPS:
+        step = longest * share / max(STEPS)
+        run = _run(scene, t_end, start, step, step)
+        rows = np.arange(0, len(run.t), round(max(STEPS) / share))
+        if run.ok and len(rows) == len(fine.t):
+            off = float(np.linalg.norm(run.q[rows] - fine.q, axis=2).max())
+            lines.append(_line(run, off, known_to(*apart), peaks, length) | {"step_share": share})
+    return lines
+
+
+def known_to(first, second):
+    """What the finest of three references is off by at most, of what each differs by from the next: the sum of a series.
+
+    Where the differences hardly become smaller, or grow, nothing says that the references tend to one motion, however near to each
+    other two of them are.
+    """
+    return second / (1.0 - min(second / max(first, 1e-300), SLOWEST))
 
 
 def _run(scene, t_end, start, dt, save_every, **more):
@@ -81,12 +119,13 @@ def _between(tension, other):
     return 0.0 if larger == 0.0 else abs(tension - other) / larger
 
 
-def _line(run, off, known_to, peaks, length):
-    """What a run tells and what is true; ``peaks`` are the largest tensions of a reference and of a finer one [N]."""
-    true_tension, tension_known_to = _between(float(run.segment_tension.max()), peaks[1]), _between(*peaks)
+def _line(run, off, places_known_to, peaks, length):
+    """What a run tells and what is true; ``peaks`` are the largest tensions of the references, from the coarsest on [N]."""
+    true_tension = _between(float(run.segment_tension.max()), peaks[-1])
+    tension_known_to = known_to(*(_between(a, b) for a, b in itertools.pairwise(peaks)))
     return {
-        "step_s": run.dt, "told_m": run.error_estimate, "true_m": off, "known_to_m": known_to,
-        "judged": known_to < RESOLVED * off and off > SMALL * length,
+        "step_s": run.dt, "told_m": run.error_estimate, "true_m": off, "known_to_m": places_known_to,
+        "judged": places_known_to < RESOLVED * off and off > SMALL * length,
         "told_tension": run.tension_error, "true_tension": true_tension, "tension_known_to": tension_known_to,
         "judged_tension": tension_known_to < RESOLVED * true_tension and true_tension > SEEN,
     }  # fmt: skip
@@ -103,23 +142,36 @@ def _default(motion, run, length):
     }  # fmt: skip
     if run.work.steps * FINER[0] > 1e6:
         return line
-    references = [_run(motion.scene, motion.t_end, motion.start, run.dt / n, every, extrapolate=True) for n in (4, 8)]
+    references = [_run(motion.scene, motion.t_end, motion.start, run.dt / n, every, extrapolate=True) for n in (2, 4, 8)]
     if not all(one.ok and len(one.t) == len(run.t) for one in references):
         return line
-    known_to, off = (float(np.linalg.norm(one.q - references[1].q, axis=2).max()) for one in (references[0], run))
+    first, second, off = (
+        float(np.linalg.norm(one.q - other.q, axis=2).max())
+        for one, other in (*itertools.pairwise(references), (run, references[-1]))
+    )  # fmt: skip
     peaks = [float(one.segment_tension.max()) for one in references]
-    return line | _line(run, off, known_to, peaks, length)
+    return line | _line(run, off, known_to(first, second), peaks, length)
 
 
 def compute(quick=False, executor=None, out=None):
     """What the runs of random motions tell of their errors, and the truth."""
+    from studies.catalogue.cases import CASES  # with all effects, whose kernels are compiled or read as they are imported
+
     rows = [{"number": number} for number in range(QUICK_MOTIONS if quick else MOTIONS)]
     found = run_rows(compare, rows, executor=executor, out=out and out / "motions")
+    cases = [{"case": case} for case in (QUICK_CASES if quick else CASES)]
+    hard = run_rows(compare_case, cases, executor=executor, out=out and out / "cases")
+    hard = hard[hard["status"] == "done"]
     done = found[found["status"] == "done"]
     head = [{"number": one.number, "kind": one.kind} for one in done.itertuples()]
     runs = [known | line for known, one in zip(head, done.itertuples(), strict=True) for line in json.loads(one.runs)]
     defaults = [known | json.loads(one.default) for known, one in zip(head, done.itertuples(), strict=True)]
-    return {"runs": pd.DataFrame(runs), "defaults": pd.DataFrame(line for line in defaults if "status" in line)}
+    lines = [{"kind": one.kind} | line for one in hard.itertuples() for line in json.loads(one.runs)]
+    return {
+        "runs": pd.DataFrame(runs),
+        "cases": pd.DataFrame(lines),
+        "defaults": pd.DataFrame(line for line in defaults if "status" in line),
+    }
 
 
 def plot(rows):
@@ -162,16 +214,9 @@ def _scatter(panel, true, told, kinds, x, y):
 
 def answer(rows):
     """The answer in words, every number and claim from `rows`."""
-    runs, defaults = rows["runs"], rows["defaults"]
+    runs, cases, defaults = rows["runs"], rows["cases"], rows["defaults"]
     judged, tense = runs[runs.judged], runs[runs.judged_tension]
-    far = (judged.told_m < judged.true_m / FAR).mean(), (tense.told_tension < tense.true_tension / FAR).mean()
-    first = (
-        f"Of {counted(len(judged), 'run')} of edmc at a given step, {percent(_within(judged.told_m / judged.true_m))} tell their "
-        f"error of places within a factor of {FACTOR:g}, and {percent(far[0])} tell less than a tenth of it. Of "
-        f"{counted(len(tense), 'error')} of the largest tension beyond {percent(SEEN)} of it, "
-        f"{percent(_within(tense.told_tension / tense.true_tension))} are told within that factor, and {percent(far[1])} are ten "
-        "times as large as told."
-    )
+    first = f"Random motions, {_told(judged, tense)}\n\nThe catalogue of hard cases, {_told(*_judged(cases))}"
     done = defaults[defaults["status"] == "done"]
     kept = done[done.kept.astype(bool)]
     second = (
@@ -186,14 +231,35 @@ def answer(rows):
             f" Of {counted(len(known), 'run')} that say so and can be judged, {percent((over <= 1.0).mean())} keep it, "
             f"{percent((over <= 2.0).mean())} within a factor of two, and the worst is off by {over.max():.2g} times as much."
         )
-    unknown = (runs.true_tension > SEEN) & ~runs.judged_tension
+    everything = pd.concat([runs, cases])
+    unknown = (everything.true_tension > SEEN) & ~everything.judged_tension
     third = (
-        f"Left out: {counted(len(runs) - len(judged), 'run')} whose reference is not known to {percent(RESOLVED)} of the error, "
-        f"such as those past a whip, and {counted(int(unknown.sum()), 'run')} of which the same is true of the largest tension. "
+        f"Left out: {counted(int((~everything.judged).sum()), 'run')} whose reference is not known to {percent(RESOLVED)} of the "
+        f"error, such as those past a whip or a crumple, and {counted(int(unknown.sum()), 'run')} of which the same is true of the "
+        "largest tension. Each reference has half the step of the one before it, and what the finest is off by is the sum of the "
+        "series of which the two differences are the first terms: where they hardly become smaller, the references need not tend "
+        "to one motion, and the case says nothing. "
         "The references of tensions are runs of edmc without its numerical damper (rho_inf = 1). With it, references of two steps "
         "may agree although both have lost a vibration that nothing damps."
     )
     return "\n\n".join([first, second, third])
+
+
+def _judged(runs):
+    """Runs whose error of places is judged, and those of which that of the largest tension is."""
+    return runs[runs.judged], runs[runs.judged_tension]
+
+
+def _told(judged, tense):
+    """What runs tell beside the truth, in words."""
+    far = (judged.told_m < judged.true_m / FAR).mean(), (tense.told_tension < tense.true_tension / FAR).mean()
+    return (
+        f"{counted(len(judged), 'run')} of edmc at a given step: {percent(_within(judged.told_m / judged.true_m))} tell their "
+        f"error of places within a factor of {FACTOR:g}, and {percent(far[0])} tell less than a tenth of it. Of "
+        f"{counted(len(tense), 'error')} of the largest tension beyond {percent(SEEN)} of it, "
+        f"{percent(_within(tense.told_tension / tense.true_tension))} are told within that factor, and {percent(far[1])} are ten "
+        "times as large as told."
+    )
 
 
 def _within(ratio):

@@ -1,4 +1,4 @@
-"""What a step costs, how the cost grows with the net, and how much faster than real time the carried net is."""
+"""What does a step cost, does its cost grow with the size of the net, and how fast is the carried net?"""
 
 import time
 
@@ -16,7 +16,7 @@ from studies.shown.show import as_text
 from studies.study import Drawing, Part, Record
 
 STUDY = Record(
-    question="What does a step cost, does its cost grow with the size of the net, and how fast is the carried net?",
+    question=__doc__,
     part=Part.CURE,
     first_look="the net has up to 800 segments in place of 100,000 and three stiffnesses in place of five, and all is "
     "timed in 6 turns in place of 12.",

@@ -1,6 +1,7 @@
 """Summaries of a state at rest, a run, a scene before any run, advice and comparisons: plain dicts in SI units."""
 
 import csv
+import shlex
 from dataclasses import asdict
 
 import numpy as np
@@ -17,6 +18,7 @@ def rest_summary(state) -> dict:
     return {
         "cables": [{"cable": cable.name} | _at_rest(state, cable) for cable in state.scene.cables],
         "points": _points(state),
+        **_bodies("bodies", state),
         "stable": state.stable,
         "residual": state.residual,
     }
@@ -51,6 +53,7 @@ def run_summary(run) -> dict:
             for cable in run.scene.cables
         ],
         "points_at_the_end": _points(run.final),
+        **_bodies("bodies_at_the_end", run.final),
     }
 
 
@@ -68,15 +71,19 @@ def _audit(audit) -> dict:
     }  # fmt: skip
 
 
-def recommendation_summary(found, scene) -> dict:
-    """The recommended method for a scene (its name or file), its cost, the parts of its error, and the command to run it."""
+def recommendation_summary(found, scene, change=()) -> dict:
+    """The recommended method for a scene (its name or file), its cost, the parts of its error, and the command to run it.
+
+    ``change`` is what was changed in the scene first, as texts NAME=VALUE.
+    """
     cables = found.scene.cables
     alike = len({cable.segments for cable in cables}) == 1
     changes = {"segments": cables[0].segments} if alike else {f"{name}.segments": n for name, n in found.segments.items()}
     best = found.best
     stepping = f"--dt {best.dt:.6g}" if best.rtol is None else f"--rtol {best.rtol:.2g}"
     stepping += " --extrapolate" if best.extrapolate else ""
-    sets = " ".join(f"--set {name}={value}" for name, value in changes.items())
+    before = [text for text in change if not text.partition("=")[0].strip().endswith("segments")]
+    sets = " ".join(f"--set {text}" for text in [*map(shlex.quote, before), *(f"{name}={n}" for name, n in changes.items())])
     named = {"best": best, "runner-up": found.runner_up, "with EA=inf": found.rigid}
     return {
         "recommended": [
@@ -290,6 +297,15 @@ def _points(state):
     """Positions of the points that move."""
     free = [point.name for point in state.scene.points if isinstance(point, Free)]
     return [{"point": name} | _xyz(state.position(name)) for name in free]
+
+
+def _bodies(title, state):
+    """A table of the places of bodies and of their rotations, as unit quaternions, if there are any."""
+    rows = [
+        {"body": body.name} | _xyz(state.position(body.name)) | {"quaternion_wxyz": state.quaternion(body.name).tolist()}
+        for body in state.scene.bodies
+    ]
+    return {title: rows} if rows else {}
 
 
 def _xyz(vector):

@@ -15,7 +15,7 @@ from anet_lumped import Scene
 from anet_lumped.effects import REGISTRY
 from anet_lumped.scene.as_dict import scene_from_dict
 from examples import alike, examples, run, run_command, transcript
-from studies.command_line import app
+from studies.command_line import app, main
 from studies.study import NAMES, Part
 
 ROOT = Path(__file__).parents[2]
@@ -60,12 +60,27 @@ def test_alike_tells_numbers_and_words_apart():
     assert alike("wall time [s]: 0.2", "wall time [s]: 0.9") and not alike("steps: 2", "steps: 9")
 
 
+@pytest.fixture
+def in_this_process(monkeypatch, capsys):
+    """A call of the program, as `examples.in_a_process` without a process to start."""
+    monkeypatch.setenv("MPLBACKEND", "agg")  # which the program sets
+
+    def call(words, folder):
+        monkeypatch.chdir(folder)
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            main(words)
+        return ended.value.code, *capsys.readouterr()
+
+    return call
+
+
 @pytest.mark.parametrize("name", sorted(typer.main.get_command(app).commands))
-def test_command_prints_what_its_record_says(name, tmp_path):
+def test_command_prints_what_its_record_says(name, tmp_path, in_this_process):
     recorded = transcript(text_of(DOCS / "recorded" / f"{name}.txt"))
     assert recorded[-1][0].split()[:2] == ["anet-lumped", name]
     for command, said in recorded:
-        assert said.strip() if name in LONG else alike(run_command(command, tmp_path), said)
+        assert said.strip() if name in LONG else alike(run_command(command, tmp_path, in_this_process), said)
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if "<!-- end -->" in text_of(page)], ids=name_of)

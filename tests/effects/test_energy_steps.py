@@ -17,16 +17,9 @@ EPS = np.finfo(float).eps
 
 
 @node_energy
-def step_floor(t, q, k, height=0.0):
-    """A contact that begins at a plane."""
-    p = height - q[2]
-    return 0.5 * k * p * p if p > 0.0 else 0.0 * p
-
-
-@node_energy
-def step_cylinder(t, q, k, R):
-    """A contact that begins at a cylinder along y."""
-    p = R - math.hypot(q[0], q[2])
+def step_contact(t, q, k, R, level=0.0):
+    """A contact that begins at a cylinder along y, or, if ``level`` is 1, at the plane z = R."""
+    p = R - q[2] if level > 0.0 else R - math.hypot(q[0], q[2])
     return 0.5 * k * p * p if p > 0.0 else 0.0 * p
 
 
@@ -51,7 +44,7 @@ def step_sling(t, q0, q1, k, R):
 
 
 LAWS = {
-    "contact": step_cylinder(k=1e4, R=1.5),
+    "contact": step_contact(k=1e4, R=1.5),
     "well": step_well(a=3.0),
     "beating well": step_well(a=3.0, beat=40.0),
     "spring": step_spring(k=1e3),
@@ -129,9 +122,9 @@ STIFFNESSES, STEPS = (1e1, 1e3, 1e5, 1e6, 1e8), (1e-3, 1e-2, 5e-2)
 def test_a_contact_neither_gains_nor_rings(kind, k, dt):
     """Whatever its stiffness and the step: the energy never rises, Newton's method ends, and what rests is at rest."""
     effect = {
-        "own": lambda: step_floor(k=k, points=["b"]),
+        "own": lambda: step_contact(k=k, R=0.0, level=1.0, points=["b"]),
         "ground": lambda: Ground(0.0, stiffness=k / (0.01 * 1.0), damping=0.0),
-        "cylinder": lambda: step_cylinder(k=k, R=0.2, points=["b"]),
+        "cylinder": lambda: step_contact(k=k, R=0.2, points=["b"]),
     }[kind]()
     run = dropped(effect, dt, **({"at": (0.05, 0.0, 0.3)} if kind == "cylinder" else {}))
     assert run.ok, run.message
@@ -149,10 +142,10 @@ def test_a_contact_neither_gains_nor_rings(kind, k, dt):
 def test_a_contact_that_the_step_resolves_is_not_damped():
     """Bounces of 40 steps each: the damper takes less than 1e-3 of the energy in as many bounces, and none with rho_inf = 1."""
     k = 1e3
-    run = dropped(step_floor(k=k, points=["b"]), 2.5e-3, t_end=4.0)
+    run = dropped(step_contact(k=k, R=0.0, level=1.0, points=["b"]), 2.5e-3, t_end=4.0)
     assert 0.5 * 2.5e-3 * math.sqrt(k) < 0.05
     assert 0.0 < run.energy_balance.by_method < 1e-3 * run.energy_balance.in_play
-    kept = dropped(step_floor(k=k, points=["b"]), 2.5e-3, t_end=4.0, rho_inf=1.0)
+    kept = dropped(step_contact(k=k, R=0.0, level=1.0, points=["b"]), 2.5e-3, t_end=4.0, rho_inf=1.0)
     assert abs(kept.energy_balance.by_method) < 1e-9
 
 
@@ -186,7 +179,7 @@ def rope_over_pulley():
     q = np.array([place(s) for s in np.linspace(0.0, L, N + 1)])
     ends = [Free("m1", mass=1.0, at=tuple(q[0])), Free("m2", mass=1.2, at=tuple(q[-1]))]
     rope = Cable("m1", "m2", length=L, mass_per_length=0.1, EA=1e4, segments=N, zeta=0.3)
-    return Scene(ends, [rope], [Gravity(G), step_cylinder(k=2e5, R=R)]), q
+    return Scene(ends, [rope], [Gravity(G), step_contact(k=2e5, R=R)]), q
 
 
 @pytest.mark.parametrize("dt", [2e-3, 5e-4])
@@ -216,4 +209,4 @@ def test_a_force_promises_nothing():
 
     run = dropped(step_pushed(k=1e3, points=["b"]), 1e-3, t_end=0.1)
     assert run.energy_promise is EnergyPromise.NONE
-    assert dropped(step_floor(k=1e3, points=["b"]), 1e-3, t_end=0.1).energy_promise is EnergyPromise.NEVER_RISES
+    assert dropped(step_contact(k=1e3, R=0.0, level=1.0, points=["b"]), 1e-3, t_end=0.1).energy_promise is EnergyPromise.NEVER_RISES

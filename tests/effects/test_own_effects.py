@@ -423,12 +423,12 @@ def with_effect(*effects):
     return replace(four_cables(), effects=effects)
 
 
-@segment_energy
-def in_air(t, q0, q1, diameter):
-    return diameter * q0[0]
+@segment_force
+def in_air(t, q0, q1, v0, v1, diameter):
+    return (diameter, 0.0, 0.0), (diameter, 0.0, 0.0)
 
 
-@node_energy
+@node_energy(dead=True)
 def thick(t, q, area):
     return area * q[0]
 

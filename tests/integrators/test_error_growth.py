@@ -6,6 +6,7 @@ from duffing import Duffing
 from test_boundary import FIRST, OWN, run
 
 from integrators import schemes
+from integrators.marching.error_growth import SHORT, UNSEEN, UNSEEN_EXPLICIT, unseen_steps
 
 T_END = 3.0  # [s], one turn of the fastest motion
 
@@ -40,3 +41,9 @@ def test_the_constant_of_dop853_is_that_of_its_tableau():
     from integrators.schemes.dop853 import amplification
 
     assert schemes.scheme("dop853").error_constant == pytest.approx(abs(amplification()[9] - 1 / 362880), rel=1e-4)
+
+
+def test_a_short_march_of_explicit_steps_is_looked_at_as_often_as_an_implicit_one():
+    """Otherwise a snap among a hundred steps would mostly be overlooked."""
+    assert unseen_steps(False, 1e9) == unseen_steps(True, 100) == UNSEEN
+    assert unseen_steps(True, SHORT + 1) == UNSEEN_EXPLICIT > UNSEEN

@@ -7,6 +7,7 @@ import pytest
 
 from anet_lumped import Cable, Driven, Fixed, Free, Scene, load_run, paths, simulate
 from anet_lumped.effects import Gravity
+from anet_lumped.results.energy_balance import moved_share
 from integrators import schemes
 
 L = 1.0
@@ -93,3 +94,17 @@ def test_it_is_kept_with_the_run(tmp_path):
 def test_solvers_of_other_packages_tell_none():
     run = simulate(pendulum(EA=1e3), 0.1, method="RK45", start="straight")
     assert run.error is None and run.error_estimate is None
+
+
+def test_energy_that_swings_with_a_method_is_no_error_and_what_stays_is():
+    """Of ten joules that turn from potential to kinetic energy: a swing of one joule of both, and a joule that a step gave."""
+    turn = np.linspace(0.0, 16.0 * np.pi, 321)
+    energy = np.zeros((321, 7))
+    energy[:, 0] = 10.0 * np.sin(turn) ** 2
+    energy[:, 2] = 10.0 - energy[:, 0]
+    swings, steps = energy.copy(), energy.copy()
+    swings[:, 0] += np.sin(turn)
+    steps[160:, 0] += 1.0
+    assert moved_share(energy).max() < 1e-12 and moved_share(swings).max() < 0.02
+    gave = moved_share(steps)
+    assert gave[139] < 1e-12 and gave[180] == pytest.approx(1.0 / 11.0, rel=0.02) == gave[-1]

@@ -5,6 +5,7 @@ import inspect
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -21,7 +22,7 @@ from anet_lumped.files.scene_file import SCENES
 from studies import command_line
 from studies.command_line import main
 from studies.quantities import metres, newtons, seconds
-from studies.study import NAMES
+from studies.study import NAMES, module_of
 
 COMMANDS = [
     "equilibrium",
@@ -159,9 +160,12 @@ SAVING = {
 }
 
 
-@pytest.mark.parametrize("command", SAVING, ids=lambda command: command[0])
-@pytest.mark.parametrize("how", ["closed", "full"])
-def test_what_is_not_printed_is_saved_all_the_same(command, how, tmp_path):
+@pytest.mark.parametrize(
+    ("how", "command"),
+    [*(("closed", command) for command in SAVING), ("full", ("equilibrium", "net_held"))],
+    ids=lambda given: given if isinstance(given, str) else given[0],
+)
+def test_what_is_not_printed_is_saved_all_the_same(how, command, tmp_path):
     """On a pipe that nobody reads, and on a device that is full. Python is told to write at once, as to a screen."""
     if how == "full":
         stdout = open("/dev/full", "w") if Path("/dev/full").exists() else pytest.skip("no device that is full")
@@ -489,7 +493,8 @@ def test_a_stopped_sweep_is_resumed(tmp_path, capsys, how, ctrl_c):
 
 def test_study_lists_and_runs(monkeypatch, tmp_path, capsys):
     assert call("study") == 0
-    assert capsys.readouterr().out.splitlines()[0] == "thesis_tables"
+    listed = [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()]
+    assert listed == [[name, module_of(name).STUDY.question] for name in NAMES]
     fake_study(monkeypatch, "order")
     assert call("study", "order", "--quick", "--out", tmp_path) == 0
     assert "It stretches by 10%." in capsys.readouterr().out
@@ -530,3 +535,24 @@ def test_compiling_is_told_in_one_line_and_not_where_nothing_compiles(monkeypatc
     monkeypatch.setattr(compiling, "call_when_compiling", lambda call, only_cached: None)
     assert call("equilibrium", "net_held") == 0
     assert capsys.readouterr().err == ""
+
+
+def test_every_command_that_takes_a_scene_changes_it_first(tmp_path, capsys):
+    """A net with p0 as heavy as its cables hangs lower; the recommended command has the change in it."""
+
+    def said(*words):
+        assert call(*words) == 0
+        return capsys.readouterr().out
+
+    change = ("--set", "p0.mass=0.4")
+    for words in (("equilibrium", "net_held"), ("check", "net_held"), ("mismatch", "net_held")):
+        assert said(*words, "--json", *change) != said(*words, "--json")
+    assert said("convert", "net_held", tmp_path / "net.toml", *change) and "mass = 0.4" in (tmp_path / "net.toml").read_text()
+    swept = ("sweep", "net_held", "--vary", "segments=5", "--measure", "height:p0", "--out", tmp_path, "--json")
+    table = json.loads(said(*swept, *change))
+    (point,) = json.loads(said("equilibrium", "net_held", "--set", "segments=5", "--json", *change))["points"]
+    assert table["rows"][0]["height:p0"] == pytest.approx(point["z"], abs=1e-9)
+    recommended = said("recommend", "net_carried", "--error", "5mm", "--t-end", 1, *change, "--set", "segments=30")
+    assert re.search(r"command: .* --set p0.mass=0.4 --set segments=\d+\n", recommended)
+    assert call("convert", OLD_RUN, tmp_path / "run.pvd", *change) == 2
+    assert "A saved run is written as it is; --set changes a scene, but" in capsys.readouterr().err

@@ -15,7 +15,7 @@ from studies.questions.effects_cost import OWN, entries, memory, plain
 
 ROOT = Path(__file__).parents[2]
 SCENES = ((), ("Gravity",), ("Gravity", "Air"))  # each has the effects of the one before it and another one
-FEWER = {"QUICK_TURNS": 2, "QUICK_PROCESSES": 2, "TURNS_A_PROCESS": 2}
+FEWER = {"QUICK_TURNS": 2, "QUICK_PROCESSES": 1, "TURNS_A_PROCESS": 2}
 CODE = f"""
 import json, sys
 import anet_lumped, anet_lumped.effects

@@ -128,6 +128,7 @@ def test_failures_of_the_thesis(maps):
 def test_figures_and_words(module, lengths, maps):
     rows = lengths if module is length_error else maps
     for name, drawing in module.plot(rows).items():
+        drawing.figure.set_layout_engine("none")  # which draws all several times
         drawing.figure.draw_without_rendering()
         assert name == name.lower() and all(axes.lines or axes.collections for axes in drawing.figure.axes)
         assert drawing.caption.endswith(".") and "`" not in drawing.caption

@@ -2,9 +2,12 @@
 
 import json
 
+import numpy as np
 import pandas as pd
 import pytest
 
+from anet_lumped import simulate
+from anet_lumped.motion.accuracy import Wanted
 from studies.catalogue.random_motions import KINDS, random_motion
 from studies.questions import error_estimate
 
@@ -25,21 +28,48 @@ def test_a_motion_beside_its_reference(number):
     assert default["kept"] and default["true_m"] < 2.0 * default["allowed_m"]
 
 
+@pytest.mark.parametrize("number", [92, 94])
+def test_a_fall_that_goes_loose_is_not_off_by_more_than_it_says(number):
+    """Of four segments, whose places change at once with the step (14 times what it said once), and a short run of Verlet (4)."""
+    motion = random_motion(number)
+    run = simulate(motion.scene, motion.t_end, start=motion.start)
+    fine = simulate(
+        motion.scene, motion.t_end, start=motion.start, method="edmc", dt=run.dt / 8, save_every=run.t[1] - run.t[0]
+    )  # fmt: skip
+    off = np.linalg.norm(run.q - fine.q, axis=2).max()
+    assert off < 2.0 * (Wanted(None, 0.02).of_places(run) if run.kept else run.error_estimate)
+
+
 def rows(told, kept=True):
     runs = pd.DataFrame(
         {"judged": [True, True, False], "told_m": [told, 1e-3, 1.0], "true_m": [1e-3, 1e-3, 2.0],
          "told_tension": [told, 0.01, 0.01], "true_tension": [1.1e-3, 1e-5, 0.01], "judged_tension": [True, False, False]}
     )  # fmt: skip
+    cases = runs.assign(told_m=told, true_m=1e-3, judged=[True, False, False])
     default = {"status": "done", "kept": kept, "judged": True, "true_m": 1e-3, "allowed_m": 2e-3}
-    return {"runs": runs, "defaults": pd.DataFrame([default, default | {"status": "unconverged"}])}
+    return {"runs": runs, "cases": cases, "defaults": pd.DataFrame([default, default | {"status": "unconverged"}])}
 
 
 def test_the_answer():
     text = error_estimate.answer(rows(2e-3))
-    assert "Of 2 runs of edmc at a given step, 100 % tell" in text and "and 0 % tell less than a tenth" in text
+    assert "Random motions, 2 runs of edmc at a given step: 100 % tell" in text and "and 0 % tell less than a tenth" in text
+    assert "The catalogue of hard cases, 1 run of edmc at a given step: 100 % tell" in text
     assert "1 of 1 runs say that they keep 0.1 % of the longest cable" in text and "100 % keep it" in text
-    assert "Left out: 1 run " in text and "and 1 run of which the same is true of the largest tension" in text
+    assert "Left out: 3 runs " in text and "and 2 runs of which the same is true of the largest tension" in text
     assert "Of 1 error of the largest tension beyond 0.1 % of it, 100 % are told within that factor" in text
     text = error_estimate.answer(rows(5e-5, kept=False))
     assert "50 % tell their error" in text and "and 50 % tell less than a tenth" in text and "0 of 1 runs say" in text
     assert "keep it" not in text
+
+
+def test_a_reference_is_known_to_the_sum_of_a_series():
+    """Of differences that fall by r, d + d r + ... = d/(1 - r); where they do not fall, nothing says that they tend to anything."""
+    assert error_estimate.known_to(16e-6, 1e-6) == pytest.approx(1e-6 / (1 - 1 / 16), rel=1e-12)
+    assert error_estimate.known_to(1e-6, 1e-6) == error_estimate.known_to(1e-6 / 3, 1e-6) == pytest.approx(20e-6, rel=1e-12)
+    assert error_estimate.known_to(0.0, 0.0) == 0.0
+
+
+def test_a_hard_case_beside_its_reference():
+    """What flies after it is let go: what the march alone tells is a hundredth of the truth."""
+    runs = pd.DataFrame(json.loads(error_estimate.compare_case({"case": "quadrotors drop a net"})["runs"]))
+    assert len(runs) == 4 and runs.judged.all() and (runs.told_m / runs.true_m).between(0.25, 4.0).all()

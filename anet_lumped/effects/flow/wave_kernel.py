@@ -15,7 +15,7 @@ import math
 
 from numba import types
 
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.prescribed.smoothstep_kernel import ramped
 
 _vector, _matrix = types.UniTuple(types.float64, 3), types.UniTuple(types.float64, 9)
@@ -23,7 +23,7 @@ _f1 = types.Array(types.float64, 1, "C")
 AT_REST = ((0.0,) * 4, (0.0,) * 3, (0.0,) * 9, (0.0,) * 3, (0.0,) * 9)
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _gradient(along_x, along_y, u_s, u_z, w_s, w_z):
     """Gradient (9,) of a velocity with the component u along the level unit vector (along_x, along_y) and w upwards.
 

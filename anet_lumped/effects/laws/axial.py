@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law
 from anet_lumped.compiled.lanes import select
 
 SWITCHES = {"none": (0.0, 0.0), "damped": (0.0, 1.0), "linear": (1.0, 1.0)}
@@ -71,7 +71,7 @@ def spring_without_curve(k, push_share):
     return Spring(k, push_share, 1.0, np.zeros((0, 2)), 0, 0)
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def tension_parts(stretch, rate, spring, c, two_way_damper):
     """Tension of a segment at one time, and the tension of its spring alone.
 
@@ -102,7 +102,7 @@ def tension_parts(stretch, rate, spring, c, two_way_damper):
     return select(T > 0.0, T, two_way_damper * T), elastic
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def tension_slopes(stretch, rate, spring, c, two_way_damper):
     """The tension T of `tension_parts` [N], and its derivatives in the stretch [N/m] and in the rate [N s/m]."""
     k, push_share, L0, curve, first, end = spring
@@ -117,14 +117,14 @@ def tension_slopes(stretch, rate, spring, c, two_way_damper):
     return factor * T, factor * stretch_slope, factor * rate_slope
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def spring_energy(stretch, k, push_share):
     """Energy of one spring, psi = k/2 (l - L0)^2 [J], of which a spring shorter than L0 has the share ``push_share``."""
     taut = 1.0 * (stretch > 0.0)
     return 0.5 * k * stretch * stretch * (push_share + (1.0 - push_share) * taut)
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def elastic_energy(stretch, spring):
     """Energy psi of all springs of a segment [J]."""
     k, push_share, L0, curve, first, end = spring
@@ -134,7 +134,7 @@ def elastic_energy(stretch, spring):
     return energy
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def energy_of_length(stretch, spring):
     """Derivative of `elastic_energy` in L0 at constant stretch and k [N].
 
@@ -147,7 +147,7 @@ def energy_of_length(stretch, spring):
     return slope
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def _secant_of_two_springs(stretch_a, stretch_b, k, push_stiffness):
     """`secant_tension` of a spring that pulls with the stiffness k and pushes with ``push_stiffness`` [N/m].
 
@@ -166,7 +166,7 @@ def _secant_of_two_springs(stretch_a, stretch_b, k, push_stiffness):
     return select(both_taut | both_short, 0.5 * k_b * (stretch_a + stretch_b), T), select(both_taut | both_short, 0.5 * k_b, slope)
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def secant_tension(stretch_a, stretch_b, k, push_share):
     """Secant of the energy of one spring between two lengths, (psi_b - psi_a)/(l_b - l_a), without cancellation.
 
@@ -188,7 +188,7 @@ def secant_tension(stretch_a, stretch_b, k, push_share):
     return select(linear, 0.5 * k * (stretch_a + stretch_b), T), select(linear, 0.5 * k, slope)
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def elastic_secant(stretch_a, stretch_b, spring):
     """Sum of `secant_tension` over all springs of a segment [N], and its derivative in l_b [N/m]."""
     k, push_share, L0, curve, first, end = spring
@@ -200,7 +200,7 @@ def elastic_secant(stretch_a, stretch_b, spring):
     return T, slope
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def damped_changes(stretch_a, stretch_b, push_share, two_way_damper):
     """Change of length in a step that the physical damper damps, and the change that the numerical damper damps [m].
 
@@ -213,7 +213,7 @@ def damped_changes(stretch_a, stretch_b, push_share, two_way_damper):
     return taut + two_way_damper * slack, taut + push_share * slack
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def tension_between(stretch_a, stretch_b, spring, damper, numerical, two_way_damper):
     """Tension that acts over a whole step, from a to b, such that no step can raise the energy.
 

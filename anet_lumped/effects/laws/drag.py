@@ -18,7 +18,7 @@ Hoerner, Fluid-Dynamic Drag (1965), ch. 3; DNV-RP-C205 (2010), 6.2 and 6.3 (norm
 
 import math
 
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law
 
 from .axial import select
 
@@ -42,7 +42,7 @@ def point_coefficient(density, point):
     return 0.5 * density * point.CdA
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def vector_length(x, y, z):
     """Length of a vector, differentiable where it is zero."""
     square = x * x + y * y + z * z
@@ -50,7 +50,7 @@ def vector_length(x, y, z):
     return select(nonzero, select(nonzero, square, 1.0) ** 0.5, 0.0)
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def tangent_of(dx, dy, dz, L0):
     """Unit vector along d = (dx, dy, dz), and 1/l, by which a change of d across that vector turns it [1/m].
 
@@ -61,7 +61,7 @@ def tangent_of(dx, dy, dz, L0):
     return dx * per_l, dy * per_l, dz * per_l, 1.0 / select(l > SHORTEST * L0, l, SHORTEST * L0)
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def segment_drag(ux, uy, uz, tx, ty, tz, normal, along):
     """Force on a node from its half of a segment, f = normal |u_n| u_n + along |s| s t.
 
@@ -88,7 +88,7 @@ def segment_drag(ux, uy, uz, tx, ty, tz, normal, along):
     return across * nx + lengthwise * tx, across * ny + lengthwise * ty, across * nz + lengthwise * tz
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def subtract_segment_slopes(u, gradient, t, per_l, normal, along, side, c_q, c_v, own, other):
     """Subtract c_q df/dq + c_v df/dv of `segment_drag` from blocks of the tangent.
 
@@ -133,14 +133,14 @@ def subtract_segment_slopes(u, gradient, t, per_l, normal, along, side, c_q, c_v
             other[x, y] += df_dd
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def point_drag(ux, uy, uz, coefficient):
     """Force (fx, fy, fz) [N] on the body that a point carries, f = coefficient |u| u, with the coefficient rho/2 CdA [kg/m]."""
     a = coefficient * vector_length(ux, uy, uz)
     return a * ux, a * uy, a * uz
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def subtract_point_slopes(u, gradient, coefficient, c_q, c_v, own):
     """Subtract c_q df/dq + c_v df/dv of `point_drag` from a diagonal block: df/du = coefficient (|u| I + u u^T/|u|)."""
     speed = vector_length(u[0], u[1], u[2])

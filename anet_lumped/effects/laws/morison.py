@@ -14,12 +14,12 @@ Source
 Morison et al., Petr. Trans. AIME 189 (1950) 149; DNV-RP-C205 (2010), 6.2; drag: module `drag`.
 """
 
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law
 
 from .drag import point_drag, segment_drag
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def segment_force(u, a, t, normal, along, mass, Can, Cat):
     """Force on a segment that is wholly under water.
 
@@ -49,7 +49,7 @@ def segment_force(u, a, t, normal, along, mass, Can, Cat):
     )
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def subtract_inertia_slopes(a, gradient, t, per_l, mass, Can, Cat, side, c_q, own, other):
     """Subtract c_q df/dq of the part of `segment_force` that is due to the water's acceleration.
 
@@ -77,7 +77,7 @@ def subtract_inertia_slopes(a, gradient, t, per_l, mass, Can, Cat, side, c_q, ow
             other[x, y] += df_dd
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def add_mass(mass, Can, Cat, t, A):
     """Add M (Can (I - t t^T) + Cat t t^T) to a 3x3 block [kg]."""
     for x in range(3):
@@ -85,7 +85,7 @@ def add_mass(mass, Can, Cat, t, A):
             A[x, y] += mass * ((Cat - Can) * t[x] * t[y] + (Can if x == y else 0.0))
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def point_force(u, a, coefficient, mass, Ca):
     """Force on the body that a point carries, wholly under water: drag + M (1 + Ca) a, (3,) [N]."""
     fx, fy, fz = point_drag(u[0], u[1], u[2], coefficient)

@@ -21,7 +21,7 @@ Source: Archimedes, On Floating Bodies and On the Sphere and Cylinder (volume of
 
 import math
 
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law, law
 
 from .axial import select
 
@@ -37,13 +37,13 @@ def sphere_diameter(point):
     return math.sqrt(4.0 * point.CdA / math.pi)
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def limited(x):
     """``x`` limited to [0, 1]."""
     return select(x > 0.0, select(x < 1.0, x, 1.0), 0.0)
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def submerged_share(z, d):
     """Submerged share h at a height z, its slope in z [1/m], and its integral H [m], which is 0 above the water.
 
@@ -57,7 +57,7 @@ def submerged_share(z, d):
     return x * x * (3.0 - 2.0 * x), -6.0 * x * (1.0 - x) / d, H
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def immersed(z1, z2, d):
     """The integrals e, w1 and w2 of the module over a segment, and the slopes of w1 and w2.
 
@@ -104,7 +104,7 @@ def immersed(z1, z2, d):
     )
 
 
-@njit(cache=True)
+@law
 def wetted(z1, z2, d):
     """`immersed`, in closed form for a segment that is wholly under water or wholly out of it."""
     if max(z1, z2) <= -0.5 * d:
@@ -114,7 +114,7 @@ def wetted(z1, z2, d):
     return immersed(z1, z2, d)
 
 
-@njit(cache=True)
+@law
 def wetted_between(z1a, z2a, z1b, z2b, d):
     """Weights g that act over a step from heights a to heights b, such that their work g.(z_b - z_a) is the change of e.
 
@@ -155,7 +155,7 @@ def wetted_between(z1a, z2a, z1b, z2b, d):
     return w1 + c * x, w2 + c * y, 0.5 * k11 + c + x * cx, 0.5 * k12 + x * cy, 0.5 * k12 + y * cx, 0.5 * k22 + c + y * cy
 
 
-@njit(cache=True)
+@law
 def submerged_share_between(z_a, z_b, d):
     """Submerged share of a sphere that acts over a step, the secant (H_b - H_a)/(z_b - z_a), and its slope in z_b [1/m]."""
     rise = z_b - z_a
@@ -168,7 +168,7 @@ def submerged_share_between(z_a, z_b, d):
     return g, (h - g) / rise
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def point_share(z, d):
     """`submerged_share` of a point, all of which is under water where d is `ALWAYS_UNDER`."""
     if d == ALWAYS_UNDER:
@@ -176,7 +176,7 @@ def point_share(z, d):
     return submerged_share(z, d)
 
 
-@njit(cache=True, forceinline=True)
+@inlined_law
 def point_share_between(z_a, z_b, d):
     """`submerged_share_between` of a point, all of which is under water where d is `ALWAYS_UNDER`."""
     if d == ALWAYS_UNDER:

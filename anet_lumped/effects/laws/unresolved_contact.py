@@ -17,17 +17,17 @@ the end of the step and its mean rate over the step. The impulse can only take e
 Methods Appl. Mech. Engrg. 158 (1998) 269, who damp all of a contact.
 """
 
-from anet_lumped.compiled.jit import njit
+from anet_lumped.compiled.jit import inlined_law
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def numerical_share(damper, square):
     """alpha of the module's docstring for ``square`` = (omega h/2)^2."""
     fourth = square * square
     return damper * fourth / (1.0 + fourth)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@inlined_law
 def settled_rate(damper, square, rate, mean):
     """Rate of a depth at the end of a step, without the part of it that rings about ``mean``, the mean rate over the step."""
     wanted = 2.0 * numerical_share(damper, square) * (rate - mean)

@@ -50,6 +50,7 @@ OF_SEGMENTS = ("L0", "mass_per_length", "EA", "EI", "diameter", "Cdn", "Cdt", "C
 
 NODE_FORCE = Kind(("t", "q", "v"), OF_NODES, "the force (fx, fy, fz) [N]", is_vector, own_kernels.of_node_force)
 NODE_ENERGY = Kind(("t", "q"), OF_NODES, "one number, the energy [J]", is_number, own_kernels.of_node_energy)
+DEAD_ENERGY = NODE_ENERGY._replace(make=own_kernels.of_dead_energy)
 SEGMENT_FORCE = Kind(
     ("t", "q0", "q1", "v0", "v1"), OF_SEGMENTS, "the forces on both nodes ((fx, fy, fz), (fx, fy, fz)) [N]", is_pair,
     own_kernels.of_segment_force,
@@ -85,8 +86,7 @@ class _Own(Effect):
         return check_number(name, value, "", self._called)
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
-        kernels = own_law.kernels(self.law, self._shapes)
-        return {slot: kernels[slot] for slot in ("force", "energy")} if self.dead_load else kernels
+        return own_law.kernels(self.law, self._shapes)
 
     def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
         """Index and parameters for the compiled functions.
@@ -187,9 +187,10 @@ def node_energy(law: Callable[..., Any] | None = None, *, dead: bool = False) ->
     dead : bool
         The force does not depend on the position, as weight does not: statics and steps are then as quick as with weight alone.
     """
+    kind = DEAD_ENERGY if dead else NODE_ENERGY
     if law is None:  # as in @node_energy(dead=True)
-        return lambda law: _effect(law, NODE_ENERGY, _OfNodes, dead)
-    return _effect(law, NODE_ENERGY, _OfNodes, dead)
+        return lambda law: _effect(law, kind, _OfNodes, dead)
+    return _effect(law, kind, _OfNodes, dead)
 
 
 def segment_force(law: Callable[..., Any]) -> type[Any]:

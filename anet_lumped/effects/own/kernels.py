@@ -80,8 +80,8 @@ def of_node_force(law, numbers, first, each):
     return {"force": force, "tangent": tangent, "energy": no_energy}
 
 
-def of_node_energy(law, numbers, first, each):
-    """Compiled functions of a law(t, q, ...) -> energy of a node [J]; work from outside changes it where it depends on time."""
+def of_dead_energy(law, numbers, first, each):
+    """Compiled functions of a law(t, q, ...) -> energy of a node [J] whose force does not depend on the position."""
 
     @njit(FORCE_SIGNATURE, error_model="numpy")
     def force(t, q, v, index, params, f):
@@ -93,12 +93,6 @@ def of_node_energy(law, numbers, first, each):
             power -= slope(law(dual(t, 1.0, 0.0, 0.0), position(q, i), *own), 0)
         return power
 
-    @njit(TANGENT_SIGNATURE, error_model="numpy")
-    def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
-        for n in range(index.shape[0]):
-            i = index[n]
-            _add_second(D[i], c_q, law(t, seeded(seeded(position(q, i))), *numbers(params, first + each * n)))
-
     @njit(ENERGY_SIGNATURE, error_model="numpy")
     def energy(t, q, index, params):
         total = 0.0
@@ -106,8 +100,21 @@ def of_node_energy(law, numbers, first, each):
             total += law(t, position(q, index[n]), *numbers(params, first + each * n))
         return total
 
+    return {"force": force, "energy": energy}
+
+
+def of_node_energy(law, numbers, first, each):
+    """Compiled functions of a law(t, q, ...) -> energy of a node [J]; work from outside changes it where it depends on time."""
+
+    @njit(TANGENT_SIGNATURE, error_model="numpy")
+    def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
+        for n in range(index.shape[0]):
+            i = index[n]
+            _add_second(D[i], c_q, law(t, seeded(seeded(position(q, i))), *numbers(params, first + each * n)))
+
     whole_step, settle = energy_steps.of_node_energy(law, numbers, first, each)
-    return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "settle": settle}
+    dead = of_dead_energy(law, numbers, first, each)
+    return dead | {"tangent": tangent, "whole_step": whole_step, "settle": settle}
 
 
 def of_segment_force(law, numbers, first, each):

@@ -3,38 +3,43 @@
 from anet_lumped.compiled.jit import on_demand
 from anet_lumped.model.net import view_net
 
-from .rotation import centre_of_mass, spin_of
-from .vectors import applied, cross, minus, plus, put, row, scaled, solved
+from .inertia import added_mass_of, inertia_with_fluid, moved_by, reference_of
+from .rotation import spin_of
+from .vectors import applied, cross, dot, minus, plus, put, row, scaled
 
 
 @on_demand
 def force_bodies(net_address, t, q, v, f):
     """Replace the force on each node of a body by its mass times its acceleration as a part of the body.
 
-    With the force F and the moment M about the centre of mass,
+    With the force F and the moment M about the centre of mass, a body in no fluid has
 
-        a = F/m ,     J w' = M - w x J w ,     f_k = m_k (a + w' x d_k + w x (w x d_k)) .
+        a = F/m ,     J w' = M - w x J w ,     f_k = m_k (a + w' x d_k + w x (w x d_k)) ;
 
-    Source: Euler. A pinned body turns about its pivot.
+    `inertia` has the equations with a fluid. Source: Euler. A pinned body turns about its pivot.
+
+    Returns
+    -------
+    power : float64 [W]
+        Power that accelerates the fluid.
     """
-    net = view_net(net_address)
+    net, power = view_net(net_address), 0.0
     bodies = net.bodies
     for b in range(bodies.pivot.shape[0]):
-        mass, reference = centre_of_mass(net, b, q)
-        pivot = bodies.pivot[b]
-        if pivot >= 0:
-            reference = row(q, pivot)
-        force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
-            i = bodies.node[k]
-            force = plus(force, row(f, i))
-            moment = plus(moment, cross(minus(row(q, i), reference), row(f, i)))
-        spin, inertia = spin_of(net, b, reference, q, v)
-        spin_rate = solved(inertia, minus(moment, cross(spin, applied(inertia, spin))))
-        shift = scaled(0.0 if pivot >= 0 else 1.0 / mass, force)
+        mass, reference = reference_of(net, b, q)
+        inertia = inertia_with_fluid(net, b, mass, reference, q)
+        spin, own_inertia = spin_of(net, b, reference, q, v)
+        force, moment = (0.0, 0.0, 0.0), scaled(-1.0, cross(spin, applied(own_inertia, spin)))
         for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
             i = bodies.node[k]
             arm = minus(row(q, i), reference)
-            a = plus(shift, plus(cross(spin_rate, arm), cross(spin, cross(spin, arm))))
+            on_node = minus(row(f, i), applied(added_mass_of(net, i), cross(spin, cross(spin, arm))))
+            force, moment = plus(force, on_node), plus(moment, cross(arm, on_node))
+        shift, turn = moved_by(inertia, force, moment)
+        for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
+            i = bodies.node[k]
+            arm = minus(row(q, i), reference)
+            a = plus(shift, plus(cross(turn, arm), cross(spin, cross(spin, arm))))
             put(f, i, scaled(net.mass[i], a))
-    return 0.0
+            power += dot(row(v, i), applied(added_mass_of(net, i), a))
+    return power

@@ -32,7 +32,7 @@ from anet_lumped.model.tables import (
 from integrators.stage import LAW_BETWEEN
 
 from .stage import MOMENT_WEIGHT
-from .vectors import cross, cross_matrix, dot, matrix_product, minus, plus, put, row, scaled, three, turned
+from .vectors import cross, cross_matrix, dot, matrix_product, plus, put, row, scaled, three, turned_by
 
 
 @inlined
@@ -171,7 +171,7 @@ def spread_bodies(net_address):
             turn = scaled(1.0 / math.sqrt(square), turn)
         for k in range(first, bodies.node_at[b + 1]):
             arm = row(bodies.arm_end, k)
-            put(step, bodies.node[k], plus(shift, minus(turned(turn, arm), arm)))
+            put(step, bodies.node[k], plus(shift, turned_by(turn, arm)))
         of = bodies.state[b]
         of[BODY_SECOND_ORDER + 3], of[BODY_SECOND_ORDER + 4] = math.sqrt(dot(shift, shift)), math.sqrt(square)
 

@@ -33,7 +33,7 @@ def _between(reference, axes, arm):
 
 
 @inlined
-def _keep_shape(net, b, q):
+def keep_shape(net, b, q):
     """Move the nodes of a body to the nearest place at which it has its shape, by the masses of the nodes."""
     bodies = net.bodies
     first, end = bodies.node_at[b], bodies.node_at[b + 1]
@@ -72,6 +72,6 @@ def keep_bodies(t, net_address, q, v):
     """`System.project` of a net with bodies: shape and velocities of one piece; momenta stay, and no work is put in."""
     net = view_net(net_address)
     for b in range(net.bodies.pivot.shape[0]):
-        _keep_shape(net, b, q)
+        keep_shape(net, b, q)
         stiffen_body(net, b, q, v)
     return 0.0

@@ -47,7 +47,7 @@ from .vectors import (
 )
 
 NO_VECTOR = (0.0, 0.0, 0.0)
-MOMENT_WEIGHT = 1e3  # of a moment over the radius of gyration, among forces: what is left of it changes the angular momentum
+MOMENT_WEIGHT = 1e3  # in steps that keep momenta, of a moment over the radius of gyration among forces
 
 
 @inlined
@@ -119,10 +119,10 @@ def _total(net, b, forces, first, between):
 
 
 @inlined
-def _weighted(moment, radius, noise):
-    """A moment as a force that counts `MOMENT_WEIGHT` times, but for what rounding leaves."""
+def _weighted(moment, radius, noise, weight):
+    """A moment as a force that counts ``weight`` times, but for what rounding leaves."""
     force = largest(moment) / radius
-    return max(force, MOMENT_WEIGHT * (force - noise))
+    return max(force, weight * (force - noise))
 
 
 @on_demand
@@ -132,7 +132,7 @@ def balance_bodies(stage, net_address, largest_coordinate, cable_noise, predicte
     The last two arguments are what rounding leaves of the forces of cables, by their law and as predicted [N].
     """
     net, between = view_net(net_address), stage.law == LAW_BETWEEN
-    bodies = net.bodies
+    bodies, weight = net.bodies, MOMENT_WEIGHT if between else 1.0
     norm, scale, predicted, noise, sum_of_forces = 0.0, 0.0, 0.0, 0.0, 0.0
     for b in range(bodies.pivot.shape[0]):
         of, pinned = bodies.state[b], bodies.pivot[b] >= 0
@@ -143,9 +143,9 @@ def balance_bodies(stage, net_address, largest_coordinate, cable_noise, predicte
         load, load_moment = _total(net, b, net.right_side, 0, between)
         held = 0.0 if pinned else 1.0
         of_inertia = FORCE_ROUNDING * of[BODY_INERTIA] * largest_coordinate
-        by_law = _weighted(plus(moment_by_law, moment), radius, cable_noise + of_inertia)
+        by_law = _weighted(plus(moment_by_law, moment), radius, cable_noise + of_inertia, weight)
         norm = max(norm, held * largest(plus(force_by_law, shift)), by_law)
-        as_predicted = _weighted(plus(moment_predicted, moment), radius, predicted_noise + of_inertia)
+        as_predicted = _weighted(plus(moment_predicted, moment), radius, predicted_noise + of_inertia, weight)
         predicted = max(predicted, held * largest(plus(force_predicted, shift)), as_predicted)
         scale = max(scale, largest(load), largest(shift), largest(load_moment) / radius, largest(moment) / radius)
         noise = max(noise, of_inertia)

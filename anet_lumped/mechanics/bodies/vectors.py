@@ -88,6 +88,16 @@ def applied(A, x):
 
 
 @inlined
+def transposed_applied(A, x):
+    """A^T x."""
+    return (
+        A[0] * x[0] + A[3] * x[1] + A[6] * x[2],
+        A[1] * x[0] + A[4] * x[1] + A[7] * x[2],
+        A[2] * x[0] + A[5] * x[1] + A[8] * x[2],
+    )
+
+
+@inlined
 def cross_matrix(a):
     """The matrix [a] with [a] x = a x x."""
     zero = 0.0 * a[0]
@@ -123,7 +133,12 @@ def turned(theta, a):
 
     theta = 2 tan(angle/2) along the axis, and then turned - a = theta x (turned + a)/2.
     """
+    return plus(a, turned_by(theta, a))
+
+
+@inlined
+def turned_by(theta, a):
+    """`turned` less a, to all digits, however small the rotation is."""
     once = cross(theta, a)
     twice = cross(theta, once)
-    per = 1.0 / (1.0 + 0.25 * dot(theta, theta))
-    return a[0] + per * (once[0] + 0.5 * twice[0]), a[1] + per * (once[1] + 0.5 * twice[1]), a[2] + per * (once[2] + 0.5 * twice[2])
+    return scaled(1.0 / (1.0 + 0.25 * dot(theta, theta)), plus(once, scaled(0.5, twice)))

@@ -1,12 +1,14 @@
 """The system of the links of a net, S tau = r: symmetric elimination along the cables, then over the end links.
 
 With the signs c_la = -1 at the first node of a link and c_lb = +1 at its second, S_lk is the sum of c_li c_ki d_l . W_i d_k over
-the nodes i that both links have. `model.link_order` says in which order links are eliminated. Every entry is a number: there are
-no blocks.
+the nodes i that both links have. Links that end at one body have S_lk = +- d_l . W_ij d_k with the nodes i and j of the body at
+which they do, see `bodies`. `model.link_order` says in which order links are eliminated. Every entry is a number: there are no
+blocks.
 """
 
 from anet_lumped.compiled.jit import inlined, internal
 from anet_lumped.mechanics.linear.node_elimination import times
+from anet_lumped.mechanics.optional import as_meet_bodies, as_pull_bodies
 from anet_lumped.model.tables import (
     CABLE_END,
     CABLE_FIRST_NODE,
@@ -16,6 +18,8 @@ from anet_lumped.model.tables import (
     END_LINK_FIRST,
     END_LINK_LAST,
     END_LINKS_ENTRY,
+    KERNEL_MEET_BODIES,
+    KERNEL_PULL_BODIES,
     MEETING_ENTRY,
     MEETING_FIRST,
     MEETING_NODE,
@@ -31,18 +35,24 @@ REDUNDANT = 1e-10  # of a diagonal entry: a pivot below that says that the link'
 def mobile(net, i, x, y, z):
     """W_i (x, y, z) of a node; zero for one that is prescribed."""
     links = net.links
-    if links.fluid_mobility.shape[0] > 0:
+    if links.matrix_mobility.shape[0] > 0:
+        first = net.n_free - links.matrix_mobility.shape[0]
         if i >= net.n_free:
             return 0.0, 0.0, 0.0
-        W = flat(links.fluid_mobility[i])
-        return times((W[0], W[1], W[2], W[3], W[4], W[5], W[6], W[7], W[8]), x, y, z)
+        if i >= first:
+            W = flat(links.matrix_mobility[i - first])
+            return times((W[0], W[1], W[2], W[3], W[4], W[5], W[6], W[7], W[8]), x, y, z)
     w = links.mobility[i]
     return w * x, w * y, w * z
 
 
 @inlined
 def _change(net, x, i, fx, fy, fz):
-    """Add W_i f to the vector of a node."""
+    """Add W_i f to the vector of a node; a force on a body waits for `bodies.pull_bodies`."""
+    if net.bodies.first <= i < net.n_free:
+        pull = net.links.body_pull[i - net.bodies.first]
+        pull[0], pull[1], pull[2] = pull[0] + fx, pull[1] + fy, pull[2] + fz
+        return
     dx, dy, dz = mobile(net, i, fx, fy, fz)
     x[i, 0], x[i, 1], x[i, 2] = x[i, 0] + dx, x[i, 1] + dy, x[i, 2] + dz
 
@@ -56,7 +66,7 @@ def _factor_end_links(links):
             diagonal[u] = 1.0 / diagonal[u]
         else:
             diagonal[u] = 0.0
-            redundant += 1
+            redundant += 1 if links.size[links.segment[u]] > 0.0 else 0  # see `bodies`: size 0 is of a link that nothing can move
         first, last, target = links.later_at[u], links.later_at[u + 1], links.target_at[u]
         for i in range(first, last):
             share = entry[i] * diagonal[u]
@@ -128,6 +138,8 @@ def factor(net, q, shift):
         d, e = vector[row[MEETING_FIRST]], vector[row[MEETING_SECOND]]
         x, y, z = mobile(net, row[MEETING_NODE], d[0], d[1], d[2])
         entry[row[MEETING_ENTRY]] += row[MEETING_SIGN] * (e[0] * x + e[1] * y + e[2] * z)
+    if net.bodies.first < net.n_free:
+        as_meet_bodies(net.kernels[KERNEL_MEET_BODIES])(net.address)
     return redundant + _factor_end_links(links)
 
 
@@ -198,3 +210,5 @@ def solve(net, x):
             _change(net, x, b, px - fx, py - fy, pz - fz)
             b, px, py, pz = node + j - 1 if j > 0 else net.cable[c, CABLE_START], fx, fy, fz
         _change(net, x, b, px, py, pz)
+    if net.bodies.first < net.n_free:
+        as_pull_bodies(net.kernels[KERNEL_PULL_BODIES])(net.address, x)

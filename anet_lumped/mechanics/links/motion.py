@@ -11,7 +11,7 @@ from anet_lumped.compiled.jit import internal, kernel
 from anet_lumped.effects.signatures import as_force
 from anet_lumped.mechanics.drive import evaluate_driven
 from anet_lumped.mechanics.effect_forces import add_masses, mobility_with_fluid, numbers_of
-from anet_lumped.mechanics.optional import as_power_of_lengths, as_set_lengths
+from anet_lumped.mechanics.optional import as_force_bodies, as_mobility_bodies, as_power_of_lengths, as_set_lengths
 from anet_lumped.mechanics.prescribe import prescribe
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
@@ -24,6 +24,8 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_SEGMENT,
     CABLE_SEGMENTS,
     CABLE_START,
+    KERNEL_FORCE_BODIES,
+    KERNEL_MOBILITY_BODIES,
     KERNEL_POWER_OF_LENGTHS,
     KERNEL_SET_LENGTHS,
     LINKS_CURRENT,
@@ -56,17 +58,19 @@ def factored(net, q):
 
 @internal
 def set_masses(net, t, q):
-    """Write the mobility of each moving node, where masses or the fluid that nodes carry change."""
+    """Write the mobility of each moving node, where masses, the fluid that nodes carry or the rotation of a body change."""
     links = net.links
     if net.lengths.cable.shape[0] > 0:
         for i in range(net.n_free):
             links.mobility[i] = 1.0 / net.mass[i] if net.mass[i] > 0.0 else 0.0
-    if links.fluid_mobility.shape[0] > 0:
+    if net.added_mass.shape[0] > 0:
         add_masses(net, t, q)
-        for i in range(net.n_free):
-            W, found = flat(links.fluid_mobility[i]), mobility_with_fluid(net.mass[i], net.added_mass[i])
+        for i in range(net.bodies.first):
+            W, found = flat(links.matrix_mobility[i]), mobility_with_fluid(net.mass[i], net.added_mass[i])
             for k in range(9):
                 W[k] = found[k]
+    if net.bodies.first < net.n_free:
+        as_mobility_bodies(net.kernels[KERNEL_MOBILITY_BODIES])(net.address, q)
 
 
 @internal
@@ -104,6 +108,8 @@ def _write_tensions(net):
 def _accelerate(net, t, q, v, f):
     """Write the accelerations of all nodes to ``links.acceleration``, tau of all links to ``links.tau``, external forces to f.
 
+    Of a node of a body the external force is the mass of the node times the acceleration that all external forces give it.
+
     Returns
     -------
     power : float64 [W]
@@ -118,8 +124,13 @@ def _accelerate(net, t, q, v, f):
         index, params = numbers_of(effects, e)
         power += as_force(effects.address[e, SLOT_FORCE])(t, q, v, index, params, f)
     set_masses(net, t, q)
+    if net.bodies.first < net.n_free:
+        as_force_bodies(net.kernels[KERNEL_FORCE_BODIES])(net.address, t, q, v, f)
     for i in range(net.n_free):
-        a[i, 0], a[i, 1], a[i, 2] = mobile(net, i, f[i, 0], f[i, 1], f[i, 2])
+        if i < net.bodies.first:
+            a[i, 0], a[i, 1], a[i, 2] = mobile(net, i, f[i, 0], f[i, 1], f[i, 2])
+        else:
+            a[i, 0], a[i, 1], a[i, 2] = f[i, 0] / net.mass[i], f[i, 1] / net.mass[i], f[i, 2] / net.mass[i]
         largest = max(largest, max(abs(f[i, 0]), max(abs(f[i, 1]), abs(f[i, 2]))))
     links.state[LINKS_FORCE] = largest
     if net.n_driven < q.shape[0]:

@@ -2,8 +2,8 @@
 
     |q_b - q_a| = L    and    (q_b - q_a) . (v_b - v_a) = L L' .
 
-A change of the velocities is an impulse of the links. A cable that is caught when it is straight, or whose end sets off at once,
-gets it without bounce.
+Bodies get their shape back first, and move as one piece then. A change of the velocities is an impulse of the links. A cable that
+is caught when it is straight, or whose end sets off at once, gets it without bounce.
 """
 
 import math
@@ -12,6 +12,7 @@ import numpy as np
 from numba import float64, int64
 
 from anet_lumped.compiled.jit import internal, kernel
+from anet_lumped.mechanics.optional import as_shape_bodies, as_stiffen_bodies
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_L0,
@@ -21,6 +22,8 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_SEGMENT,
     CABLE_SEGMENTS,
     CABLE_START,
+    KERNEL_SHAPE_BODIES,
+    KERNEL_STIFFEN_BODIES,
 )
 
 from .elimination import solve
@@ -101,6 +104,9 @@ def project(t, net_address, q, v):
     """
     net = view_net(net_address)
     change = net.links.acceleration  # scratch
+    with_bodies = net.bodies.first < net.n_free
+    if with_bodies:
+        as_shape_bodies(net.kernels[KERNEL_SHAPE_BODIES])(net_address, q)
     set_masses(net, t, q)
     passes, before, worst = factored(net, q), 1e300, _lack_of_length(net, q)
     for _ in range(SWEEPS):
@@ -111,12 +117,17 @@ def project(t, net_address, q, v):
         solve(net, change)
         for i in range(net.n_free):
             q[i, 0], q[i, 1], q[i, 2] = q[i, 0] + change[i, 0], q[i, 1] + change[i, 1], q[i, 2] + change[i, 2]
+        if with_bodies:
+            as_shape_bodies(net.kernels[KERNEL_SHAPE_BODIES])(net_address, q)
         before, worst = worst, _lack_of_length(net, q)
         if worst > FAR:
+            set_masses(net, t, q)
             passes = factored(net, q)
             worst = _lack_of_length(net, q)
     if not worst <= KEPT:
         return np.nan
+    if with_bodies:
+        as_stiffen_bodies(net.kernels[KERNEL_STIFFEN_BODIES])(net_address, q, v)
     work, tau = 0.0, net.links.tau
     for k in range(passes):
         write_wanted(net, v, 1)

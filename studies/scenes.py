@@ -1,0 +1,29 @@
+"""The scene that a command is given: loaded, checked and changed."""
+
+from studies.telling import announce_compiling
+
+
+def load(text, compiles):
+    """Scene of a file, or by its name one that comes with the package; `compiles` is one of `telling.FIRST_COMPILING`."""
+    announce_compiling(compiles)
+    from anet_lumped.checks import SceneError
+    from anet_lumped.files.scene_file import load_scene
+    from anet_lumped.model.build import build
+
+    scene = load_scene(text)
+    try:
+        build(scene)  # here the effects find what they lack in a scene
+    except SceneError as error:
+        raise SceneError(f"{text}: {error}") from None
+    return scene
+
+
+def changed(scene, texts):
+    """The scene with NAME=VALUE put in."""
+    from studies.sweeping.vary import SETTINGS, VaryError, apply, parse_vary, read_values
+
+    values = read_values(scene, parse_vary(texts)) if texts else {}
+    for name, given in values.items():
+        if name in SETTINGS or len(given) != 1:
+            raise VaryError(f"What is set must be one value of a field of the scene, but `{name}` was given {given}.")
+    return apply(scene, {name: given[0] for name, given in values.items()})[0]
