@@ -211,6 +211,7 @@ def test_without_the_engine_no_word_is_of_links(rows):
     bare = {name: table for name, table in rows.items()}
     for name in ("rest", "motions", "steps"):
         bare[name] = rows[name][~rows[name]["model"].str.startswith("rigid")]
+    bare["turns"] = pd.DataFrame()
     text = study.answer(bare)
     assert "MuJoCo is not installed, so that there are no rigid links." in text and "mocap" not in text
     assert text.count("links") == 1
@@ -226,11 +227,16 @@ def motion_rows(**links):
 
 def test_words_are_of_the_rows():
     text = words._in_motion(motion_rows(time_of_a_second_ms=100.0), FLOWN)
-    assert "0.5 mm by lumped masses with edmc (2 ms, steps of 10 ms) and 1 mm by rigid links (0.1 s, steps of 4 ms)" in text
-    assert text.endswith("The links take 50 times as long as edmc.")
+    assert "0.5 mm with edmc on lumped masses (2 ms, steps of 10 ms) and 1 mm with rigid links (0.1 s, steps of 4 ms)" in text
     text = words._in_motion(motion_rows(time_of_a_second_ms=100.0, status="failed"), FLOWN)
-    assert text.endswith("Not done: rigid links at 4 ms.") and "times as long" not in text
-    assert "by -0.5 % with lumped masses with edmc at 10 ms and -0.5 % with rigid links" in words._energies(motion_rows())
+    assert text.endswith("Not done: rigid links at 4 ms.")
+    assert "by -0.5 % with edmc on lumped masses at 10 ms and -0.5 % with rigid links" in words._energies(motion_rows())
+
+
+def test_links_and_edmc_are_compared_pair_by_pair():
+    turns = pd.DataFrame({"edmc_s": [0.01] * 7, "links_s": [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6], "links_step_ms": 4.0})
+    assert words._side_by_side(turns) == "Side by side, the time of the links at 4 ms over that of edmc is 130 (100 to 160)."
+    assert words._side_by_side(turns.iloc[:0]) == ""
 
 
 def test_steps_without_a_limit_are_told():

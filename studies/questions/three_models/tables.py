@@ -9,6 +9,7 @@ from anet_lumped.motion.simulate import simulate
 from anet_lumped.motion.stability import predict
 from anet_lumped.results.energy_balance import ELASTIC, POTENTIAL
 from anet_lumped.statics.equilibrium import equilibrium
+from studies.accuracy_cost.paired_timing import seconds_of, take_turns
 from studies.accuracy_cost.references import largest_distance
 from studies.questions.three_models import energy_method, root_finders, twin
 from studies.questions.three_models.cases import (
@@ -17,6 +18,8 @@ from studies.questions.three_models.cases import (
     FOUR,
     MOTIONS,
     QUICK_MOTIONS,
+    QUICK_SEGMENTS,
+    REFERENCE_SEGMENTS,
     SAVE_EVERY,
     SUPPORTS,
     TWO,
@@ -33,24 +36,27 @@ TWIN, TWIN_MOCAP = "rigid links", "rigid links, supports as mocap bodies"
 EDMC_STEP = 0.01  # [s], the thesis's order of magnitude
 POSES_A_SECOND = 100
 POSES = {SAMPLED: 2, DESCENDED: 20, BALANCED: 20}  # that are timed, of the energy method
-QUICK_POSES = {SAMPLED: 1, DESCENDED: 5, BALANCED: 5}
+QUICK_POSES = {SAMPLED: 1, DESCENDED: 3, BALANCED: 5}
 REPEATS = 3  # of what takes milliseconds: the median counts
-TWIN_REST = 1.0  # [s] for which the links are left alone
+PAIRS, TURN = 7, 0.2  # turns that count, and the motion of the links in each [s]
+TWIN_REST, QUICK_REST = 1.0, 0.4  # [s] for which the links are left alone
 EXPLICIT = ("verlet", "rk4", "dop853")
 TWIN_STEPS = (0.004, 0.002, 0.001)  # [s]
 
 
 def compute(quick=False, executor=None, out=None):
     """The tables; everything that is timed runs one by one in this process."""
-    motions, steps = [], []
+    motions, steps, turns = [], [], []
     for motion in QUICK_MOTIONS if quick else MOTIONS:
-        p0, t = reference(motion)
+        p0, t = reference(motion, QUICK_SEGMENTS if quick else REFERENCE_SEGMENTS)
         motions += _motion(motion, t, p0, quick)
         if motion == QUICK_MOTIONS[-1]:
             steps = _steps(motion, t, p0)
+            turns = _turns(motion, TWIN_STEPS[0 if quick else -1])
     return {
         "rest": pd.DataFrame([row for name in (TWO, FOUR) for load in (0.0, BOTTLE) for row in _rest(name, load, quick)]),
         "motions": pd.DataFrame(motions),
+        "turns": pd.DataFrame(turns),
         "steps": pd.DataFrame(steps),
         "roots": pd.DataFrame(_roots(quick)),
         "starts": pd.DataFrame(_starts()),
@@ -90,7 +96,7 @@ def _rest(name, load, quick):
         p0, taken = find()
         rows.append(_rest_row(name, load, model, p0, exact, 0.0, taken))
     if twin.installed():
-        run = twin.run_twin(net(name, load), TWIN_REST, dt=TWIN_STEPS[0] if quick else twin.STEP)
+        run = twin.run_twin(net(name, load), QUICK_REST if quick else TWIN_REST, dt=TWIN_STEPS[0])
         rows.append(_rest_row(name, load, TWIN, run.p0[-1], exact, run.setup_s, run.run_s, run.status))
     return rows
 
@@ -188,6 +194,26 @@ def _twins(motion, quick):
         run = twin.run_twin(motion.scene(), motion.flight.t_end, flight=motion.flight, way=way, dt=dt)
         kept = _kept(run.energy) if way == twin.FRAME else np.nan
         yield model, run.p0[:: round(SAVE_EVERY / dt)], run.setup_s, run.run_s / motion.flight.t_end, dt, kept, run.status
+
+
+def _turns(motion, dt):
+    """Times of a second of motion of edmc and of the links at steps of dt [s], which take turns."""
+    if not twin.installed():
+        return []
+    scene, rest = _lumped_ready(motion)
+
+    def edmc():
+        march = seconds_of(lambda: simulate(scene, motion.flight.t_end, start=rest, method="edmc", dt=EDMC_STEP))
+        return march / motion.flight.t_end
+
+    def links():
+        return twin.run_twin(scene, TURN, flight=motion.flight, dt=dt).run_s / TURN
+
+    times = take_turns({"edmc_s": edmc, "links_s": links}, PAIRS)
+    return [
+        {"edmc_s": ours, "links_s": theirs, "links_step_ms": 1e3 * dt}
+        for ours, theirs in zip(times["edmc_s"], times["links_s"], strict=True)
+    ]
 
 
 def _steps(motion, t, p0):

@@ -30,7 +30,7 @@ class TwinRun(NamedTuple):
     ----------
     t : (k,) [s], of each step's start and of the end
     p0 : (k, 3) [m], mean of the links' ends that meet there
-    energy : (3,) [J], at the start, after the ramp and at the end, in the frame of the supports
+    energy : (3,) [J], at the start, after the ramp and at the end, in the frame of the supports; (2,) of a run within the ramp
     setup_s, run_s : float [s]
     status : "done" or "failed"
     """

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from studies.accuracy_cost.paired_timing import in_words, ratio
 from studies.questions.thesis_tables.words import in_units
 from studies.questions.three_models.cases import CARRIED, FLOWN, FOUR
 from studies.questions.three_models.root_finders import BISECTION, EPSILON, FALSE_POSITION, OURS
@@ -24,8 +25,8 @@ MODELS = {
     DESCENDED: "the gradient of the energy",
     BALANCED: "a balance of forces on catenaries",
     EQUILIBRIUM: "the equilibrium of lumped masses",
-    LUMPED: "lumped masses with edmc",
-    LUMPED_DEFAULT: "lumped masses with the default method",
+    LUMPED: "edmc on lumped masses",
+    LUMPED_DEFAULT: "the default method on lumped masses",
     TWIN: "rigid links",
 }
 
@@ -33,7 +34,13 @@ MODELS = {
 def answer(rows):
     """The answer in words, every number and claim from `rows`."""
     motions, rest = rows["motions"], rows["rest"]
-    words = [_in_motion(motions, FLOWN), _at_rest(rest), _in_motion(motions, CARRIED), _mocap(motions), _energies(motions)]
+    words = [
+        f"{_in_motion(motions, FLOWN)} {_side_by_side(rows['turns'])}".strip(),
+        _at_rest(rest),
+        _in_motion(motions, CARRIED),
+        _mocap(motions),
+        _energies(motions),
+    ]
     words += [_steps(rows["steps"]), _setup(motions), _roots(rows["roots"]), _brackets(rows["roots"]), _starts(rows["starts"])]
     return "\n\n".join(text for text in [*words, _left_out(motions)] if text)
 
@@ -43,22 +50,31 @@ def _in_motion(motions, name):
     table = motions[(motions["motion"] == name) & (motions["net"] == FOUR)]
     table = table[table["load_g"] == table["load_g"].max()]
     done = table[table["status"] == "done"]
-    told, times = [], {}
+    told = []
     for model, words in MODELS.items():
         lines = done[done["model"] == model]
         if len(lines):
             line = lines.loc[lines["error_mm"].idxmin()]
-            times[model] = 1e-3 * line["time_of_a_second_ms"]
+            seconds = 1e-3 * line["time_of_a_second_ms"]
             step = f", steps of {as_text(line['step_ms'])} ms" if model in (LUMPED, LUMPED_DEFAULT, TWIN) else ""
-            told.append(f"{as_text(line['error_mm'], 2)} mm by {words} ({in_units(times[model])}{step})")
+            told.append(f"{as_text(line['error_mm'], 2)} mm with {words} ({in_units(seconds)}{step})")
     words = (
         f"{name.capitalize()}, p0 of four cables with {as_text(table['load_g'].iloc[0])} g is off by at most {listed(told)}; "
         "in brackets the time of a second of motion."
     )
-    if LUMPED in times and TWIN in times:
-        words += f" The links take {as_text(times[TWIN] / times[LUMPED], 2)} times as long as edmc."
     lost = [f"{MODELS.get(r.model, r.model)} at {as_text(r.step_ms)} ms" for r in table[table["status"] != "done"].itertuples()]
     return words + (f" Not done: {listed(lost)}." if lost else "")
+
+
+def _side_by_side(turns):
+    """Time of the links over that of edmc, which took turns."""
+    if not len(turns):
+        return ""
+    step = turns["links_step_ms"].iloc[0]
+    return (
+        f"Side by side, the time of the links at {as_text(float(step))} ms over that of edmc is "
+        f"{in_words(ratio(turns['links_s'], turns['edmc_s']))}."
+    )
 
 
 def _at_rest(rest):
@@ -68,11 +84,11 @@ def _at_rest(rest):
         if len(lines):
             seconds = 1e-3 * lines["time_ms"]
             took = listed([in_units(seconds.min()), in_units(seconds.max())]).replace(" and ", " to ")
-            told.append(f"{between(lines['error_mm'], 'mm', 2)} by {words} ({took})")
+            told.append(f"{between(lines['error_mm'], 'mm', 2)} with {words} ({took})")
     nets = len(rest[["net", "load_g"]].drop_duplicates())
-    words = f"At rest, p0 of {counted(nets, 'net')} is {listed(told)} from that of elastic catenaries; in brackets the time."
+    words = f"At rest, p0 of {counted(nets, 'net')} is off that of elastic catenaries by {listed(told)}; in brackets the time."
     if TWIN in set(rest["model"]):
-        words += " The links start at the equilibrium of the lumped masses, and are left alone for a second."
+        words += " The links start at the equilibrium of the lumped masses, and are left alone."
     return words
 
 
