@@ -62,6 +62,7 @@ class Registry(MutableMapping):
 REGISTRY = Registry(
     {
         "air": "Air",
+        "applied_forces": "AppliedForces",
         "axial_damping": "AxialDamping",
         "bending": "Bending",
         "gravity": "Gravity",

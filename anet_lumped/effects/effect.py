@@ -40,7 +40,8 @@ class Effect:
        that changes how long cables are at rest returns these changes from `length_changes`. An effect does at least one of both.
     4. It says of itself what is true, by the members below. The defaults claim nothing, so that no result depends on them; a claim
        saves work. Claims are compared with the compiled functions at random states whenever a model is built.
-    5. If its parameters name cables or points, `after_break` returns the same effect on what is left of broken cables.
+    5. If its parameters name cables, `after_break` returns the same effect on what is left of broken cables; if they name bodies
+       or points of theirs, `without_bodies` returns it for a scene in which those are held.
     6. `seen_from` returns the same effect in coordinates with another origin, if it can; `at_rest` the effect without its friction.
     7. `example` returns an instance that acts on a given scene, for studies and documentation.
 
@@ -155,6 +156,10 @@ class Effect:
         pieces : the cables that are left of each broken one, by its name
         cables : all cables that there are now
         """
+        return self
+
+    def without_bodies(self, held: Sequence[str]) -> "Effect | None":
+        """The same effect where the points named, those of bodies, do not move; or None if it acts on nothing else."""
         return self
 
     def at_rest(self) -> "Effect":

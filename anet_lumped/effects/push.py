@@ -1,4 +1,4 @@
-"""Forces on points that are given from outside, step by step: those of `Session.push`.
+"""Forces on points and bodies that are given from outside, step by step: those of `Session.push`.
 
 f_i += F_i, with what F_i does in a second counted as taken with the opposite sign.
 """
@@ -17,9 +17,10 @@ from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
 @dataclass(frozen=True)
 class Push(Effect):
-    """A force on each free point, none to begin with. A session adds it to its scene and writes the forces into its table.
+    """A force on each of the `pushed_points`, none to begin with. A session adds it to its scene and writes the forces into
+    its table.
 
-    `table` has the node of each free point, in the order of ``scene.free_points``, and its force (3,) [N].
+    `table` has the nodes of these points, and the force (3,) on each [N].
     """
 
     same_everywhere: ClassVar[bool] = True
@@ -32,11 +33,17 @@ class Push(Effect):
 
     def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:
         """Nodes, and zeros for the forces on them [N]."""
-        nodes = [model.node_of[point.name] for point in model.scene.free_points]
+        nodes = [model.node_of[name] for name in pushed_points(model.scene)]
         return np.array(nodes, np.int64), np.zeros(3 * len(nodes))
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "energy": energy, "tangent": tangent}
+
+
+def pushed_points(scene: Any) -> list[str]:
+    """Names of the points that a session may push: free points, and all points of bodies that move freely."""
+    on_bodies = [point.name for body in scene.bodies if not body.is_driven for point in body.points]
+    return [*(point.name for point in scene.free_points), *on_bodies]
 
 
 @njit(FORCE_SIGNATURE, cache=True, error_model="numpy")

@@ -1,1 +1,1 @@
-"""What flies: shells over a `Session` for those who control the points that carry a net."""
+"""What flies: quadrotors and their controllers, and shells over a `Session` for those who control the points that carry a net."""

@@ -235,9 +235,14 @@ def residual(stage, base, target, q, net_address):
         add_masses(net, stage.t, middle_q)
         for i in range(n_free):
             A = net.added_mass[i]
+            for y in range(3):
+                slowing = stage.W * (target[i, y] - q[i, y])
+                if i >= first_of_bodies:
+                    slowing = net.bodies.slowing[i - first_of_bodies, y]
+                for x in range(3):
+                    right_side[i, x] += A[x, y] * slowing
             for x in range(3):
                 for y in range(3):
-                    right_side[i, x] += stage.W * A[x, y] * (target[i, y] - q[i, y])
                     diagonal[i, x, y] += stage.W * A[x, y]
     law_force = net.law_force
     for i in range(net.n_interior, n):

@@ -277,6 +277,8 @@ def settle(stage, base, q, v, net_address, energy):
             for x in range(3):
                 for y in range(3):
                     half_change = v[i, y] - net.middle_v[i, y]
+                    if i >= net.bodies.first:  # whose velocities before the step `turn_bodies` has left there
+                        half_change = 0.5 * (v[i, y] - net.law_force[i, y])
                     by_effects += 2.0 * net.middle_v[i, x] * net.added_mass[i, x, y] * half_change
     for i in range(net.n_interior, q.shape[0]):
         for x in range(3):

@@ -83,6 +83,7 @@ class PointOrder(NamedTuple):
             joined=np.array(joined, np.int64).reshape(-1, JOINED_COLUMNS),
             arm_end=np.zeros((count, 3)),
             arm_mean=np.zeros((count, 3)),
+            slowing=np.zeros((count, 3)),
             state=np.zeros((len(free), BODY_COLUMNS)),
         )
 

@@ -80,6 +80,7 @@ class Bodies(NamedTuple):
     joined: np.ndarray  # (pairs, 12) cables that end at a body and at another one, or at a free point
     arm_end: np.ndarray  # (nodes, 3) [m] scratch: place from the centre of mass, or from the pivot, in the stage
     arm_mean: np.ndarray  # (nodes, 3) [m] scratch: where forces act from there, in the mean over a step
+    slowing: np.ndarray  # (nodes, 3) [m/s2] scratch: opposite of the mean acceleration of each node in the stage, from ``first`` on
     state: np.ndarray  # (bodies, columns) scratch
 
     def of_a_run(self):
@@ -217,7 +218,7 @@ class Net(NamedTuple):
 EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1, types.int64), Effects)
 LENGTHS = types.NamedTuple((_i1, _f2, TABLE, _f1, _i1, _i1, _f1, _f1, _i1, _i1, _f1, _f1, _f2, _f2, _f3), Lengths)
 CARRIED = types.NamedTuple((_i1, _f2, _f3), Carried)
-BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2, _i2, _i2, _f2, _f2, _f2), Bodies)
+BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2, _i2, _i2, _f2, _f2, _f2, _f2), Bodies)
 POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
 LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f2, _f2, _f1), Links)
 NO_LINKS = Links(*(np.zeros((0,) * kind.ndim, np.int64 if kind.dtype == types.int64 else float) for kind in LINKS.types))

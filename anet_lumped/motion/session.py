@@ -3,23 +3,23 @@
 import math
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import InputError, check_vector, number, quoted, shown
+from anet_lumped.checks import InputError, number, shown
 from anet_lumped.effects.push import Push
 from anet_lumped.model import rest_lengths
+from anet_lumped.model.body_rotation import quaternions
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
 from anet_lumped.model.tables import AXIAL_TWO_WAY_DAMPER, SEGMENT_DIRECTION
-from anet_lumped.prescribed.path_kernel import lead
 from anet_lumped.results.energy_balance import BY_EFFECTS, WORK, book_remainder
 from anet_lumped.results.events import Event
-from anet_lumped.results.run import State, Work
+from anet_lumped.results.run import STATUS, State, Work
 from anet_lumped.scene.origin import near_origin
-from anet_lumped.scene.scene import Driven, Scene, check_scene
+from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.equilibrium import equilibrium
 from anet_lumped.statics.starts import Start, start_state
 from integrators import schemes
@@ -30,33 +30,21 @@ from integrators.states import scratch_for
 from integrators.system import BALANCE, COUNTS, DONE, ENERGIES, EVENT, SAME_TIME, STEP, StepState, entry_point, first_class
 from integrators.system import words_in_memory as system_words
 
+from .body_readings import Motions, body_table, motions_of, read
+from .cable_ends import CableEnds
 from .choice import check_method, choose
 from .failure_messages import why_it_stopped
+from .given_forces import GivenForces
+from .given_motions import GivenMotions
 from .legs import Legs
 from .own_methods import net_and_system
+from .session_mark import Mark, SessionError, own_arrays
 from .simulate import StabilityWarning
 from .stability import transverse_frequency
 from .times import Leg
 
+NOTHING = (0.0, 0.0, 0.0)
 _NO_ADDRESSES = np.empty(0, np.int64)
-
-
-class SessionError(RuntimeError):
-    """A step that failed; the session stands where it failed, and may be restored to what was saved before."""
-
-
-@dataclass(frozen=True, eq=False)
-class Mark:
-    """What `Session.save` has kept; only `Session.restore` of the same session reads it."""
-
-    session: int
-    t: float
-    steps: int
-    structure: tuple
-    legs: tuple[np.ndarray, ...]
-    arrays: tuple[np.ndarray, ...]
-    events: tuple[Event, ...]
-    due: tuple[float, ...]
 
 
 class Session:
@@ -68,7 +56,8 @@ class Session:
     Parameters
     ----------
     scene : Scene
-        Points that are driven from outside are `Driven` with a path `paths.external`; other paths move their points as ever.
+        Points that are driven from outside are `Driven` with a path `paths.external`, bodies have it as `path` and, if they are
+        to be turned, as `turning`; other paths move their points as ever.
     dt : float [s]
     method : str or None
         A method of this package with fixed steps; None picks one, as `simulate` does with a step.
@@ -111,12 +100,8 @@ class Session:
         self._parameters = self._scheme.parameters(rho_inf=rho_inf)
         self._begin, self._step_to = map(entry_point, held_march.compiled())
         self._step = first_class(compile_for(self._scheme.step, STEP))
-        self._external = [p.name for p in scene.points if isinstance(p, Driven) and p.path.kind == "external"]
-        self._given = np.zeros((2, len(self._external), 2, 3))  # at the start and at the end of a step
-        nodes = [begin.model.node_of[name] for name in self._external]
-        self._given[:, :, 0], self._given[:, :, 1] = begin.q[nodes], begin.v[nodes]
-        self._given[1, :, 0] += self.dt * begin.v[nodes]
-        self._forces = {point.name: np.zeros(3) for point in scene.free_points}
+        self._motions = GivenMotions(scene, begin, self._origin, self.dt)
+        self._forces = GivenForces(scene)
         self._counts, self._first_t, self._steps = np.zeros(COUNTS, np.int64), begin.t, 0
         state = State(build(pushed), begin.t, begin.q, begin.v, begin.segment_tension, events=begin.events)
         self._legs = Legs(pushed, state, Leg(begin.t, math.inf, begin.t, math.inf, None), self.dt)
@@ -155,19 +140,20 @@ class Session:
         self._march_words = held_march.words_in_memory(self._march)
         self._address = self._march_words.ctypes.data
         self._observed = np.zeros(model.n_segments)
-        names = [point.name for point in model.scene.points if isinstance(point, Driven)]
-        self._pieces = np.array([self._net.paths.first[names.index(name)] for name in self._external], np.int64)
-        at = self._net.effects.params_at[len(model.forces) - 1]
-        self._push = {point.name: at + 3 * k for k, point in enumerate(model.scene.free_points)}
-        self._write_forces()
-        if self._external:
+        self._motions.attach(model.scene, self._net.paths)
+        self._forces.attach(model, self._net.effects.params, self._net.effects.params_at[len(model.forces) - 1])
+        self._forces.write(q, v, self.dt)
+        if self._motions.tracks:
             self._lead()
+        self._table = body_table(model, self._forces.bodies)
+        two_way = model.axial[model.cable_of, AXIAL_TWO_WAY_DAMPER] > 0.0
+        self._least_tension = np.where(two_way, -math.inf, 0.0)
+        self._cable_ends = CableEnds(model, self._table)
         self._begin(self._address)
 
     def _lead(self) -> None:
-        """Write the paths of the points that are driven from outside through the next step."""
-        t = self._first_t + self._steps * self.dt
-        lead(self._pieces, self._net.paths.breaks, self._net.paths.coefficients, self._given[0], self._given[1], t, self._goal)
+        """Write the paths of what is driven from outside through the next step."""
+        self._motions.lead(self._first_t + self._steps * self.dt, self._goal)
 
     @property
     def _goal(self) -> float:
@@ -175,45 +161,49 @@ class Session:
 
     # What is given -------------------------------------------------------------------------------------------------------
 
-    def drive(self, point: str, position: Any, velocity: Any = (0.0, 0.0, 0.0)) -> None:
-        """Give a driven point's position [m] and velocity [m/s] at the end of the next step.
+    def drive(
+        self, name: str, position: Any = None, velocity: Any = NOTHING, rotation: Any = None, angular_velocity: Any = None
+    ) -> None:
+        """Give the position [m] and velocity [m/s] of a driven point, or of a driven body's origin, at the end of the next step.
 
-        Within the step it moves along the cubic that has both positions and both velocities. A point that is not driven anew goes
-        on with the velocity that was given last.
+        Within the step it moves along the cubic that has both positions and both velocities. What is not driven anew goes on with
+        the velocity that was given last.
 
-        Raises
-        ------
-        InputError : not a point whose path is `paths.external`, or not three finite numbers
-        """
-        if point not in self._external:
-            self.scene.point(point)
-            raise InputError(
-                f"A point is driven from outside if its path is paths.external, but {quoted(point)} is not; "
-                f"{', '.join(map(quoted, self._external)) or 'no point'} is."
-            )
-        k = self._external.index(point)
-        self._given[1, k, 0] = _vector("position", position, "m", "drive") - self._origin
-        self._given[1, k, 1] = _vector("velocity", velocity, "m/s", "drive")
-
-    def push(self, point: str, force: Any) -> None:
-        """Give the force on a free point [N] that acts throughout the next step, and on until another one is given.
+        Parameters
+        ----------
+        name : name of a point, or of a body, whose path is `paths.external`
+        position, velocity : (3,) array_like [m], [m/s]; without a position it goes on
+        rotation : (3,) array_like or None [rad]
+            Of a body whose `turning` is `paths.external`: rotation vector from its axes at the start, less than a whole turn.
+            Within the step it is the cubic likewise, so that it has to go on from the last one. None: it goes on.
+        angular_velocity : (3,) array_like or None [rad/s], in the axes of the world; None with a rotation: zero
 
         Raises
         ------
-        InputError : not a free point, or not three finite numbers
+        InputError : not a point or body whose path is `paths.external`, or not three finite numbers
         """
-        if point not in self._forces:
-            self.scene.point(point)
-            raise InputError(f"A force is given to a free point, but {quoted(point)} is not free.")
-        self._forces[point][:] = _vector("force", force, "N", "push")
-        self._write_forces()
+        self._motions.drive(name, position, velocity, rotation, angular_velocity)
 
-    def _write_forces(self) -> None:
-        """Write the forces that are given into the table of the effect that exerts them."""
-        self._pushed = [name for name, force in self._forces.items() if force.any()]
-        for name, at in self._push.items():
-            if name in self._forces:
-                self._net.effects.params[at : at + 3] = self._forces[name]
+    def push(self, name: str, force: Any, torque: Any = None, axes: str = "world") -> None:
+        """Give the force on a point or body, and the torque on a body, that act in the next step and until others are given.
+
+        Parameters
+        ----------
+        name : name of a free point, of a body that moves freely (at its origin) or of an attachment, "quad1.hook"
+        force : (3,) array_like [N]
+        torque : (3,) array_like or None [N m], on a body; None: none
+        axes : "world" or "body", whose axes turn with the body
+            What turns, and any torque, is taken with the axes in the middle of the step, as the angular velocity now predicts them.
+
+        Raises
+        ------
+        InputError : neither a free point nor on a body that moves freely, a torque on a point, or not three finite numbers
+        """
+        self._forces.push(name, force, torque, axes)
+
+    def push_bodies(self, force: np.ndarray, torque: np.ndarray, axes: str = "world") -> None:
+        """`push` of all bodies that move freely at their origins, in the order of the scene: (bodies, 3) [N] and [N m]."""
+        self._forces.push_bodies(force, torque, axes)
 
     # Steps ---------------------------------------------------------------------------------------------------------------
 
@@ -228,30 +218,34 @@ class Session:
         goal, same = self._goal, SAME_TIME * self.dt
         if len(self._net.lengths.cable):
             rest_lengths.at_shortest(self._legs.scene, goal, goal)
-        if self._external:
+        if self._motions.tracks:
             self._lead()
-        before = [self._state.q[self._legs.left.model.node_of[name]].copy() for name in self._pushed]
+        forces = self._forces
+        if forces.write(self._state.q, self._state.v, self.dt) and self._scheme.evaluates_force:
+            self._begin(self._address)  # such a step takes over the force at the end of the last one
         while True:
             while self._due and self._due[0] <= self._numbers[0]:
                 self._change(self._due.pop(0))
             end = self._due[0] if self._due and self._due[0] <= goal + same else goal
+            before = forces.places(self._state.q) if forces.acts else None
             status, node = self._step_to(self._address, end)
+            if before is not None:
+                work = forces.work(before, self._state.q)
+                self._legs.carried[WORK] += work
+                self._legs.carried[BY_EFFECTS] += work
             if status == EVENT:
                 self._sync()
                 self._legs.break_segments(self._legs.overloaded(at_least=1))
                 self._new_march()
             elif status != DONE:
-                raise SessionError(why_it_stopped(self._legs.left.model, self._choice, status, self.t, node, None, self._counts))
+                raise SessionError(
+                    STATUS[status], why_it_stopped(self._legs.left.model, self._choice, status, self.t, node, None, self._counts)
+                )
             elif end >= goal - same:
                 break
-        for name, q in zip(self._pushed, before, strict=True):
-            work = float(self._forces[name] @ (self._state.q[self._legs.left.model.node_of[name]] - q))
-            self._legs.carried[WORK] += work
-            self._legs.carried[BY_EFFECTS] += work
         self._steps += 1
-        if self._external:
-            self._given[0] = self._given[1]
-            self._given[1, :, 0] += self.dt * self._given[1, :, 1]
+        if self._motions.tracks:
+            self._motions.go_on()
 
     def _change(self, t: float) -> None:
         """Change the payloads whose events are at t."""
@@ -323,18 +317,49 @@ class Session:
         acted[self._legs.left.segment] = self._acted()
         return acted[whole.segments(cable)]
 
+    def rotation(self, body: str) -> np.ndarray:
+        """(3, 3) rotation matrix of a body; its columns are the body's axes."""
+        free = self._forces.body.get(body)
+        return self.state.rotation(body) if free is None else self.motions().rotation[free].copy()
+
+    def quaternion(self, body: str) -> np.ndarray:
+        """(4,) rotation of a body as a unit quaternion (w, x, y, z) with w >= 0."""
+        return quaternions(self.rotation(body))
+
+    def angular_velocity(self, body: str) -> np.ndarray:
+        """(3,) angular velocity of a body in the axes of the world [rad/s]."""
+        free = self._forces.body.get(body)
+        return self.state.angular_velocity(body) if free is None else self.motions().angular_velocity[free].copy()
+
+    def motions(self) -> Motions:
+        """Places and motions of all bodies that move freely, in the order of the scene, read at once: see `Motions`."""
+        found = motions_of(self._table)
+        read(self._state.q, self._state.v, *self._table[:-1], *found)
+        found.position[:] += self._origin
+        return found
+
     def pull(self, point: str) -> np.ndarray:
-        """(3,) force of the cables on a point that acted in the last step [N]."""
-        model, node, acted, total = self._legs.left.model, self._node(point), self._acted(), np.zeros(3)
-        for s in np.flatnonzero((model.ends == node).any(axis=1)):
-            a, b = model.ends[s]
-            if self._scheme.explicit or self._steps == 0:
-                d = self._state.q[b] - self._state.q[a]
-                direction = d / np.linalg.norm(d)
-            else:
-                direction = self._net.segment[s, SEGMENT_DIRECTION : SEGMENT_DIRECTION + 3]
-            total += (acted[s] if a == node else -acted[s]) * direction
-        return total
+        """(3,) force of the cables on a point that acted in the last step [N]; of a body at its origin alone, see `pulls`."""
+        rows, column = self._directions()
+        return self._cable_ends.pull(self._node(point), rows[:, column : column + 3], self._acted())
+
+    def pulls(self) -> tuple[np.ndarray, np.ndarray]:
+        """(bodies, 3) forces of the cables on all bodies that move freely [N], and moments about their origins [N m].
+
+        Half segments that end at a body count with their weight, as of a cable whose mass is spread over its length.
+        """
+        return self._cable_ends.on_bodies(self._state.q, *self._directions(), self._acted())
+
+    def _directions(self) -> tuple[np.ndarray, int]:
+        """Rows of the segments left, and the first of the three columns of the direction in which each pulled in the last step."""
+        if self._scheme.explicit or self._steps == 0:
+            return self._cable_ends.directions(self._state.q), 0
+        return self._net.segment, SEGMENT_DIRECTION
+
+    def free_points(self) -> tuple[np.ndarray, np.ndarray]:
+        """(k, 3) places [m] and velocities [m/s] of all free points, in the order of the scene."""
+        nodes = self._forces.free_nodes
+        return self._state.q[nodes] + self._origin, self._state.v[nodes]
 
     def _node(self, point: str) -> int:
         try:
@@ -347,9 +372,7 @@ class Session:
         """Tension of every segment that acted in the last step, of what is left of the scene."""
         if self._scheme.explicit or self._steps == 0:
             return self._end_tension()
-        model = self._legs.left.model
-        two_way = model.axial[model.cable_of, AXIAL_TWO_WAY_DAMPER] > 0.0
-        return np.where(two_way, self._net.tension, np.maximum(self._net.tension, 0.0))
+        return np.maximum(self._net.tension, self._least_tension)
 
     def _end_tension(self) -> np.ndarray:
         """Tension of every segment at the time reached, as a run saves it."""
@@ -361,16 +384,15 @@ class Session:
     def _arrays(self) -> Iterator[np.ndarray]:
         """Everything that a step changes, besides what the legs hold."""
         net = self._net._replace(words=_NO_ADDRESSES, kernels=_NO_ADDRESSES)
-        yield from (self._numbers, self._counts, self._given, *self._state, *_own_arrays(net, self._legs.left.model))
+        yield from (self._numbers, self._counts, self._motions.given, *self._state, *own_arrays(net, self._legs.left.model))
 
     def save(self) -> Mark:
         """Keep the whole state of the session, to go back to."""
         legs = self._legs
         kept = legs.q, legs.v, legs.tension, legs.carried
-        forces = np.array([*self._forces.values()]).reshape(-1, 3)
         return Mark(
-            id(self), self.t, self._steps, (dict(legs.masses), dict(legs.broken)), tuple(x.copy() for x in (*kept, forces)),
-            tuple(x.copy() for x in self._arrays()), self.events, tuple(self._due),
+            id(self), self.t, self._steps, (dict(legs.masses), dict(legs.broken)), tuple(x.copy() for x in kept),
+            self._forces.saved(), tuple(x.copy() for x in self._arrays()), self.events, tuple(self._due),
         )  # fmt: skip
 
     def restore(self, mark: Mark) -> None:
@@ -386,17 +408,14 @@ class Session:
         other = (masses, broken) != (legs.masses, legs.broken)
         legs.masses, legs.broken, legs.events, self._due = dict(masses), dict(broken), list(mark.events), list(mark.due)
         legs.t, self._steps = mark.t, mark.steps
-        *kept, forces = mark.legs
-        for own, saved in zip((legs.q, legs.v, legs.tension, legs.carried), kept, strict=True):
+        for own, saved in zip((legs.q, legs.v, legs.tension, legs.carried), mark.legs, strict=True):
             own[:] = saved
-        for own, saved in zip(self._forces.values(), forces, strict=True):
-            own[:] = saved
+        self._forces.restore(mark.forces)
         if other:
             legs._reduce()
             self._new_march()
         for own, saved in zip(self._arrays(), mark.arrays, strict=True):
             own[...] = saved
-        self._write_forces()
 
     def reset(self) -> None:
         """Go back to the start."""
@@ -410,25 +429,3 @@ class Session:
 
     def __repr__(self) -> str:
         return f"<Session at t={self.t:g} s: {self.method} with dt={self.dt:g} s, {self._legs.model.n} nodes>"
-
-
-def _vector(name: str, value: Any, unit: str, owner: str) -> np.ndarray:
-    """Three finite numbers; `check_vector` says what is wrong with others, and takes ten times as long."""
-    if isinstance(value, np.ndarray) and value.shape == (3,) and value.dtype == float and np.isfinite(value).all():
-        return value
-    return np.array(check_vector(name, value, unit, owner))
-
-
-def _own_arrays(value: Any, model: Any) -> list[np.ndarray]:
-    """Arrays in a nested tuple that no model holds."""
-    held = {id(array) for array in _flat(tuple(vars(model).values()))}
-    return [array for array in _flat(value) if array.size and id(array) not in held]
-
-
-def _flat(value: Any) -> Iterator[np.ndarray]:
-    """The arrays in a nested tuple."""
-    if isinstance(value, np.ndarray):
-        yield value
-    elif isinstance(value, tuple):
-        for part in value:
-            yield from _flat(part)

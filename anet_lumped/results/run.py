@@ -10,6 +10,7 @@ import numpy as np
 
 from anet_lumped.checks import InputError, check_index
 from anet_lumped.effects.laws.axial import tension_parts, with_select
+from anet_lumped.model import body_rotation
 from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_TWO_WAY_DAMPER
 from anet_lumped.scene.scene import Scene
@@ -17,10 +18,11 @@ from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
-from . import body_motion, error_estimate, run_file, tension_error
+from . import error_estimate, run_file, tension_error
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, Event, broken
+from .moved_body import moved
 
 STATUS = {
     DONE: "done",
@@ -111,19 +113,19 @@ class State:
 
     def rotation(self, body: str) -> np.ndarray:
         """(3, 3) rotation matrix of a body; its columns are the body's axes."""
-        return body_motion.rotations(self.model, body, self.t, self.q)
+        return body_rotation.rotations(self.model, body, self.t, self.q)
 
     def quaternion(self, body: str) -> np.ndarray:
         """(4,) rotation of a body as a unit quaternion (w, x, y, z) with w >= 0."""
-        return body_motion.quaternions(self.rotation(body))
+        return body_rotation.quaternions(self.rotation(body))
 
     def angular_velocity(self, body: str) -> np.ndarray:
         """(3,) angular velocity of a body in the axes of the world [rad/s]."""
-        return body_motion.angular_velocities(self.model, body, self.t, self.q, self.v)
+        return body_rotation.angular_velocities(self.model, body, self.t, self.q, self.v)
 
     def moved(self, body: str, **motion: Any) -> "State":
-        """The same state with a body elsewhere, or moving otherwise: see `body_motion.moved` for ``at`` and the like."""
-        return body_motion.moved(self, body, **motion)
+        """The same state with a body elsewhere, or moving otherwise: see `moved_body.moved` for ``at`` and the like."""
+        return moved(self, body, **motion)
 
     def shape(self, cable: str) -> np.ndarray:
         """(segments + 1, 3) places of a cable's nodes from its start to its end [m]."""
@@ -305,15 +307,15 @@ class Run:
 
     def rotation(self, body: str) -> np.ndarray:
         """(k, 3, 3) rotation matrices of a body; their columns are the body's axes."""
-        return body_motion.rotations(self.model, body, self.t, self.q)
+        return body_rotation.rotations(self.model, body, self.t, self.q)
 
     def quaternion(self, body: str) -> np.ndarray:
         """(k, 4) rotations of a body as unit quaternions (w, x, y, z) with w >= 0."""
-        return body_motion.quaternions(self.rotation(body))
+        return body_rotation.quaternions(self.rotation(body))
 
     def angular_velocity(self, body: str) -> np.ndarray:
         """(k, 3) angular velocities of a body in the axes of the world [rad/s]."""
-        return body_motion.angular_velocities(self.model, body, self.t, self.q, self.v)
+        return body_rotation.angular_velocities(self.model, body, self.t, self.q, self.v)
 
     def shape(self, cable: str) -> np.ndarray:
         """(k, segments + 1, 3) places of a cable's nodes from its start to its end [m]."""

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any, Literal, get_args, get_origin
 
-from anet_lumped.checks import NAMED, SceneError, nearest, one_line, quoted, shown
+from anet_lumped.checks import NAMED, SceneError, Vector, nearest, one_line, quoted, shown
 from anet_lumped.effects.flow import waves, wind
 from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.wind import Wind
@@ -124,8 +124,21 @@ def _parts(maker: Callable, key: str, value: Any, place: str) -> Any:
     annotation = _arguments(maker)[key].annotation
     for part, (what, kinds) in PARTS.items():
         if value is not None and _mentions(annotation, part):
+            if _mentions(annotation, Vector):
+                return _vectors_or(what, kinds, value, f"{place}.{key}")
             return _made(what, kinds, value, f"{place}.{key}", may_be_number=_mentions(annotation, float))
     return value
+
+
+def _vectors_or(what: str, kinds: Mapping[str, Callable], value: Any, place: str) -> Any:
+    """Return vectors by name, or pairs of a name and a vector, where a table stands for what its `kind` says."""
+    named = value.items() if isinstance(value, dict) else value
+    if not isinstance(value, dict | list) or not all(isinstance(pair, list | tuple) and len(pair) == 2 for pair in named):
+        return value
+    return {
+        name: _part(what, kinds, entry, f"{place}.{one_line(str(name), NAMED)}") if isinstance(entry, dict) else entry
+        for name, entry in named
+    }
 
 
 def _mentions(annotation: Any, part: type) -> bool:

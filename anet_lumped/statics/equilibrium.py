@@ -253,10 +253,12 @@ def _check_supports(scene: Scene) -> None:
         if name not in reached:
             others = len(_connected(neighbours, [name])) - 1
             what = "body" if name in [body.name for body in scene.bodies] else "free point"
+            may_fly = any(body.name in _connected(neighbours, [name]) for body in scene.bodies)
             raise NoRestError(
                 f"Every part of a net must hang on a fixed or driven point, but nothing holds {what} {quoted(name)}"
                 + (f" and the {others} others it is tied to" if others else "")
-                + '; `simulate` moves it from start="straight" or a State.'
+                + '; `simulate` moves it from start="straight" or a State'
+                + (", and anet_lumped.flight lets quadrotors carry it." if may_fly else ".")
             )
 
 

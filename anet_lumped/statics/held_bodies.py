@@ -17,7 +17,10 @@ def with_bodies_held(scene: Scene) -> Scene:
     free = [body for body in scene.bodies if not body.is_driven]
     held = [Fixed(point.name, point.at) for body in free for point in body.points if point.name in ends and point.at is not None]
     driven = tuple(body for body in scene.bodies if body.is_driven)
-    return replace(scene, points=(*scene.points, *held), bodies=driven, events=())
+    names = [point.name for body in free for point in body.points]
+    effects = [effect.without_bodies(names) for effect in scene.effects]
+    left = [effect for effect in effects if effect is not None]
+    return replace(scene, points=(*scene.points, *held), bodies=driven, effects=left, events=())
 
 
 def stretching(scene: Scene, EA: float) -> Scene:

@@ -11,6 +11,7 @@ from anet_lumped.checks import InputError, printable, shown
 from anet_lumped.regular_files import check_target
 
 from . import colours
+from .boxes import box_edges
 from .motion import Motion, kind_of, motion_of
 from .surroundings import surroundings
 
@@ -88,6 +89,9 @@ def _drawing(run: Any, motion: Motion) -> tuple[Any, Any]:
     ends, least = run.model.ends, 1e-6 * motion.full_scale
     cables = Line3DCollection(motion.q[0][ends] if len(ends) else NOTHING, linewidths=2.2, zorder=3)
     axes.add_collection3d(cables, autolim=False)
+    edges = box_edges(run, motion.t, motion.q) if run.scene.bodies else None
+    bodies = Line3DCollection(NOTHING, linewidths=1.2, colors=colours.BODY, zorder=3)
+    axes.add_collection3d(bodies, autolim=False)
     nodes = [(point, run.model.node(point.name)) for point in run.scene.points]
     spots: list[Any] = [
         axes.plot([], [], [], "s" if kind_of(point) == "fixed" else "o", ms=5, color=colours.POINTS[kind_of(point)], zorder=4)[0]
@@ -107,6 +111,8 @@ def _drawing(run: Any, motion: Motion) -> tuple[Any, Any]:
         cables.set_segments(q[k][ends[holds]] if holds.any() else NOTHING)
         cables.set_color([scale.to_rgba(T) if pull else colours.SLACK for T, pull in zip(tension, pulls, strict=True)])
         cables.set_linestyle(["-" if pull else ":" for pull in pulls])
+        if edges is not None:
+            bodies.set_segments(edges[k] - origin(k))
         for spot, (_, node) in zip(spots, nodes, strict=True):
             spot.set_data_3d(*q[k, node][:, None])
         for name, (_, node) in zip(names, named, strict=True):

@@ -14,9 +14,11 @@ from typing import Any
 import numpy as np
 
 from anet_lumped.checks import InputError, printable
+from anet_lumped.model.body_rotation import quaternions
 from anet_lumped.regular_files import check_target
 
 from . import colours
+from .boxes import box_of, poses
 from .motion import Motion, kind_of, motion_of, thinned
 from .surroundings import Plane, Surroundings, surroundings
 from .verdict import as_length, verdict
@@ -54,10 +56,10 @@ def page_text(run: Any, title: str, most: int = MOST) -> str:
     """Return the page of a run as HTML of at most so many bytes; as `write_page`."""
     motion = motion_of(run)
     content = _scene(run, motion) | {"title": title, "curves": _curves(motion)}
-    empty = _rendered(run, motion, content | _states(motion, np.arange(0)), title)
-    each = 4 / 3 * 4 * (1 + motion.q[0].size + motion.tension[0].size)  # base64 of float32
+    empty = _rendered(run, motion, content | _states(run, motion, np.arange(0)), title)
+    each = 4 / 3 * 4 * (1 + motion.q[0].size + motion.tension[0].size + 7 * len(run.scene.bodies))  # base64 of float32
     rows = thinned(len(motion.t), int((most - len(empty.encode()) - SPARE) / each))
-    text = _rendered(run, motion, content | _states(motion, rows), title)
+    text = _rendered(run, motion, content | _states(run, motion, rows), title)
     if len(text.encode()) > most:
         raise InputError(
             f"A page must not have more than {most:.3g} bytes, but two states of this run of {run.model.n} nodes take more; "
@@ -86,6 +88,7 @@ def _rendered(run: Any, motion: Motion, content: dict[str, Any], title: str) -> 
         notes=_notes(run, motion, content["shown"]),
         broke=bool(np.isfinite(motion.broken_at).any()),
         kinds=dict.fromkeys(kind_of(point) for point in run.scene.points),
+        bodies=len(run.scene.bodies),
         colours=colours,
     )
 
@@ -118,6 +121,7 @@ def _scene(run: Any, motion: Motion) -> dict[str, Any]:
         "ends": model.ends.tolist(),
         "broken_at": [float(t) if np.isfinite(t) else None for t in motion.broken_at],
         "points": [{"name": printable(p.name), "kind": kind_of(p), "node": model.node(p.name)} for p in run.scene.points],
+        "bodies": [{"name": printable(body.name), "sides": box_of(body).sides.tolist()} for body in run.scene.bodies],
         "events": [{"t": float(event.t), "text": printable(str(event))} for event in run.events],
         "middle": motion.middle.tolist(),
         "box": motion.box.tolist(),
@@ -125,7 +129,8 @@ def _scene(run: Any, motion: Motion) -> dict[str, Any]:
         "follow": motion.drifts,
         "full_scale": motion.full_scale,
         "around": _around(around),
-        "colours": {"tension": colours.TENSION, "slack": colours.SLACK, "points": colours.POINTS, "ground": colours.GROUND,
+        "colours": {"tension": colours.TENSION, "slack": colours.SLACK, "points": colours.POINTS, "body": colours.BODY,
+                    "ground": colours.GROUND,
                     "water": colours.WATER, "wind": colours.WIND, "current": colours.CURRENT},
     }  # fmt: skip
 
@@ -148,12 +153,16 @@ def _plane(plane: Plane | None) -> dict[str, Any] | None:
     return None if plane is None else {"normal": plane.normal.tolist(), "height": plane.height}
 
 
-def _states(motion: Motion, rows: np.ndarray) -> dict[str, Any]:
-    """The states of these rows: how many, and arrays one after the other as base64 of float32."""
-    return {
-        "shown": len(rows),
-        "states": {"t": _packed(motion.t[rows]), "q": _packed(motion.q[rows]), "tension": _packed(motion.tension[rows])},
-    }
+def _states(run: Any, motion: Motion, rows: np.ndarray) -> dict[str, Any]:
+    """The states of these rows: how many, and arrays one after the other as base64 of float32.
+
+    Of each body the middle of its box, and a quaternion (x, y, z, w) that turns the box to its place.
+    """
+    states = {"t": _packed(motion.t[rows]), "q": _packed(motion.q[rows]), "tension": _packed(motion.tension[rows])}
+    if run.scene.bodies:
+        middles, axes = poses(run, motion.t[rows], motion.q[rows])
+        states["bodies"] = _packed(np.concatenate([middles, np.roll(quaternions(axes), -1, axis=-1)], axis=-1))
+    return {"shown": len(rows), "states": states}
 
 
 def _curves(motion: Motion) -> dict[str, Any]:

@@ -79,8 +79,9 @@ def test_bundled_scene(file, tmp_path):
         assert (cable.length, cable.mass_per_length, cable.EA, cable.segments) == (1.0, 0.1, 1e4, 20)
 
 
-def test_six_scenes_are_bundled():
-    names = ["loose_cable", "net_carried", "net_flown", "net_held", "thesis_single_cable", "thesis_two_cables"]
+def test_the_scenes_that_are_bundled():
+    names = ["loose_cable", "net_carried", "net_flown", "net_held", "quadrotor_hover", "quadrotors_break", "quadrotors_gust"]
+    names += ["quadrotors_net", "thesis_single_cable", "thesis_two_cables"]
     assert [file.stem for file in SCENES] == names
 
 

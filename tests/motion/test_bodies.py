@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 
 from anet_lumped import Body, Cable, Fixed, Free, InputError, Scene, equilibrium, simulate
-from anet_lumped.effects import Gravity, ViscousDamping
+from anet_lumped.effects import Gravity, ViscousDamping, Water
 
 G = 9.81
 INERTIA = np.array([0.02, 0.03, 0.045])
@@ -215,3 +215,16 @@ def test_what_takes_energy_takes_it_from_bodies_too():
 def test_a_method_that_moves_no_bodies_is_refused_in_a_sentence():
     with pytest.raises(InputError, match=r"Bodies that move need one of the methods .*edmc.*, but the method is sdirk2"):
         simulate(top(), 1.0, method="sdirk2", dt=0.01, start="straight")
+
+
+def test_the_account_closes_where_a_body_moves_water():
+    """Added mass at attachments that turn: the fluid is given what the velocities of the body at both ends of a step say."""
+    cable = Cable("a", "b.l", length=1.0, mass_per_length=0.02, EA=1e4, zeta=0.05, segments=3, diameter=0.02)
+    body = Body("b", mass=1.5, inertia=tuple(INERTIA), at=(0.2, 0.0, -1.0), attachments={"l": (-0.2, 0.0, 0.0)})
+    scene = Scene([Fixed("a", (0.0, 0.0, 0.0))], [cable], [Gravity(G), Water()], bodies=[body])
+    start = equilibrium(scene).moved("b", velocity=(0.1, 0.0, 0.0), angular_velocity=(0.5, 1.0, 2.0))
+    exact = simulate(scene, 0.2, method="dop853", rtol=1e-10, start=start).q[-1]
+    runs = [simulate(scene, 0.2, method="edmc", dt=dt, start=start) for dt in (1e-3, 2.5e-4)]
+    assert all(abs(run.energy_balance.imbalance) < 1e-8 for run in runs)
+    errors = [np.abs(run.q[-1] - exact).max() for run in runs]
+    assert errors[1] < 2e-6 and errors[0] > 8.0 * errors[1]

@@ -265,7 +265,7 @@ def test_messages():
         session.drive("p0", (0, 0, 0))
     with pytest.raises(InputError, match=r"position.* must be three finite numbers|position=.*nan"):
         session.drive("s0", (0, 0, np.nan))
-    with pytest.raises(InputError, match=r'force is given to a free point, but "s0" is not free'):
+    with pytest.raises(InputError, match=r'force is given to a free point or to a body that moves freely, but "s0" is not free'):
         session.push("s0", (0, 0, 1))
     with pytest.raises(InputError, match='no point "p1", did you mean'):
         session.position("p1")

@@ -67,7 +67,7 @@ MAKERS = {
 }
 CABLE = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e3, segments=2)
 MAKERS["Scene"] = (Scene, {"points": POINTS, "cables": [CABLE]})
-SCENE = SimpleNamespace(supports=[(0.0, 0.0, 0.0)], cables=[CABLE])
+SCENE = SimpleNamespace(supports=[(0.0, 0.0, 0.0)], cables=[CABLE], free_points=[Free("b")])
 for name in REGISTRY.library:
     example = REGISTRY[name].example(SCENE)
     MAKERS[name] = (type(example), {key: getattr(example, key) for key in inspect.signature(type(example)).parameters})
@@ -123,6 +123,7 @@ RIGHT = (
         ("a bool", "water", "points_float"),
         ("escapes", "load", "cables"),
     }
+    | {(empty, "applied_forces", what) for empty in ("an empty list", "an empty dict") for what in ("force", "torque")}
     | {("400 digits", "wind.Dryden", "seed"), ("5000 digits", "wind.Dryden", "seed")}
 )
 """What is no mistake after all."""

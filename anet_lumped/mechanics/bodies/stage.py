@@ -26,7 +26,7 @@ from anet_lumped.model.tables import (
 )
 from integrators.stage import LAW_BETWEEN
 
-from .rotation import group_of, place, rotation_between
+from .rotation import centre_of_mass, group_of, place, rotation_between
 from .vectors import (
     added,
     applied,
@@ -38,6 +38,7 @@ from .vectors import (
     matrix_product,
     minus,
     plus,
+    put,
     row,
     scaled,
     solved,
@@ -63,6 +64,25 @@ def _before(net, b, group, base, target, per_h):
     return solved(inertia, momentum), momentum
 
 
+@inlined
+def _slow(net, b, base, target, per_h, of_centre, spin):
+    """Write how much the nodes of a body slow down in the mean over a step, by its velocities at both ends, to ``bodies.slowing``.
+
+    The centre of mass slows down by ``of_centre`` [m/s2], and the body turns by ``spin`` at the end.
+    """
+    bodies = net.bodies
+    _, centre = centre_of_mass(net, b, base)
+    _, ahead = centre_of_mass(net, b, target)
+    start = scaled(per_h, minus(ahead, centre))
+    if bodies.pivot[b] >= 0:
+        start = NO_VECTOR
+    for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
+        i = bodies.node[k]
+        before = minus(scaled(per_h, minus(row(target, i), row(base, i))), start)
+        turning = minus(before, cross(spin, row(bodies.arm_end, k)))
+        put(bodies.slowing, i - bodies.first, plus(of_centre, scaled(per_h, turning)))
+
+
 @on_demand
 def place_bodies(stage, net_address, base, target, q):
     """Move the rows of each body in q to the nearest place that keeps its shape, and write its inertia to ``bodies.state``."""
@@ -77,6 +97,7 @@ def place_bodies(stage, net_address, base, target, q):
             i = bodies.node[k]
             m, ahead = net.mass[i] * stage.W, minus(row(target, i), row(q, i))
             shift = plus(shift, scaled(m, ahead))
+            put(bodies.slowing, i - bodies.first, scaled(stage.W, ahead))
             if stage.law != LAW_BETWEEN:
                 arm = row(bodies.arm_end, k)
                 moment = plus(moment, scaled(m, cross(arm, ahead)))
@@ -98,6 +119,10 @@ def place_bodies(stage, net_address, base, target, q):
             rate = added(rate, cross_matrix(plus(end, w)))
             stiffness = times_scalar(per_h, added(matrix_product(J, rate), cross_matrix(scaled(-1.0, momentum))))
             second_order += per_h * (J[0] + J[4] + J[8]) * math.sqrt(dot(end, end))
+            mean_ahead = scaled(1.0 / (group.mass * stage.W), shift)
+            if bodies.pivot[b] >= 0:
+                mean_ahead = NO_VECTOR
+            _slow(net, b, base, target, per_h, scaled(stage.W, mean_ahead), end)
         of = bodies.state[b]
         of[BODY_INERTIA], of[BODY_RADIUS] = group.mass * stage.W, math.sqrt(0.5 * (J[0] + J[4] + J[8]) / group.mass)
         of[BODY_SECOND_ORDER] = second_order

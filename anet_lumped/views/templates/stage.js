@@ -115,6 +115,27 @@ function makeStage(content, element) {
     return span;
   }
 
+  // --- bodies -------------------------------------------------------------------------------------------------------------
+
+  const poses = content.bodies.length ? unpack(content.states.bodies) : null, before = new THREE.Quaternion(), after = new THREE.Quaternion();
+  const boxes = content.bodies.map((body) => {
+    const material = new THREE.MeshLambertMaterial({ color: content.colours.body, transparent: true, opacity: 0.85 });
+    const mesh = new THREE.Mesh(new THREE.BoxGeometry(...body.sides), material);
+    scene.add(mesh);
+    named.push({ text: label(body.name, ""), at: mesh.position, flow: false, node: null });
+    return mesh;
+  });
+
+  function drawBodies(i, f) {
+    boxes.forEach((mesh, b) => {
+      const first = 7 * (i * boxes.length + b), next = f > 0 ? first + 7 * boxes.length : first;
+      for (let k = 0; k < 3; k++) mesh.position.setComponent(k, poses[first + k] + f * (poses[next + k] - poses[first + k]));
+      before.fromArray(poses, first + 3);
+      after.fromArray(poses, next + 3);
+      mesh.quaternion.copy(before.slerp(after, f));
+    });
+  }
+
   // --- traces of the free points ------------------------------------------------------------------------------------------
 
   function thin(positions) {
@@ -325,7 +346,8 @@ function makeStage(content, element) {
       now[x] = f > 0 ? first + f * (q[(i + 1) * now.length + x] - first) : first;
     }
     drawCables(t, i, f);
-    for (const one of named) if (!one.flow) one.at.fromArray(now, 3 * one.node);
+    for (const one of named) if (!one.flow && one.node !== null) one.at.fromArray(now, 3 * one.node);
+    drawBodies(i, f);
     drawTraces(i);
     drawWave(t);
     go();

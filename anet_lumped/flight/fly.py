@@ -1,0 +1,122 @@
+"""A flight: a scene whose bodies are quadrotors, under a controller, step by step."""
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from anet_lumped.checks import InputError, check_number, nearest, quoted, shown
+from anet_lumped.model.build import build
+from anet_lumped.motion.session import Session, SessionError
+from anet_lumped.results.run import Run
+from anet_lumped.scene.scene import Scene, check_scene
+
+from .geometric import Wrench
+from .hovering import hovering
+from .quadrotor import THESIS_QUADROTOR, Quadrotor
+from .rotors import Rotors
+from .seen import Seen, Sensors, look
+
+STATES = 400  # saved if the caller does not say how many
+
+
+def quadrotors_of(scene: Scene, quadrotors: Quadrotor | Mapping[str, Quadrotor]) -> list[Quadrotor]:
+    """The Quadrotor of each body that moves freely, in the order of the scene.
+
+    Raises
+    ------
+    InputError : a body without one, one without a body, or another mass than the body's
+    """
+    names = [body.name for body in scene.bodies if not body.is_driven]
+    found = dict.fromkeys(names, quadrotors) if isinstance(quadrotors, Quadrotor) else quadrotors
+    if not isinstance(found, Mapping):
+        raise InputError(f"Argument `quadrotors` must be a Quadrotor or a dict of them by body, but it is {shown(quadrotors)}.")
+    for name in found:
+        if name not in names:
+            raise InputError(
+                f"Argument `quadrotors` must name bodies that move freely, but it names {quoted(name)}"
+                + (nearest(name, names) or ".")
+            )
+    for name in names:
+        if not isinstance(found.get(name), Quadrotor):
+            raise InputError(
+                f"Every body that moves freely must have a Quadrotor, but body {quoted(name)} has {shown(found.get(name))}."
+            )
+        if not np.isclose(found[name].mass, scene.body(name).mass or 0.0, rtol=1e-6):
+            raise InputError(
+                f"A body must have the mass of its Quadrotor, {found[name].mass:g} kg, but {quoted(name)} has "
+                f"{scene.body(name).mass:g} kg."
+            )
+    return [found[name] for name in names]
+
+
+def fly(
+    scene: Scene, controller: Callable[[Seen], Wrench], t_end: float, *, dt: float = 0.004,
+    quadrotors: Quadrotor | Mapping[str, Quadrotor] = THESIS_QUADROTOR, sensors: Sensors | None = None,
+    save_every: float | None = None, **session: Any,
+) -> Run:  # fmt: skip
+    """Fly a scene from where its quadrotors hover.
+
+    Each step looks at the state, asks the controller, lets the rotors turn and marches the scene, with thrust, torque and drag held
+    over the step in the axes of the bodies. The rotors begin as the controller first tells them.
+
+    Parameters
+    ----------
+    scene : Scene
+        All its bodies that move freely are quadrotors. They start where it has them, in the attitude in which they hover.
+    controller : callable(Seen) -> Wrench, with ``reset()`` if it remembers anything
+    t_end : float [s]
+    dt : float [s]
+    quadrotors : Quadrotor, or dict of them by the name of their body
+    sensors : Sensors or None, what the controller sees of the state; None: all, exactly
+    save_every : float or None [s], time between saved states, rounded to steps; None saves about 400
+    session : keyword arguments of `Session`; with a ``start``, bodies begin as the scene has them
+
+    Returns
+    -------
+    Run
+        Its status is not "done" if a step failed; it holds what was done by then.
+
+    Raises
+    ------
+    InputError : an argument out of its range
+    """
+    check_scene(scene)
+    t_end, dt = (check_number(name, x, "s", "fly", sign="positive") for name, x in (("t_end", t_end), ("dt", dt)))
+    if dt > t_end * (1.0 + 1e-9):
+        raise InputError(f"Argument `dt` must not exceed t_end={t_end:g} s, but it is {dt:g} s.")
+    crew = quadrotors_of(scene, quadrotors)
+    if "start" not in session:
+        ready = hovering(scene)
+        scene, session = ready.scene, session | {"start": ready.shapes}
+    steps = round(t_end / dt)
+    every = max(1, round(steps / STATES if save_every is None else save_every / dt))
+    march, rotors = Session(scene, dt, **session), Rotors(crew, dt)
+    for one in (controller, sensors):
+        if one is not None and hasattr(one, "reset"):
+            one.reset()
+    model, rows, status, message = build(scene), [], "done", ""
+    begin = time.perf_counter()
+    for k in range(steps + 1):
+        if k % every == 0 or k == steps:
+            rows.append((march.state, march.energy))
+        if k == steps:
+            break
+        seen = look(march)
+        told = controller(seen if sensors is None else sensors(seen))
+        if k == 0:
+            rotors.settle(*told)
+        march.push_bodies(*rotors.step(*told, seen.rotation, seen.velocity), axes="body")
+        try:
+            march.step()
+        except SessionError as failure:
+            status, message = failure.status, str(failure)
+            break
+    wall_time = time.perf_counter() - begin
+    return Run(
+        model=model, t=np.array([state.t for state, _ in rows]), q=np.array([state.q for state, _ in rows]),
+        v=np.array([state.v for state, _ in rows]), energy=np.array([energy for _, energy in rows]), method=march.method, dt=dt,
+        reason=march.reason, status=status, message=message, work=march.work, wall_time=wall_time,
+        segment_tension=np.array([state.segment_tension for state, _ in rows]), events=march.events,
+    )  # fmt: skip

@@ -1,0 +1,53 @@
+"""What a session keeps to go back to, and how it says that a step failed."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from anet_lumped.results.events import Event
+
+
+class SessionError(RuntimeError):
+    """A step that failed; the session stands where it failed, and may be restored to what was saved before.
+
+    Parameters
+    ----------
+    status : as of a `Run`
+    message : str
+    """
+
+    def __init__(self, status: str, message: str) -> None:
+        super().__init__(message)
+        self.status = status
+
+
+@dataclass(frozen=True, eq=False)
+class Mark:
+    """What `Session.save` has kept; only `Session.restore` of the same session reads it."""
+
+    session: int
+    t: float
+    steps: int
+    structure: tuple
+    legs: tuple[np.ndarray, ...]
+    forces: tuple[np.ndarray, ...]
+    arrays: tuple[np.ndarray, ...]
+    events: tuple[Event, ...]
+    due: tuple[float, ...]
+
+
+def own_arrays(value: Any, model: Any) -> list[np.ndarray]:
+    """Arrays in a nested tuple that no model holds."""
+    held = {id(array) for array in _flat(tuple(vars(model).values()))}
+    return [array for array in _flat(value) if array.size and id(array) not in held]
+
+
+def _flat(value: Any) -> Iterator[np.ndarray]:
+    """The arrays in a nested tuple."""
+    if isinstance(value, np.ndarray):
+        yield value
+    elif isinstance(value, tuple):
+        for part in value:
+            yield from _flat(part)
