@@ -41,6 +41,7 @@ NAMES = [
     "speed",
     "work_precision",
     "without_stretch",
+    "three_models",
     "hard_cases",
     "effects_cost",
     "hostile_input",

@@ -30,6 +30,9 @@ def save_mjcf(
     at rest. Loops are closed by `connect`, with the time constant 2 dt: the default of 0.02 s lets a net of four cables sag by
     a millimetre. The integrator is `implicitfast`; Runge-Kutta is not stable with dampers at the joints of light links.
 
+    Supports are mocap bodies, which the engine holds for bodies at rest wherever they are set to: links do not feel that a support
+    accelerates. Where all supports move alike, the acceleration of the supports taken off gravity is exact.
+
     Parameters
     ----------
     scene : Scene

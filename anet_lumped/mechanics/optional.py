@@ -69,7 +69,7 @@ SIGNATURES = {
     "work_of_lengths": float64(STAGE, int64, _f2, _f2, _f2),
     "energy_of_paid_out": float64(STAGE, int64, _f2, _f2),
     "place_bodies": types.void(STAGE, int64, _f2, _f2, _f2),
-    "balance_bodies": types.NamedUniTuple(float64, 6, CableBalance)(STAGE, int64, float64, float64),
+    "balance_bodies": types.NamedUniTuple(float64, 6, CableBalance)(STAGE, int64, float64, float64, float64),
     "reduce_bodies": types.void(int64),
     "spread_bodies": types.void(int64),
     "finish_bodies": float64(int64),

@@ -264,7 +264,7 @@ def residual(stage, base, target, q, net_address):
         balance = _joined(balance, of_singles(stage, net_address, base, q, step, largest_coordinate))
     if first_of_bodies < n_free:
         of_bodies = as_balance_bodies(net.kernels[KERNEL_BALANCE_BODIES])
-        of_those = of_bodies(stage, net_address, balance.noise, balance.predicted_noise)
+        of_those = of_bodies(stage, net_address, largest_coordinate, balance.noise, balance.predicted_noise)
         balance = _joined(balance, of_those)
     norm, predicted, sum_of_forces = balance.norm, balance.predicted, balance.sum_of_forces
     for i in range(net.n_interior, first_of_bodies):

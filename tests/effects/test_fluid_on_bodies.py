@@ -269,7 +269,7 @@ def test_where_points_do_not_float_small_bodies_do_not_either():
     """A body above the surface is lifted all the same, and its energy is that of its depth."""
     body = Body("b", **BALL, volume=1e-3)
     scene = alone(body, effects=[Gravity(G), Water(RHO, -9.0, points_float=False)])
-    model, kernels, (index, params) = on_bodies(scene)
+    _, kernels, (index, params) = on_bodies(scene)
     q = simulate(scene, 1e-9, method="edmc", dt=1e-9, start="straight").state(0).q
     f = np.zeros_like(q)
     kernels["force"](0.0, q, np.zeros_like(q), index, params, f)

@@ -181,7 +181,7 @@ def _stiffness(net, b):
 
 
 @on_demand
-def balance_bodies(stage, net_address, cable_noise, predicted_noise):
+def balance_bodies(stage, net_address, largest_coordinate, cable_noise, predicted_noise):
     """`CableBalance` of the bodies, with moments over the radius of gyration; adds what forces do to the turning of their arms.
 
     The last two arguments are what rounding leaves of the forces of cables, by their law and as predicted [N].
@@ -197,7 +197,8 @@ def balance_bodies(stage, net_address, cable_noise, predicted_noise):
         force_predicted, moment_predicted = _total(net, b, net.predicted_force, net.n_interior, between)
         load, load_moment = _total(net, b, net.right_side, 0, between)
         held = 0.0 if pinned else 1.0
-        of_places = FORCE_ROUNDING * (of[BODY_INERTIA] + _stiffness(net, b)) * of[BODY_COORDINATE]
+        of_inertia = FORCE_ROUNDING * of[BODY_INERTIA] * largest_coordinate
+        of_places = of_inertia + FORCE_ROUNDING * _stiffness(net, b) * of[BODY_COORDINATE]
         by_law = _weighted(plus(moment_by_law, moment), radius, cable_noise + of_places, weight)
         norm = max(norm, held * largest(plus(force_by_law, shift)), by_law)
         as_predicted = _weighted(plus(moment_predicted, moment), radius, predicted_noise + of_places, weight)
