@@ -15,12 +15,12 @@ from typing import Annotated
 
 import typer
 
-from studies.quantities import metres, newtons, seconds
+from studies.quantities import metres, newton_metre_seconds, newtons, seconds
 from studies.scenes import changed, load
 from studies.shown.given import give
 from studies.stop_signals import stop_signals
 from studies.streams import PrintError, standard_streams
-from studies.telling import announce_compiling, tell, tell_what_takes_long
+from studies.telling import announce_compiling, tell, tell_lines, tell_what_takes_long
 
 app = typer.Typer(no_args_is_help=True, add_completion=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -48,6 +48,7 @@ Out = Annotated[Path | None, typer.Option(help="Folder for the results.", callba
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables (SI units).")]
 TIME = {"parser": seconds, "metavar": "TIME"}
 LENGTH = {"parser": metres, "metavar": "LENGTH"}
+DAMPER = {"parser": newton_metre_seconds, "metavar": "DAMPER"}
 Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for you if not given.")]
 Step = Annotated[float | None, typer.Option(help="Step, as in 10ms or 0.01 (s); chosen for you if not given.", **TIME)]
 Start = Annotated[str, typer.Option(help="equilibrium or straight.")]
@@ -68,7 +69,7 @@ def main(arguments: list[str] | None = None) -> None:
     with stop_signals() as came, standard_streams():
         try:
             os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever windows a user's setting asks for
-            warnings.showwarning = lambda message, *where: tell(f"warning: {message}")
+            warnings.showwarning = lambda message, *where: tell_lines(f"warning: {message}")
             tell_what_takes_long()
             status = _status(arguments)
             sys.stdout.flush()
@@ -110,7 +111,7 @@ def _status(arguments):
     except (ValueError, RuntimeError, ModuleNotFoundError) as error:
         if type(error).__module__.partition(".")[0] not in ("anet_lumped", "studies"):
             raise
-        tell(str(error))
+        tell_lines(error)
         return 2 if isinstance(error, ValueError) else 1
 
 
@@ -414,7 +415,7 @@ def convert(
     change: Changes = (),
     links: Annotated[str, typer.Option(help="Of a twin: cylinder or lumped.")] = "cylinder",
     joints: Annotated[str, typer.Option(help="Of a twin: ball or revolute.")] = "ball",
-    damping: Annotated[float, typer.Option(help="Of a twin: damper of each joint [N m s].")] = 0.0,
+    damping: Annotated[float | None, typer.Option(help="Of a twin: damper of each joint, as in 1e-4 (N m s).", **DAMPER)] = None,
     dt: Step = None,
 ):
     """Write a scene as TOML (.toml), for MoorDyn (.txt, .dat, .moordyn), as its twin of rigid links for MuJoCo (.xml) or Gazebo
@@ -433,7 +434,7 @@ def convert(
         raise InputError(f"OUT must end in .toml, {', '.join((*MOORDYN, *ENDINGS))}, but is {out}; .pvd is for a saved run (.nc).")
     ready = changed(load(scene, "equilibrium"), change)
     if out.suffix.lower() in ENDINGS:
-        save_twin(ready, out, dt, links=links, joints=joints, damping=damping)
+        save_twin(ready, out, dt, links=links, joints=joints, damping=damping or 0.0)
     else:
         save_scene(ready, out)
     print(out)

@@ -7,6 +7,7 @@ import typer
 TIMES = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0, "s": 1.0}
 LENGTHS = {"mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6, "km": 1e3, "m": 1.0}
 FORCES = {"kN": 1e3, "mN": 1e-3, "N": 1.0}
+DAMPERS = {"mNms": 1e-3, "Nms": 1.0}  # of a joint that turns
 
 
 def seconds(text: str) -> float:
@@ -22,6 +23,11 @@ def metres(text: str) -> float:
 def newtons(text: str) -> float:
     """Newtons in a text such as 0.1N, 2 kN or 0.1."""
     return _amount(text, FORCES, "a force such as 0.1N, 2kN or 0.1")
+
+
+def newton_metre_seconds(text: str) -> float:
+    """Newton metre seconds in a text such as 0.1mNms or 1e-4."""
+    return _amount(text, DAMPERS, "a damper such as 0.1mNms or 1e-4")
 
 
 def _amount(text, units, like):

@@ -9,12 +9,17 @@ FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "recommend": 30, "effects":
 """Seconds of compiling on one core of 3 GHz where nothing is compiled yet, by what is asked for."""
 
 
-def tell(text):
-    """Say something in one line of bounded length, or in several, where an error or a warning has several."""
+def tell(line):
+    """Say something in one line of bounded length."""
     from anet_lumped.checks import one_line
 
+    print(f"anet-lumped: {one_line(str(line))}", file=sys.stderr)
+
+
+def tell_lines(text):
+    """Say what has lines of its own, such as all that is refused of a file."""
     for line in str(text).split("\n"):
-        print(f"anet-lumped: {one_line(line)}", file=sys.stderr)
+        tell(line)
 
 
 def announce_compiling(what):

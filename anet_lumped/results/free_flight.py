@@ -10,8 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.effects import Gravity
-
 OF_SECOND_DIFFERENCE = 0.7  # of the velocities where a segment goes slack: what the velocity that a node flies with is off by
 
 
@@ -35,6 +33,11 @@ def goes_loose(run: Any) -> bool:
     return bool((loose(run) & _of_several_segments(run))[1:].any())
 
 
+def _falls(scene: Any) -> bool:
+    """Whether nothing but gravity acts on nodes."""
+    return all(effect.dead_load and any(effect.uniform_acceleration) for effect in scene.effects)
+
+
 def _of_several_segments(run: Any) -> np.ndarray:
     """Which free nodes belong to a cable of several segments, (n_free,) bool."""
     several = np.zeros(run.model.n, bool)
@@ -56,7 +59,7 @@ def flight_errors(run: Any, flies: np.ndarray) -> np.ndarray:
     error : (k,) float64 [m]
     """
     flies = flies & _of_several_segments(run)
-    if len(run.t) < 2 or not flies.any() or not all(isinstance(effect, Gravity) for effect in run.scene.effects):
+    if len(run.t) < 2 or not flies.any() or not _falls(run.scene):
         return np.zeros(len(run.t))
     v = run.v[:, : run.model.n_free]
     second = np.linalg.norm(np.diff(np.concatenate([v[:1], v, v[-1:]]), 2, axis=0), axis=2)

@@ -178,8 +178,9 @@ def test_remainder_has_the_forces_of_the_rest(net, seed):
     moving = slice(0, model.n_free)  # what a support weighs is nothing to anyone
     np.testing.assert_allclose(left.model.mass[moving], model.mass[left.node[moving]], rtol=1e-12)
     whole, part, power = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(3)
-    system(model).force(0.0, q, v, fresh_net(model).address, whole, power)
-    system(left.model).force(0.0, q[left.node], v[left.node], fresh_net(left.model).address, part, power)
+    of_whole, of_left = fresh_net(model), fresh_net(left.model)  # which must outlive the use of their addresses
+    system(model).force(0.0, q, v, of_whole.address, whole, power)
+    system(left.model).force(0.0, q[left.node], v[left.node], of_left.address, part, power)
     expected = whole[left.node]
     place = np.argsort(left.node)
     for name, failed in gone.items():

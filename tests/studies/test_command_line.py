@@ -308,7 +308,7 @@ def test_all_that_is_refused_of_a_mooring_file_is_told_line_by_line(tmp_path, ca
 
 def test_convert_refuses_an_ending_it_does_not_know(tmp_path, capsys):
     assert call("convert", "net_held", tmp_path / "net.yaml") == 2
-    assert "OUT must end in .toml, .txt, .dat, .moordyn, but is" in capsys.readouterr().err
+    assert "OUT must end in .toml, .txt, .dat, .moordyn, .xml, .sdf, but is" in capsys.readouterr().err
 
 
 def test_view_and_convert_show_a_saved_run(tmp_path, capsys):
