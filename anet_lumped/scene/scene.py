@@ -126,7 +126,7 @@ class Scene:
                     raise SceneError(
                         f"Argument `effects` of a scene must hold effects, such as {name}(...), but holds the class {name}."
                     )
-                known = [REGISTRY.classes[name] for name in REGISTRY.library]  # those of a user's own may be many
+                known = [str(REGISTRY.classes[name]) for name in REGISTRY.library]  # those of a user's own may be many
                 raise SceneError(
                     f"Argument `effects` of a scene must hold effects ({', '.join(known)}), but holds "
                     + shown(effect)
