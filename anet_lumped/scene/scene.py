@@ -141,7 +141,7 @@ class Scene:
         for event in self.events:
             if not isinstance(event, PayloadChange):
                 raise SceneError(f"Argument `events` of a scene must hold PayloadChange, but holds {shown(event)}.")
-            if not isinstance(self.point(event.point), Free):
+            if not isinstance(self.point(event.point), Free) or isinstance(self.point(event.point), OnBody):
                 raise SceneError(
                     f"A payload must be at a free point, but one is to change at {quoted(event.point)}, which is none."
                 )

@@ -1,12 +1,14 @@
 """Rigid bodies in motion, against closed forms and Euler's equations."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 
-from anet_lumped import Body, Cable, Fixed, Free, InputError, Scene, equilibrium, simulate
+from anet_lumped import Body, Cable, Fixed, Free, InputError, PayloadChange, Scene, SceneError, equilibrium, simulate
 from anet_lumped.effects import Gravity, ViscousDamping, Water
 
 G = 9.81
@@ -210,6 +212,12 @@ def test_what_takes_energy_takes_it_from_bodies_too():
     assert_allclose(run.velocity("b")[:, 0], np.exp(-0.7 * run.t), atol=1e-5)
     assert_allclose(run.angular_velocity("b")[:, 1], 2.0 * np.exp(-0.7 * run.t), atol=2e-5)
     assert abs(run.energy_balance.imbalance) < 1e-12
+
+
+def test_a_payload_is_not_on_a_body():
+    scene = top()
+    with pytest.raises(SceneError, match=r'A payload must be at a free point, but one is to change at "top\.hook", which is none'):
+        replace(scene, events=[PayloadChange("top.hook", 0.1, 1.0)])
 
 
 def test_a_method_that_moves_no_bodies_is_refused_in_a_sentence():
