@@ -24,7 +24,8 @@ def run():
     cable = dict(length=1.0, mass_per_length=0.05, EA=1e4, zeta=0.1, segments=4)
     cables = [Cable("top", "crate.eye", **cable), Cable("arm.tip", "crate.eye", **cable)]
     scene = Scene([Fixed("top", (0.2, 0.0, 0.0))], cables, [Gravity()], bodies=[crate, arm])
-    return simulate(scene, 0.5, method="edmc", dt=0.01, start=equilibrium(scene).moved("crate", angular_velocity=(0.0, 1.0, 2.0)))
+    start = equilibrium(scene).moved("crate", angular_velocity=(0.0, 1.0, 2.0))
+    return simulate(scene, 0.5, method="edmc", dt=0.01, start=start, save_every=0.1)
 
 
 def test_a_box_has_the_inertia_of_its_body(run):
