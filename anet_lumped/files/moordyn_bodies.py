@@ -1,41 +1,60 @@
-"""Bodies of a MoorDyn file that others move, or nobody: places and orientations of the points that they carry.
+"""Bodies of a MoorDyn file: those that others move, or nobody, and those that move by themselves.
 
-Such a body is a frame: its mass, its inertia and its drag are the business of who moves it. It is turned as a platform is, see
-`six_motions`. Bodies that move freely are refused where a point or a rod is on them.
+A body that is fixed or coupled is a frame: its mass, its inertia and its drag are the business of who moves it. A body that is
+free, or pinned, is a `Body` with the points and the rods on it. All are turned as a platform is, see `six_motions`.
+
+MoorDyn's body has its weight and its buoyancy at its centre of gravity, its drag and its added mass at its origin (Body.cpp).
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from anet_lumped.checks import Vector
+from anet_lumped.checks import Vector, quoted
 from anet_lumped.prescribed.six_motions import carried
+from anet_lumped.scene.body import Body
+from anet_lumped.scene.rod import Rod
 
 from .moordyn_attachments import Hold, attachment
 from .moordyn_findings import Findings
-from .moordyn_rows import Row
+from .moordyn_rows import Row, made, number_of
 
 COLUMNS = 14  # ID, Attachment, X0, Y0, Z0, r0, p0, y0, Mass, CG, I, Volume, CdA, Ca
+TURNING_DRAG = "drag that resists the rotation of a body is not supported; the last of its numbers of CdA must be 0."
 
 
 class Frame(NamedTuple):
-    """A body that does not move by itself.
+    """A body: where it starts, and what moves it.
 
     Parameters
     ----------
-    hold : Hold.FIXED or Hold.COUPLED
+    hold : Hold.FIXED, Hold.COUPLED, or Hold.FREE of one that moves by itself
     six : its place [m] and its three angles [rad]
+    name : of the body in the scene
+    pinned : whether its origin stays where it is while it turns
+    row : where it stands
     """
 
     hold: Hold
     six: tuple[float, ...]
+    name: str
+    pinned: bool
+    row: Row
 
     def place_of(self, point: Vector) -> Vector:
         """Place (3,) [m] of a point that is given in the axes of the body."""
         values = np.zeros((1, 3, 6))
         values[0, 0] = self.six
         x, y, z = carried(values, point)[0, 0].tolist()
+        return x, y, z
+
+    @property
+    def rotation(self) -> Vector:
+        """Rotation vector (3,) [rad] of its axes, R = Rx Ry Rz."""
+        from scipy.spatial.transform import Rotation
+
+        x, y, z = Rotation.from_euler("XYZ", self.six[3:]).as_rotvec().tolist()
         return x, y, z
 
 
@@ -57,13 +76,13 @@ def read_bodies(rows: list[Row], used: set[int], findings: Findings) -> dict[int
                 raise row.error(f"a body must come once, but {number} comes again.")
             bodies[number] = None
             if number in used:
-                bodies[number] = _frame(row)
+                bodies[number] = _frame(number, row)
             else:
                 findings.unused(f"body {number}", row.line, "bodies that hold no line")
     return bodies
 
 
-def _frame(row: Row) -> Frame:
+def _frame(number: int, row: Row) -> Frame:
     if len(row.words) < COLUMNS:
         raise row.error(
             f"a body must have {COLUMNS} columns (ID, Attachment, X0, Y0, Z0, r0, p0, y0, Mass, CG, I, Volume, CdA, Ca), but has "
@@ -71,8 +90,63 @@ def _frame(row: Row) -> Frame:
         )
     found = attachment(row.words[1])
     hold = Hold.COUPLED if found.hold is Hold.TURBINE else found.hold
-    if hold not in (Hold.FIXED, Hold.COUPLED) or found.pinned:
-        raise row.error("a body that moves by itself is not supported; it must be Fixed or Coupled.")
+    pinned = found.pinned and (hold is Hold.COUPLED or row.words[1].lower() in ("pinned", "pin"))
+    if hold not in (Hold.FIXED, Hold.COUPLED, Hold.FREE) and not pinned:
+        raise row.error("a body must be Fixed, Coupled, CoupledPinned, Pinned or Free.")
     place = [row.number(2 + x, name) for x, name in enumerate(("X0", "Y0", "Z0"))]
     angles = [math.radians(row.number(5 + x, name)) for x, name in enumerate(("r0", "p0", "y0"))]
-    return Frame(hold, (*place, *angles))
+    assert hold is not None or pinned
+    return Frame(Hold.FREE if pinned or hold is None else hold, (*place, *angles), row.name or f"body{number}", pinned, row)
+
+
+def moving_body(frame: Frame, attachments: list[tuple[str, Vector]], rods: list[Rod]) -> Body:
+    """The body of a frame that moves by itself.
+
+    Parameters
+    ----------
+    frame : Frame
+    attachments : list of name and (3,) place in its axes [m]
+    rods : list of Rod
+    """
+    row, name = frame.row, quoted(frame.name)
+    mass, volume = row.number(8, "Mass"), row.number(11, "Volume")
+    centre = _numbers(row, 9, "CG", (1, 3))
+    centre = [0.0, 0.0, *centre] if len(centre) == 1 else centre
+    inertia = _numbers(row, 10, "I", (1, 3))
+    areas, Ca = _numbers(row, 12, "CdA", (1, 2, 3, 6)), _numbers(row, 13, "Ca", (1, 3))
+    if (len(areas) == 2 and areas[1]) or (len(areas) == 6 and any(areas[3:])):
+        raise row.error(TURNING_DRAG)
+    if len(areas) in (1, 3) and any(areas):
+        row.findings.remark(
+            f"CdA of body {name} is drag along its axes alone; MoorDyn takes the same numbers, in m5, for its rotation too."
+        )
+    if volume and any(Ca) and any(centre):
+        row.findings.remark(
+            f"Added mass of body {name} acts at its centre of gravity, as its buoyancy does; MoorDyn has it at the origin."
+        )
+    if frame.pinned:
+        row.findings.remark(f"The origin of body {name} stays where it is, while the body turns about it.")
+    given: dict[str, Any] = {}
+    if mass or not any(rod.mass_per_length for rod in rods):
+        given = {"mass": mass, "inertia": _three(inertia)}
+    elif any(inertia):
+        raise row.error("a body without a Mass of its own must have no inertia I of its own.")
+    return made(
+        row, Body, frame.name, at=frame.six[:3], rotation=frame.rotation, attachments=attachments, rods=rods,
+        centre_of_mass=centre, centre_of_buoyancy=centre if volume else (0.0, 0.0, 0.0), volume=volume,
+        CdA=_three(areas[:1] if len(areas) == 2 else areas[:3]), Ca=_three(Ca), pinned="" if frame.pinned else None, **given,
+    )  # fmt: skip
+
+
+def _three(numbers: list[float]) -> list[float]:
+    """One number for each axis."""
+    return numbers * 3 if len(numbers) == 1 else numbers
+
+
+def _numbers(row: Row, column: int, what: str, counts: tuple[int, ...]) -> list[float]:
+    """Numbers in a column, with | between them."""
+    numbers = [number_of(word) for word in row.words[column].split("|")]
+    if len(numbers) not in counts or not all(map(math.isfinite, numbers)):
+        known = " or ".join(map(str, counts))
+        raise row.error(f"{what} of a body must be {known} finite numbers with | between them.")
+    return numbers

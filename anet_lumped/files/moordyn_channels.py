@@ -23,6 +23,7 @@ import numpy as np
 from anet_lumped.model.build import build
 from anet_lumped.regular_files import read_text
 from anet_lumped.results.run import Run
+from anet_lumped.scene.body import OnBody
 from anet_lumped.scene.scene import Cable, Free, Scene
 
 from .moordyn_file import Deck, deck_from_text
@@ -174,8 +175,9 @@ def _of_line_node(number: int, node: str, what: str, deck: Deck, run: Run) -> np
 
 
 def _of_point(what: str, point: str, run: Run) -> np.ndarray:
-    """Column of a point. On one that does not move freely acts what its cables bring; effects leave such nodes out."""
-    if what[0] in "PV" or isinstance(run.scene.point(point), Free):
+    """Column of a point. On one that does not move freely, or is on a body, acts what its cables bring."""
+    kind = run.scene.point(point)
+    if what[0] in "PV" or (isinstance(kind, Free) and not isinstance(kind, OnBody)):
         return _of_node(what, run, run.model.node(point))
     force = np.zeros((len(run.t), 3))
     for cable in run.scene.cables:

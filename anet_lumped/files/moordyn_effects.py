@@ -11,7 +11,8 @@ with the speed, and whether points float. `like_moordyn` takes MoorDyn's: `Moord
 from collections.abc import Iterable
 from typing import Any
 
-from anet_lumped.scene.scene import Free
+from anet_lumped.scene.body import Body
+from anet_lumped.scene.scene import Driven, Fixed, Free
 
 from .moordyn_lines import Line
 from .moordyn_options import Options
@@ -21,13 +22,17 @@ from .moordyn_rows import Row, made
 OTHER = "; read_moordyn(..., like_moordyn=True) takes MoorDyn's."
 
 
-def read_effects(options: Options, places: Places, lines: Iterable[Line], *, like_moordyn: bool) -> list[Any]:
+def read_effects(
+    options: Options, places: Places, bodies: Iterable[Body], lines: Iterable[Line], *, like_moordyn: bool
+) -> list[Any]:
     """Return the effects of a file.
 
     Parameters
     ----------
     options : Options
     places : Places
+    bodies : iterable of Body
+        Those that move by themselves.
     lines : iterable of Line
     like_moordyn : bool
         Whether MoorDyn's laws are taken where they are others than this package's.
@@ -41,8 +46,10 @@ def read_effects(options: Options, places: Places, lines: Iterable[Line], *, lik
         with findings.refusing():
             law = {"points_float": False} if like_moordyn else {}
             effects.append(_effect("water", options.row("rho"), density=options.value("rho"), **law))
-        if floating and not like_moordyn:
-            findings.remark(f"Points with a volume or a CdA float at the surface, where MoorDyn has them under water always{OTHER}")
+        kinds = ("Points with a volume or a CdA", floating), ("Bodies with a volume", any(body.volume for body in bodies))
+        for kind, float_at_surface in kinds:
+            if float_at_surface and not like_moordyn:
+                findings.remark(f"{kind} float at the surface, where MoorDyn has them under water always{OTHER}")
     if options.value("kBot") or options.value("cBot"):
         with findings.refusing():
             effects.append(_bottom(options, places, like_moordyn))
@@ -77,7 +84,7 @@ def _bottom(options: Options, places: Places, like_moordyn: bool) -> Any:
 def _depth(options: Options, places: Places) -> float:
     """Depth of the bottom [m]: as given, but not less than that of the deepest point that does not move freely."""
     given = options.value("WtrDpth") if "WtrDpth" in options.rows else None
-    held = [-at[2] for number, at in places.at.items() if given is None or not isinstance(places.points[number], Free)]
+    held = [-at[2] for number, at in places.at.items() if _counts(places, number, given)]
     deepest = max(0.0, *held) if held else 0.0
     if given is None:
         return deepest
@@ -87,6 +94,12 @@ def _depth(options: Options, places: Places) -> float:
             "as by MoorDyn."
         )
     return max(given, deepest)
+
+
+def _counts(places: Places, number: int, given: float | None) -> bool:
+    """Whether a point is one that the bottom is not above."""
+    point = places.points[number]
+    return isinstance(point, Fixed | Driven) or (given is None and isinstance(point, Free))
 
 
 def _effect(name: str, row: Row, **arguments: Any) -> Any:

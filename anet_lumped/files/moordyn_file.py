@@ -5,7 +5,7 @@ MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says wha
 `moordyn_bodies`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_effects`.
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
-be had is refused, all of it at once: bodies that move by themselves, rods that lines end at, failures at a time, external loads,
+be had is refused, all of it at once: rods that lines end at, drag on the rotation of bodies, failures at a time, external loads,
 waves and currents, tables in place of numbers but for EA, viscoelastic lines, line lift (VIV).
 """
 
@@ -17,15 +17,18 @@ from dataclasses import dataclass, field, replace
 from anet_lumped.checks import NAMED, SceneError, one_line
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.regular_files import read_text
+from anet_lumped.scene.body import Body
 from anet_lumped.scene.scene import Free, Scene
 
+from .moordyn_attachments import attachment
+from .moordyn_bodies import moving_body
 from .moordyn_effects import read_effects
 from .moordyn_failure import breaking_tensions
 from .moordyn_findings import DeckWarning, Findings
 from .moordyn_line_types import Tables, read_line_types
 from .moordyn_lines import Line, read_lines, type_of
 from .moordyn_options import read_options, without_held
-from .moordyn_points import Places, read_points
+from .moordyn_points import OnMovingBody, Places, read_points
 from .moordyn_rows import rows_by_section
 from .moordyn_unsupported import check_unsupported
 
@@ -119,18 +122,24 @@ def deck_from_text(
     check_unsupported(sections, findings)
     rows = sections.get("lines", [])
     types = read_line_types(sections.get("line types", []), set(map(type_of, rows)), Tables(folder, outside), findings)
-    places = read_points(sections.get("points", []), sections.get("bodies", []), coupled or {}, findings)
+    places = read_points(sections.get("points", []), sections.get("bodies", []), set(), coupled or {}, findings)
+    for row in sections.get("rods", ()):
+        with findings.refusing():
+            if len(row.words) > 2 and attachment(row.words[2]).number in places.attachments:
+                raise row.error("rods on a body that moves by itself are not supported.")
+    bodies = _bodies(places, findings)
     names = [row.words[0] for row in sections.get("line types", [])]
     lines = read_lines(rows, names, types, places, findings)
     limits = breaking_tensions(sections.get("failure", []), lines, places, findings)
     options = read_options(sections.get("options", []), folder, findings)
-    effects = read_effects(options, places, lines, like_moordyn=like_moordyn)
+    effects = read_effects(options, places, bodies, lines, like_moordyn=like_moordyn)
     findings.raise_if_refused()
     try:
-        scene = _scene(places, lines, limits, effects, findings)
+        scene = _scene(places, bodies, lines, limits, effects, findings)
     except ValueError as error:
         raise SceneError(f"{source}: {error}") from None
-    held = {number: point.name for number, point in places.points.items() if point is not None and point in scene.points}
+    known = {point.name for point in scene.all_points}
+    held = {number: point.name for number, point in places.points.items() if point is not None and point.name in known}
     return Deck(
         scene=scene,
         options=dict(without_held(options)),
@@ -142,14 +151,27 @@ def deck_from_text(
     )
 
 
-def _scene(places: Places, lines: list[Line], limits: Mapping[int, float], effects: list, findings: Findings) -> Scene:
+def _bodies(places: Places, findings: Findings) -> list[Body]:
+    """Bodies that move by themselves."""
+    bodies = []
+    for number, attachments in places.attachments.items():
+        frame = places.frames[number]
+        assert frame is not None
+        with findings.refusing():
+            bodies.append(moving_body(frame, attachments, []))
+    return bodies
+
+
+def _scene(
+    places: Places, bodies: list[Body], lines: list[Line], limits: Mapping[int, float], effects: list, findings: Findings
+) -> Scene:
     """The scene, without free points that no line reaches."""
     ends = {number for line in lines for number in line.ends}
     points = []
     for number, point in places.points.items():
         if isinstance(point, Free) and number not in ends:
             findings.remark(f"Point {number} is left out: it moves freely and no line ends there.")
-        elif point is not None:
+        elif point is not None and not isinstance(point, OnMovingBody):
             points.append(point)
     cables = [replace(line.cable, breaking_tension=limits[line.number]) if line.number in limits else line.cable for line in lines]
-    return Scene(points, cables, effects)
+    return Scene(points, cables, effects, bodies=bodies)

@@ -2,7 +2,7 @@
 
 `Fixed` is Fixed; `Free` is Free with its mass, volume, CdA and Ca; `Coupled`, which the calling program moves in MoorDyn, is driven
 from outside: it stays where it is unless it is given a path, a platform that carries it, or a session. A point on a body that is
-fixed or coupled is what its body is.
+fixed or coupled is what its body is; on a body that moves by itself it is an attachment.
 """
 
 from collections.abc import Mapping
@@ -22,6 +22,17 @@ CdA_WITHOUT_FORCE, CdA_WITH_FORCE = 7, 10  # columns
 WITH_FORCE = 12  # columns of a row that has FX, FY, FZ
 
 
+class OnMovingBody(NamedTuple):
+    """A point on a body that moves by itself.
+
+    Parameters
+    ----------
+    name : of the body and the attachment, such as "body1.point4"; of the body alone for its origin
+    """
+
+    name: str
+
+
 class Places(NamedTuple):
     """The points of a file, by number.
 
@@ -30,25 +41,31 @@ class Places(NamedTuple):
     points : Point, or None of one that is refused
     at : (3,) [m], where it starts
     without_number : lines of the rows whose number cannot be read
+    frames : bodies by number, None of one that is refused
+    attachments : name and place in its axes (3,) [m] of the attachments of each body that moves by itself, by its number
     """
 
-    points: dict[int, Point | None]
+    points: dict[int, Point | OnMovingBody | None]
     at: dict[int, Vector]
     without_number: list[int]
+    frames: dict[int, Frame | None]
+    attachments: dict[int, list[tuple[str, Vector]]]
 
 
-def read_points(rows: list[Row], bodies: list[Row], coupled: Mapping[int, Path], findings: Findings) -> Places:
+def read_points(rows: list[Row], bodies: list[Row], carrying: set[int], coupled: Mapping[int, Path], findings: Findings) -> Places:
     """Read points and the bodies that carry them.
 
     Parameters
     ----------
     rows, bodies : list of Row
+    carrying : set of int
+        Numbers of the bodies that carry something else.
     coupled : dict of point number to Path
         Motions that are given.
     findings : Findings
     """
     held: dict[int, Attachment] = {}
-    found = Places({}, {}, [])
+    found = Places({}, {}, [], {}, {})
     good: list[tuple[int, Row]] = []
     for row in rows:
         with findings.refusing():
@@ -62,23 +79,27 @@ def read_points(rows: list[Row], bodies: list[Row], coupled: Mapping[int, Path],
             held[number] = hold_of_point(row)
             good.append((number, row))
     used = {each.number for each in held.values() if each.hold is Hold.BODY}
-    frames = read_bodies(bodies, used, findings)
-    _check_coupled(coupled, held, frames, findings)
+    found.frames.update(read_bodies(bodies, used | carrying, findings))
+    found.attachments.update({number: [] for number, frame in found.frames.items() if frame and frame.hold is Hold.FREE})
+    _check_coupled(coupled, held, found.frames, findings)
     for number, row in good:
         with findings.refusing():
-            _read(number, row, held[number], frames, coupled.get(number), found)
+            _read(number, row, held[number], coupled.get(number), found)
     return found
 
 
-def _read(number: int, row: Row, held: Attachment, frames: Mapping[int, Frame | None], path: Path | None, found: Places) -> None:
+def _read(number: int, row: Row, held: Attachment, path: Path | None, found: Places) -> None:
     """Read the point of a row into ``found``."""
     x, y, z = (row.number(2 + x, "XYZ"[x]) for x in range(3))
     hold = held.hold
     if hold is Hold.BODY:
-        if held.number not in frames:
+        if held.number not in found.frames:
             raise row.error(f"a point must be on a body in BODIES, but body {held.number} is not there.")
-        frame = frames[held.number]
+        frame = found.frames[held.number]
         if frame is None:  # said of the body
+            return
+        if frame.hold is Hold.FREE:
+            _attach(number, row, held.number, frame, found)
             return
         hold = frame.hold
         x, y, z = frame.place_of((x, y, z))
@@ -88,10 +109,7 @@ def _read(number: int, row: Row, held: Attachment, frames: Mapping[int, Frame | 
         )
     name = row.name or f"point{number}"
     if hold is Hold.FREE:
-        first = CdA_WITH_FORCE if _has_force(row) else CdA_WITHOUT_FORCE
-        columns = ((5, "M", "mass"), (6, "V", "volume"), (first, "CdA", "CdA"), (first + 1, "CA", "Ca"))
-        load = {key: row.number(column, what) for column, what, key in columns}
-        found.points[number] = made(row, Free, name, at=(x, y, z), **load)
+        found.points[number] = made(row, Free, name, at=(x, y, z), **_load(row))
     elif hold is Hold.FIXED:
         found.points[number] = made(row, Fixed, name, (x, y, z))
     else:
@@ -99,6 +117,29 @@ def _read(number: int, row: Row, held: Attachment, frames: Mapping[int, Frame | 
         if path is not None:
             x, y, z = path.at(0.0)[0].tolist()
     found.at[number] = x, y, z
+
+
+def _attach(number: int, row: Row, body: int, frame: Frame, found: Places) -> None:
+    """Read the point of a row on a body that moves by itself into ``found``; a row with the name "" is the origin of the body."""
+    x, y, z = (row.number(2 + x, "XYZ"[x]) for x in range(3))
+    if any(_load(row).values()):
+        raise row.error("a point on a body that moves must have no load of its own: M, V, CdA and CA must be 0.")
+    if row.name == "":
+        if x or y or z:
+            raise row.error('a point on a body must have a name, or be at the origin of the body, but is called "".')
+        found.points[number] = OnMovingBody(frame.name)
+    else:
+        name = row.name or f"point{number}"
+        found.attachments[body].append((name, (x, y, z)))
+        found.points[number] = OnMovingBody(f"{frame.name}.{name}")
+    found.at[number] = frame.place_of((x, y, z))
+
+
+def _load(row: Row) -> dict[str, float]:
+    """What a point carries."""
+    first = CdA_WITH_FORCE if _has_force(row) else CdA_WITHOUT_FORCE
+    columns = ((5, "M", "mass"), (6, "V", "volume"), (first, "CdA", "CdA"), (first + 1, "CA", "Ca"))
+    return {key: row.number(column, what) for column, what, key in columns}
 
 
 def _check_columns(row: Row) -> None:

@@ -2,8 +2,9 @@
 
 Written so that MoorDyn v2 runs it and that `moordyn_file` reads it back as an equal scene, like_moordyn where the bottom is
 `MoordynBottom` and points do not float; names travel as remarks. What a deck cannot hold is refused: two-way springs, cables that
-do not stretch or may break, events, damping by the environment. What it has no place for is lost: the path of a driven point, which
-MoorDyn moves from outside, the EI of a scene without bending, and that a cable has no diameter or a free point no place.
+do not stretch or may break, events, damping by the environment; of bodies see `moordyn_body_rows`. What it has no place for is
+lost: the path of a driven point or body, which MoorDyn moves from outside, the EI of a scene without bending, that a cable has no
+diameter and that a free point has no place.
 """
 
 import math
@@ -16,6 +17,7 @@ from typing import Any
 from anet_lumped.checks import SceneError, quoted, shown
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene, check_scene
 
+from .moordyn_body_rows import body_points, body_rows
 from .moordyn_rows import named
 
 NO_DIAMETER = 1e-3  # [m], of a cable without one: MoorDyn divides by the section, and in air nothing else asks for it
@@ -72,15 +74,14 @@ def moordyn_text(
     """
     if scene.events:
         raise SceneError(f"A scene must have no events to be written for MoorDyn, but it has {shown(scene.events[0])}.")
-    if scene.bodies:
-        raise SceneError(f"A scene must have no bodies to be written for MoorDyn, but it has body {quoted(scene.bodies[0].name)}.")
     places = _places(scene, places or {})
     environment = _environment(scene, max(abs(float(at[2])) for at in places.values()))
     bends = "bending" in {_name(effect) for effect in scene.effects}
     curves = _curves(scene, stem)
     rows = [_type(cable, bends, curves) for cable in scene.cables]
     types = {row: f"type{number}" for number, row in enumerate(dict.fromkeys(rows), start=1)}
-    number = {point.name: i for i, point in enumerate(scene.points, start=1)}
+    of_bodies = body_points(scene)
+    number = {name: i for i, name in enumerate([*(point.name for point in scene.points), *of_bodies], start=1)}
     lines = [
         "--------------------- MoorDyn Input File ---------------------",
         "written by anet-lumped",
@@ -88,10 +89,12 @@ def moordyn_text(
         "TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx",
         "(name) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)",
         *(f"{name} {row}" for row, name in types.items()),
+        *body_rows(scene),
         "--------------------- POINTS ---------------------",
         "ID Type X Y Z Mass Volume CdA Ca",
         "(#) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)",
         *(f"{number[point.name]} {_point(point, places[point.name])}" for point in scene.points),
+        *(f"{number[name]} {row}" for name, row in of_bodies.items()),
         "--------------------- LINES ---------------------",
         "ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs",
         "(#) (name) (#) (#) (m) (-) (-)",

@@ -271,8 +271,12 @@ def test_refusals(old, new, message):
 @pytest.mark.parametrize(
     ("row", "message"),
     [
-        ("1 Free 0 0 0 0 0 0 0 0 0 0 0 0", r"line 9, .*a body that moves by itself is not supported"),
-        ("1 CoupledPinned 0 0 0 0 0 0 0 0 0 0 0 0", r"line 9, .*a body that moves by itself is not supported"),
+        ("1 Free 0 0 0 0 0 0 0 0 0 0 0 0", r"line 9, .*Argument `mass` must be positive and finite"),
+        ("1 Fre 0 0 0 0 0 0 9 0 1 0 0 0", r"line 9, .*a body must be Fixed, Coupled, CoupledPinned, Pinned or Free\."),
+        ("1 Free 0 0 0 0 0 0 9 1|2 1 0 0 0", r"line 9, .*CG of a body must be 1 or 3 finite numbers with \| between them"),
+        ("1 Free 0 0 0 0 0 0 9 0 1 0 1|2 0", r"line 9, .*drag that resists the rotation of a body is not supported"),
+        ("1 Free 0 0 0 0 0 0 9 0 1 0 1|2|3|0|4|0 0", r"line 9, .*drag that resists the rotation of a body is not supported"),
+        ("1 Free 0 0 0 0 0 0 9 0 1|1|3 0 0 0", r"line 9, .*Principal moments"),
         ("1 Coupled 0 0 0", r"line 9, .*a body must have 14 columns .* but has 5"),
     ],
 )
