@@ -1,5 +1,6 @@
 """Bodies that move by themselves in MoorDyn files: read, written and read back."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from anet_lumped import Body, Cable, Fixed, Scene, SceneError, paths
 from anet_lumped.effects import Gravity, MoordynBottom, Water
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
-from anet_lumped.files.moordyn_writer import moordyn_text
+from anet_lumped.files.moordyn_writer import moordyn_text, save_moordyn
 
 DECK = """\
 --- LINE TYPES ---
@@ -113,6 +114,14 @@ def test_a_body_is_written_and_read_back(fields):
     assert (back.points, back.cables, back.effects) == (scene.points, scene.cables, scene.effects)
     assert np.allclose(back.bodies[0].rotation, scene.bodies[0].rotation, rtol=1e-14)  # of angles and back
     assert replace(back.bodies[0], rotation=(0.3, -0.2, 0.5)) == crate(**fields | {"inertia": (500.0, 600.0, 700.0)})
+
+
+@pytest.mark.parametrize(("CdA", "told"), [((1.0, 2.0, 3.0), 1), ((2.0, 2.0, 2.0), 0)])
+def test_drag_that_moordyn_passes_over_is_told(tmp_path, CdA, told):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        save_moordyn(scene_of(crate(CdA=CdA)), tmp_path / "crate.txt")
+    assert len(caught) == told and all("passes over the first CdA" in str(each.message) for each in caught)
 
 
 def test_a_driven_body_is_coupled():
