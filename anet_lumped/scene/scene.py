@@ -126,8 +126,9 @@ class Scene:
                     raise SceneError(
                         f"Argument `effects` of a scene must hold effects, such as {name}(...), but holds the class {name}."
                     )
+                known = [str(REGISTRY.classes[name]) for name in REGISTRY.library]  # those of a user's own may be many
                 raise SceneError(
-                    f"Argument `effects` of a scene must hold effects ({', '.join(REGISTRY.class_names)}), but holds "
+                    f"Argument `effects` of a scene must hold effects ({', '.join(known)}), but holds "
                     + shown(effect)
                     + ('; register its class: REGISTRY["its_name"] = Class.' if isinstance(effect, Effect) else ".")
                 )
