@@ -8,6 +8,7 @@ import pytest
 
 from anet_lumped import Body, Cable, Fixed, Scene, SceneError, paths, simulate
 from anet_lumped.effects import Gravity, MoordynBottom, Water
+from anet_lumped.files.moordyn_channels import outputs
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
 from anet_lumped.files.moordyn_writer import moordyn_text, save_moordyn
@@ -180,3 +181,16 @@ def test_moordyn_moves_a_body_as_we_do(tmp_path, in_water):
     assert way > 0.5
     for name, place in zip(("crate", "crate.a", "crate.b"), places, strict=True):
         assert np.allclose(ours.position(name), place, rtol=0.0, atol=5e-5 * way)
+
+
+def test_channels_of_a_point_on_a_body():
+    """At rest the line's end pulls at the point as hard as the channel of the line says."""
+    deck = read(
+        ("2|0 0.5|0.6|0.7", "0 0"),
+        ("--- OUTPUTS ---", "--- OUTPUTS ---\nCon3px Con3T FairTen1"),
+        ("41 WtrDpth", "41 WtrDpth\n9.81 g"),
+    )
+    run = simulate(deck.scene, 0.05, method="rk4", dt=1e-3)
+    columns = outputs(deck, run).columns
+    assert np.array_equal(columns["Con3px"], run.position("body1.point3")[:, 0])
+    assert columns["FairTen1"].min() > 0.0 and np.allclose(columns["Con3T"], columns["FairTen1"], rtol=1e-12)  # one sum
