@@ -2,8 +2,10 @@
 
 A body that moves freely is `Free`, one that is pinned at its origin `CoupledPinned`, whose origin the calling program holds, and
 one whose motion is prescribed `Coupled`. Its attachments are points of type `Body1`, called as in the body; one called "" is its
-origin. Refused is what MoorDyn's body does not have: a hull, contact with the bottom, moments of inertia that are not along its
-axes, buoyancy elsewhere than at the centre of mass, and a pin elsewhere than at the origin.
+origin. Its rods are rods on it. Refused is what MoorDyn's body does not have: a hull, contact with the bottom, moments of inertia
+that are not along its axes, buoyancy elsewhere than at the centre of mass, and a pin elsewhere than at the origin.
+
+One `CdA` is written as `2|0`, without drag on the rotation. Of three or six numbers MoorDyn 2.7.2 passes over the first.
 """
 
 from typing import Any
@@ -14,6 +16,7 @@ from anet_lumped.checks import SceneError, Vector, quoted
 from anet_lumped.prescribed.turning import turned_by
 from anet_lumped.scene.body import Body
 from anet_lumped.scene.body_mass import tensor
+from anet_lumped.scene.rod import Rod
 from anet_lumped.scene.scene import Scene
 
 from .moordyn_rows import named
@@ -32,10 +35,26 @@ def body_points(scene: Scene) -> dict[str, str]:
 
 
 def body_rows(scene: Scene) -> list[str]:
-    """Lines of the section BODIES; none without bodies."""
+    """Lines of the sections BODIES, ROD TYPES and RODS; none without bodies."""
     if not scene.bodies:
         return []
+    rods = [(i, rod, _rod_type(rod, body)) for i, body in enumerate(scene.bodies, start=1) for rod in body.rods]
+    types = {row: f"rod{number}" for number, row in enumerate(dict.fromkeys(row for _, _, row in rods), start=1)}
+    of_rods = [
+        "--------------------- ROD TYPES ---------------------",
+        "TypeName Diam Mass/m Cd Ca CdEnd CaEnd",
+        "(name) (m) (kg/m) (-) (-) (-) (-)",
+        *(f"{name} {row}" for row, name in types.items()),
+        "--------------------- RODS ---------------------",
+        "ID RodType Attachment Xa Ya Za Xb Yb Zb NumSegs RodOutputs",
+        "(#) (name) (#/key) (m) (m) (m) (m) (m) (m) (-) (-)",
+        *(
+            f"{number} {types[row]} Body{i} {' '.join(map(repr, (*rod.start, *rod.end)))} {rod.segments} -{named(rod.name)}"
+            for number, (i, rod, row) in enumerate(rods, start=1)
+        ),
+    ]
     return [
+        *(of_rods if rods else ()),
         "--------------------- BODIES ---------------------",
         "ID Attachment X0 Y0 Z0 r0 p0 y0 Mass CG I Volume CdA Ca",
         "(#) (-) (m) (m) (m) (deg) (deg) (deg) (kg) (m) (kg-m^2) (m^3) (m^2) (-)",
@@ -60,7 +79,18 @@ def _body(body: Body) -> str:
         return " ".join([*columns, "0 0 0 0 0 0"])
     moments = np.zeros(3) if body.inertia is None else np.diag(tensor(body.inertia))
     columns += [repr(body.mass or 0.0), _joined(body.centre_of_mass), _joined(moments), repr(body.volume)]
-    return " ".join([*columns, _joined((*body.CdA, 0.0, 0.0, 0.0)), _joined(body.Ca)])
+    x, y, z = body.CdA
+    return " ".join([*columns, _joined((x, 0.0) if x == y == z else (x, y, z, 0.0, 0.0, 0.0)), _joined(body.Ca)])
+
+
+def _rod_type(rod: Rod, body: Body) -> str:
+    """Columns of the type of a rod, but for its name."""
+    if rod.Cdt or rod.Cat:
+        raise SceneError(
+            f"A rod must have Cdt=0 and Cat=0 to be written for MoorDyn, but {quoted(rod.name)} of body {quoted(body.name)} has "
+            f"Cdt={rod.Cdt} and Cat={rod.Cat}."
+        )
+    return " ".join(map(repr, (rod.diameter, rod.mass_per_length, rod.Cdn, rod.Can, rod.Cd_end, rod.Ca_end)))
 
 
 def _joined(numbers: Any) -> str:
@@ -76,7 +106,6 @@ def _check(body: Body) -> None:
         ("be pinned at its origin", any(arm), f"is pinned at {quoted(body.pinned or '')}, {arm} m"),
         ("have no `hull`", body.hull is not None, f"has hull={body.hull}"),
         ("have no `contact_area`", body.contact_area > 0.0, f"has contact_area={body.contact_area}"),
-        ("have no `rods`", bool(body.rods), f"has {len(body.rods)}"),
         (
             "have moments of inertia along its axes",
             not is_diagonal,

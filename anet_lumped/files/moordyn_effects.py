@@ -96,7 +96,7 @@ def _depth(options: Options, places: Places) -> float:
     return max(given, deepest)
 
 
-def _counts(places: Places, number: int, given: float | None) -> bool:
+def _counts(places: Places, number: int | str, given: float | None) -> bool:
     """Whether a point is one that the bottom is not above."""
     point = places.points[number]
     return isinstance(point, Fixed | Driven) or (given is None and isinstance(point, Free))

@@ -2,10 +2,10 @@
 
 MoorDyn v2's files are read and MoorDyn v1's, of the C++ and of the Fortran version (its documentation, "Input Files"; its sources
 MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says what it means: `moordyn_line_types`, `moordyn_points`,
-`moordyn_bodies`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_effects`.
+`moordyn_bodies`, `moordyn_rods`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_effects`.
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
-be had is refused, all of it at once: rods that lines end at, drag on the rotation of bodies, failures at a time, external loads,
+be had is refused, all of it at once: rods that turn on a body, drag on the rotation of bodies, failures at a time, external loads,
 waves and currents, tables in place of numbers but for EA, viscoelastic lines, line lift (VIV).
 """
 
@@ -20,7 +20,6 @@ from anet_lumped.regular_files import read_text
 from anet_lumped.scene.body import Body
 from anet_lumped.scene.scene import Free, Scene
 
-from .moordyn_attachments import attachment
 from .moordyn_bodies import moving_body
 from .moordyn_effects import read_effects
 from .moordyn_failure import breaking_tensions
@@ -29,6 +28,7 @@ from .moordyn_line_types import Tables, read_line_types
 from .moordyn_lines import Line, read_lines, type_of
 from .moordyn_options import read_options, without_held
 from .moordyn_points import OnMovingBody, Places, read_points
+from .moordyn_rods import Rods, bodies_under, read_rods
 from .moordyn_rows import rows_by_section
 from .moordyn_unsupported import check_unsupported
 
@@ -122,12 +122,10 @@ def deck_from_text(
     check_unsupported(sections, findings)
     rows = sections.get("lines", [])
     types = read_line_types(sections.get("line types", []), set(map(type_of, rows)), Tables(folder, outside), findings)
-    places = read_points(sections.get("points", []), sections.get("bodies", []), set(), coupled or {}, findings)
-    for row in sections.get("rods", ()):
-        with findings.refusing():
-            if len(row.words) > 2 and attachment(row.words[2]).number in places.attachments:
-                raise row.error("rods on a body that moves by itself are not supported.")
-    bodies = _bodies(places, findings)
+    under = bodies_under(sections.get("rods", []))
+    places = read_points(sections.get("points", []), sections.get("bodies", []), under, coupled or {}, findings)
+    rods = read_rods(sections.get("rods", []), sections.get("rod types", []), rows, places, findings)
+    bodies = [*_bodies(places, rods, findings), *rods.bodies]
     names = [row.words[0] for row in sections.get("line types", [])]
     lines = read_lines(rows, names, types, places, findings)
     limits = breaking_tensions(sections.get("failure", []), lines, places, findings)
@@ -139,26 +137,26 @@ def deck_from_text(
     except ValueError as error:
         raise SceneError(f"{source}: {error}") from None
     known = {point.name for point in scene.all_points}
-    held = {number: point.name for number, point in places.points.items() if point is not None and point.name in known}
+    points = {number: point.name for number, point in places.points.items() if isinstance(number, int) and point is not None}
     return Deck(
         scene=scene,
         options=dict(without_held(options)),
         remarks=findings.remarks,
-        points=held,
+        points={number: name for number, name in points.items() if name in known},
         lines={line.number: line.cable.name for line in lines},
         channels=tuple(word.strip("\"',") for row in sections.get("outputs", []) for word in row.words if word.upper() != "END"),
         line_outputs={line.number: line.outputs for line in lines if line.outputs},
     )
 
 
-def _bodies(places: Places, findings: Findings) -> list[Body]:
+def _bodies(places: Places, rods: Rods, findings: Findings) -> list[Body]:
     """Bodies that move by themselves."""
     bodies = []
     for number, attachments in places.attachments.items():
         frame = places.frames[number]
         assert frame is not None
         with findings.refusing():
-            bodies.append(moving_body(frame, attachments, []))
+            bodies.append(moving_body(frame, attachments, rods.on_bodies.get(number, [])))
     return bodies
 
 

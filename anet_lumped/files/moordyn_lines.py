@@ -4,6 +4,7 @@ A spring cannot push but its damper always acts: compression="damped".
 """
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -15,6 +16,7 @@ from .moordyn_points import Places
 from .moordyn_rows import DIGITS, WORD, Row, made
 
 NO_OUTPUT = ("-", "0", "none")
+ROD_END = re.compile(r"r(?:od)?(\d{1,18})([ab])", re.IGNORECASE)
 POINT_LETTERS = ("", "c", "con", "p", "point", "connect")
 
 
@@ -25,14 +27,14 @@ class Line(NamedTuple):
     ----------
     number : its number
     cable : Cable
-    ends : numbers of the points at both
+    ends : numbers of the points at both, "R1A" of the end A of rod 1
     row : where it stands
     outputs : its letters of output, "" for none
     """
 
     number: int
     cable: Cable
-    ends: tuple[int, int]
+    ends: tuple[int | str, int | str]
     row: Row
     outputs: str
 
@@ -98,16 +100,19 @@ def _line(row: Row, names: list[str], types: Mapping[str, tuple[Row, dict[str, A
     return Line(number, cable, ends, row, outputs)
 
 
-def _end(row: Row, column: int, places: Places) -> int:
-    """Number of the point at an end of a line: 3, P3, Point3, C3 or Con3."""
+def _end(row: Row, column: int, places: Places) -> int | str:
+    """Number of the point at an end of a line: 3, P3, Point3, C3 or Con3; "R1A" of R1A or Rod1A."""
     word = row.words[column]
     letters = word.rstrip("0123456789")
     number = word[len(letters) :]
     if letters.lower() in POINT_LETTERS and number:
         if len(number) <= DIGITS and (int(number) in places.points or places.without_number or not places.points):
             return int(number)
-        known = ", ".join(map(str, places.points))
+        known = ", ".join(str(point) for point in places.points if isinstance(point, int))
         raise row.error(f"a line must end at a point in POINTS, but point {one_line(word, WORD)} is not there; known: {known}.")
-    if word.lower().startswith("r"):
-        raise row.error(f"lines that end at a rod are not supported, but {one_line(word, WORD)} is one.")
+    if rod_end := ROD_END.fullmatch(word):
+        end = f"R{int(rod_end[1])}{rod_end[2].upper()}"
+        if end in places.points:
+            return end
+        raise row.error(f"a line must end at a rod in RODS, but {one_line(word, WORD)} is none.")
     raise row.error(f"a line must end at the number of a point, but {one_line(word, WORD)} is none.")

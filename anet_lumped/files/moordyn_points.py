@@ -34,7 +34,7 @@ class OnMovingBody(NamedTuple):
 
 
 class Places(NamedTuple):
-    """The points of a file, by number.
+    """The points of a file, by number, and the ends of rods at which lines end, by a word such as "R1A".
 
     Parameters
     ----------
@@ -45,8 +45,8 @@ class Places(NamedTuple):
     attachments : name and place in its axes (3,) [m] of the attachments of each body that moves by itself, by its number
     """
 
-    points: dict[int, Point | OnMovingBody | None]
-    at: dict[int, Vector]
+    points: dict[int | str, Point | OnMovingBody | None]
+    at: dict[int | str, Vector]
     without_number: list[int]
     frames: dict[int, Frame | None]
     attachments: dict[int, list[tuple[str, Vector]]]

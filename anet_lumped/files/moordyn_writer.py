@@ -47,6 +47,8 @@ def save_moordyn(scene: Scene, path: str | PathLike[str], options: Mapping[str, 
                 stacklevel=2,
             )
             break
+    if any(len(set(body.CdA)) > 1 for body in scene.bodies):
+        warnings.warn("MoorDyn 2.7.2 passes over the first CdA of a body that has several.", stacklevel=2)
     path = pathlib.Path(path)
     path.write_text(moordyn_text(scene, options, stem=path.stem), encoding="utf-8")
     for curve, name in _curves(scene, path.stem).items():

@@ -156,7 +156,7 @@ def test_a_deck_that_is_silent_has_moordyns_sea_down_to_its_deepest_point():
         ("rope       2        3", "rop        2        3", r'line 18, "2 +rop +2 .*": .* but "rop" is none, did .* "rope"'),
         ("rope       2        3", "wire       2        3", r'line 18, .*"wire" is none; known: chain, rope\.'),
         ("rope       2        3", "rope       2        4", r"line 18, .*point 4 is not there; known: 1, 2, 3\."),
-        ("rope       2        3", "rope       2        R1A", r"line 18, .*end at a rod are not supported, but R1A is one"),
+        ("rope       2        3", "rope       2        R1A", r"line 18, .*a line must end at a rod in RODS, but R1A is none"),
         ("rope       2        3", "rope       2        x", r"line 18, .*must end at the number of a point, but x is none"),
         ("rope       2        3", "rope       2        2", r"line 18, .*must join two different points"),
         ("240       12       -", "240       12", r"line 18, .*a line must have 7 columns .* but has 6"),

@@ -254,7 +254,7 @@ FAILURE = "--- FAILURE ---\nh\nh\n1 %s\n--- OPTIONS"
         ("--- OPTIONS", "--- EXTERNAL LOADS ---\nh\nh\n1 Point2 5|0|0 0 0 -\n--- OPTIONS", r"line 20, .*external loads"),
         ("--- OPTIONS", "--- SYROPE IC ---\nh\nh\n1 2 3\n--- OPTIONS", r"line 20, .*the Syrope model of polyester is not"),
         ("--- OPTIONS", "--- OPTION ---", r'line 17: a section must be one .* heading is "OPTION", did you mean "OPTIONS"\?'),
-        ("1 hose 1 2 42", "1 hose 1 R1A 42", r"line 15, .*lines that end at a rod are not supported, but R1A is one"),
+        ("1 hose 1 2 42", "1 hose 1 R1A 42", r"line 15, .*a line must end at a rod in RODS, but R1A is none"),
         (POINT_3, "3 Body1 1 2 -3 0 0 0 0", r"line 11, .*must be on a body in BODIES, but body 1 is not there"),
         (POINT_3, "3 Body 1 2 -3 0 0 0 0", r"line 11, .*must be Fixed, Coupled, Free or Body and a number"),
         (POINT_3, "3 CoupledPinned 1 2 -3 0 0 0 0", r"line 11, .*must be Fixed, Coupled, Free or Body and a number"),

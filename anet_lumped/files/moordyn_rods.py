@@ -1,0 +1,161 @@
+"""The rods of a MoorDyn file, and lines that end at them: `R1A` is end A of rod 1.
+
+A rod that is free is a `Body` of its own, one that is pinned is held at its end A; a rod on a body that moves by itself is a `Rod`
+of that body. Its ends are "rod1.a" and "rod1.b". A rod that is fixed or coupled, by itself or on such a body, does not move by
+itself: its ends are fixed or driven points, and no load on it is computed. Rods that no line ends at are left out, but for those on
+bodies.
+
+MoorDyn's rods have no drag and no added mass along them but at their end caps (MoorDyn2.cpp: readRodProps).
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from anet_lumped.checks import Vector, one_line, quoted
+from anet_lumped.prescribed import paths
+from anet_lumped.scene.body import Body
+from anet_lumped.scene.rod import Rod
+from anet_lumped.scene.rod_body import rod_body
+from anet_lumped.scene.scene import Driven, Fixed
+
+from .moordyn_attachments import Attachment, Hold, attachment
+from .moordyn_findings import Findings
+from .moordyn_lines import ROD_END
+from .moordyn_points import OnMovingBody, Places
+from .moordyn_rows import WORD, Row, made
+
+TYPE_COLUMNS = 7  # TypeName, Diam, Mass/m, Cd, Ca, CdEnd, CaEnd
+COLUMNS = 11  # ID, RodType, Attachment, Xa, Ya, Za, Xb, Yb, Zb, NumSegs, RodOutputs
+OF_TYPE = ((1, "Diam", "diameter"), (2, "Mass/m", "mass_per_length"), (3, "Cd", "Cdn"), (4, "Ca", "Can"))
+OF_ENDS = ((5, "CdEnd", "Cd_end"), (6, "CaEnd", "Ca_end"))
+
+
+class Rods(NamedTuple):
+    """The rods of a file that move.
+
+    Parameters
+    ----------
+    bodies : those that are a body of their own
+    on_bodies : Rod on each body that moves by itself, by its number
+    """
+
+    bodies: list[Body]
+    on_bodies: dict[int, list[Rod]]
+
+
+def end_of_rod(word: str) -> str | None:
+    """Name of the end of a rod in `Places.points`, such as "R1A"; None if it is none."""
+    end = ROD_END.fullmatch(word)
+    return None if end is None else f"R{int(end[1])}{end[2].upper()}"
+
+
+def bodies_under(rods: list[Row]) -> set[int]:
+    """Numbers of the bodies that rods are on."""
+    found = {attachment(row.words[2]) for row in rods if len(row.words) > 2}
+    return {each.number for each in found if each.hold is Hold.BODY}
+
+
+def read_rods(rods: list[Row], types: list[Row], lines: list[Row], places: Places, findings: Findings) -> Rods:
+    """Read the rods; their ends are put into ``places``, None of those that are refused.
+
+    Parameters
+    ----------
+    rods, types, lines : list of Row
+    places : Places
+    findings : Findings
+    """
+    ends = {end for row in lines for word in row.words[2:6] if (end := end_of_rod(word))}
+    by_name = {row.words[0]: row for row in types}
+    found, numbers, used_types = Rods([], {}), set(), set()
+    for row in rods:
+        with findings.refusing():
+            number = row.count(0, "the number of a rod")
+            if number in numbers:
+                raise row.error(f"a rod must come once, but {number} comes again.")
+            numbers.add(number)
+            own = [end for end in (f"R{number}A", f"R{number}B") if end in ends]
+            places.points.update(dict.fromkeys(own))
+            held = _hold(row)
+            if not own and not (held.hold is Hold.BODY and held.number in places.attachments):
+                findings.unused(f"rod {row.words[0]}", row.line, "rods that no line ends at")
+                continue
+            used_types.add(row.words[1])
+            _read(number, row, held, by_name, own, (places, found))
+    for row in types:
+        if row.words[0] not in used_types:
+            findings.unused(row.words[0], row.line, "types of rods that no line ends at")
+    return found
+
+
+def _hold(row: Row) -> Attachment:
+    """What holds the rod of a row."""
+    found = attachment(row.words[2]) if len(row.words) > 2 else Attachment(None, 0, False)
+    if found.hold is None and row.words[2:3] and row.words[2].lower() in ("pinned", "pin"):
+        return Attachment(Hold.FIXED, 0, True)
+    if found.hold is None:
+        raise row.error("a rod must be Free, Pinned, Fixed, Coupled, CoupledPinned or on Body and a number.")
+    return found
+
+
+def _read(number: int, row: Row, held: Attachment, types: Mapping[str, Row], own: list[str], into: tuple[Places, Rods]) -> None:
+    """Read the rod of a row into places and rods, with those of its ends at which lines end."""
+    places, found = into
+    if len(row.words) < COLUMNS:
+        raise row.error(
+            f"a rod must have {COLUMNS} columns (ID, RodType, Attachment, Xa, Ya, Za, Xb, Yb, Zb, NumSegs, RodOutputs), but has "
+            f"{len(row.words)}."
+        )
+    if row.words[1] not in types:
+        raise row.error(f"a rod must be of a type in ROD TYPES, but {quoted(row.words[1])} is none.")
+    a, b = ((row.number(first, "Xa"), row.number(first + 1, "Ya"), row.number(first + 2, "Za")) for first in (3, 6))
+    segments, name = row.count(9, "NumSegs"), row.name or f"rod{number}"
+    hold = held.hold
+    at: dict[str, Vector] = {"A": a, "B": b}
+    if hold is Hold.BODY:
+        if held.number not in places.frames:
+            raise row.error(f"a rod must be on a body in BODIES, but body {held.number} is not there.")
+        if held.pinned:
+            raise row.error("a rod that turns on a body is not supported; it must be Body and a number alone.")
+        frame = places.frames[held.number]
+        if frame is None:  # said of the body
+            return
+        at = {end: frame.place_of(place) for end, place in at.items()}
+        if frame.hold is Hold.FREE:
+            found.on_bodies.setdefault(held.number, []).append(made(row, Rod, name, a, b, segments=segments, **_of(types, row)))
+            for end in own:
+                ends_name = f"{name}.{end[-1].lower()}"
+                places.attachments[held.number].append((ends_name, a if end[-1] == "A" else b))
+                _put(places, end, OnMovingBody(f"{frame.name}.{ends_name}"), at)
+            return
+        hold = frame.hold
+    if hold is Hold.FREE or held.pinned:
+        body = made(row, rod_body, name, a, b, segments=segments, pinned="a" if held.pinned else None, **_of(types, row))
+        found.bodies.append(body)
+        if held.pinned:
+            row.findings.remark(f"End A of rod {quoted(name)} stays where it is, while the rod turns about it.")
+        for end in own:
+            _put(places, end, OnMovingBody(f"{name}.{end[-1].lower()}"), at)
+        return
+    row.findings.remark(f"Rod {quoted(name)} does not move by itself: lines are held at its ends, and no load on it is computed.")
+    for end in own:
+        end_name, place = f"{name}.{end[-1].lower()}", at[end[-1]]
+        point = Fixed(end_name, place) if hold is Hold.FIXED else Driven(end_name, made(row, paths.external, place))
+        _put(places, end, point, at)
+
+
+def _put(places: Places, end: str, point: Fixed | Driven | OnMovingBody, at: Mapping[str, Vector]) -> None:
+    places.points[end], places.at[end] = point, at[end[-1]]
+
+
+def _of(types: Mapping[str, Row], rod: Row) -> dict[str, Any]:
+    """Fields of a Rod from its type."""
+    row = types[rod.words[1]]
+    if len(row.words) < TYPE_COLUMNS:
+        raise row.error(
+            f"a type of rods must have {TYPE_COLUMNS} columns (TypeName, Diam, Mass/m, Cd, Ca, CdEnd, CaEnd), but has "
+            f"{len(row.words)}."
+        )
+    beyond = row.words[TYPE_COLUMNS:]
+    if any(row.number(column, "a coefficient of a rod") for column in range(TYPE_COLUMNS, len(row.words))):
+        raise row.error(f"columns of types of rods behind CaEnd are not supported, but are {one_line(' '.join(beyond), WORD)}.")
+    return {field: row.number(column, what) for column, what, field in (*OF_TYPE, *OF_ENDS)} | {"Cdt": 0.0, "Cat": 0.0}

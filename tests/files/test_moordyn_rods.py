@@ -1,0 +1,148 @@
+"""Rods in MoorDyn files: read, written and read back."""
+
+import pytest
+
+from anet_lumped import Cable, Driven, Fixed, Rod, Scene, SceneError, paths, rod_body
+from anet_lumped.effects import Gravity, Water
+from anet_lumped.files.moordyn_file import deck_from_text
+from anet_lumped.files.moordyn_findings import DeckError
+from anet_lumped.files.moordyn_writer import moordyn_text
+
+ROD = "1 pole Free -10 0 -75 10 0 -75 4 -"
+TYPE = "pole 0.25 77.7 1.6 1.0 1.5 0.9"
+BODY = "--- BODIES ---\nh\nh\n1 Free 0 0 -75 0 90 0 900 0 400 0 0 0\n--- POINTS"
+DECK = f"""\
+--- LINE TYPES ---
+TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx
+(name) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
+rope 0.09 77.7 384.243E6 -0.3 0 1.6 1.0 0.1 0.0
+--- ROD TYPES ---
+TypeName Diam Mass/m Cd Ca CdEnd CaEnd
+(name) (m) (kg/m) (-) (-) (-) (-)
+{TYPE}
+--- RODS ---
+ID RodType Attachment Xa Ya Za Xb Yb Zb NumSegs RodOutputs
+(#) (name) (#/key) (m) (m) (m) (m) (m) (m) (-) (-)
+{ROD}
+--- POINTS ---
+ID Type X Y Z Mass Volume CdA Ca
+(#) (-) (m) (m) (m) (kg) (m3) (m2) (-)
+1 Fixed -450 0 0 0 0 0 0
+2 Fixed 450 0 0 0 0 0 0
+--- LINES ---
+ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs
+(#) (name) (#) (#) (m) (-) (-)
+1 rope 1 R1A 450 4 -
+2 rope 2 Rod1b 450 4 -
+--- OPTIONS ---
+150 WtrDpth
+--- OUTPUTS ---
+--- need this line ---
+"""
+OF_ROD = {"diameter": 0.25, "mass_per_length": 77.7, "segments": 4, "Cdn": 1.6, "Can": 1.0, "Cdt": 0.0, "Cat": 0.0}
+OF_ROD |= {"Cd_end": 1.5, "Ca_end": 0.9}
+
+
+def read(*changes):
+    deck = DECK
+    for old, new in changes:
+        assert deck.count(old) == 1, old
+        deck = deck.replace(old, new)
+    return deck_from_text(deck)
+
+
+@pytest.mark.parametrize(
+    ("word", "pinned"), [("Free", None), ("Pinned", "a"), ("Pin", "a"), ("CoupledPinned", "a"), ("CpldPin", "a")]
+)
+def test_a_rod_that_moves_is_a_body(word, pinned):
+    deck = read((ROD, ROD.replace("Free", word)))
+    assert deck.scene.bodies == (rod_body("rod1", (-10.0, 0.0, -75.0), (10.0, 0.0, -75.0), pinned=pinned, **OF_ROD),)
+    assert [cable.end for cable in deck.scene.cables] == ["rod1.a", "rod1.b"] and deck.points == {1: "point1", 2: "point2"}
+    assert ('End A of rod "rod1" stays where it is, while the rod turns about it.' in deck.remarks) == (pinned is not None)
+
+
+@pytest.mark.parametrize(("word", "is_fixed"), [("Fixed", True), ("Anchor", True), ("Coupled", False), ("Vessel", False)])
+def test_ends_of_a_rod_that_others_move_are_points(word, is_fixed):
+    deck = read((ROD, ROD.replace("Free", word)))
+    for name, x in (("rod1.a", -10.0), ("rod1.b", 10.0)):
+        at = (x, 0.0, -75.0)
+        assert deck.scene.point(name) == (Fixed(name, at) if is_fixed else Driven(name, paths.external(at)))
+    assert not deck.scene.bodies
+    assert 'Rod "rod1" does not move by itself: lines are held at its ends, and no load on it is computed.' in deck.remarks
+
+
+def test_a_rod_on_a_body_that_moves_is_part_of_it():
+    deck = read(("--- POINTS", BODY), (ROD, "1 pole Body1 0 0 -10 0 0 10 4 -"))
+    (body,) = deck.scene.bodies
+    assert body.rods == (Rod("rod1", (0.0, 0.0, -10.0), (0.0, 0.0, 10.0), **OF_ROD),) and body.mass == 900.0
+    assert body.attachments == (("rod1.a", (0.0, 0.0, -10.0)), ("rod1.b", (0.0, 0.0, 10.0)))
+    assert deck.scene.cables[0].end == "body1.rod1.a"
+    assert deck.scene.point("body1.rod1.a").at == pytest.approx((-10.0, 0.0, -75.0), abs=1e-12)  # of 75 m, turned by 90 degrees
+
+
+def test_a_rod_may_be_all_that_a_body_weighs():
+    deck = read(("--- POINTS", BODY.replace("900 0 400", "0 0 0")), (ROD, "1 pole Body1 0 0 -10 0 0 10 4 -"))
+    assert deck.scene.bodies[0].mass is None and deck.scene.bodies[0].whole.total == pytest.approx(20 * 77.7, rel=1e-14)
+
+
+@pytest.mark.parametrize("word", ["Fixed", "Coupled"])
+def test_ends_of_a_rod_on_a_body_that_others_move_are_points(word):
+    deck = read(("--- POINTS", BODY.replace("Free", word)), (ROD, "1 pole Body1 0 0 -10 0 0 10 4 -"))
+    point = deck.scene.point("rod1.a")
+    assert isinstance(point, Fixed if word == "Fixed" else Driven)
+    at = point.at if word == "Fixed" else point.path.at(0.0)[0]
+    assert at == pytest.approx((-10.0, 0.0, -75.0), abs=1e-12)  # of 75 m, turned by 90 degrees
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ([("Rod1b", "Rod2b")], r"line 22, .*a line must end at a rod in RODS, but Rod2b is none"),
+        ([(ROD, f"{ROD}\n{ROD}")], r"line 13, .*a rod must come once, but 1 comes again"),
+        (
+            [(ROD, "1 pole Loose -10 0 -75 10 0 -75 4 -")],
+            r"line 12, .*a rod must be Free, Pinned, Fixed, Coupled, CoupledPinned",
+        ),
+        ([(ROD, "1 pole Free -10 0 -75 10 0 -75 4")], r"line 12, .*a rod must have 11 columns .* but has 10"),
+        ([(ROD, "1 mast Free -10 0 -75 10 0 -75 4 -")], r'line 12, .*must be of a type in ROD TYPES, but "mast" is none'),
+        ([(ROD, "1 pole Free -10 0 -75 10 0 -75 0 -")], r"line 12, .*NumSegs must be an integer of at least 1"),
+        ([(ROD, "1 pole Free -10 0 -75 -10 0 -75 4 -")], r"line 12, .*A rod must have a length"),
+        ([(ROD, "1 pole Body2 -10 0 -75 10 0 -75 4 -")], r"line 12, .*a rod must be on a body in BODIES, but body 2 is not there"),
+        ([("--- POINTS", BODY), (ROD, "1 pole Body1Pinned 0 0 0 1 0 0 4 -")], r"line 12, .*a rod that turns on a body is not"),
+        ([("--- POINTS", BODY.replace("900", "0")), (ROD, "1 pole Body1 0 0 0 1 0 0 4 -")], r"line 16, .*must have no inertia I"),
+        ([(TYPE, "pole 0.25 77.7 1.6 1.0 1.5")], r"line 8, .*a type of rods must have 7 columns .* but has 6"),
+        ([(TYPE, f"{TYPE} 0 0.1")], r"line 8, .*columns of types of rods behind CaEnd are not supported, but are 0 0\.1"),
+    ],
+)
+def test_refusals(changes, message):
+    with pytest.raises(DeckError, match=message):
+        read(*changes)
+
+
+def scene_of(*rods, **fields):
+    cables = [
+        Cable(f"p{end}", f"spar.{end}", length=8.0, segments=4, EA=1e5, mass_per_length=1.0, diameter=0.1, compression="damped")
+        for end in "ab"
+    ]
+    body = rod_body("spar", (0.0, 0.0, -20.0), (3.0, 0.0, -24.0), **(OF_ROD | fields))
+    points = [Fixed("pa", (-5.0, 0.0, -15.0)), Fixed("pb", (8.0, 0.0, -18.0))]
+    return Scene(points, cables, [Gravity(9.81), Water(1000.0)], bodies=[body])
+
+
+def test_a_rod_is_written_and_read_back():
+    scene = scene_of()
+    back = deck_from_text(moordyn_text(scene)).scene
+    assert (back.points, back.cables, back.effects) == (scene.points, scene.cables, scene.effects)
+    (body,), (given,) = back.bodies, scene.bodies
+    assert (body.rods, body.attachments, body.at, body.mass) == (given.rods, given.attachments, given.at, None)
+    assert body.rotation == pytest.approx(given.rotation, abs=1e-14)  # of angles and back
+
+
+def test_a_pinned_rod_is_written_and_read_back():
+    assert deck_from_text(moordyn_text(scene_of(pinned="a"))).scene.bodies[0].pinned == ""
+
+
+@pytest.mark.parametrize("field", ["Cdt", "Cat"])
+def test_what_moordyns_rods_do_not_have(field):
+    with pytest.raises(SceneError, match=r'A rod must have Cdt=0 and Cat=0 to be written .* but "rod" of body "spar" has Cdt='):
+        moordyn_text(scene_of(**{field: 0.1}))
