@@ -48,7 +48,12 @@ def test_the_catenary_of_each_cable_is_that_between_its_ends_at_rest(file):
     assert len(found["cables"]) == 4 and all(abs(cable["rmse"]) < 1e-4 for cable in found["cables"])
 
 
-@pytest.mark.parametrize("ending", ["txt", "xml", "sdf"])
+def test_it_is_written_for_moordyn(file, tmp_path):
+    said("convert", file, str(tmp_path / "crate.txt"))
+    assert "BODIES" in (tmp_path / "crate.txt").read_text()
+
+
+@pytest.mark.parametrize("ending", ["xml", "sdf"])
 def test_what_cannot_be_written_is_refused_in_a_sentence(file, tmp_path, ending):
     result = CliRunner().invoke(app, ["convert", file, str(tmp_path / f"crate.{ending}")])
     assert result.exit_code != 0 and "bodies" in str(result.exception)
