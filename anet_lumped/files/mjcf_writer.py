@@ -5,15 +5,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from anet_lumped.checks import InputError, check_number, nearest, shown
 from anet_lumped.regular_files import check_target
 from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Scene, check_scene
+from anet_lumped.scene.scene import Scene
 
-from .rigid_twin import Link, check_twin, twin_of
+from .rigid_twin import Link, check_choices, check_twin, twin_of
 
 IMPEDANCE = 0.99, 0.999  # of a loop's closure, from its middle to its edge; the default of 0.9 to 0.95 leaves twice the gap
-LINKS, JOINTS = ("cylinder", "lumped"), ("ball", "revolute")
 
 
 def save_mjcf(
@@ -56,21 +54,9 @@ def mjcf(scene: Scene, links: str = "cylinder", joints: str = "ball", dt: float 
     """The model of `save_mjcf` as text."""
     from anet_lumped.statics.equilibrium import equilibrium
 
-    check_scene(scene)
-    check_choices(links, joints)
-    dt = check_number("dt", dt, "s", "a twin", sign="positive")
-    damping = check_number("damping", damping, "N m s", "a twin", sign="non-negative")
+    dt, damping = check_choices(scene, links, joints, dt, damping)
     check_twin(scene)
     return _spec(scene, equilibrium(scene), links == "lumped", joints == "ball", dt, damping).to_xml()
-
-
-def check_choices(links: Any, joints: Any) -> None:
-    """Refuse other words for links and joints."""
-    for name, value, known in (("links", links, LINKS), ("joints", joints, JOINTS)):
-        if not isinstance(value, str) or value not in known:
-            raise InputError(
-                f"Argument `{name}` must be one of {', '.join(known)}, but it is {shown(value)}" + (nearest(value, known) or ".")
-            )
 
 
 def _spec(scene: Scene, rest: State, lumped: bool, ball: bool, dt: float, damping: float) -> Any:
@@ -99,7 +85,7 @@ def _spec(scene: Scene, rest: State, lumped: bool, ball: bool, dt: float, dampin
         _add_joints(mujoco, body, link, ball, damping)
         _add_mass(mujoco, body, link)
         bodies[link.name], axes[link.name] = body, link.turn
-        ends[link.name] = np.array([np.linalg.norm(link.end - link.begin), 0.0, 0.0])
+        ends[link.name] = np.array([link.length, 0.0, 0.0])
         body.add_site(name=f"{link.name} end", pos=ends[link.name])
     for one, other in twin.closed:
         equality = spec.add_equality(
@@ -123,15 +109,11 @@ def _add_joints(mujoco: Any, body: Any, link: Link, ball: bool, damping: float) 
 
 def _add_mass(mujoco: Any, body: Any, link: Link) -> None:
     """The mass of a link and of what it carries; and its shape, which touches nothing."""
-    length = float(np.linalg.norm(link.end - link.begin))
-    body.explicitinertial, total = True, link.mass + link.load
-    middle = (0.5 * link.mass + link.load) / total * length
-    apart = link.mass * link.load / total * (0.5 * length) ** 2  # by the theorem of Steiner
-    body.mass, body.ipos = total, (middle, 0.0, 0.0)
-    body.inertia = (link.inertia[0], link.inertia[1] + apart, link.inertia[2] + apart)
+    body.explicitinertial, body.mass = True, link.whole_mass
+    body.ipos, body.inertia = (link.middle, 0.0, 0.0), link.whole_inertia
     body.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_CYLINDER, fromto=[0.0, 0.0, 0.0, length, 0.0, 0.0], size=[link.radius, 0.0, 0.0], mass=0.0,
-        contype=0, conaffinity=0,
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER, fromto=[0.0, 0.0, 0.0, link.length, 0.0, 0.0], size=[link.radius, 0.0, 0.0],
+        mass=0.0, contype=0, conaffinity=0,
     )  # fmt: skip
 
 

@@ -5,14 +5,15 @@ point at which its cable begins. Where a cable ends at a point that is carried a
 """
 
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from anet_lumped.checks import InputError, SceneError, quoted
+from anet_lumped.checks import InputError, SceneError, check_number, nearest, quoted, shown
 from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Free, Scene
+from anet_lumped.scene.scene import Free, Scene, check_scene
 
+LINKS, JOINTS = ("cylinder", "lumped"), ("ball", "revolute")
 THIN = 0.02  # radius of a link over its length, of a cable without a diameter
 THINNEST = 1e-3  # inertia about the axis of a lumped link over that across it: it has none, which no engine takes
 
@@ -41,6 +42,27 @@ class Link(NamedTuple):
     radius: float
     inertia: tuple[float, float, float]
     load: float
+
+    @property
+    def length(self) -> float:
+        """[m]."""
+        return float(np.linalg.norm(self.end - self.begin))
+
+    @property
+    def whole_mass(self) -> float:
+        """With what it carries [kg]."""
+        return self.mass + self.load
+
+    @property
+    def middle(self) -> float:
+        """Distance of the centre of mass of the link and what it carries from its begin [m]."""
+        return (0.5 * self.mass + self.load) / self.whole_mass * self.length
+
+    @property
+    def whole_inertia(self) -> tuple[float, float, float]:
+        """Of both about that centre of mass, along its axes [kg m2], by the theorem of Steiner."""
+        apart = self.mass * self.load / self.whole_mass * (0.5 * self.length) ** 2
+        return self.inertia[0], self.inertia[1] + apart, self.inertia[2] + apart
 
 
 class Twin(NamedTuple):
@@ -107,6 +129,18 @@ def check_twin(scene: Scene) -> None:
     """Refuse a scene that has no twin."""
     if scene.bodies:
         raise InputError("A twin of rigid links must be of a scene without bodies, but this one has some.")
+
+
+def check_choices(scene: Any, links: Any, joints: Any, dt: Any, damping: Any) -> tuple[float, float]:
+    """Refuse what no twin is made of, and other words for links and joints; returns the step [s] and the damping [N m s]."""
+    check_scene(scene)
+    for name, value, known in (("links", links, LINKS), ("joints", joints, JOINTS)):
+        if not isinstance(value, str) or value not in known:
+            raise InputError(
+                f"Argument `{name}` must be one of {', '.join(known)}, but it is {shown(value)}" + (nearest(value, known) or ".")
+            )
+    dt = check_number("dt", dt, "s", "a twin", sign="positive")
+    return dt, check_number("damping", damping, "N m s", "a twin", sign="non-negative")
 
 
 def _turned(axes: np.ndarray, along: np.ndarray) -> np.ndarray:

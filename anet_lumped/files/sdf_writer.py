@@ -9,13 +9,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from anet_lumped.checks import InputError, check_number
+from anet_lumped.checks import InputError
 from anet_lumped.regular_files import check_target
 from anet_lumped.results.run import State
-from anet_lumped.scene.scene import Scene, check_scene
+from anet_lumped.scene.scene import Scene
 
-from .mjcf_writer import check_choices
-from .rigid_twin import Link, check_twin, twin_of
+from .rigid_twin import Link, check_choices, check_twin, twin_of
 
 VERSION = "1.9"
 
@@ -49,10 +48,7 @@ def sdf(scene: Scene, links: str = "cylinder", joints: str = "ball", dt: float =
     """The world of `save_sdf` as text."""
     from anet_lumped.statics.equilibrium import equilibrium
 
-    check_scene(scene)
-    check_choices(links, joints)
-    dt = check_number("dt", dt, "s", "a twin", sign="positive")
-    damping = check_number("damping", damping, "N m s", "a twin", sign="non-negative")
+    dt, damping = check_choices(scene, links, joints, dt, damping)
     if damping and joints == "ball":
         raise InputError(
             f'Joints of SDFormat with dampers must be "revolute", but damping is {damping:g} N m s and joints is "ball".'
@@ -77,7 +73,7 @@ def _world(scene: Scene, rest: State, lumped: bool, ball: bool, dt: float, dampi
     for link in twin.links:
         parent = "world" if link.parent in twin.supports else link.parent
         _joint(model, link.name, parent, link.name, np.zeros(3), ball, damping)
-    lengths = {link.name: float(np.linalg.norm(link.end - link.begin)) for link in twin.links}
+    lengths = {link.name: link.length for link in twin.links}
     for one, other in twin.closed:
         end = np.array([lengths[one], 0.0, 0.0])
         _joint(model, f"{one} to {other}", "world" if other in twin.supports else other, one, end, True, 0.0)
@@ -86,23 +82,20 @@ def _world(scene: Scene, rest: State, lumped: bool, ball: bool, dt: float, dampi
 
 def _link(model: ET.Element, link: Link) -> None:
     """A link in the axes of the world, with its mass, what it carries at its end, and its shape."""
-    length, total = float(np.linalg.norm(link.end - link.begin)), link.mass + link.load
-    middle = (0.5 * link.mass + link.load) / total * length
-    apart = link.mass * link.load / total * (0.5 * length) ** 2  # by the theorem of Steiner
     element = ET.SubElement(model, "link", name=link.name)
     _text(element, "pose", *link.begin, *_angles(link.turn))
     inertial = ET.SubElement(element, "inertial")
-    _text(inertial, "pose", middle, 0.0, 0.0, 0.0, 0.0, 0.0)
-    _text(inertial, "mass", total)
+    _text(inertial, "pose", link.middle, 0.0, 0.0, 0.0, 0.0, 0.0)
+    _text(inertial, "mass", link.whole_mass)
     inertia = ET.SubElement(inertial, "inertia")
-    along, across, other = link.inertia[0], link.inertia[1] + apart, link.inertia[2] + apart
+    along, across, other = link.whole_inertia
     for name, value in dict(ixx=along, ixy=0.0, ixz=0.0, iyy=across, iyz=0.0, izz=other).items():
         _text(inertia, name, value)
     visual = ET.SubElement(element, "visual", name="shape")
-    _text(visual, "pose", 0.5 * length, 0.0, 0.0, 0.0, 0.5 * np.pi, 0.0)  # a cylinder lies along z
+    _text(visual, "pose", 0.5 * link.length, 0.0, 0.0, 0.0, 0.5 * np.pi, 0.0)  # a cylinder lies along z
     cylinder = ET.SubElement(ET.SubElement(visual, "geometry"), "cylinder")
     _text(cylinder, "radius", link.radius)
-    _text(cylinder, "length", length)
+    _text(cylinder, "length", link.length)
 
 
 def _joint(model: ET.Element, name: str, parent: str, child: str, at: np.ndarray, ball: bool, damping: float) -> None:

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import float64, int64, void
 
-from anet_lumped.compiled.jit import kernel
+from anet_lumped.compiled.jit import inlined, kernel
 from anet_lumped.effects.laws.couple import along, cross_product, direction_weights
 
 _f1, _f2, _f3, _i1 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1]
@@ -64,6 +64,19 @@ def motions_of(table: BodyTable) -> Motions:
     return Motions(np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3, 3)), np.zeros((count, 3)))
 
 
+@inlined
+def axes_and_rates(q, v, first, last, node, weights):
+    """Directions e_1 and e_2 of a body, of the nodes from ``first`` to ``last``, and their rates: e_a = sum c^a_k q_k."""
+    e1, e2, d1, d2 = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(first, last):
+        i, c1, c2 = node[k], weights[0, k], weights[1, k]
+        e1 = e1[0] + c1 * q[i, 0], e1[1] + c1 * q[i, 1], e1[2] + c1 * q[i, 2]
+        e2 = e2[0] + c2 * q[i, 0], e2[1] + c2 * q[i, 1], e2[2] + c2 * q[i, 2]
+        d1 = d1[0] + c1 * v[i, 0], d1[1] + c1 * v[i, 1], d1[2] + c1 * v[i, 2]
+        d2 = d2[0] + c2 * v[i, 0], d2[1] + c2 * v[i, 1], d2[2] + c2 * v[i, 2]
+    return e1, e2, d1, d2
+
+
 @kernel(void(_f2, _f2, _i1, _i1, _f2, _f3, _f2, _f2, _f3, _f2))
 def read(q, v, first, node, weights, directions, position, velocity, rotation, angular_velocity):
     """Write the motions of bodies.
@@ -71,13 +84,7 @@ def read(q, v, first, node, weights, directions, position, velocity, rotation, a
     With e_a = sum c^a_k q_k and its rate, R = sum e_a u_a^T and omega = (e_2'.e_3) e_1 - (e_1'.e_3) e_2 + (e_1'.e_2) e_3.
     """
     for b in range(directions.shape[0]):
-        e1, e2, d1, d2 = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for k in range(first[b], first[b + 1]):
-            i, c1, c2 = node[k], weights[0, k], weights[1, k]
-            e1 = e1[0] + c1 * q[i, 0], e1[1] + c1 * q[i, 1], e1[2] + c1 * q[i, 2]
-            e2 = e2[0] + c2 * q[i, 0], e2[1] + c2 * q[i, 1], e2[2] + c2 * q[i, 2]
-            d1 = d1[0] + c1 * v[i, 0], d1[1] + c1 * v[i, 1], d1[2] + c1 * v[i, 2]
-            d2 = d2[0] + c2 * v[i, 0], d2[1] + c2 * v[i, 1], d2[2] + c2 * v[i, 2]
+        e1, e2, d1, d2 = axes_and_rates(q, v, first[b], first[b + 1], node, weights)
         e3 = cross_product(e1, e2)
         x, y, z = along(d2, e3), -along(d1, e3), along(d1, e2)
         origin, u = node[first[b]], directions[b]

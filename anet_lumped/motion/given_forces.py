@@ -11,7 +11,7 @@ from anet_lumped.effects.laws.couple import along, combined, couple, cross_produ
 from anet_lumped.effects.push import pushed_points
 from anet_lumped.prescribed.turning_kernel import turned
 
-from .body_readings import body_table
+from .body_readings import axes_and_rates, body_table
 
 _f1, _f2, _f3, _i1, _i2 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1], int64[:, ::1]
 WORLD, BODY = 0, 1
@@ -165,13 +165,7 @@ def spread(ahead, q, v, force, torque, axes, of_body, slot, first, node, weights
         for x in range(3):
             params[slot[k] + x] = force[k, x]
     for b in range(torque.shape[0]):
-        e1, e2, d1, d2 = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for k in range(first[b], first[b + 1]):
-            i, c1, c2 = node[k], weights[0, k], weights[1, k]
-            e1 = e1[0] + c1 * q[i, 0], e1[1] + c1 * q[i, 1], e1[2] + c1 * q[i, 2]
-            e2 = e2[0] + c2 * q[i, 0], e2[1] + c2 * q[i, 1], e2[2] + c2 * q[i, 2]
-            d1 = d1[0] + c1 * v[i, 0], d1[1] + c1 * v[i, 1], d1[2] + c1 * v[i, 2]
-            d2 = d2[0] + c2 * v[i, 0], d2[1] + c2 * v[i, 1], d2[2] + c2 * v[i, 2]
+        e1, e2, d1, d2 = axes_and_rates(q, v, first[b], first[b + 1], node, weights)
         e3 = cross_product(e1, e2)
         turn = combined(e1, e2, e3, (ahead * along(d2, e3), -ahead * along(d1, e3), ahead * along(d1, e2)))
         e1, e2 = turned(turn, e1), turned(turn, e2)

@@ -3,8 +3,8 @@
 from anet_lumped.compiled.jit import on_demand
 from anet_lumped.model.net import view_net
 
-from .inertia import added_mass_of, inertia_with_fluid, moved_by, reference_of
-from .rotation import spin_of
+from .inertia import added_mass_of, inertia_with_fluid, moved_by
+from .rotation import reference_of, spin_of
 from .vectors import applied, cross, dot, minus, plus, put, row, scaled
 
 

@@ -16,7 +16,6 @@ from typing import NamedTuple
 from anet_lumped.compiled.jit import inlined
 from anet_lumped.mechanics.linear.node_elimination import inverse
 
-from .rotation import centre_of_mass
 from .vectors import (
     added,
     applied,
@@ -47,16 +46,6 @@ class Inertia(NamedTuple):
     per_mass: tuple
     carried: tuple
     turning: tuple
-
-
-@inlined
-def reference_of(net, b, q):
-    """Mass of a body, and its reference point: its centre of mass, or the pivot about which it is pinned."""
-    mass, reference = centre_of_mass(net, b, q)
-    pivot = net.bodies.pivot[b]
-    if pivot >= 0:
-        reference = row(q, pivot)
-    return mass, reference
 
 
 @inlined

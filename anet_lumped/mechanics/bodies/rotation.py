@@ -34,6 +34,16 @@ def centre_of_mass(net, b, q):
 
 
 @inlined
+def reference_of(net, b, q):
+    """Mass of a body, and its reference point: its centre of mass, or the pivot about which it is pinned."""
+    mass, reference = centre_of_mass(net, b, q)
+    pivot = net.bodies.pivot[b]
+    if pivot >= 0:
+        reference = row(q, pivot)
+    return mass, reference
+
+
+@inlined
 def group_of(net, b, base, q):
     """`Group` of body b."""
     mass, before = centre_of_mass(net, b, base)

@@ -3,7 +3,7 @@
 from anet_lumped.compiled.jit import inlined, on_demand
 from anet_lumped.model.net import view_net
 
-from .rotation import centre_of_mass, group_of, rotation_between, spin_of
+from .rotation import centre_of_mass, group_of, reference_of, rotation_between, spin_of
 from .vectors import cross, dot, minus, plus, put, row, scaled, turned
 
 
@@ -44,11 +44,10 @@ def turn_bodies(stage, net_address, base, q, v):
 @inlined
 def stiffen_body(net, b, q, v):
     """Make the velocities of a body those of one piece with the same momenta; returns the kinetic energy that this takes [J]."""
-    _, reference = centre_of_mass(net, b, q)
+    _, reference = reference_of(net, b, q)
     _, shift_rate = centre_of_mass(net, b, v)
-    pivot = net.bodies.pivot[b]
-    if pivot >= 0:
-        reference, shift_rate = row(q, pivot), (0.0, 0.0, 0.0)
+    if net.bodies.pivot[b] >= 0:
+        shift_rate = (0.0, 0.0, 0.0)
     spin, _ = spin_of(net, b, reference, q, v)
     return _give_velocity(net, b, reference, q, v, shift_rate, spin)
 

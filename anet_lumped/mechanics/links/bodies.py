@@ -10,7 +10,8 @@ a fluid. Source: Newton and Euler.
 """
 
 from anet_lumped.compiled.jit import inlined, on_demand
-from anet_lumped.mechanics.bodies.inertia import Inertia, inertia_with_fluid, moved_by, reference_of
+from anet_lumped.mechanics.bodies.inertia import Inertia, inertia_with_fluid, moved_by
+from anet_lumped.mechanics.bodies.rotation import reference_of
 from anet_lumped.mechanics.bodies.shape import keep_shape
 from anet_lumped.mechanics.bodies.vectors import cross, dot, minus, plus, put, row
 from anet_lumped.model.net import view_net
