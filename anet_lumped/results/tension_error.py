@@ -222,6 +222,8 @@ def _beside(t: np.ndarray, at: float) -> np.ndarray:
 def _remembered(jump: np.ndarray, decay: np.ndarray) -> np.ndarray:
     """Largest of the jumps so far (k, segments), each less by exp(-sum of decay (k - 1,)) since."""
     passed = np.concatenate([[0.0], np.cumsum(decay)])[:, None]
+    if passed[-1] < FORGOTTEN:  # its exponential is a number, and takes a small part of the time of all logarithms
+        return np.maximum.accumulate(jump * np.exp(passed), axis=0) * np.exp(-passed)
     with np.errstate(divide="ignore"):
         return np.exp(np.maximum.accumulate(np.log(jump) + passed, axis=0) - passed)
 
