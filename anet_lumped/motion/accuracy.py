@@ -186,8 +186,8 @@ def _parts(
 def _parts_as_it_falls(known: Known, before: Known, parts: int, allowed: float) -> float:
     """Number of steps that each step should be replaced by for an error of places to fall to what is ``allowed`` [m].
 
-    It goes on falling as it did when each step was replaced by ``parts``: past a catch or a whip slower than the method's order says.
-    Infinite where it did not fall.
+    It goes on falling as it did when each step was replaced by ``parts``: past a catch or a whip, slower than the method's order
+    says. Infinite where it did not fall.
     """
     if known.error <= allowed:
         return 1.0
