@@ -1,5 +1,6 @@
 """What a run tells of the error of its largest tension: overshoot and memory against plain formulas, runs against finer ones."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -48,7 +49,7 @@ def jumps(T):
     """Half of the larger third difference beside each row, as a loop; what is before the first row is as it is there."""
     row = [T[0], T[0], *T, T[-1], T[-1]]
     third = [abs(row[i + 3] - 3.0 * row[i + 2] + 3.0 * row[i + 1] - row[i]) for i in range(len(T) + 1)]
-    return 0.5 * np.array([max(one, other) for one, other in zip(third, third[1:], strict=False)])
+    return 0.5 * np.array([max(pair) for pair in itertools.pairwise(third)])
 
 
 def counted_over_jumps(T):
