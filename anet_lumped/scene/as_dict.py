@@ -12,7 +12,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from anet_lumped.checks import NAMED, SceneError, Vector, nearest, one_line, quoted, shown
 from anet_lumped.effects.flow import waves, wind
-from anet_lumped.effects.flow.waves import Airy
+from anet_lumped.effects.flow.waves import Wave
 from anet_lumped.effects.flow.wind import Wind
 from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.paths import Path
@@ -27,7 +27,7 @@ POINTS = {"fixed": Fixed, "driven": Driven, "free": Free}
 
 # What is written as a table with a `kind` inside another.
 PARTS: dict[Any, tuple[str, Mapping[str, Callable]]] = {
-    Path: ("path", paths.KINDS), Signal: ("signal", signals.KINDS), Wind: ("wind", wind.KINDS), Airy: ("wave", waves.KINDS)
+    Path: ("path", paths.KINDS), Signal: ("signal", signals.KINDS), Wind: ("wind", wind.KINDS), Wave: ("wave", waves.KINDS)
 }  # fmt: skip
 
 
@@ -271,7 +271,7 @@ def _plain(thing: Any) -> dict[str, Any]:
 def _lists(value: Any) -> Any:
     if isinstance(value, Path | Signal):
         return {"kind": value.kind} | _lists(dict(value.parameters))
-    if isinstance(value, Wind | Airy):
+    if isinstance(value, Wind | Wave):
         return {"kind": {kind: name for name, kind in (wind.KINDS | waves.KINDS).items()}[type(value)]} | _plain(value)
     if isinstance(value, dict):
         return {key: _lists(entry) for key, entry in value.items()}
