@@ -113,7 +113,7 @@ class FluidOnBodies(Effect):
         wave = pack_waves(self.waves, self.g, self.level)
         header = [self.level, len(winds), len(wave), float(self.dry), 0.0 if self.dry else self.density * self.g]
         index = [[len(of_bodies), len(of_segments), len(of_caps)], *rows, *(own for own, _ in of_segments + of_caps)]
-        params = [header, winds, wave, *of_bodies, *(own for _, own in of_segments + of_caps)]
+        params: list[Any] = [header, winds, wave, *of_bodies, *(own for _, own in of_segments + of_caps)]
         return np.concatenate(index).astype(np.int64), np.concatenate(params)
 
     def _of_body(self, body: Any) -> list[float]:

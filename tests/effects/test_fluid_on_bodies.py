@@ -8,9 +8,9 @@ from numpy.testing import assert_allclose
 
 from anet_lumped import Body, Cable, Fixed, Free, Rod, Scene, SceneError, equilibrium, paths, simulate
 from anet_lumped.effects import Air, Gravity, Water
+from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
 from anet_lumped.effects.flow.waves.kernel import wave_at
-from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.wind import Uniform
 from anet_lumped.model.build import build
 

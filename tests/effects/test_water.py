@@ -9,9 +9,9 @@ from systems import nets, order_of_the_jacobian, scatter
 
 from anet_lumped import Cable, Driven, Fixed, Free, Scene, SceneError, State, equilibrium, simulate
 from anet_lumped.effects import Gravity, Water
+from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
 from anet_lumped.effects.flow.waves.kernel import wave_at
-from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.wind import PowerLaw, Sampled, Uniform
 from anet_lumped.effects.flow.wind.kernel import pack, wind_at
 from anet_lumped.effects.laws.submergence import immersed, sphere_diameter, submerged_share

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from anet_lumped import SceneError
+from anet_lumped.effects.flow.waves import Airy
 from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
 from anet_lumped.effects.flow.waves.kernel import wave_at
-from anet_lumped.effects.flow.waves import Airy
 
 G, LEVEL = 9.81, 1.5
 EPS = np.finfo(float).eps

@@ -47,16 +47,9 @@ class Wave(ABC):
         """Wave number [rad/m] at the usual period for gravity g [m/s2]."""
         return wave_number(2.0 * math.pi / self.usual_period, self.depth, g)
 
+    @abstractmethod
     def seen_from(self, origin: Vector, g: float) -> "Wave":
         """The same wave in coordinates whose origin lies at ``origin`` (3,) [m] of today's, for gravity g [m/s2]."""
-        from .components import Components
-
-        rows = [
-            (a, omega, math.remainder(wave_number(omega, self.depth, g) * (dx * origin[0] + dy * origin[1]) + phase, 2.0 * math.pi),
-             math.atan2(dy, dx))
-            for a, omega, phase, dx, dy in self.rows(g).tolist()
-        ]  # fmt: skip
-        return Components(tuple(rows), self.depth, self.ramp)
 
 
 def wave_number(frequency: float, depth: float, g: float) -> float:

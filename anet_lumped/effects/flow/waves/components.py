@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anet_lumped.checks import LARGEST, SceneError, as_entries, number, shown
+from anet_lumped.checks import LARGEST, SceneError, Vector, as_entries, number, shown
 
-from .base import AMPLITUDE, FREQUENCY, Wave, check_depth_and_ramp
+from .base import AMPLITUDE, FREQUENCY, Wave, check_depth_and_ramp, wave_number
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,8 @@ class Components(Wave):
         entries = as_entries(self.components)
         if not entries:
             raise SceneError(
-                f"Argument `components` must be at least one row (a, omega, phase, heading), but {owner} has {shown(self.components)}."
+                "Argument `components` must be at least one row (a, omega, phase, heading), but "
+                f"{owner} has {shown(self.components)}."
             )
         rows = [_row(entry, i, owner) for i, entry in enumerate(entries)]
         object.__setattr__(self, "components", tuple(rows))
@@ -58,6 +59,19 @@ class Components(Wave):
         table = np.array(self.components)
         omega = table[np.argmax(np.abs(table[:, AMPLITUDE]) * (table[:, FREQUENCY] > 0.0)), FREQUENCY]
         return 2.0 * math.pi / omega if omega > 0.0 else math.inf
+
+    def seen_from(self, origin: Vector, g: float) -> "Components":
+        """The same waves about another origin, see `Wave`."""
+        return moved(self, origin, g)
+
+
+def moved(wave: Wave, origin: Vector, g: float) -> Components:
+    """The regular waves of a wave in coordinates whose origin lies at ``origin`` (3,) [m] of today's, for gravity g [m/s2]."""
+    rows = []
+    for a, omega, phase, dx, dy in wave.rows(g).tolist():
+        along = wave_number(omega, wave.depth, g) * (dx * origin[0] + dy * origin[1])
+        rows.append((a, omega, math.remainder(along + phase, 2.0 * math.pi), math.atan2(dy, dx)))
+    return Components(tuple(rows), wave.depth, wave.ramp)
 
 
 def _row(entry: object, i: int, owner: str) -> tuple[float, float, float, float]:

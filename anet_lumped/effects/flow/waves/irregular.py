@@ -9,6 +9,7 @@ import numpy as np
 from anet_lumped.checks import SceneError, Vector, check_count, check_number, shown
 
 from .base import Wave, check_depth_and_ramp, check_level_direction, highest_wave
+from .components import Components, moved
 
 LOWEST, HIGHEST = 0.5, 4.0  # circular frequencies that have components, over that of the peak; 0.5 % of the energy lies beyond
 QUADRATURE = 32  # samples of the spectrum for each component
@@ -70,6 +71,10 @@ class Irregular(Wave):
     def usual_period(self) -> float:
         """Period of the peak [s]."""
         return self.period
+
+    def seen_from(self, origin: Vector, g: float) -> Components:
+        """The same waves about another origin, see `Wave`."""
+        return moved(self, origin, g)
 
     def rows(self, g: float) -> np.ndarray:
         """Regular waves, see `Wave`."""
@@ -149,7 +154,9 @@ class Jonswap(Irregular):
         """Spectrum [m2 s/rad], but for the factor that scales it to the height."""
         peak = 2.0 * math.pi / self.period
         sigma = np.where(frequency > peak, 0.09, 0.07)
-        return pierson_moskowitz(frequency, self.height, peak) * self.gamma ** np.exp(-0.5 * ((frequency / peak - 1.0) / sigma) ** 2)
+        return pierson_moskowitz(frequency, self.height, peak) * self.gamma ** np.exp(
+            -0.5 * ((frequency / peak - 1.0) / sigma) ** 2
+        )
 
 
 def pierson_moskowitz(frequency: np.ndarray, height: float, peak: float) -> np.ndarray:

@@ -9,6 +9,7 @@ from anet_lumped.checks import NAMED, SceneError, Vector, check_number, number, 
 from anet_lumped.effects.flow.recording import read_recording
 
 from .base import AMPLITUDE, FREQUENCY, Wave, check_depth_and_ramp, check_level_direction
+from .components import Components, moved
 
 UNEVEN = 1e-3  # difference between two steps of a recording, over a step, that is taken for rounding
 
@@ -52,6 +53,10 @@ class Recorded(Wave):
                 f"to {steps.max():g} s."
             )
         object.__setattr__(self, "components", fourier_series(table[0, 0], steps.mean(), table[:, 1], self.highest))
+
+    def seen_from(self, origin: Vector, g: float) -> Components:
+        """The same waves about another origin, see `Wave`."""
+        return moved(self, origin, g)
 
     def rows(self, g: float) -> np.ndarray:
         """Regular waves, see `Wave`."""
