@@ -155,6 +155,12 @@ def _vectors_or(what: str, kinds: Mapping[str, Callable], value: Any, place: str
     }
 
 
+def kinds_of(maker: Callable, key: str) -> Mapping[str, Callable] | None:
+    """Classes by the `kind` of the table that an argument of `maker` may be given by; None if it takes no such table."""
+    annotation = _arguments(maker)[key].annotation if key in _arguments(maker) else None
+    return next((kinds for part, (_, kinds) in PARTS.items() if _mentions(annotation, part)), None)
+
+
 def _mentions(annotation: Any, part: type) -> bool:
     """Whether a type holds another, at any depth."""
     return part is annotation or any(_mentions(inner, part) for inner in get_args(annotation))

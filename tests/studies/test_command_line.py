@@ -555,4 +555,4 @@ def test_every_command_that_takes_a_scene_changes_it_first(tmp_path, capsys):
     recommended = said("recommend", "net_carried", "--error", "5mm", "--t-end", 1, *change, "--set", "segments=30")
     assert re.search(r"command: .* --set p0.mass=0.4 --set segments=\d+\n", recommended)
     assert call("convert", OLD_RUN, tmp_path / "run.pvd", *change) == 2
-    assert "A saved run is written as it is; --set changes a scene, but" in capsys.readouterr().err
+    assert "A saved run is written as it is; --set and --effect change a scene, but" in capsys.readouterr().err
