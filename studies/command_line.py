@@ -173,8 +173,8 @@ def simulate(
 
     try:
         run = simulate(
-            moved(changed(load(scene, "simulate"), change, effect), move, t_end), t_end, method=method, dt=dt, rtol=rtol, start=start,
-            save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
+            moved(changed(load(scene, "simulate"), change, effect), move, t_end), t_end, method=method, dt=dt, rtol=rtol,
+            start=start, save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
             error=error,
         )  # fmt: skip
     except RunInterrupt as stopped:

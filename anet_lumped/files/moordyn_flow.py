@@ -22,7 +22,7 @@ SpectrumKin.cpp (version 2.7).
 
 import math
 import pathlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import takewhile
 from typing import Any
 
@@ -134,6 +134,10 @@ def _wave(kind: int, lines: _Lines, options: Options, depth: Callable[[], float]
             f"Line {row.line}: the waves of WaveKin {kind} are evaluated at each node, where MoorDyn interpolates linearly on the "
             "grid of water_grid.txt and in time."
         )
+    options.findings.remark(
+        "A run starts from a rest in the water at t = 0, which waves move already; MoorDyn's starts in still water. With a `ramp` "
+        "the waves grow from nothing: --set water.waves.ramp=20."
+    )
     rows = rows[rows[:, 0] != 0.0]
     return made(row, waves.Components, tuple(map(tuple, rows.tolist())), depth()) if len(rows) else None
 
@@ -196,10 +200,7 @@ def _profile_in_time(lines: _Lines, row: Row) -> wind.Wind:
         u, v, w = (numbers[1 + i * n : 1 + (i + 1) * n] for i in range(3))
         v, w = (component if len(component) == n else [0.0] * n for component in (v, w))
         velocity += list(zip(u, v, w, strict=True))
-    if len(t) > 2 and np.ptp(np.diff(t)) > 0.0:
-        row.findings.remark(
-            f"Line {row.line}: the times of {lines.file} are taken as they are; MoorDyn interpolates to equal steps."
-        )
+    _say_what_of_times(lines, row, t)
     return made(row, wind.Gridded, tuple(velocity), tuple(heights), tuple(t))
 
 
@@ -220,10 +221,19 @@ def _grid(lines: _Lines, row: Row) -> wind.Wind:
             raise lines.error(lines[k][0], "a row must be at a place and a time of the grid.")
         velocity[i] = tuple(numbers[4:7])
     row.findings.remark(f"Line {row.line}: all rows of {lines.file} are read; MoorDyn 2.7 takes the first for a current of 0.")
+    _say_what_of_times(lines, row, t)
     if None in velocity:
         missing = list(place)[velocity.index(None)]
         raise row.error(f"{lines.file} must have a row for each place and time, but none at {missing}.")
     return made(row, wind.Gridded, tuple(velocity), z, t, x, y)
+
+
+def _say_what_of_times(lines: _Lines, row: Row, t: Sequence[float]) -> None:
+    if len(t) > 1:
+        row.findings.remark(
+            f"Line {row.line}: the current is linear between the times of {lines.file}, and stays as it is after the last, "
+            f"{t[-1]:g} s; MoorDyn 2.7 takes equal steps, and begins anew."
+        )
 
 
 CURRENTS = {1: _profile, 2: _profile_in_time, 5: _grid}

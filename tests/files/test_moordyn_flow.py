@@ -35,6 +35,14 @@ ID Type NodeA NodeB Length Segs Flags
 """
 FREQUENCIES = "0.0 0 0\n0.6 0.8 0.3 0.2\n0.9 0.0 0.5 -0.4\n"
 PROFILE = "a\nb\nc\n-40 0.1 0.2 0\n-10 0.5 0.3 0.05\n0 1.0 0.1 0\n"
+STARTS = (
+    "A run starts from a rest in the water at t = 0, which waves move already; MoorDyn's starts in still water. With a `ramp` the "
+    "waves grow from nothing: --set water.waves.ramp=20."
+)
+TIMES = (
+    "Line 18: the current is linear between the times of %s, and stays as it is after the last, %g s; MoorDyn 2.7 takes equal "
+    "steps, and begins anew."
+)
 IN_TIME = "a\nb\n\n\n -40 -10 0\n\n0 0.1 0.2 0.3 0 0.1 0.2\n2 0.3 0.5 0.7 0.1 0.1 0.1\n4 0 0 0 0 0 0.4\n"
 
 
@@ -78,7 +86,8 @@ def test_frequencies_by_node(tmp_path, t, place, elevation, velocity, accelerati
     assert found[0] == pytest.approx(elevation, abs=1e-9)
     np.testing.assert_allclose(found[1], velocity, rtol=0, atol=1e-9)
     np.testing.assert_allclose(found[2], acceleration, rtol=0, atol=1e-9)
-    assert water(deck).waves.depth == 50.0 and not deck.remarks
+    assert water(deck).waves.depth == 50.0
+    assert deck.remarks == (STARTS,)
 
 
 def test_frequencies_on_a_grid(tmp_path):
@@ -132,11 +141,8 @@ def test_profile_in_time(tmp_path):
     """Currents 2, of x and y components, at a time between two."""
     deck = read(tmp_path, "2 Currents", current_profile_dynamic=IN_TIME)
     np.testing.assert_allclose(current(deck, 1.0, (9.0, 2.0, -5.0)), [(0.25 + 0.6) / 2, (0.15 + 0.1) / 2, 0.0], rtol=1e-14)
-    assert not deck.remarks
-    uneven = read(tmp_path, "2 Currents", current_profile_dynamic=IN_TIME.replace("\n4 ", "\n5 "))
-    assert uneven.remarks == (
-        "Line 18: the times of current_profile_dynamic.txt are taken as they are; MoorDyn interpolates to equal steps.",
-    )
+    assert current(deck, 9.0, (9.0, 2.0, -5.0)) == current(deck, 4.0, (9.0, 2.0, -5.0))
+    assert deck.remarks == (TIMES % ("current_profile_dynamic.txt", 4),)
 
 
 def test_current_on_a_grid(tmp_path):
@@ -148,6 +154,7 @@ def test_current_on_a_grid(tmp_path):
     np.testing.assert_allclose(current(deck, 0.5, (4.0, 2.0, -9.0)), [4.5, -18.0, 0.5], rtol=1e-14)
     assert deck.remarks == (
         "Line 18: all rows of current_profile_4d.txt are read; MoorDyn 2.7 takes the first for a current of 0.",
+        TIMES % ("current_profile_4d.txt", 2),
     )
 
 
@@ -159,7 +166,7 @@ def test_waves_and_current_together(tmp_path):
 def test_no_waves_of_no_height_and_none_without_water(tmp_path):
     assert water(read(tmp_path, "7 WaveKin", wave_frequencies="0 0 0\n1 0 0\n")).waves is None
     deck = read(tmp_path, "7 WaveKin\n0 rho", wave_frequencies=FREQUENCIES)
-    assert deck.remarks == ("No use is made of waves and currents: rho is 0.",)
+    assert deck.remarks == (STARTS, "No use is made of waves and currents: rho is 0.")
 
 
 @pytest.mark.parametrize(

@@ -22,19 +22,6 @@ class Irregular(Wave):
     Bands are of equal width between 0.5 and 4 times the frequency of the peak, the frequency of each component is drawn within its
     band, so that the waves do not repeat, and its phase from all. The spectrum is scaled to what the bands hold, so that the
     variance of the elevation is (height/4)^2.
-
-    Parameters
-    ----------
-    height : float [m], significant: four times the standard deviation of the elevation
-    period : float [s], of the peak of the spectrum
-    seed : int, of phases, frequencies and directions: the same seed, the same waves
-    direction : (3,) array_like, level; where the waves go; any length but zero
-    spreading : float or None
-        Exponent n of the directions, which are drawn from D(theta) ~ cos(theta - theta_0)^n within a right angle of `direction`;
-        None: all waves go the same way.
-    components : int, waves that add up; the time that they take grows with them
-    depth : float [m], of the water below the still surface; inf for deep water
-    ramp : float [s], over which the waves grow from nothing by the quintic smoothstep; 0: they are there at t = 0
     """
 
     height: float
@@ -112,8 +99,15 @@ class PiersonMoskowitz(Irregular):
 
     Parameters
     ----------
-    height, period, seed, direction, spreading, components, depth, ramp
-        As in `Irregular`.
+    height : float [m], significant: four times the standard deviation of the elevation
+    period : float [s], of the peak of the spectrum
+    seed : int, of phases, frequencies and directions: the same seed, the same waves
+    direction : (3,) array_like, level; where the waves go; any length but zero
+    spreading : float or None, exponent n of the directions, drawn from cos(theta - theta_0)^n within a right angle of `direction`;
+        None: all waves go the same way
+    components : int, waves that add up; the time that they take grows with them
+    depth : float [m], of the water below the still surface; inf for deep water
+    ramp : float [s], over which the waves grow from nothing by the quintic smoothstep; 0: they are there at t = 0
 
     Source
     ------
@@ -133,8 +127,15 @@ class Jonswap(Irregular):
 
     Parameters
     ----------
-    height, period, seed, direction, spreading, components, depth, ramp
-        As in `Irregular`.
+    height : float [m], significant: four times the standard deviation of the elevation
+    period : float [s], of the peak of the spectrum
+    seed : int, of phases, frequencies and directions: the same seed, the same waves
+    direction : (3,) array_like, level; where the waves go; any length but zero
+    spreading : float or None, exponent n of the directions, drawn from cos(theta - theta_0)^n within a right angle of `direction`;
+        None: all waves go the same way
+    components : int, waves that add up; the time that they take grows with them
+    depth : float [m], of the water below the still surface; inf for deep water
+    ramp : float [s], over which the waves grow from nothing by the quintic smoothstep; 0: they are there at t = 0
     gamma : float, of at least 1; how much the peak is higher than that of Pierson and Moskowitz
 
     Source
