@@ -134,12 +134,20 @@ def _about(
 
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
 def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False, effect: Added = ()):
-    """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point."""
+    """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point.
+
+    With --out also the places of all nodes (nodes.csv) and a picture (rest.png).
+    """
     from anet_lumped.statics.equilibrium import equilibrium
     from studies.shown.summary import rest_summary, write_nodes
 
     state = equilibrium(changed(load(scene, "equilibrium"), change, effect))
-    give(rest_summary(state), as_json, out, "equilibrium", lambda: write_nodes(state, out / "nodes.csv"))
+
+    def save():
+        write_nodes(state, out / "nodes.csv")
+        state.plot().savefig(out / "rest.png", dpi=110)
+
+    give(rest_summary(state), as_json, out, "equilibrium", save)
 
 
 @app.command(epilog="Example: anet-lumped simulate loose_cable --t-end 0.6 --start straight --method edmc --dt 0.01")
@@ -182,11 +190,10 @@ def simulate(
 
     def save():
         from anet_lumped.files.moordyn_channels import write_asked
-        from studies.shown.run_figure import plot
 
         run.save(out / "run.nc")
         write_asked(scene, run, out)
-        plot(run).savefig(out / "run.png", dpi=110)
+        run.plot().savefig(out / "run.png", dpi=110)
 
     give(run_summary(run), as_json, out, "run", save)
     if not run.ok:
@@ -293,17 +300,9 @@ def sweep(
 
     out = out or Path("results") / f"sweep-{Path(scene).stem}"
     settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
-    where = {"out": out, "resume": resume}
     try:
-        table = sweep(
-            changed(load(scene, "simulate" if t_end else "equilibrium"), change, effect),
-            parse_vary(vary),
-            measure,
-            **settings,
-            **where,
-            workers=workers,
-            label="sweep",
-        )
+        loaded = changed(load(scene, "simulate" if t_end else "equilibrium"), change, effect)
+        table = sweep(loaded, parse_vary(vary), measure, **settings, out=out, resume=resume, workers=workers, label="sweep")
     except KeyboardInterrupt as stopped:
         tell(f"{str(stopped) or 'Stopped.'} The same command with --resume does the rest.")
         raise typer.Exit(130) from None
