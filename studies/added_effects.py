@@ -8,7 +8,9 @@ import typer
 
 Added = Annotated[
     list[str],
-    typer.Option("--effect", metavar="NAME.KEY=VALUE", help="Add an effect, as in air.wind.speed=10; again for more of its keys."),
+    typer.Option(
+        "--effect", metavar="NAME.KEY=VALUE", help="Add an effect, or what one lacks, as in air.wind.speed=10; again for more."
+    ),
 ]
 
 
@@ -19,13 +21,13 @@ def with_effects(scene, texts):
     ----------
     scene : Scene
     texts : iterable of str
-        NAME for an effect as it is by default, or NAME.KEY=VALUE; of one effect as many as it has keys. A value is one of TOML, or
-        a word. A table within, such as a wind, needs no `kind` where its keys leave but one; of a wind the keys `speed` and
+        NAME for an effect as it is by default, or NAME.KEY=VALUE; of one effect as many as it has keys. An effect that the scene
+        has takes keys that it lacks, such as the waves of its water. A value is one of TOML, or a word. A table within, such as a wind, needs no `kind` where its keys leave but one; of a wind the keys `speed` and
         `direction` alone make one that is the same everywhere.
 
     Raises
     ------
-    InputError : an effect that the scene has, a key that is given twice or has no value
+    InputError : an effect or a key that the scene has, a key that is given twice or has no value
     SceneError : what a scene file would be refused for
     """
     from anet_lumped.checks import InputError
@@ -41,8 +43,9 @@ def with_effects(scene, texts):
         name, *keys = path.strip().split(".")
         if bool(keys) != bool(is_set) or not all(keys) or (is_set and not value.strip()):
             raise InputError(f'An effect must be NAME or NAME.KEY=VALUE, as in air.wind.speed=10, but "{text:.80}" was given.')
-        if name in entries["effects"]:
-            raise InputError(f'The scene must not have an effect that --effect adds, but it has "{name}"; --set changes it.')
+        if name in entries["effects"] and (not keys or keys[0] in entries["effects"][name]):
+            what = ".".join([name, *keys[:1]])
+            raise InputError(f'The scene must not have what --effect adds, but it has "{what}"; --set changes it.')
         table = added.setdefault(name, {})
         for key in keys[:-1]:
             table = table.setdefault(key, {}) if isinstance(table, dict) else None
@@ -53,6 +56,7 @@ def with_effects(scene, texts):
     for name, table in added.items():
         if name in REGISTRY:
             _add_kinds(REGISTRY[name], name, table)
+        added[name] = entries["effects"].get(name, {}) | table
     return scene_from_dict(entries | {"effects": entries["effects"] | added})
 
 

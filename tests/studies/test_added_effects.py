@@ -32,6 +32,14 @@ def test_an_effect_is_added(texts, effect):
     assert with_effects(SCENE, texts).effects == (Gravity(9.81), effect)
 
 
+def test_an_effect_takes_what_it_lacks():
+    wet = Scene(SCENE.points, SCENE.cables, [Gravity(9.81), Water(1000.0, 2.0)])
+    sea = with_effects(wet, ["water.waves.height=1", "water.waves.period=8", "water.current.speed=0.5"])
+    assert sea.effects[1] == Water(1000.0, 2.0, wind.Uniform((0.5, 0.0, 0.0)), waves=waves.Airy(1.0, 8.0))
+    with pytest.raises(InputError, match='but it has "water.waves"; --set changes it'):
+        with_effects(sea, ["water.waves.phase=1"])
+
+
 def test_nothing_added_is_the_scene_itself():
     assert with_effects(SCENE, ()) is SCENE
 
@@ -39,7 +47,8 @@ def test_nothing_added_is_the_scene_itself():
 @pytest.mark.parametrize(
     ("texts", "message"),
     [
-        (["gravity.g=3"], 'The scene must not have an effect that --effect adds, but it has "gravity"; --set changes it'),
+        (["gravity.g=3"], 'The scene must not have what --effect adds, but it has "gravity.g"; --set changes it'),
+        (["gravity"], 'The scene must not have what --effect adds, but it has "gravity"; --set changes it'),
         (["air.wind"], r'must be NAME or NAME.KEY=VALUE, as in air.wind.speed=10, but "air.wind" was given'),
         (["air.density="], 'must be NAME or NAME.KEY=VALUE, as in air.wind.speed=10, but "air.density=" was given'),
         (["air..density=1"], "must be NAME or NAME.KEY=VALUE"),
