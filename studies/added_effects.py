@@ -22,8 +22,9 @@ def with_effects(scene, texts):
     scene : Scene
     texts : iterable of str
         NAME for an effect as it is by default, or NAME.KEY=VALUE; of one effect as many as it has keys. An effect that the scene
-        has takes keys that it lacks, such as the waves of its water. A value is one of TOML, or a word. A table within, such as a wind, needs no `kind` where its keys leave but one; of a wind the keys `speed` and
-        `direction` alone make one that is the same everywhere.
+        has takes keys that it lacks, such as the waves of its water. A value is one of TOML, or a word. A table within, such as a
+        wind, needs no `kind` where its keys leave but one; of a wind the keys `speed` and `direction` alone make one that is the
+        same everywhere.
 
     Raises
     ------

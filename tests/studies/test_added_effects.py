@@ -36,7 +36,7 @@ def test_an_effect_takes_what_it_lacks():
     wet = Scene(SCENE.points, SCENE.cables, [Gravity(9.81), Water(1000.0, 2.0)])
     sea = with_effects(wet, ["water.waves.height=1", "water.waves.period=8", "water.current.speed=0.5"])
     assert sea.effects[1] == Water(1000.0, 2.0, wind.Uniform((0.5, 0.0, 0.0)), waves=waves.Airy(1.0, 8.0))
-    with pytest.raises(InputError, match='but it has "water.waves"; --set changes it'):
+    with pytest.raises(InputError, match=r'but it has "water.waves"; --set changes it'):
         with_effects(sea, ["water.waves.phase=1"])
 
 
