@@ -18,10 +18,12 @@ def load(text, compiles):
     return scene
 
 
-def changed(scene, texts):
-    """The scene with NAME=VALUE put in."""
+def changed(scene, texts, added=()):
+    """The scene with effects added, see `added_effects`, and then NAME=VALUE put in."""
+    from studies.added_effects import with_effects
     from studies.sweeping.vary import SETTINGS, VaryError, apply, parse_vary, read_values
 
+    scene = with_effects(scene, added)
     values = read_values(scene, parse_vary(texts)) if texts else {}
     for name, given in values.items():
         if name in SETTINGS or len(given) != 1:
