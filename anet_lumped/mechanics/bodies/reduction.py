@@ -93,19 +93,21 @@ def reduce_bodies(net_address):
                 S, f = S_shift, f_shift
             elif i == turn:
                 S, f = S_turn, f_turn
-            s, arm = _arms(net, between, k)
+            stiffness, length = 0.0, math.sqrt(dot(row(bodies.arm_end, k), row(bodies.arm_end, k)))
+            for x in range(9):
+                stiffness = max(stiffness, abs(S[x]))
             force = plus(force, f)
             moment = plus(moment, cross(row(bodies.arm_mean, k) if between else row(bodies.arm_end, k), f))
+            of[BODY_SECOND_ORDER + 1] += stiffness * length
+            of[BODY_SECOND_ORDER + 2] += math.sqrt(dot(f, f)) * length
+            if stiffness == 0.0:
+                continue  # nothing pulls at this node that depends on where it is
+            s, arm = _arms(net, between, k)
             S_arm, s_S = matrix_product(S, arm), matrix_product(s, S)
             _add(shifts, S, 1.0)
             _add(shift_turn, S_arm, -1.0)
             _add(turn_shift, s_S, 1.0)
             _add(turns, matrix_product(s_S, arm), -1.0)
-            stiffness, length = 0.0, math.sqrt(dot(row(bodies.arm_end, k), row(bodies.arm_end, k)))
-            for x in range(9):
-                stiffness = max(stiffness, abs(S[x]))
-            of[BODY_SECOND_ORDER + 1] += stiffness * length
-            of[BODY_SECOND_ORDER + 2] += math.sqrt(dot(f, f)) * length
         put(right_side, shift, force)
         put(right_side, turn, moment)
     if net.near_blocks.shape[0] > 0:
