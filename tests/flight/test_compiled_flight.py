@@ -101,16 +101,19 @@ def lift(seen, given, numbers, told):
 
 
 def test_laws_of_ones_own():
-    """A thrust of m (g + a) gives the velocity a t, for a whole controller, one with a rate, and forces in a cascade."""
+    """A thrust of m (g + a) gives the velocity a t, for a whole controller, one with a rate, and forces in a cascade.
+
+    To what steps leave out of balance that Newton's method takes for solved, far below its 1e-6 of 10 m/s.
+    """
     law = CompiledLaw(climb, (0.52, 0.0))
     run = fly(alone(), law, 1.0, quadrotors=AGILE)
-    assert run.velocity("quad")[-1, 2] == pytest.approx(0.5, rel=1e-9) and law.numbers[1] == 250
+    assert run.velocity("quad")[-1, 2] == pytest.approx(0.5, abs=1e-8) and law.numbers[1] == 250
     again = fly(alone(), Held(law, rate=100.0), 1.0, quadrotors=AGILE)
-    assert again.velocity("quad")[-1, 2] == pytest.approx(0.5, rel=1e-9) and law.numbers[1] == 100
+    assert again.velocity("quad")[-1, 2] == pytest.approx(0.5, abs=1e-8) and law.numbers[1] == 100
     assert_same(again, fly(alone(), InPython(Held(law, rate=100.0)), 1.0, quadrotors=AGILE))
     position = CompiledLaw(lift, (0.52,), gives="force")
     run = fly(alone(), Cascade(position, AttitudeControl([AGILE])), 1.0, quadrotors=AGILE)
-    assert run.velocity("quad")[-1, 2] == pytest.approx(0.5, rel=1e-9)
+    assert run.velocity("quad")[-1, 2] == pytest.approx(0.5, abs=1e-8)
 
 
 def test_a_class_with_another_call_is_called():

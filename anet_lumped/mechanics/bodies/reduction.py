@@ -173,9 +173,9 @@ def _hold_pivot(net, b):
         net.right_side[base + p, x] = 0.0
         for y in range(3):
             points.block[p, x, y] = 1.0 if x == y else 0.0
-    for u in range(points.later_at.shape[0] - 1):
-        for j in range(points.later_at[u], points.later_at[u + 1]):
-            if u == p or points.later[j] == p:
+    for e in range(points.order.shape[0]):
+        for j in range(points.later_at[e], points.later_at[e + 1]):
+            if points.order[e] == p or points.later[j] == p:
                 _add(points.block[points.upper[j]], _block(points.block[points.upper[j]]), -1.0)
                 _add(points.block[points.lower[j]], _block(points.block[points.lower[j]]), -1.0)
 
