@@ -8,8 +8,8 @@ from numba import float64, int64, types, void
 from anet_lumped.compiled.jit import njit
 from anet_lumped.model.tables import SEGMENT_DIRECTION
 from integrators.addresses import view_at, words_of
-from integrators.compile_once import compile_for
-from integrators.system import system_at
+from integrators.compile_once import compile_for, once
+from integrators.system import entry_point, system_at
 
 from .body_readings import BodyTable, read
 from .cable_ends import pull_bodies
@@ -158,9 +158,10 @@ def _as_observed(address):
             r.directions[s, x] /= square**0.5
 
 
+@once
 def compiled_see():
-    """`see`, compiled (or loaded from the cache) when it is first asked for."""
-    return compile_for(see, void(int64, SIGHT))
+    """The entry of `see` for Python, compiled (or loaded from the cache) when it is first asked for."""
+    return entry_point(compile_for(see, void(int64, SIGHT)))
 
 
 def words_in_memory(readings: Readings) -> np.ndarray:

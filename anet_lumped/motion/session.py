@@ -348,7 +348,7 @@ class Session:
     def look(self) -> Sight:
         """All bodies that move freely and all free points, in the order of the scene, seen at once."""
         sight = sight_of(len(self._forces.bodies), len(self._forces.free_nodes))
-        entry_point(compiled_see())(self.readable, sight)
+        compiled_see()(self.readable, sight)
         return sight
 
     def motions(self) -> Motions:

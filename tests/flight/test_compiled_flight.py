@@ -6,14 +6,18 @@ import numpy as np
 import pytest
 from flying import AGILE, alone
 
-from anet_lumped import InputError, load_scene, paths
+from anet_lumped import InputError, Session, load_scene, paths
+from anet_lumped.effects import LineChange
 from anet_lumped.flight.compiled_law import CompiledLaw
 from anet_lumped.flight.fly import fly
 from anet_lumped.flight.geometric import AttitudeControl, Cascade, Goal, PositionControl, Wrench, follow, geometric, hold
+from anet_lumped.flight.hovering import hovering
 from anet_lumped.flight.net_guide import NetGuide
 from anet_lumped.flight.quadrotor import THESIS_QUADROTOR
-from anet_lumped.flight.seen import Seen
+from anet_lumped.flight.rotors import Rotors
+from anet_lumped.flight.seen import Seen, look
 from anet_lumped.flight.timing import Held
+from anet_lumped.prescribed import signals
 
 CREW = [THESIS_QUADROTOR] * 4
 NET = load_scene("quadrotors_net")
@@ -65,6 +69,34 @@ def test_it_is_the_flight_of_python_through_events():
     flown = fly(scene, controller, 1.2, save_every=0.2)
     assert [event.kind for event in flown.events] == ["payload changed", "broke"]
     assert_same(flown, fly(scene, InPython(controller), 1.2, save_every=0.2))
+
+
+def test_it_is_the_flight_of_python_with_a_cable_that_is_reeled():
+    """Steps that Python has to take, one by one."""
+    reeled = replace(NET, effects=[*NET.effects, LineChange({NET.cables[0].name: signals.line(0.0, -0.05, 0.1)})])
+    controller = geometric(CREW, hold(STARTS))
+    flown = fly(reeled, controller, 0.2, save_every=0.1)
+    assert np.abs(flown.position("p0")[-1, :2]).max() > 1e-5
+    assert_same(flown, fly(reeled, InPython(controller), 0.2, save_every=0.1))
+
+
+def test_a_flight_is_a_session_that_is_pushed():
+    """The same flight by hand: look, ask, let the rotors turn, push, step."""
+    controller, ready = geometric(CREW, GUIDE), hovering(NET)
+    flown = fly(NET, controller, 0.4, save_every=0.1)
+    session, rotors = Session(ready.scene, 0.004, start=ready.shapes), Rotors(CREW, 0.004)
+    controller.reset()
+    for k in range(100):
+        seen = look(session)
+        told = controller(seen)
+        if k == 0:
+            rotors.settle(*told)
+        session.push_bodies(*rotors.step(*told, seen.rotation, seen.velocity), axes="body")
+        session.step()
+    state = session.state
+    for own, saved in ((state.q, flown.q), (state.v, flown.v), (state.segment_tension, flown.segment_tension)):
+        assert np.array_equal(own, saved[-1])
+    assert np.array_equal(session.energy, flown.energy[-1])
 
 
 def test_it_is_the_flight_of_python_with_explicit_steps():
