@@ -8,7 +8,7 @@ import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_pairs, check_vector, quoted, shown
 from anet_lumped.compiled.jit import inlined, njit
-from anet_lumped.prescribed.path_in_numbers import PIECE, constant, motion_at, numbers_of_path
+from anet_lumped.prescribed.path_in_numbers import PIECE, constant, numbers_of_path, value_at
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
 
@@ -178,7 +178,7 @@ def force(t, q, v, index, params, f):
     power, i, at = 0.0, 0, 0
     while i < index.shape[0]:
         kind, axes, pieces, has_sine, nodes = index[i], index[i + 1], index[i + 2], index[i + 3], index[i + 4]
-        value, _, _, at = motion_at(t, params, at, pieces, has_sine != 0)
+        value, at = value_at(t, params, at, pieces, has_sine != 0)
         point, first, end = index[i + HEADER], i + HEADER + 1, i + HEADER + 1 + nodes
         if nodes == 0:
             power += _add(f, v, point, 1.0, value)

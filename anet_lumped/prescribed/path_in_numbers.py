@@ -38,6 +38,37 @@ def constant(value: np.ndarray) -> Path:
 
 
 @inlined
+def _piece_at(t, numbers, at, pieces):
+    """Where the numbers of the piece at time t begin, see `motion_at`."""
+    low, high = 0, pieces
+    while high - low > 1:
+        middle = (low + high) // 2
+        if numbers[at + PIECE * middle] <= t:
+            low = middle
+        else:
+            high = middle
+    return at + PIECE * low
+
+
+@inlined
+def value_at(t, numbers, at, pieces, has_sine):
+    """Value of a path at time t and where the numbers behind it begin, as of `motion_at`, for those who need no rates."""
+    piece = _piece_at(t, numbers, at, pieces)
+    tau = max(t - numbers[piece], 0.0)
+    x, y, z = 0.0, 0.0, 0.0
+    for i in range(POWERS - 1, -1, -1):
+        c = piece + 1 + 3 * i
+        x, y, z = x * tau + numbers[c], y * tau + numbers[c + 1], z * tau + numbers[c + 2]
+    behind = at + PIECE * pieces
+    if has_sine:
+        share, _, _ = ramped(t, numbers[behind + 5])
+        share *= math.sin(numbers[behind + 3] * t + numbers[behind + 4])
+        x, y, z = x + share * numbers[behind], y + share * numbers[behind + 1], z + share * numbers[behind + 2]
+        behind += SINE
+    return (x, y, z), behind
+
+
+@inlined
 def motion_at(t, numbers, at, pieces, has_sine):
     """Value, rate and second rate of a path at time t, as `Path.at`, and where the numbers behind it begin.
 
@@ -48,14 +79,7 @@ def motion_at(t, numbers, at, pieces, has_sine):
     pieces : int64
     has_sine : bool
     """
-    low, high = 0, pieces
-    while high - low > 1:
-        middle = (low + high) // 2
-        if numbers[at + PIECE * middle] <= t:
-            low = middle
-        else:
-            high = middle
-    piece = at + PIECE * low
+    piece = _piece_at(t, numbers, at, pieces)
     tau = max(t - numbers[piece], 0.0)
     x, y, z = 0.0, 0.0, 0.0
     dx, dy, dz = 0.0, 0.0, 0.0
