@@ -147,6 +147,9 @@ class AppliedForces(Effect):
         torque = tuple((name, value) for name, value in dict(self.torque).items() if name not in held)
         return AppliedForces(force, torque, self.axes) if force or torque else None
 
+    def of_cables(self) -> Effect | None:
+        return None
+
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         dead: dict[str, Callable[..., Any]] = {"force": dead_force, "energy": dead_energy}
         return dead if self.dead_load else {"force": force, "energy": energy, "tangent": tangent}

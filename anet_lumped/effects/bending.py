@@ -101,7 +101,7 @@ class Bending(Effect):
         return np.array([pairs, *index], np.int64), np.array(numbers)
 
     def _clamped_cable(self, model: Any, name: str) -> Any:
-        if model.node(name) < model.n_free:
+        if model.node(name) < model.n_free and model.scene.whole:  # else a cable alone, whose ends carry nothing
             raise SceneError(f"A clamp must be at a fixed or driven point, but effect Bending clamps free point {quoted(name)}.")
         held = [cable for cable in model.scene.cables if name in (cable.start, cable.end) and cable.EI > 0.0]
         if len(held) != 1:
@@ -109,7 +109,7 @@ class Bending(Effect):
         return held[0]
 
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
-        """Without the clamps of cables that have fallen off."""
+        """Without the clamps of cables that have fallen off; None if no cable bends that is left."""
         bent = {name for cable in cables if cable.EI > 0.0 for name in (cable.start, cable.end)}
         return Bending(tuple((name, direction) for name, direction in dict(self.clamped).items() if name in bent)) if bent else None
 
