@@ -149,7 +149,9 @@ def simulate(
     dt: Step = None,
     rtol: Annotated[float | None, typer.Option(help="Adaptive steps: error of a step over the largest coordinate.")] = None,
     extrapolate: Annotated[bool, typer.Option(help="Half the step too, and their limit: order 4 of edmc.")] = False,
-    start: Start = "equilibrium",
+    start: Annotated[
+        str, typer.Option(help="equilibrium, straight, or a CSV of places: cable, x, y, z and perhaps vx, vy, vz.")
+    ] = "equilibrium",
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
     move: Move = (),
@@ -166,14 +168,16 @@ def simulate(
     its end, gains energy or fails its audit exits with 1, and says so in all of them.
     """
     from anet_lumped.files.motion_file import moved
+    from anet_lumped.files.start_file import read_start
     from anet_lumped.motion.simulate import RunInterrupt, simulate
     from studies.shown.summary import run_summary
 
+    ready = moved(changed(load(scene, "simulate"), change), move, t_end)
+    begin = read_start(start, ready) if start.lower().endswith(".csv") else start
     try:
         run = simulate(
-            moved(changed(load(scene, "simulate"), change), move, t_end), t_end, method=method, dt=dt, rtol=rtol, start=start,
-            save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
-            error=error,
+            ready, t_end, method=method, dt=dt, rtol=rtol, start=begin, save_every=save_every, extrapolate=extrapolate, audit=audit,
+            tension_error=tension_error, error=error,
         )  # fmt: skip
     except RunInterrupt as stopped:
         run = stopped.run

@@ -18,7 +18,7 @@ from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
-from . import end_forces, error_estimate, run_file, tension_error
+from . import end_forces, error_estimate, own_state, run_file, tension_error
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, Event, broken
@@ -97,6 +97,30 @@ class State:
     stable: bool | None = None
     q_near: np.ndarray | None = None
     pushed: bool = False
+
+    @classmethod
+    def of(cls, scene: Scene, shapes: Any = None, velocities: Any = None, points: Any = None, t: float = 0.0) -> "State":
+        """State of one's own, to start from.
+
+        A shape is resampled to the nodes of its cable at equal arc lengths, unless it has a place for each node. Its order is that
+        of the cable or the opposite one, whichever is nearer to the cable's points. Cables without a shape are straight.
+        Fixed and driven points, and those of bodies, are where the scene has them at the time t.
+
+        Parameters
+        ----------
+        scene : Scene
+        shapes : dict of cable to (k, 3) array_like [m] or None, places along it, k >= 2
+        velocities : dict of cable or free point to (k, 3) or (3,) array_like [m/s] or None
+            Of each place of a cable's shape, of a whole cable, or of a point; at rest where nothing is given.
+        points : dict of free point to (3,) array_like [m] or None, where the shapes do not say
+        t : float [s]
+
+        Raises
+        ------
+        InputError : a name that the scene lacks, no array of places, a shape that misses its points, velocities that disagree
+        """
+        model, q, v = own_state.places_and_velocities(scene, shapes, velocities, points, t)
+        return cls(model, float(t), q, v, segment_tensions(model, q, v))
 
     def __repr__(self) -> str:
         return f"<State at t={self.t:g} s of {len(self.q)} nodes>"
