@@ -43,6 +43,7 @@ from anet_lumped.scene.ropes import rope
 from anet_lumped.scene.scene import Body, Cable, Driven, Fixed, Free, Rod, Scene, SceneError
 from anet_lumped.statics.catenary import catenary
 from anet_lumped.statics.equilibrium import EquilibriumError, NoRestError, equilibrium
+from anet_lumped.statics.tensioned import tensioned
 
 try:
     __version__ = version("anet-lumped")
@@ -83,6 +84,7 @@ __all__ = [
     "save_scene",
     "signals",
     "simulate",
+    "tensioned",
     "waves",
     "wind",
 ]

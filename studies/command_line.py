@@ -53,7 +53,8 @@ Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for 
 Step = Annotated[float | None, typer.Option(help="Step, as in 10ms or 0.01 (s); chosen for you if not given.", **TIME)]
 Start = Annotated[str, typer.Option(help="equilibrium or straight.")]
 Changes = Annotated[
-    list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
+    list[str],
+    typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first: p0.mass=0.05, a.length=sag:1cm."),
 ]
 Move = Annotated[
     list[str], typer.Option("--move", metavar="MOTION", help="Move the platform, as in surge=1sin0.1, pitch=3degsin0.1 or six.csv.")

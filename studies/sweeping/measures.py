@@ -16,6 +16,7 @@ import numpy as np
 from anet_lumped.checks import InputError, nearest
 from anet_lumped.results.end_forces import GROUND
 from anet_lumped.results.energy_balance import error_of_steps
+from anet_lumped.results.sag import sag
 from anet_lumped.scene.scene import Free, Scene
 
 
@@ -113,15 +114,6 @@ def _reaction(result, target):
 
 def _slack(state, target):
     return sum(np.count_nonzero(state.tension(cable.name) <= 0.0) for cable in _cables(state, target))
-
-
-def sag(state, cable: str) -> float:
-    """Largest distance of a cable's nodes below its chord, along gravity [m]; NaN where nothing weighs."""
-    from anet_lumped.advice.compare import below_chord
-
-    gravity, shape = state.scene.gravity, state.shape(cable)
-    weight = np.linalg.norm(gravity)
-    return float(below_chord(shape, shape[0], shape[-1], -gravity / weight).max()) if weight else np.nan
 
 
 def _sag(state, target):
