@@ -32,6 +32,7 @@ from anet_lumped.files.motion_file import read_motions
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.motion.session import Session, SessionError
 from anet_lumped.motion.simulate import RunError, RunInterrupt, simulate
+from anet_lumped.motion.winch import winched
 from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.six_motions import SixMotions
 from anet_lumped.results.loading import load_run
@@ -86,5 +87,6 @@ __all__ = [
     "simulate",
     "tensioned",
     "waves",
+    "winched",
     "wind",
 ]
