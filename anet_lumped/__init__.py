@@ -37,6 +37,7 @@ from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.six_motions import SixMotions
 from anet_lumped.results.loading import load_run
 from anet_lumped.results.run import Run, State
+from anet_lumped.scene.attach import attach
 from anet_lumped.scene.payload_change import PayloadChange
 from anet_lumped.scene.platform import platform
 from anet_lumped.scene.rod_body import rod_body
@@ -71,6 +72,7 @@ __all__ = [
     "SessionError",
     "SixMotions",
     "State",
+    "attach",
     "catenary",
     "equilibrium",
     "load_run",
