@@ -1,6 +1,5 @@
 """Forces on points and bodies, and torques on bodies, constant or functions of time."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, Self
@@ -9,17 +8,15 @@ import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_pairs, check_vector, quoted, shown
 from anet_lumped.compiled.jit import inlined, njit
-from anet_lumped.prescribed.paths import DEGREE, Path
+from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
-from anet_lumped.prescribed.smoothstep_kernel import ramped
 
 from .effect import Effect
 from .laws.couple import along, combined, couple, cross_product, direction_weights
+from .laws.path_numbers import PIECE, POWERS, numbers_of_path, path_value
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
 AXES = ("world", "body")
-_POWERS = int(DEGREE) + 1
-_PIECE, _SINE = 1 + 3 * _POWERS, 7  # numbers of a piece of a path, and of its sine
 FORCE, TORQUE = 0, 1
 IN_WORLD, IN_BODY = 0, 1
 HEADER = 5  # of a load in ``index``: force or torque, its axes, pieces of its path, whether it has a sine, nodes
@@ -112,12 +109,10 @@ class AppliedForces(Effect):
             turns = load.body is not None and (load.kind == TORQUE or self.axes == "body")
             points = load.body.points if turns else ()
             nodes = [model.node_of[point.name] for point in points]
-            path, sine = load.path, load.path.sine
+            path = load.path
             axes = IN_BODY if self.axes == "body" and turns else IN_WORLD
-            index += [load.kind, axes, len(path.breaks), sine is not None, len(nodes), model.node_of[name], *nodes]
-            numbers += [np.concatenate([[t], c.ravel()]) for t, c in zip(path.breaks, path.coefficients, strict=True)]
-            if sine is not None:
-                numbers.append(np.array([*sine.amplitude, sine.omega, sine.phase, sine.ramp, 0.0]))
+            index += [load.kind, axes, len(path.breaks), path.sine is not None, len(nodes), model.node_of[name], *nodes]
+            numbers.append(numbers_of_path(path))
             if turns:
                 weights, directions, share = direction_weights([point.arm for point in points])
                 numbers += [np.array([share]), directions.ravel(), weights.ravel()]
@@ -159,34 +154,9 @@ def _path(value: Any) -> Path:
     """A path, or a constant vector as one."""
     if isinstance(value, Path):
         return value
-    coefficients = np.zeros((1, _POWERS, 3))
+    coefficients = np.zeros((1, POWERS, 3))
     coefficients[0, 0] = value
     return Path("constant", (), np.zeros(1), coefficients, np.zeros(0))
-
-
-@inlined
-def _value(t, params, at, pieces, has_sine):
-    """Value of a path at time t, as `Path.at`, and where the numbers behind it begin."""
-    low, high = 0, pieces
-    while high - low > 1:
-        middle = (low + high) // 2
-        if params[at + _PIECE * middle] <= t:
-            low = middle
-        else:
-            high = middle
-    piece = at + _PIECE * low
-    tau = max(t - params[piece], 0.0)
-    x, y, z = 0.0, 0.0, 0.0
-    for i in range(_POWERS - 1, -1, -1):
-        c = piece + 1 + 3 * i
-        x, y, z = x * tau + params[c], y * tau + params[c + 1], z * tau + params[c + 2]
-    behind = at + _PIECE * pieces
-    if has_sine:
-        share, _, _ = ramped(t, params[behind + 5])
-        share *= math.sin(params[behind + 3] * t + params[behind + 4])
-        x, y, z = x + share * params[behind], y + share * params[behind + 1], z + share * params[behind + 2]
-        behind += _SINE
-    return (x, y, z), behind
 
 
 @inlined
@@ -215,7 +185,7 @@ def force(t, q, v, index, params, f):
     power, i, at = 0.0, 0, 0
     while i < index.shape[0]:
         kind, axes, pieces, has_sine, nodes = index[i], index[i + 1], index[i + 2], index[i + 3], index[i + 4]
-        value, at = _value(t, params, at, pieces, has_sine != 0)
+        value, at = path_value(t, params, at, pieces, has_sine != 0)
         point, first, end = index[i + HEADER], i + HEADER + 1, i + HEADER + 1 + nodes
         if nodes == 0:
             power += _add(f, v, point, 1.0, value)
@@ -263,7 +233,7 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
 def dead_force(t, q, v, index, params, f):
     """Add constant forces; returns 0 [W], for they have an energy."""
     for k in range(index.shape[0] // (HEADER + 1)):
-        i, at = index[k * (HEADER + 1) + HEADER], k * _PIECE + 1
+        i, at = index[k * (HEADER + 1) + HEADER], k * PIECE + 1
         for x in range(3):
             f[i, x] += params[at + x]
     return 0.0
@@ -274,7 +244,7 @@ def dead_energy(t, q, index, params):
     """-sum F . q [J]."""
     total = 0.0
     for k in range(index.shape[0] // (HEADER + 1)):
-        i, at = index[k * (HEADER + 1) + HEADER], k * _PIECE + 1
+        i, at = index[k * (HEADER + 1) + HEADER], k * PIECE + 1
         for x in range(3):
             total -= params[at + x] * q[i, x]
     return total
