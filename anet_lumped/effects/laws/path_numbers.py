@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.compiled.jit import inlined_law
+from anet_lumped.compiled.jit import inlined
 from anet_lumped.prescribed.paths import DEGREE
 from anet_lumped.prescribed.smoothstep_kernel import ramped
 
@@ -22,7 +22,7 @@ def numbers_of_path(path: Any) -> np.ndarray:
     return np.concatenate(rows)
 
 
-@inlined_law
+@inlined
 def path_value(t, params, at, pieces, has_sine):
     """Value of a path at time t, as `Path.at`, and where the numbers behind it begin."""
     low, high = 0, pieces
@@ -47,13 +47,13 @@ def path_value(t, params, at, pieces, has_sine):
     return (x, y, z), behind
 
 
-@inlined_law
+@inlined
 def length_of_path(pieces, has_sine):
     """How many numbers a path has."""
     return PIECE * pieces + (SINE if has_sine else 0)
 
 
-@inlined_law
+@inlined
 def path_rate(t, params, at, pieces, has_sine):
     """Rate of change of a path at time t, as `Path.at`."""
     low, high = 0, pieces
