@@ -158,9 +158,7 @@ def simulate(
     dt: Step = None,
     rtol: Annotated[float | None, typer.Option(help="Adaptive steps: error of a step over the largest coordinate.")] = None,
     extrapolate: Annotated[bool, typer.Option(help="Half the step too, and their limit: order 4 of edmc.")] = False,
-    start: Annotated[
-        str, typer.Option(help="equilibrium, straight, or a CSV of places: cable, x, y, z and perhaps vx, vy, vz.")
-    ] = "equilibrium",
+    start: Annotated[str, typer.Option(help="equilibrium, straight, or a CSV of places along cables.")] = "equilibrium",
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
     move: Move = (),

@@ -20,9 +20,9 @@ import numpy as np
 from anet_lumped.checks import InputError, quoted
 from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
-from anet_lumped.model.net import Effects
 from anet_lumped.model.remainder import Pieces, Remainder, remainder
 from anet_lumped.model.rest_lengths import numbers_at
+from anet_lumped.prescribed.paths import pack
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, OnBody, Scene
 
 from .body_accelerations import of_body_point
@@ -40,7 +40,8 @@ class Rows(NamedTuple):
     left : Remainder, what is left of the scene then
     t : (k,) float64 [s]
     q, v : (k, n, 3) float64 [m], [m/s], of what is left
-    pull : (k, n_segments, 3) float64 [N], tension of each segment as a vector from its first to its second end
+    places : (k, n, 3) float64 [m], about an origin near the net if ``q`` is rounded, else ``q``
+    tension : (k, n_segments) float64 [N], of the whole scene's segments
     moves : bool, whether nodes may have an acceleration
     pushed : bool, whether forces act that the scene does not have
     """
@@ -49,7 +50,8 @@ class Rows(NamedTuple):
     t: np.ndarray
     q: np.ndarray
     v: np.ndarray
-    pull: np.ndarray
+    places: np.ndarray
+    tension: np.ndarray
     moves: bool
     pushed: bool
 
@@ -78,12 +80,18 @@ def rows_of_run(run: Any) -> list[Rows]:
 def _rows(model: Model, events: tuple[Event, ...], arrays: tuple, moves: bool, pushed: bool) -> Rows:
     t, q, v, tension, near = arrays
     left = _left(model, events)
-    own = left.model
-    q, v = (np.ascontiguousarray(x[:, left.node], float) for x in (q, v))
+    whole = left.model is model  # then nodes are in their order
+    q, v = (np.ascontiguousarray(x if whole else x[:, left.node], float) for x in (q, v))
     places = q if near is None else near[:, left.node]
-    d = places[:, own.ends[:, 1]] - places[:, own.ends[:, 0]]
+    return Rows(left, t, q, v, places, tension, moves, pushed)
+
+
+def _pulls(now: Rows, segments: np.ndarray) -> np.ndarray:
+    """Tension of segments as vectors from their first to their second ends, (k, len(segments), 3) [N]."""
+    own = now.left.model
+    d = now.places[:, own.ends[segments, 1]] - now.places[:, own.ends[segments, 0]]
     length = np.maximum(np.linalg.norm(d, axis=2), 1e-300)
-    return Rows(left, t, q, v, (tension[:, left.segment] / length)[:, :, None] * d, moves, pushed)
+    return (now.tension[:, now.left.segment[segments]] / length)[:, :, None] * d
 
 
 def end_force(now: Rows, whole: Scene, cable: str, point: str, inertia: bool = True) -> np.ndarray:
@@ -154,8 +162,8 @@ def effect_forces(model: Model, now: Rows, only_ground: bool = False) -> np.ndar
     for e, effect in enumerate(model.forces):
         if effect.is_ground or not only_ground:
             force = effect.kernels()["force"]
-            for k, (t, numbers) in enumerate(_numbers(model, now.t)):
-                force(t, now.q[k], now.v[k], *numbers.numbers(e), total[k])
+            for k, (t, index, params) in enumerate(_numbers(model, now.t, e)):
+                force(t, now.q[k], now.v[k], index, params, total[k])
     return total
 
 
@@ -165,8 +173,8 @@ def added_masses(model: Model, now: Rows) -> np.ndarray:
     for e, effect in enumerate(model.forces):
         if "inertia" in effect.kernels():
             inertia = effect.kernels()["inertia"]
-            for k, (t, numbers) in enumerate(_numbers(model, now.t)):
-                inertia(t, now.q[k], *numbers.numbers(e), added[k])
+            for k, (t, index, params) in enumerate(_numbers(model, now.t, e)):
+                inertia(t, now.q[k], index, params, added[k])
     return added
 
 
@@ -177,11 +185,11 @@ def masses(model: Model, now: Rows) -> np.ndarray:
     return np.array([numbers_at(model, t)[0] for t in now.t.tolist()])
 
 
-def _numbers(model: Model, t: np.ndarray) -> Iterator[tuple[float, Effects]]:
-    """Times, and the numbers of the effects at each."""
-    changing = len(model.lengths.cable) > 0
+def _numbers(model: Model, t: np.ndarray, e: int) -> Iterator[tuple[float, np.ndarray, np.ndarray]]:
+    """Times, and the numbers of the e-th effect at each."""
+    changing, (index, params) = len(model.lengths.cable) > 0, model.effects.numbers(e)
     for time in t.tolist():
-        yield time, model.effects._replace(params=numbers_at(model, time)[1]) if changing else model.effects
+        yield time, index, model.effects._replace(params=numbers_at(model, time)[1]).numbers(e)[1] if changing else params
 
 
 @lru_cache(maxsize=16)
@@ -218,7 +226,8 @@ def _pull_at(now: Rows, cable: Cable, point: str) -> np.ndarray:
     model = now.left.model
     own = np.arange(model.n_segments)[model.segments(cable.name)]
     segment = own[0] if point == cable.start else own[-1]
-    return now.pull[:, segment] if model.ends[segment, 0] == model.node_of[point] else -now.pull[:, segment]
+    pull = _pulls(now, np.array([segment]))[:, 0]
+    return pull if model.ends[segment, 0] == model.node_of[point] else -pull
 
 
 def _half(now: Rows, cable: Cable) -> tuple[Model, Rows]:
@@ -248,20 +257,37 @@ def _acceleration(now: Rows, name: str) -> np.ndarray:
             raise InputError(
                 f"A force at an end needs the acceleration there, but {quoted(name)} is driven from outside, by a Session."
             )
-        return np.array([point.path.at(t)[2] for t in now.t.tolist()])
+        return _of_path(point.path, now.t)
     if now.pushed:
         raise InputError(
             f"A force at an end needs all forces there, but {quoted(name)} moves freely, and forces from outside act that the "
             "scene does not have."
         )
     total = effect_forces(model, now)
-    for segments, sign in ((model.ends[:, 0], 1.0), (model.ends[:, 1], -1.0)):
-        np.add.at(total.swapaxes(0, 1), segments, sign * now.pull.swapaxes(0, 1))
+    nodes = [node] if not isinstance(point, OnBody) else [model.node_of[one.name] for one in model.scene.body(point.body).points]
+    ends = [
+        (s, i, sign) for column, sign in ((0, 1.0), (1, -1.0)) for i in nodes for s in np.flatnonzero(model.ends[:, column] == i)
+    ]
+    pulls = _pulls(now, np.array([s for s, _, _ in ends]))
+    for k, (_, i, sign) in enumerate(ends):
+        total[:, i] += sign * pulls[:, k]
     mass, added = masses(model, now), added_masses(model, now)
     if isinstance(point, OnBody):
         rows = zip(now.q, now.v, total, mass, added, strict=True)
         return np.array([of_body_point(model, name, (q, v), f, (m, A)) for q, v, f, m, A in rows])
     return np.linalg.solve(mass[:, node, None, None] * np.eye(3) + added[:, node], total[:, node, :, None])[..., 0]
+
+
+def _of_path(path: Any, t: np.ndarray) -> np.ndarray:
+    """Accelerations along a path at times t (k,), (k, 3) [m/s2]."""
+    if hasattr(path, "turning"):
+        return np.array([path.at(time)[2] for time in t.tolist()])
+    from anet_lumped.prescribed.path_kernel import evaluate
+
+    table, (q, v), found = pack([path]), np.empty((2, 1, 3)), np.empty((len(t), 1, 3))
+    for k, time in enumerate(t.tolist()):
+        evaluate(time, table, q, v, found[k])
+    return found[:, 0]
 
 
 def _kinds(path: Any) -> set[str]:
