@@ -32,10 +32,12 @@ from anet_lumped.files.motion_file import read_motions
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.motion.session import Session, SessionError
 from anet_lumped.motion.simulate import RunError, RunInterrupt, simulate
+from anet_lumped.motion.winch import winched
 from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.six_motions import SixMotions
 from anet_lumped.results.loading import load_run
 from anet_lumped.results.run import Run, State
+from anet_lumped.scene.attach import attach
 from anet_lumped.scene.payload_change import PayloadChange
 from anet_lumped.scene.platform import platform
 from anet_lumped.scene.rod_body import rod_body
@@ -43,6 +45,7 @@ from anet_lumped.scene.ropes import rope
 from anet_lumped.scene.scene import Body, Cable, Driven, Fixed, Free, Rod, Scene, SceneError
 from anet_lumped.statics.catenary import catenary
 from anet_lumped.statics.equilibrium import EquilibriumError, NoRestError, equilibrium
+from anet_lumped.statics.tensioned import tensioned
 
 try:
     __version__ = version("anet-lumped")
@@ -69,6 +72,7 @@ __all__ = [
     "SessionError",
     "SixMotions",
     "State",
+    "attach",
     "catenary",
     "equilibrium",
     "load_run",
@@ -83,6 +87,8 @@ __all__ = [
     "save_scene",
     "signals",
     "simulate",
+    "tensioned",
     "waves",
+    "winched",
     "wind",
 ]

@@ -54,7 +54,8 @@ Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for 
 Step = Annotated[float | None, typer.Option(help="Step, as in 10ms or 0.01 (s); chosen for you if not given.", **TIME)]
 Start = Annotated[str, typer.Option(help="equilibrium or straight.")]
 Changes = Annotated[
-    list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
+    list[str],
+    typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first: p0.mass=0.05, a.length=sag:1cm."),
 ]
 Move = Annotated[
     list[str], typer.Option("--move", metavar="MOTION", help="Move the platform, as in surge=1sin0.1, pitch=3degsin0.1 or six.csv.")
@@ -158,7 +159,7 @@ def simulate(
     dt: Step = None,
     rtol: Annotated[float | None, typer.Option(help="Adaptive steps: error of a step over the largest coordinate.")] = None,
     extrapolate: Annotated[bool, typer.Option(help="Half the step too, and their limit: order 4 of edmc.")] = False,
-    start: Start = "equilibrium",
+    start: Annotated[str, typer.Option(help="equilibrium, straight, or a CSV of places along cables.")] = "equilibrium",
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
     effect: Added = (),
@@ -176,14 +177,16 @@ def simulate(
     its end, gains energy or fails its audit exits with 1, and says so in all of them.
     """
     from anet_lumped.files.motion_file import moved
+    from anet_lumped.files.start_file import read_start
     from anet_lumped.motion.simulate import RunInterrupt, simulate
     from studies.shown.summary import run_summary
 
+    ready = moved(changed(load(scene, "simulate"), change, effect), move, t_end)
+    begin = read_start(start, ready) if start.lower().endswith(".csv") else start
     try:
         run = simulate(
-            moved(changed(load(scene, "simulate"), change, effect), move, t_end), t_end, method=method, dt=dt, rtol=rtol,
-            start=start, save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
-            error=error,
+            ready, t_end, method=method, dt=dt, rtol=rtol, start=begin, save_every=save_every, extrapolate=extrapolate, audit=audit,
+            tension_error=tension_error, error=error,
         )  # fmt: skip
     except RunInterrupt as stopped:
         run = stopped.run

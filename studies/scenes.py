@@ -1,6 +1,7 @@
 """The scene that a command is given: loaded, checked and changed."""
 
 from studies.telling import announce_compiling
+from studies.wanted_length import apart, with_wanted_lengths
 
 
 def load(text, compiles):
@@ -19,13 +20,15 @@ def load(text, compiles):
 
 
 def changed(scene, texts, added=()):
-    """The scene with effects added, see `added_effects`, and then NAME=VALUE put in."""
+    """The scene with effects added, see `added_effects`, NAME=VALUE put in, and then lengths that are told by what they give at rest."""
     from studies.added_effects import with_effects
     from studies.sweeping.vary import SETTINGS, VaryError, apply, parse_vary, read_values
 
     scene = with_effects(scene, added)
+    wanted, texts = apart(texts)
     values = read_values(scene, parse_vary(texts)) if texts else {}
     for name, given in values.items():
         if name in SETTINGS or len(given) != 1:
             raise VaryError(f"What is set must be one value of a field of the scene, but `{name}` was given {given}.")
-    return apply(scene, {name: given[0] for name, given in values.items()})[0]
+    scene = apply(scene, {name: given[0] for name, given in values.items()})[0]
+    return with_wanted_lengths(scene, wanted)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from anet_lumped.checks import InputError, shown
 from anet_lumped.results.run import State
+from anet_lumped.results.sag import below_chord
 from anet_lumped.scene.scene import Cable, Fixed, Free
 from anet_lumped.statics.catenary_net import Turned, catenaries_between_ends, catenary_net
 
@@ -88,30 +89,6 @@ def project(points: np.ndarray, curve: np.ndarray) -> tuple[np.ndarray, np.ndarr
     rows, segment = np.arange(len(points)), distance.argmin(axis=1)
     fraction = fraction[rows, segment]
     return distance[rows, segment], segment + fraction, start[segment] + fraction[:, None] * along[segment]
-
-
-def below_chord(points: np.ndarray, start: np.ndarray, end: np.ndarray, up: np.ndarray) -> np.ndarray:
-    """Distance of points below the straight line through a cable's ends, along gravity; its largest value is the sag.
-
-    Parameters
-    ----------
-    points : (m, 3) float64 [m]
-    start, end : (3,) float64 [m]
-    up : (3,) float64
-        Unit vector against gravity.
-
-    Returns
-    -------
-    (m,) float64 [m]
-        Below the lower end if one end is straight above the other.
-    """
-    chord, offset = end - start, points - start
-    rise = chord @ up
-    level = chord - rise * up
-    span = level @ level
-    if span <= (1e-12 * np.abs(points).max(initial=0.0)) ** 2:
-        return min(rise, 0.0) - offset @ up
-    return offset @ level / span * rise - offset @ up
 
 
 @dataclass(frozen=True)

@@ -23,10 +23,11 @@ from anet_lumped.checks import InputError, shown
 from anet_lumped.limits import BYTES, check_most
 from anet_lumped.regular_files import read_text
 from anet_lumped.results.run import State
+from anet_lumped.results.sag import below_chord
 from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
 
-from .compare import below_chord, project, r_squared, rmse
+from .compare import project, r_squared, rmse
 
 MEDIAN_OF_RAYLEIGH = math.sqrt(2 * math.log(2))  # median distance from a curve over the deviation of one coordinate
 CUT = 5.0  # a true marker lies beyond 5 sigma once in 270,000 (Rayleigh), with sigma a tenth too small once in 25,000

@@ -109,7 +109,7 @@ class AppliedForces(Effect):
             turns = load.body is not None and (load.kind == TORQUE or self.axes == "body")
             points = load.body.points if turns else ()
             nodes = [model.node_of[point.name] for point in points]
-            path, sine = load.path, load.path.sine
+            path = load.path
             axes = IN_BODY if self.axes == "body" and turns else IN_WORLD
             index += [load.kind, axes, len(path.breaks), sine is not None, len(nodes), model.node_of[name], *nodes]
             numbers.append(numbers_of_path(path))
@@ -141,6 +141,9 @@ class AppliedForces(Effect):
         force = tuple((name, value) for name, value in dict(self.force).items() if name not in held)
         torque = tuple((name, value) for name, value in dict(self.torque).items() if name not in held)
         return AppliedForces(force, torque, self.axes) if force or torque else None
+
+    def of_cables(self) -> Effect | None:
+        return None
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         dead: dict[str, Callable[..., Any]] = {"force": dead_force, "energy": dead_energy}

@@ -17,6 +17,9 @@ Therefore these forces, in place of the derivatives above, do exactly the work b
 
 apart from the numerical damper alpha, which takes 2 alpha times the energy of the change k. It damps motion that a step does not
 resolve: alpha = `ALPHA` s^2/(1 + s^2), s = h omega/2, with the highest frequency omega = 4 sqrt(EI/mu)/L0^2.
+A clamp may turn: its direction c is then that of a path. Over a step the mean c of both ends acts, and the damper takes the turn of
+the segment against the clamp. The work of the clamp, 2 B (-(mean t) . (change of c) - alpha (change of t - c) . (change of c)) over
+a step and -2 B t . dc/dt in a second, counts as negative dissipation.
 Source: Bergou et al., ACM Trans. Graph. 27 (2008) 63, for the energy; Gonzalez, J. Nonlinear Sci. 6 (1996) 449, for the step.
 """
 
@@ -29,11 +32,15 @@ import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_direction, check_pairs, quoted
 from anet_lumped.compiled.jit import inlined_law, law, njit
+from anet_lumped.prescribed.path_in_numbers import length_of_path, motion_at, numbers_of_path, value_at
+from anet_lumped.prescribed.paths import Path
+from anet_lumped.prescribed.signals import Signal
 
 from .effect import Effect
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
 ALPHA = 0.05  # numerical damper in full, see the module
+LOOKS = 200  # at the directions of a clamp that turns, for one that is zero
 SHORT = 1e-6  # of L0: a shorter segment counts as this long, since a segment of no length has no direction
 
 
@@ -47,19 +54,45 @@ class Bending(Effect):
 
     Parameters
     ----------
-    clamped : dict or pairs of str and (3,) array_like
-        Fixed or driven points, and the direction in which their cable always leaves them; its length must not be zero.
+    clamped : dict or pairs of str and (3,) array_like or Path
+        Fixed or driven points, and the direction in which their cable leaves them; its length must not be zero. A path of
+        `anet_lumped.paths` gives the direction as a function of time, whatever the unit and the length.
     """
 
-    clamped: Mapping[str, Vector] | tuple[tuple[str, Vector], ...] = ()
+    clamped: Mapping[str, Vector | Path] | tuple[tuple[str, Vector | Path], ...] = ()
 
     coupled_neighbours: ClassVar[int] = 2
     same_everywhere: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
-        pairs = check_pairs("clamped", self.clamped, "a point's name and a direction", self._called, may_be_empty=True)
-        where = f'{self._called} at point "{{}}"'
-        self._set(clamped=tuple((name, check_direction("clamped", direction, where.format(name))) for name, direction in pairs))
+        what = "a point's name and a direction or path"
+        pairs = check_pairs("clamped", self.clamped, what, self._called, may_be_empty=True)
+        self._set(clamped=tuple((name, self._direction(name, value)) for name, value in pairs))
+
+    def _direction(self, name: str, value: Any) -> Any:
+        """A checked direction, or a path of directions."""
+        where = f'{self._called} at point "{name}"'
+        if not isinstance(value, Path):
+            return check_direction("clamped", value, where)
+        if value.kind == "external":
+            raise SceneError(
+                f"Argument `clamped` must be a direction or a path that is known before a run, but {where} has {value}."
+            )
+        looks = np.concatenate([value.breaks, np.linspace(0.0, max(float(value.breaks[-1]), 1.0), LOOKS)])
+        sizes = np.array([np.linalg.norm(value.at(t)[0]) for t in looks.tolist()])
+        if not sizes.min() > 1e-6 * sizes.max():
+            raise SceneError(
+                f"A path of directions must never be zero, but {where} has {tuple(value.at(looks[sizes.argmin()])[0].tolist())} "
+                f"at t={looks[sizes.argmin()]:g} s."
+            )
+        return value
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """The functions of time, whose corners steps end on."""
+        return tuple(
+            Signal("clamped", ((name, value),), value) for name, value in dict(self.clamped).items() if isinstance(value, Path)
+        )
 
     def highest_frequency(self, scene: Any) -> float:
         """Of a free chain with a bending spring at each node."""
@@ -72,9 +105,9 @@ class Bending(Effect):
         -------
         index : int64
             Number of pairs of segments; of each pair its three nodes and first segment; of each clamp its point, the next node,
-            the segment, and 1 if the segment runs towards the point.
+            the pieces of the path of its direction, 0 for a constant one, and 1 if the path has a sine.
         params : float64
-            B [N m], L0 [m] and highest frequency [rad/s] of each pair; the same and the direction of each clamp.
+            B [N m], L0 [m] and highest frequency [rad/s] of each pair; the same and the direction or its path of each clamp.
 
         Raises
         ------
@@ -95,13 +128,17 @@ class Bending(Effect):
             cable, node = self._clamped_cable(model, name), model.node(name)
             first, count = model.segment_run(scene.cable_numbers[cable.name])
             s = first if model.ends[first, 0] == node else first + count - 1
-            towards = int(model.ends[s, 1] == node)
-            index += [node, model.ends[s, 1 - towards], s, towards]
-            numbers += [*_stiffness(cable), *(np.array(direction) / np.linalg.norm(direction))]
+            following = model.ends[s, 1 - int(model.ends[s, 1] == node)]
+            if isinstance(direction, Path):
+                index += [node, following, len(direction.breaks), int(direction.sine is not None)]
+                numbers += [*_stiffness(cable), *numbers_of_path(direction)]
+            else:
+                index += [node, following, 0, 0]
+                numbers += [*_stiffness(cable), *(np.array(direction) / np.linalg.norm(direction))]
         return np.array([pairs, *index], np.int64), np.array(numbers)
 
     def _clamped_cable(self, model: Any, name: str) -> Any:
-        if model.node(name) < model.n_free:
+        if model.node(name) < model.n_free and model.scene.whole:  # else a cable alone, whose ends carry nothing
             raise SceneError(f"A clamp must be at a fixed or driven point, but effect Bending clamps free point {quoted(name)}.")
         held = [cable for cable in model.scene.cables if name in (cable.start, cable.end) and cable.EI > 0.0]
         if len(held) != 1:
@@ -109,7 +146,7 @@ class Bending(Effect):
         return held[0]
 
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
-        """Without the clamps of cables that have fallen off."""
+        """Without the clamps of cables that have fallen off; None if no cable bends that is left."""
         bent = {name for cable in cables if cable.EI > 0.0 for name in (cable.start, cable.end)}
         return Bending(tuple((name, direction) for name, direction in dict(self.clamped).items() if name in bent)) if bent else None
 
@@ -157,10 +194,35 @@ def _add(f, i, a, sign):
     f[i, 2] += sign * a[2]
 
 
+@inlined_law
+def _clamp(t, params, at, pieces, sine):
+    """Direction of a clamp at a time; a constant one is written as it is."""
+    if pieces == 0:
+        return params[at], params[at + 1], params[at + 2]
+    c, _ = value_at(t, params, at, pieces, sine != 0)
+    size = math.sqrt(_dot(c, c))
+    return c[0] / size, c[1] / size, c[2] / size
+
+
+@inlined_law
+def _clamp_rate(t, params, at, pieces, sine):
+    """Rate of the direction of a clamp that turns, (r - c (c . r))/|path| for a path of the rate r."""
+    path, rate, _, _ = motion_at(t, params, at, pieces, sine != 0)
+    size = math.sqrt(_dot(path, path))
+    c = path[0] / size, path[1] / size, path[2] / size
+    return _combined(1.0 / size, rate, -_dot(c, rate) / size, c)
+
+
+@inlined_law
+def _clamp_numbers(pieces, sine):
+    """How many numbers a clamp has."""
+    return 3 + (3 if pieces == 0 else length_of_path(pieces, sine != 0))
+
+
 @njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
-    """f_i -= dE/dq_i; see the module."""
-    i_index, i_params = 1, 0
+    """f_i -= dE/dq_i; see the module. Returns what clamps that turn take [W], negative where they work on the cable."""
+    i_index, i_params, power = 1, 0, 0.0
     for _ in range(index[0]):
         i, j, k = index[i_index], index[i_index + 1], index[i_index + 2]
         B, L0 = params[i_params], params[i_params + 1]
@@ -173,13 +235,15 @@ def force(t, q, v, index, params, f):
         _add(f, k, g2, -1.0)
         i_index, i_params = i_index + 4, i_params + 3
     while i_index < index.shape[0]:
-        i, j = index[i_index], index[i_index + 1]
+        i, j, pieces, sine = index[i_index], index[i_index + 1], index[i_index + 2], index[i_index + 3]
         t1, l1 = _tangent(_between_nodes(q, i, j), params[i_params + 1])
-        g = _slope(2.0 * params[i_params], l1, t1, (params[i_params + 3], params[i_params + 4], params[i_params + 5]))
+        g = _slope(2.0 * params[i_params], l1, t1, _clamp(t, params, i_params + 3, pieces, sine))
         _add(f, i, g, 1.0)
         _add(f, j, g, -1.0)
-        i_index, i_params = i_index + 4, i_params + 6
-    return 0.0
+        if pieces > 0:
+            power += 2.0 * params[i_params] * _dot(t1, _clamp_rate(t, params, i_params + 3, pieces, sine))
+        i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
+    return power
 
 
 @inlined_law
@@ -251,9 +315,10 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         i_index, i_params = i_index + 4, i_params + 3
     while i_index < index.shape[0]:
         t1, l1 = _tangent(_between_nodes(q, index[i_index], index[i_index + 1]), params[i_params + 1])
-        _own_block(H11, 2.0 * params[i_params], l1, t1, (params[i_params + 3], params[i_params + 4], params[i_params + 5]))
+        pieces, sine = index[i_index + 2], index[i_index + 3]
+        _own_block(H11, 2.0 * params[i_params], l1, t1, _clamp(t, params, i_params + 3, pieces, sine))
         _assemble_clamp(c_q, index[i_index + 1], H11, D)
-        i_index, i_params = i_index + 4, i_params + 6
+        i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
 
 
 @njit(ENERGY_SIGNATURE, cache=True, error_model="numpy")
@@ -268,9 +333,10 @@ def energy(t, q, index, params):
         i_index, i_params = i_index + 4, i_params + 3
     while i_index < index.shape[0]:
         t1, _ = _tangent(_between_nodes(q, index[i_index], index[i_index + 1]), params[i_params + 1])
-        turn = _combined(1.0, t1, -1.0, (params[i_params + 3], params[i_params + 4], params[i_params + 5]))
+        pieces, sine = index[i_index + 2], index[i_index + 3]
+        turn = _combined(1.0, t1, -1.0, _clamp(t, params, i_params + 3, pieces, sine))
         total += params[i_params] * _dot(turn, turn)
-        i_index, i_params = i_index + 4, i_params + 6
+        i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
     return total
 
 
@@ -316,7 +382,7 @@ def _add_turn_block(H, weight, S, e, t_b, l_b):
 def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     """Forces over a whole step as discrete gradients of the energy, with the numerical damper; see the module."""
     H11, H12, H21, H22 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    by_method, i_index, i_params = 0.0, 1, 0
+    dissipated, by_method, i_index, i_params = 0.0, 0.0, 1, 0
     for _ in range(index[0]):
         i, j, k, s = index[i_index], index[i_index + 1], index[i_index + 2], index[i_index + 3]
         B, L0, square = params[i_params], params[i_params + 1], (0.5 * h * params[i_params + 2]) ** 2
@@ -343,17 +409,21 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         _assemble(1.0, i, j, k, s, H11, H12, H21, H22, D, near, far)
         i_index, i_params = i_index + 4, i_params + 3
     while i_index < index.shape[0]:
-        i, j = index[i_index], index[i_index + 1]
+        i, j, pieces, sine = index[i_index], index[i_index + 1], index[i_index + 2], index[i_index + 3]
         B, L0, square = 2.0 * params[i_params], params[i_params + 1], (0.5 * h * params[i_params + 2]) ** 2
-        alpha, c = ALPHA * square / (1.0 + square), (params[i_params + 3], params[i_params + 4], params[i_params + 5])
-        _, t1, l1a, l1, S1, e1, turn1 = _step_of(base, q, i, j, L0)
-        w1 = _combined(1.0, c, -alpha, turn1)
+        alpha = ALPHA * square / (1.0 + square)
+        c_a, c_b = _clamp(t - 0.5 * h, params, i_params + 3, pieces, sine), _clamp(t + 0.5 * h, params, i_params + 3, pieces, sine)
+        t1a, t1, l1a, l1, S1, e1, turn1 = _step_of(base, q, i, j, L0)
+        turned = _combined(1.0, c_b, -1.0, c_a)
+        bend = _combined(1.0, turn1, -1.0, turned)
+        w1 = _combined(1.0, _combined(0.5, c_a, 0.5, c_b), -alpha, bend)
         g1 = _turned(-B * S1, e1, w1)
         _add(f, i, g1, 1.0)
         _add(f, j, g1, -1.0)
-        by_method += alpha * B * _dot(turn1, turn1)
+        by_method += alpha * B * _dot(bend, bend)
+        dissipated += B * (0.5 * (_dot(t1a, turned) + _dot(t1, turned)) + alpha * _dot(bend, turned))
         _own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
         _add_turn_block(H11, alpha * B, S1, e1, t1, l1)
         _assemble_clamp(1.0, j, H11, D)
-        i_index, i_params = i_index + 4, i_params + 6
-    return 0.0, by_method
+        i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
+    return dissipated, by_method

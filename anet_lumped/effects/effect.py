@@ -41,7 +41,8 @@ class Effect:
     4. It says of itself what is true, by the members below. The defaults claim nothing, so that no result depends on them; a claim
        saves work. Claims are compared with the compiled functions at random states whenever a model is built.
     5. If its parameters name cables, `after_break` returns the same effect on what is left of broken cables; if they name bodies
-       or points of theirs, `without_bodies` returns it for a scene in which those are held.
+       or points of theirs, `without_bodies` returns it for a scene in which those are held. If it acts at points that it names,
+       `of_cables` returns it without these.
     6. `seen_from` returns the same effect in coordinates with another origin, if it can; `at_rest` the effect without its friction.
     7. `example` returns an instance that acts on a given scene, for studies and documentation.
 
@@ -53,6 +54,9 @@ class Effect:
 
     stiff: ClassVar[bool] = False
     """Whether it brings motions faster than the cables' axial ones, so that no stable explicit step is known before a run."""
+
+    is_ground: ClassVar[bool] = False
+    """Whether it is what a net rests on, whose reaction a State tells."""
 
     from_outside: ClassVar[bool] = False
     """Whether a `Session` brings it and gives it its numbers, so that no registry and no scene file has it."""
@@ -164,6 +168,10 @@ class Effect:
 
     def without_bodies(self, held: Sequence[str]) -> "Effect | None":
         """The same effect where the points named, those of bodies, do not move; or None if it acts on nothing else."""
+        return self
+
+    def of_cables(self) -> "Effect | None":
+        """The effect on what is spread over cables, without what it does at points; None if it acts at points alone."""
         return self
 
     def at_rest(self) -> "Effect":

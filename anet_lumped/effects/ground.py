@@ -21,7 +21,7 @@ a damper that grows with the depth; Armero & Petocz, Comput. Methods Appl. Mech.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -63,6 +63,8 @@ class Ground(Effect):
     friction: float = 0.0
     normal: Vector = (0.0, 0.0, 1.0)
     slip_speed: float = 1e-3
+
+    is_ground: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
         signs = {"height": ("m", ""), "stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative")}

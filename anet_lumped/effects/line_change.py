@@ -1,6 +1,6 @@
 """Cables that are paid out or reeled in."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -46,6 +46,12 @@ class LineChange(Effect):
     @classmethod
     def example(cls, scene: Any) -> Self:
         return cls({scene.cables[0].name: signals.line(0.0, 0.01, 0.0)})
+
+    def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
+        """Cables that it pays out do not break; what is left is of those that there are."""
+        there = {cable.name for cable in cables}
+        left = tuple((name, signal) for name, signal in dict(self.paid_out).items() if name in there)
+        return LineChange(left) if left else None
 
     def length_changes(self, scene: Any) -> Sequence[LengthChange]:
         """The length paid out of each cable named.

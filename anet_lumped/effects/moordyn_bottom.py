@@ -19,7 +19,7 @@ Source: MoorDyn's Line.cpp (getStateDeriv, "bottom contact"); Hall & Goupee, Oce
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -57,6 +57,8 @@ class MoordynBottom(Effect):
     damping: float = 3e5
     friction: float = 0.0
     friction_damping: float = 200.0
+
+    is_ground: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
         signs = {"height": ("m", ""), "stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative")}

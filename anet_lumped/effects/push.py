@@ -36,6 +36,9 @@ class Push(Effect):
         nodes = [model.node_of[name] for name in pushed_points(model.scene)]
         return np.array(nodes, np.int64), np.zeros(3 * len(nodes))
 
+    def of_cables(self) -> Effect | None:
+        return None
+
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "energy": energy, "tangent": tangent}
 

@@ -20,11 +20,11 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.model.build import build
 from anet_lumped.regular_files import read_text
+from anet_lumped.results.end_forces import end_force, rows_of_run
 from anet_lumped.results.run import Run
 from anet_lumped.scene.body import OnBody
-from anet_lumped.scene.scene import Cable, Free, Scene
+from anet_lumped.scene.scene import Free, Scene
 
 from .moordyn_file import Deck, deck_from_text
 from .moordyn_findings import DeckWarning
@@ -227,18 +227,9 @@ def _net_forces(run: Run) -> np.ndarray:
 
 def _end_forces(run: Run, name: str) -> np.ndarray:
     """Force of a cable alone on its first and its last node, of tension and of what acts on the half segment, (k, 2, 3) [N]."""
-    cable, pulls = run.scene.cable(name), _pulls(run, name)
-    alone = _alone(cable, run.scene)
-    model, nodes = build(alone), run.model.nodes(name)
-    q, v = np.zeros((2, len(run.t), model.n, 3))
-    q[:, model.nodes(name)], v[:, model.nodes(name)] = run.q[:, nodes], run.v[:, nodes]
-    acting = _effect_forces(alone, model, run.t, q, v)[:, model.nodes(name)[[0, -1]]]
-    return acting + np.stack([pulls[:, 0], -pulls[:, -1]], axis=1)
-
-
-def _alone(cable: Cable, scene: Scene) -> Scene:
-    """A cable whose ends carry nothing and move freely, so that all effects act on them, in its environment."""
-    return Scene([Free(cable.start), Free(cable.end)], [cable], scene.effects)
+    cable, parts = run.scene.cable(name), rows_of_run(run)
+    forces = [[end_force(rows, run.scene, name, end, inertia=False) for rows in parts] for end in (cable.start, cable.end)]
+    return np.stack([np.concatenate(of_end) for of_end in forces], axis=1)
 
 
 def _effect_forces(scene: Scene, model: Any, t: np.ndarray, q: np.ndarray, v: np.ndarray) -> np.ndarray:

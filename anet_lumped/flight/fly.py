@@ -112,5 +112,5 @@ def fly(
         model=march.model, t=np.array([state.t for state, _ in rows]), q=np.array([state.q for state, _ in rows]),
         v=np.array([state.v for state, _ in rows]), energy=np.array([energy for _, energy in rows]), method=march.method, dt=dt,
         reason=march.reason, status=status, message=message, work=march.work, wall_time=wall_time,
-        segment_tension=np.array([state.segment_tension for state, _ in rows]), events=march.events,
+        segment_tension=np.array([state.segment_tension for state, _ in rows]), events=march.events, pushed=True,
     )  # fmt: skip

@@ -181,3 +181,24 @@ def at_shortest(scene, t0, t_end):
         return scene
     cables = [dataclasses.replace(c, length=shortest.get(c.name, c.length)) for c in scene.cables]
     return dataclasses.replace(scene, cables=cables)
+
+
+def numbers_at(model, t):
+    """Masses of the nodes (n,) [kg] and numbers of the effects at a time [s], with the lengths that are paid out then.
+
+    Parameters
+    ----------
+    model : Model
+    t : float [s]
+    """
+    lengths = model.lengths
+    if not len(lengths.cable):
+        return model.mass, model.effects.params
+    mass, params = model.mass.copy(), model.effects.params.copy()
+    for r, (paid, _) in enumerate(changes(model.scene).values()):
+        out = _path(paid).at(t)[0][0]
+        of_mass = slice(lengths.mass_at[r], lengths.mass_at[r + 1])
+        of_params = slice(lengths.param_at[r], lengths.param_at[r + 1])
+        mass[lengths.mass_node[of_mass]] += out * lengths.mass_slope[of_mass]
+        params[lengths.param[of_params]] += out * lengths.param_slope[of_params]
+    return mass, params

@@ -310,7 +310,7 @@ class Session:
         own = self._legs.left
         q, v, tension = self._legs.q.copy(), self._legs.v.copy(), self._legs.tension.copy()
         q[own.node], v[own.node], tension[own.segment] = self._state.q, self._state.v, self._end_tension()
-        return State(self.model, self.t, q + self._origin, v, tension, events=self.events)
+        return State(self.model, self.t, q + self._origin, v, tension, events=self.events, pushed=self._forces.acts)
 
     def position(self, point: str) -> np.ndarray:
         """(3,) place of a point [m]."""

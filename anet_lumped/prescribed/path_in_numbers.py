@@ -38,6 +38,12 @@ def constant(value: np.ndarray) -> Path:
 
 
 @inlined
+def length_of_path(pieces, has_sine):
+    """How many numbers a path has."""
+    return PIECE * pieces + (SINE if has_sine else 0)
+
+
+@inlined
 def _piece_at(t, numbers, at, pieces):
     """Where the numbers of the piece at time t begin, see `motion_at`."""
     low, high = 0, pieces

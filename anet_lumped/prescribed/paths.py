@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from anet_lumped.checks import LARGEST, SceneError, Vector, check_number, check_vector
+from anet_lumped.checks import LARGEST, SceneError, Vector, check_count, check_direction, check_number, check_vector, shown
 
 from .smoothstep import ramped
 
@@ -31,14 +31,14 @@ class Harmonic(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Path:
-    """A prescribed motion; make one with `line`, `samples`, `states`, `harmonic` or `external`.
+    """A prescribed motion; make one with `line`, `samples`, `states`, `harmonic`, `circle`, `lift` or `external`.
 
     From breaks[k] to breaks[k + 1] (the last one without end) the position is Σ coefficients[k, i]·(t − breaks[k])^i,
     plus the harmonic if there is one. Before breaks[0] the polynomial part is held.
 
     Parameters
     ----------
-    kind : "line", "samples", "states", "harmonic" or "external"
+    kind : "line", "samples", "states", "harmonic", "circle", "lift" or "external"
     parameters : pairs (name, value) of that function's arguments; they alone decide equality
     breaks : (k,) float64 [s]
     coefficients : (k, 7, 3) float64 [m/s^i]
@@ -85,8 +85,8 @@ class Path:
 def seen_from(path: Path, origin: Vector) -> Path:
     """Return the same motion in coordinates whose origin lies at ``origin`` (3,) [m] of today's."""
     parameters: dict[str, Any] = dict(path.parameters)
-    place = {"line": "start", "samples": "xyz", "states": "xyz", "harmonic": "center", "external": "start"}[path.kind]
-    parameters[place] = (np.array(parameters[place]) - origin).tolist()
+    for place in PLACES[path.kind]:
+        parameters[place] = (np.array(parameters[place]) - origin).tolist()
     return KINDS[path.kind](**parameters)
 
 
@@ -121,34 +121,70 @@ def line(start: Vector, velocity: Vector, ramp: float) -> Path:
     return Path("line", parameters, np.array([0.0, ramp]), np.stack([rising, steady]), np.zeros(0))
 
 
-def samples(t: Sequence[float], xyz: Sequence[Vector]) -> Path:
+def samples(t: Sequence[float], xyz: Sequence[Vector], ends: Sequence[Vector] | None = None, periods: int | None = None) -> Path:
     """Return a smooth motion through sampled positions, from rest at the first to rest at the last.
 
     The cubic spline through the samples, clamped to zero velocity at both ends; held at the first sample before
     t[0] and at the last after t[-1]. Held means at rest, and of all cubic splines only the clamped one meets rest
     without a jump of velocity, a blow to the cable; its acceleration jumps, so both ends are corners. A recording that
     begins or ends in flight is therefore brought up to speed within its first interval and to rest within its last,
-    and the disturbance shrinks by 0.27 from sample to sample: record from rest to rest or add samples that lead in
-    and out. The spline passes through every sample, noise included: smooth noisy positions first.
+    and the disturbance shrinks by 0.27 from sample to sample: record from rest to rest, add samples that lead in
+    and out, or give the velocities at the `ends`. The spline passes through every sample, noise included: smooth noisy
+    positions first.
 
     Parameters
     ----------
     t : (k,) array_like [s], increasing, k ≥ 2
     xyz : (k, 3) array_like [m]
+    ends : (2, 3) array_like or None [m/s], velocities at the first and the last sample, with which it then goes on; at rest if None
+    periods : int or None, times that it is run through, as a periodic spline; it must end where it begins
 
     Raises
     ------
-    SceneError : fewer than two samples, times that do not increase, shapes that do not fit, values not finite
+    SceneError : fewer than two samples, times that do not increase, shapes that do not fit, values not finite, a periodic motion
+        that does not end where it begins
     """
     times, places = _check_samples("samples", "xyz", "m", t, xyz)
+    parameters: tuple = (("t", tuple(times.tolist())), ("xyz", tuple(map(tuple, places.tolist()))))
     from scipy.interpolate import CubicSpline
 
-    spline = CubicSpline(times, places, bc_type="clamped")
+    if periods is not None:
+        periods = check_count("periods", periods, "samples")
+        _check_closed(places, ends)
+        spline = CubicSpline(times, np.vstack([places[:-1], places[:1]]), bc_type="periodic")
+        parameters += (("periods", periods),)
+        begins = (times[-1] - times[0]) * np.arange(periods + 1)
+        times = np.append((times[:-1] + begins[:-1, None]).ravel(), times[0] + begins[-1])
+        after = np.zeros(3)
+    else:
+        speeds = np.zeros((2, 3)) if ends is None else _check_ends(ends)
+        spline = CubicSpline(times, places, bc_type=((1, speeds[0]), (1, speeds[1])))
+        parameters += () if ends is None else (("ends", tuple(map(tuple, speeds.tolist()))),)
+        after = speeds[1]
+        periods = 1
     coefficients = np.zeros((len(times), DEGREE + 1, 3))
-    coefficients[:-1, :4] = np.moveaxis(spline.c[::-1], 0, 1)
-    coefficients[-1, 0] = places[-1]
-    parameters = (("t", tuple(times.tolist())), ("xyz", tuple(map(tuple, places.tolist()))))
+    coefficients[:-1, :4] = np.tile(np.moveaxis(spline.c[::-1], 0, 1), (periods, 1, 1))
+    coefficients[-1, 0], coefficients[-1, 1] = places[-1], after
     return Path("samples", parameters, times.copy(), coefficients, times[[0, -1]])
+
+
+def _check_ends(ends: Any) -> np.ndarray:
+    try:
+        speeds = np.asarray(ends, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        speeds = np.zeros(0)
+    if speeds.shape != (2, 3) or not np.isfinite(speeds).all():
+        raise SceneError(f"Argument `ends` of samples must be two velocities of three finite numbers [m/s], but is {shown(ends)}.")
+    return speeds
+
+
+def _check_closed(places: np.ndarray, ends: Any) -> None:
+    """A periodic motion must end where it begins, and needs no velocities at its ends."""
+    if ends is not None:
+        raise SceneError("Only one of `ends` and `periods` of samples may be given, but both are.")
+    miss = float(np.abs(places[-1] - places[0]).max())
+    if miss > 1e-9 * float(np.ptp(places, axis=0).max()):
+        raise SceneError(f"Periodic samples must end where they begin, but the last is {miss:.3g} m from the first.")
 
 
 def states(t: Sequence[float], xyz: Sequence[Vector], velocity: Sequence[Vector], acceleration: Sequence[Vector]) -> Path:
@@ -215,6 +251,105 @@ def harmonic(center: Vector, amplitude: Vector, frequency: float, phase: float =
     return Path("harmonic", parameters, np.zeros(1), coefficients, np.zeros(0), sine)
 
 
+def circle(start: Vector, center: Vector, axis: Vector, period: float, turns: float, ramp: float = 0.0) -> Path:
+    """Return a motion along a circle, from rest at `start` around `center` and to rest again after so many `turns`.
+
+    The angle has the rate S(t/ramp)·2π/period, S(s) = 6s⁵ − 15s⁴ + 10s³, and slows down likewise. Between 64 places a turn, and 32
+    or more in each ramp, the polynomials of `states`: off by (2π/64)⁶/46080 = 2e-11 of the radius.
+
+    Parameters
+    ----------
+    start : (3,) array_like [m], place up to t = 0
+    center : (3,) array_like [m], a place on the axis
+    axis : (3,) array_like, about which it turns by the right hand; its length must not be zero
+    period : float [s], of a turn at full speed
+    turns : float, up to where it stops
+    ramp : float [s], time to reach full speed, and to stop from it; 0 for at once
+
+    Raises
+    ------
+    SceneError : what is no vector or number, a start on the axis, a ramp that leaves no time at full speed
+    """
+    start, center = check_vector("start", start, "m", "circle"), check_vector("center", center, "m", "circle")
+    axis = check_direction("axis", axis, "circle")
+    period = check_number("period", period, "s", "circle", sign="positive")
+    turns = check_number("turns", turns, "", "circle", sign="positive")
+    ramp = _check_ramp(ramp, "circle")
+    normal, arm = np.array(axis) / np.linalg.norm(axis), np.subtract(start, center)
+    radius = arm - (arm @ normal) * normal
+    if not np.linalg.norm(radius) > 1e-9 * np.linalg.norm(arm):
+        raise SceneError(f"A circle must start away from its axis, but it has start={start} and center={center}.")
+    if ramp > turns * period:
+        raise SceneError(
+            f"A circle of {turns:g} turns in {period:g} s each may have a ramp of {turns * period:g} s at most, but has {ramp:g} s."
+        )
+    steady, rate = turns * period - ramp, 2.0 * math.pi / period
+    pieces = max(1, math.ceil(64 * steady / period))
+    times = np.linspace(ramp, ramp + steady, pieces + 1) if steady > 0.0 else np.array([ramp])
+    if ramp > 0.0:
+        rising = np.linspace(0.0, ramp, max(32, math.ceil(128 * ramp / period)) + 1)
+        times = np.concatenate([rising[:-1], times, (2.0 * ramp + steady - rising[::-1])[1:]])
+    angles = np.array([_angle(t, rate, ramp, steady) for t in times.tolist()])
+    across, (theta, speed, gain) = np.cross(normal, radius), angles.T[:, :, None]
+    outward, ahead = np.cos(theta) * radius + np.sin(theta) * across, np.cos(theta) * across - np.sin(theta) * radius
+    q, v, a = np.array(start) - radius + outward, speed * ahead, gain * ahead - speed**2 * outward
+    path = states(tuple(times.tolist()), tuple(map(tuple, q)), tuple(map(tuple, v)), tuple(map(tuple, a)))
+    coefficients = path.coefficients
+    coefficients[0, 0] = start
+    parameters = (("start", start), ("center", center), ("axis", axis), ("period", period), ("turns", turns), ("ramp", ramp))
+    corners = path.corners if ramp == 0.0 else np.zeros(0)
+    return Path("circle", parameters, path.breaks, coefficients, corners)
+
+
+def _angle(t: float, rate: float, ramp: float, steady: float) -> tuple[float, float, float]:
+    """Angle [rad], its rate and the change of that, on a circle from rest to rest."""
+    whole = rate * (ramp + steady)
+    if t > ramp + 0.5 * steady and ramp > 0.0:  # as it began, backwards
+        angle, speed, gain = _angle(2.0 * ramp + steady - t, rate, ramp, steady)
+        return whole - angle, speed, -gain
+    if t >= ramp:
+        return rate * (t - 0.5 * ramp), rate, 0.0
+    s = t / ramp
+    share, slope = s**3 * (6.0 * s * s - 15.0 * s + 10.0), 30.0 * (s * (1.0 - s)) ** 2
+    return rate * ramp * s**4 * (s * s - 3.0 * s + 2.5), rate * share, rate * slope / ramp
+
+
+def lift(start: Vector, by: Vector, duration: float, hold: float | None = None) -> Path:
+    """Return a motion from rest at `start` to rest at start + by, and back again after a while if `hold` is given.
+
+    q(t) = start + by·S(t/duration), S(s) = 6s⁵ − 15s⁴ + 10s³.
+
+    Parameters
+    ----------
+    start : (3,) array_like [m], place up to t = 0
+    by : (3,) array_like [m], how far, such as (0, 0, 2) to lift
+    duration : float [s], of the way, and of the way back
+    hold : float or None [s], time to wait before the way back; None to stay
+
+    Raises
+    ------
+    SceneError : what is no vector or number, a duration below a microsecond
+    """
+    start, by = check_vector("start", start, "m", "lift"), check_vector("by", by, "m", "lift")
+    duration = check_number("duration", duration, "s", "lift", sign="positive")
+    _check_ramp(duration, "lift", "duration")
+    parameters: tuple = (("start", start), ("by", by), ("duration", duration))
+    up, rest = np.zeros((DEGREE + 1, 3)), np.zeros((DEGREE + 1, 3))
+    up[0], rest[0] = start, np.add(start, by)
+    for power, factor in ((3, 10.0), (4, -15.0), (5, 6.0)):
+        up[power] = factor * np.array(by) / duration**power
+    if hold is None:
+        return Path("lift", parameters, np.array([0.0, duration]), np.stack([up, rest]), np.zeros(0))
+    hold = check_number("hold", hold, "s", "lift", sign="non-negative")
+    down, still = -up, np.zeros((DEGREE + 1, 3))
+    down[0], still[0] = rest[0], start
+    breaks = np.array([0.0, duration, duration + hold, 2.0 * duration + hold])
+    pieces = np.stack([up, rest, down, still])
+    if hold == 0.0:
+        breaks, pieces = breaks[[0, 2, 3]], pieces[[0, 2, 3]]
+    return Path("lift", (*parameters, ("hold", hold)), breaks, pieces, np.zeros(0))
+
+
 def external(start: Vector) -> Path:
     """Return the motion of a point that a `Session` drives from outside, step by step; at rest at `start` until it does.
 
@@ -233,8 +368,13 @@ def external(start: Vector) -> Path:
 
 
 KINDS: dict[str, Callable[..., Path]] = {
-    "line": line, "samples": samples, "states": states, "harmonic": harmonic, "external": external
+    "line": line, "samples": samples, "states": states, "harmonic": harmonic, "circle": circle, "lift": lift, "external": external
 }  # fmt: skip
+PLACES = {
+    "line": ("start",), "samples": ("xyz",), "states": ("xyz",), "harmonic": ("center",), "circle": ("start", "center"),
+    "lift": ("start",), "external": ("start",),
+}  # fmt: skip
+"""Which parameters of a path are places."""
 
 
 class PathTable(NamedTuple):
@@ -290,10 +430,11 @@ def _check_samples(owner: str, name: str, unit: str, t: Any, xyz: Any) -> tuple[
     return times, places
 
 
-def _check_ramp(ramp: Any, owner: str) -> float:
-    ramp = check_number("ramp", ramp, "s", owner, sign="non-negative")
+def _check_ramp(ramp: Any, owner: str, name: str = "ramp") -> float:
+    ramp = check_number(name, ramp, "s", owner, sign="non-negative")
     if ramp and not SHORTEST_RAMP <= ramp <= LONGEST_RAMP:
         raise SceneError(
-            f"Argument `ramp` must be zero or at least {SHORTEST_RAMP} s and up to {LONGEST_RAMP:g}, but {owner} has ramp={ramp}."
+            f"Argument `{name}` must be zero or at least {SHORTEST_RAMP} s and up to {LONGEST_RAMP:g}, but {owner} has "
+            f"{name}={ramp}."
         )
     return ramp

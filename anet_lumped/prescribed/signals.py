@@ -48,23 +48,32 @@ def line(start: float, rate: float, ramp: float) -> Signal:
     return _signal("line", path, start=start, rate=rate)
 
 
-def samples(t: Sequence[float], values: Sequence[float]) -> Signal:
+def samples(t: Sequence[float], values: Sequence[float], ends: Sequence[float] | None = None, periods: int | None = None) -> Signal:
     """Return the cubic spline through samples, from rest at the first to rest at the last; see `paths.samples`.
 
     Parameters
     ----------
     t : (k,) array_like [s], increasing, k >= 2
     values : (k,) array_like
+    ends : (2,) array_like or None, rates at the first and at the last sample, with which it then goes on; at rest if None
+    periods : int or None, times that it is run through, as a periodic spline; it must end where it begins
     """
-    try:
-        values = tuple(map(float, values))
-    except (TypeError, ValueError, OverflowError) as error:
-        raise SceneError(f"Argument `values` of samples must be numbers, but {error}.") from None
+    values = _scalars("values", values)
     if len(values) < 2:
         raise SceneError(
             f"Argument `values` of samples must hold at least two numbers, one for each of `t`, but holds {shown(values)}."
         )
-    return _signal("samples", paths.samples(t, tuple(map(_along_x, values))), values=values)
+    rates = None if ends is None else _scalars("ends", ends)
+    along = None if rates is None else tuple(map(_along_x, rates))
+    path = paths.samples(t, tuple(map(_along_x, values)), along, periods)
+    return _signal("samples", path, values=values, **({} if rates is None else {"ends": rates}))
+
+
+def _scalars(argument: str, values: Any) -> tuple[float, ...]:
+    try:
+        return tuple(map(float, values))
+    except (TypeError, ValueError, OverflowError) as error:
+        raise SceneError(f"Argument `{argument}` of samples must be numbers, but {error}.") from None
 
 
 def harmonic(center: float, amplitude: float, frequency: float, phase: float = 0.0, ramp: float = 0.0) -> Signal:

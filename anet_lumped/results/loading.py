@@ -23,7 +23,7 @@ from .run import FINISHED, STATUSES, Run, Work
 from .run_file import DamagedError
 
 OF_VERSION_0_1 = ("error_estimate",)  # attributes that are not written any more
-NOT_OF_VERSION_0_1 = ("extrapolated", "kept", "error_factor", "format")
+NOT_OF_VERSION_0_1 = ("extrapolated", "kept", "error_factor", "format", "pushed")
 
 
 def load_run(path: str | PathLike[str]) -> Run:
@@ -77,6 +77,7 @@ def _run(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Run:
         work=work, audit=_record(Audit, "audit", account), events=events,
         warnings=_read(tuple[str, ...], "warnings", _typed(str, "warnings", account)),
         extrapolated=bool(account.get("extrapolated", 0)),
+        pushed=bool(account.get("pushed", 0)),
         kept=_read(bool | None, "kept", _typed(str, "kept", {"kept": "null"} | dict(account))),
     )  # fmt: skip
 

@@ -18,7 +18,7 @@ from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
-from . import error_estimate, run_file, tension_error
+from . import end_forces, error_estimate, own_state, run_file, tension_error
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, Event, broken
@@ -84,6 +84,8 @@ class State:
         Of an equilibrium, whether no direction leads down from it; None where it was not judged, as in a run.
     q_near : (n, 3) float64 [m] or None
         Of a scene far from its origin the places about an origin near it, which are not rounded to the digits of ``q``.
+    pushed : bool
+        Whether forces from outside act, as `Session.push` gives them, which its scene does not have.
     """
 
     model: Model
@@ -95,6 +97,31 @@ class State:
     events: tuple[Event, ...] = ()
     stable: bool | None = None
     q_near: np.ndarray | None = None
+    pushed: bool = False
+
+    @classmethod
+    def of(cls, scene: Scene, shapes: Any = None, velocities: Any = None, points: Any = None, t: float = 0.0) -> "State":
+        """State of one's own, to start from.
+
+        A shape is resampled to the nodes of its cable at equal arc lengths, unless it has a place for each node. Its order is that
+        of the cable or the opposite one, whichever is nearer to the cable's points. Cables without a shape are straight.
+        Fixed and driven points, and those of bodies, are where the scene has them at the time t.
+
+        Parameters
+        ----------
+        scene : Scene
+        shapes : dict of cable to (k, 3) array_like [m] or None, places along it, k >= 2
+        velocities : dict of cable or free point to (k, 3) or (3,) array_like [m/s] or None
+            Of each place of a cable's shape, of a whole cable, or of a point; at rest where nothing is given.
+        points : dict of free point to (3,) array_like [m] or None, where the shapes do not say
+        t : float [s]
+
+        Raises
+        ------
+        InputError : a name that the scene lacks, no array of places, a shape that misses its points, velocities that disagree
+        """
+        model, q, v = own_state.places_and_velocities(scene, shapes, velocities, points, t)
+        return cls(model, float(t), q, v, segment_tensions(model, q, v))
 
     def __repr__(self) -> str:
         return f"<State at t={self.t:g} s of {len(self.q)} nodes>"
@@ -140,6 +167,14 @@ class State:
     def tension(self, cable: str) -> np.ndarray:
         """(segments,) tension of a cable's segments from its start to its end [N]."""
         return self.segment_tension[self.model.segments(cable)]
+
+    def end_tension(self, cable: str, point: str) -> float:
+        """Force with which a cable pulls at a point where it ends [N]: its last half segment included, see `end_forces`."""
+        return float(np.linalg.norm(end_forces.end_force(end_forces.rows_of_state(self), self.scene, cable, point)))
+
+    def reaction(self, name: str) -> np.ndarray:
+        """(3,) force of a fixed or driven point, of a driven body or of the "ground" on the net [N], see `end_forces`."""
+        return end_forces.reaction(end_forces.rows_of_state(self), self.scene, name)[0]
 
     @property
     def least_tension(self) -> float:
@@ -206,6 +241,7 @@ class Run:
         Whether the errors that were to be kept are, as far as its own estimates tell (see `motion.accuracy`); None if the step was
         given.
     q_near : (k, n, 3) float64 [m] or None, as of a `State`
+    pushed : bool, as of a `State`
     """
 
     model: Model
@@ -229,6 +265,7 @@ class Run:
     extrapolated: bool = False
     kept: bool | None = None
     q_near: np.ndarray | None = None
+    pushed: bool = False
 
     def __repr__(self) -> str:
         states = f"{len(self.t)} states of {self.q.shape[1]} nodes from t={self.t[0]:g} s to {self.t[-1]:g} s"
@@ -320,9 +357,14 @@ class Run:
         """
         k = check_index("k", k, len(self.t), "the number of a saved time")
         t = float(self.t[k])
-        events = tuple(event for event in self.events if event.t < t or (event.t == t and event.kind == BREAK))
         near = None if self.q_near is None else self.q_near[k]
-        return State(self.model, t, self.q[k], self.v[k], self.segment_tension[k], events=events, q_near=near)
+        tension, events = self.segment_tension[k], self.events_before(k)
+        return State(self.model, t, self.q[k], self.v[k], tension, events=events, q_near=near, pushed=self.pushed)
+
+    def events_before(self, k: int) -> tuple[Event, ...]:
+        """What had happened before the k-th saved state."""
+        t = float(self.t[k])
+        return tuple(event for event in self.events if event.t < t or (event.t == t and event.kind == BREAK))
 
     def position(self, point: str) -> np.ndarray:
         """(k, 3) places of a point [m]."""
@@ -351,6 +393,15 @@ class Run:
     def tension(self, cable: str) -> np.ndarray:
         """(k, segments) tension of a cable's segments from its start to its end [N]."""
         return self.segment_tension[:, self.model.segments(cable)]
+
+    def end_tension(self, cable: str, point: str) -> np.ndarray:
+        """(k,) force with which a cable pulls at a point where it ends [N]: its last half segment included, see `end_forces`."""
+        parts = [end_forces.end_force(rows, self.scene, cable, point) for rows in end_forces.rows_of_run(self)]
+        return np.linalg.norm(np.concatenate(parts), axis=1)
+
+    def reaction(self, name: str) -> np.ndarray:
+        """(k, 3) force of a fixed or driven point, of a driven body or of the "ground" on the net [N], see `end_forces`."""
+        return np.concatenate([end_forces.reaction(rows, self.scene, name) for rows in end_forces.rows_of_run(self)])
 
     def length(self, cable: str) -> np.ndarray:
         """(k,) stretched length of a cable [m], without segments that broke."""

@@ -55,6 +55,7 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         "extrapolated": int(run.extrapolated),
         "kept": json.dumps(run.kept),
         "error_factor": float(run.error_factor),
+        "pushed": int(run.pushed),
     }
     arrays = {"t": run.t, "q": run.q, "v": run.v, "tension": run.segment_tension, "energy": run.energy}
     if run.error_growth is not None:

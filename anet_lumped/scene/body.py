@@ -68,7 +68,7 @@ class Body:
     attachments : dict of name to (3,) array_like [m]
     centre_of_mass : (3,) array_like [m]
     pinned : name of an attachment, or "" for the origin, that stays where it is while the body turns about it; None for a free body
-    path : prescribed motion of the origin, made by `paths.line`, `paths.samples`, `paths.harmonic` or `paths.external`
+    path : prescribed motion of the origin, made by a function of `anet_lumped.paths`
     turning : prescribed rotation [rad], made likewise: at each time the axes are those at the start, turned about this vector
     CdA : (3,) array_like [m2], drag coefficients times areas along its axes; the drag acts at the origin
     volume : float [m3], of a body that is small against the waves: under water as a sphere of this volume is

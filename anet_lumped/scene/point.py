@@ -31,7 +31,7 @@ class Driven:
     Parameters
     ----------
     name : name of the point, unique in its scene
-    path : its motion, made by `paths.line`, `paths.samples` or `paths.harmonic`
+    path : its motion, made by a function of `anet_lumped.paths`
     """
 
     name: str

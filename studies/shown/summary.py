@@ -6,6 +6,7 @@ from dataclasses import asdict
 
 import numpy as np
 
+from anet_lumped.results.end_forces import GROUND
 from anet_lumped.scene.scene import Free
 from studies.shown.show import as_text
 from studies.sweeping.measures import sag
@@ -18,6 +19,7 @@ def rest_summary(state) -> dict:
     return {
         "cables": [{"cable": cable.name} | _at_rest(state, cable) for cable in state.scene.cables],
         "points": _points(state),
+        "reactions": _reactions(state),
         **_bodies("bodies", state),
         "stable": state.stable,
         "residual": state.residual,
@@ -49,6 +51,8 @@ def run_summary(run) -> dict:
                 "end_stretch": run.length(cable.name)[-1] / cable.length - 1,
                 "peak_stretch": run.length(cable.name).max() / cable.length - 1,
                 "peak_tension": run.tension(cable.name).max(),
+                "peak_start_tension": run.end_tension(cable.name, cable.start).max(),
+                "peak_end_tension": run.end_tension(cable.name, cable.end).max(),
             }
             for cable in run.scene.cables
         ],
@@ -263,14 +267,14 @@ def write_nodes(state, file) -> None:
 
 
 def _at_rest(state, cable):
-    tension = state.tension(cable.name)
+    tension, ends = state.tension(cable.name), [state.end_tension(cable.name, end) for end in (cable.start, cable.end)]
     slack = np.flatnonzero(tension <= 0.0)
     return {
         "stretch": state.length(cable.name) / cable.length - 1,
         "sag": sag(state, cable.name),
-        "start_tension": tension[0],
-        "end_tension": tension[-1],
-        "largest_tension": tension.max(),
+        "start_tension": ends[0],
+        "end_tension": ends[1],
+        "largest_tension": max(tension.max(), *ends),
         "slack_segments": _ranges(slack),
     }
 
@@ -298,6 +302,15 @@ def _points(state):
     """Positions of the points that move."""
     free = [point.name for point in state.scene.points if isinstance(point, Free)]
     return [{"point": name} | _xyz(state.position(name)) for name in free]
+
+
+def _reactions(state):
+    """Forces of supports, and of the ground if there is one, on the net."""
+    scene = state.scene
+    names = [point.name for point in scene.points if not isinstance(point, Free)]
+    names += [body.name for body in scene.bodies if body.is_driven]
+    names += [GROUND] if any(effect.is_ground for effect in scene.effects) and GROUND not in names else []
+    return [{"support": name} | {f"{x}_N": f for x, f in _xyz(state.reaction(name)).items()} for name in names]
 
 
 def _bodies(title, state):

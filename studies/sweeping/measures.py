@@ -14,8 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from anet_lumped.checks import InputError, nearest
+from anet_lumped.results.end_forces import GROUND
 from anet_lumped.results.energy_balance import error_of_steps
-from anet_lumped.scene.scene import Scene
+from anet_lumped.results.sag import sag
+from anet_lumped.scene.scene import Free, Scene
 
 
 class MeasureError(InputError):
@@ -36,6 +38,7 @@ class Target(StrEnum):
     CABLE = "cable"
     CABLE_OR_POINT = "cable or point"
     POINT = "point"
+    HOLDER = "support"
 
 
 class Measure(NamedTuple):
@@ -70,13 +73,15 @@ def read_measure(text: str, scene: Scene) -> tuple[Measure, tuple]:
         raise MeasureError(f"There is no measure called `{name}`{known}")
     measure = MEASURES[name]
     cables, points = [cable.name for cable in scene.cables], [point.name for point in scene.points]
+    holders = [point.name for point in scene.all_points if not isinstance(point, Free)]
+    holders += [GROUND] if any(effect.is_ground for effect in scene.effects) else []
     allowed = {
-        Target.NONE: [], Target.CABLE: cables, Target.CABLE_OR_POINT: cables + points, Target.POINT: points,
+        Target.NONE: [], Target.CABLE: cables, Target.CABLE_OR_POINT: cables + points, Target.POINT: points, Target.HOLDER: holders,
     }[measure.target]  # fmt: skip
-    if colon and not allowed:
+    if colon and measure.target == Target.NONE:
         raise MeasureError(f"The measure `{name}` takes no target, but `{text}` was given.")
-    if target not in allowed and (colon or measure.target == Target.POINT):
-        known = f"one of {', '.join(allowed)}, as in {name}:{allowed[-1]}"
+    if target not in allowed and (colon or measure.target in (Target.POINT, Target.HOLDER)):
+        known = f"one of {', '.join(allowed)}, as in {name}:{allowed[-1]}" if allowed else "a support, and this scene has none"
         raise MeasureError(f"The target of measure `{name}` must be {known}, but `{text}` was given.")
     return measure, (target or None,) if measure.target else ()
 
@@ -95,25 +100,20 @@ def _last(values):
 
 def _tension(result, target):
     ends = [
-        result.tension(cable.name)[..., index].max()
+        np.max(result.end_tension(cable.name, target))
         for cable in result.scene.cables
-        for point, index in ((cable.start, 0), (cable.end, -1))
+        for point in (cable.start, cable.end)
         if point == target
     ]
     return max(ends or [result.tension(cable.name).max() for cable in _cables(result, target)])
 
 
+def _reaction(result, target):
+    return float(np.linalg.norm(result.reaction(target), axis=-1).max())
+
+
 def _slack(state, target):
     return sum(np.count_nonzero(state.tension(cable.name) <= 0.0) for cable in _cables(state, target))
-
-
-def sag(state, cable: str) -> float:
-    """Largest distance of a cable's nodes below its chord, along gravity [m]; NaN where nothing weighs."""
-    from anet_lumped.advice.compare import below_chord
-
-    gravity, shape = state.scene.gravity, state.shape(cable)
-    weight = np.linalg.norm(gravity)
-    return float(below_chord(shape, shape[0], shape[-1], -gravity / weight).max()) if weight else np.nan
 
 
 def _sag(state, target):
@@ -152,7 +152,10 @@ _x, _y, _z = (partial(_coordinate, axis=axis) for axis in range(3))
 MEASURES = {
     "stretch": Measure(_stretch, Source.REST, Target.CABLE, "-", "stretched length / length - 1 at rest"),
     "sag": Measure(_sag, Source.REST, Target.CABLE, "m", "largest distance below the chord, along gravity, at rest"),
-    "tension": Measure(_tension, Source.REST, Target.CABLE_OR_POINT, "N", "largest tension at rest, in a cable or at a point"),
+    "tension": Measure(
+        _tension, Source.REST, Target.CABLE_OR_POINT, "N", "largest tension at rest, of segments, or of ends at a point"
+    ),
+    "reaction": Measure(_reaction, Source.REST, Target.HOLDER, "N", "size of the force of a support or the ground at rest"),
     "slack": Measure(_slack, Source.REST, Target.CABLE, "-", "number of slack segments at rest"),
     "stable": Measure(attrgetter("stable"), Source.REST, Target.NONE, "", "whether no direction leads down from the rest"),
     "shape_error": Measure(_shape_error, Source.REST, Target.CABLE, "m", "RMS distance from the elastic catenary at rest"),
@@ -164,6 +167,7 @@ MEASURES = {
     ),
     "peak_stretch": Measure(_stretch, Source.RUN, Target.CABLE, "-", "largest stretched length / length - 1"),
     "peak_tension": Measure(_tension, Source.RUN, Target.CABLE_OR_POINT, "N", "largest tension at a saved time"),
+    "peak_reaction": Measure(_reaction, Source.RUN, Target.HOLDER, "N", "largest force of a support or the ground at a saved time"),
     "end_x": Measure(_x, Source.RUN, Target.POINT, "m", "x of a point at the end"),
     "end_y": Measure(_y, Source.RUN, Target.POINT, "m", "y of a point at the end"),
     "end_height": Measure(_z, Source.RUN, Target.POINT, "m", "z of a point at the end"),

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from anet_lumped.advice.compare import below_chord, compare, project, r_squared, rmse
+from anet_lumped.advice.compare import compare, project, r_squared, rmse
 from anet_lumped.effects import Gravity
+from anet_lumped.results.sag import below_chord
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
 from anet_lumped.statics.catenary import catenary
 from anet_lumped.statics.equilibrium import equilibrium

@@ -8,14 +8,19 @@ from hypothesis import strategies as st
 
 from anet_lumped.checks import SceneError
 from anet_lumped.prescribed.path_kernel import TABLE, evaluate
-from anet_lumped.prescribed.paths import harmonic, line, pack, samples
+from anet_lumped.prescribed.paths import circle, harmonic, lift, line, pack, samples, seen_from
 
 LINE = line((1.0, 2.0, 3.0), (0.2, -0.1, 0.4), 1.5)
 JERKED = line((1.0, 2.0, 3.0), (0.2, -0.1, 0.4), 0.0)
 RECORDED = samples([0.5, 1.0, 2.0, 2.25, 4.0], [(0, 0, 0), (0.1, 0.3, 0), (0.4, 0.2, 1), (0.4, 0, 1.1), (1, 1, 1)])
 SWING = harmonic((0.0, 0.0, 1.0), (0.3, 0.0, 0.1), 0.7, phase=0.4, ramp=2.0)
 ENDLESS = harmonic((0.0, 0.0, 1.0), (0.3, 0.0, 0.1), 0.7)
-PATHS = [LINE, JERKED, RECORDED, SWING, ENDLESS]
+FLOWN = samples([0.5, 1.0, 2.0], [(0, 0, 0), (0.1, 0.3, 0), (0.4, 0.2, 1)], ends=[(1, 0, 0), (0, 2, 0)])
+TURNED = samples([0.5, 1.0, 1.5, 2.5], [(0, 0, 0), (0.1, 0.3, 0), (0.4, 0.2, 1), (0, 0, 0)], periods=2)
+CIRCLE = circle((1.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0, 0, 2.0), 2.0, 1.5, ramp=0.8)
+AT_ONCE = circle((1.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0, 0, 2.0), 2.0, 1.5)
+LIFT = lift((1.0, 0.0, 0.0), (0, 0, 2.0), 1.5, hold=0.5)
+PATHS = [LINE, JERKED, RECORDED, SWING, ENDLESS, FLOWN, TURNED, CIRCLE, AT_ONCE, LIFT]
 
 
 def compiled(paths, t):
@@ -38,7 +43,7 @@ def test_one_compiled_type_for_all(paths):
     assert np.isfinite(compiled(paths, 0.7)).all()
 
 
-@pytest.mark.parametrize("path", [LINE, RECORDED, SWING, ENDLESS], ids=lambda path: path.kind)
+@pytest.mark.parametrize("path", [LINE, RECORDED, SWING, ENDLESS, FLOWN, LIFT], ids=lambda path: path.kind)
 @pytest.mark.parametrize("t", [0.6, 1.3])
 def test_velocity_and_acceleration_are_the_derivatives(path, t):
     h = 0.02 * 0.5 ** np.arange(5)
@@ -96,6 +101,58 @@ def test_samples_of_a_cubic_from_rest_to_rest_return_it():
     np.testing.assert_allclose([path.at(x)[0] for x in s], expected, atol=1e-14)
 
 
+def test_a_recording_in_flight_has_the_velocities_at_its_ends():
+    """A cubic with its own slopes comes back, and goes straight on behind its end."""
+    t, cube = np.array([0.0, 0.4, 1.0]), np.array([1.0, -2.0, 0.5])
+    path = samples(t, np.outer(t**3, cube), ends=[np.zeros(3), 3.0 * cube])
+    np.testing.assert_allclose(path.at(0.7)[0], 0.7**3 * cube, atol=1e-14)
+    np.testing.assert_allclose(path.at(3.0)[:2], [cube + 2.0 * 3.0 * cube, 3.0 * cube], atol=1e-14)
+
+
+def test_periodic_samples_run_through_their_motion_again():
+    """A sine by 32 samples a period: the periodic spline is off by (2 pi/32)^4/384 = 4e-6, at the seam as elsewhere."""
+    t = np.linspace(0.0, 2.0, 33)
+    path = samples(t, np.outer(np.sin(np.pi * t), [1.0, 0.0, 0.0]), periods=3)
+    for x in (0.03, 1.97, 2.03, 4.01, 5.5):
+        assert path.at(x)[0][0] == pytest.approx(np.sin(np.pi * x), abs=5e-6)
+        assert path.at(x)[1][0] == pytest.approx(np.pi * np.cos(np.pi * x), abs=5e-4)
+    np.testing.assert_array_equal(path.at(7.0)[1], np.zeros(3))
+
+
+@pytest.mark.parametrize("t", [0.0, 0.3, 0.8, 1.234, 2.2, 3.5, 3.8])
+def test_a_circle_keeps_its_radius_and_its_speed(t):
+    """Full speed pi/s from 0.8 s to 3.0 s; at rest at 3.8 s after a turn and a half. The polynomials leave 2e-11."""
+    q, v, a = CIRCLE.at(t)
+    assert np.hypot(*q[:2]) == pytest.approx(1.0, abs=1e-10) and q[2] == pytest.approx(1.0)
+    assert v @ [*q[:2], 0.0] == pytest.approx(0.0, abs=1e-8)
+    if 0.8 <= t < 3.0:
+        angle = np.pi * (t - 0.4)
+        assert q[:2] == pytest.approx([np.cos(angle), np.sin(angle)], abs=1e-10)
+        assert a[:2] == pytest.approx(-(np.pi**2) * q[:2], abs=1e-5)
+    if t == 3.8:
+        assert q == pytest.approx([-1.0, 0.0, 1.0], abs=1e-10) and v == pytest.approx(np.zeros(3), abs=1e-12)
+
+
+def test_a_circle_at_once():
+    assert AT_ONCE.at(0.0)[1] == pytest.approx([0, np.pi, 0]) and AT_ONCE.corners == pytest.approx([0.0, 3.0])
+    assert AT_ONCE.at(1.0)[0] == pytest.approx([-1, 0, 1], abs=1e-10)
+
+
+def test_lifted_held_and_lowered():
+    for t, z in ((-1.0, 0.0), (0.75, 1.0), (1.7, 2.0), (2.75, 1.0), (3.6, 0.0)):
+        np.testing.assert_allclose(LIFT.at(t)[0], [1.0, 0.0, z], atol=1e-14)
+    assert LIFT.at(0.75)[1][2] == pytest.approx(2.0 * 1.875 / 1.5) == -LIFT.at(2.75)[1][2]
+    assert lift((0, 0, 0), (0, 0, 1), 1.0).at(9.0)[0][2] == 1.0
+    assert lift((0, 0, 0), (0, 0, 1), 1.0, hold=0.0).at(1.5)[0][2] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("path", PATHS, ids=lambda path: path.kind)
+def test_seen_from_another_origin(path):
+    moved = seen_from(path, (1.0, -2.0, 3.0))
+    for t in (0.0, 0.7, 2.1):
+        np.testing.assert_allclose(moved.at(t)[0] + (1.0, -2.0, 3.0), path.at(t)[0], atol=1e-12)
+
+
 def test_harmonic_after_its_ramp():
     t, omega = 3.3, 2 * np.pi * 0.7
     q, v, a = SWING.at(t)
@@ -124,6 +181,16 @@ def test_equal_by_its_parameters(path):
         (lambda: harmonic((0, 0, 0), (1, 0, 0), -2.0), r"`frequency` must be non-negative and finite \[Hz\].*=-2.0"),
         (lambda: harmonic((0, 0, 0), (1, 0, 0), 2.0, phase="x"), r"`phase` must be a finite number \[rad\].*phase='x'"),
         (lambda: samples([0.0], [(0, 0, 0)]), r"shapes \(k,\) and \(k, 3\) with k at least 2, but have \(1,\)"),
+        (lambda: samples([0, 1], np.zeros((2, 3)), ends=[0, 1]), r"`ends` of samples must be two velocities of three .* \[0, 1\]"),
+        (lambda: samples([0, 1], np.zeros((2, 3)), ends="no"), r"`ends` of samples must be two velocities of three .* 'no'"),
+        (lambda: samples([0, 1], np.eye(2, 3), periods=2), r"Periodic samples must end where they begin, but the last is 1 m"),
+        (lambda: samples([0, 1], np.eye(2, 3), periods=0), r"Argument `periods` must be an integer of at least 1, but samples has"),
+        (lambda: samples([0, 1], np.eye(2, 3), np.eye(2, 3), 2), r"Only one of `ends` and `periods` of samples may be given"),
+        (lambda: circle((0, 0, 1), (0, 0, 0), (0, 0, 1), 1.0, 1.0), r"A circle must start away from its axis, but it has start="),
+        (lambda: circle((1, 0, 1), (0, 0, 0), (0, 0, 1), 1.0, 1.0, 2.0), r"may have a ramp of 1 s at most, but has 2 s"),
+        (lambda: circle((1, 0, 1), (0, 0, 0), (0, 0, 0), 1.0, 1.0), r"Argument `axis` must .* circle has axis="),
+        (lambda: lift((1, 0, 1), (0, 0, 1), 0.0), r"Argument `duration` must be positive and finite \[s\], but lift has"),
+        (lambda: lift((1, 0, 1), (0, 0, 1), 1e-9), r"but lift has duration=1e-09"),
         (lambda: samples([0, 1], [(0, 0), (1, 1)]), r"but have \(2,\) and \(2, 2\)"),
         (lambda: samples([0, 1], ["a", "b"]), r"must be arrays of numbers, but could not convert"),
         (lambda: samples([0, 1, 1], np.zeros((3, 3))), r"must increase, but t\[1\]=1.0 is followed by t\[2\]=1.0"),

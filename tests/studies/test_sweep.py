@@ -114,6 +114,7 @@ def test_an_unknown_name_names_the_nearest(net):
         ("qqqq", "no measure called `qqqq`; known are stretch, sag"),
         ("height", "target of measure `height` must be one of s0, s1, s2, s3, p0, as in height:p0, but `height` was"),
         ("sag:p0", "target of measure `sag` must be one of s0-p0, .* but `sag:p0` was given"),
+        ("reaction:p0", "target of measure `reaction` must be one of s0, s1, s2, s3, as in reaction:s3, but `reaction:p0` was"),
         ("steps:p0", "measure `steps` takes no target, but `steps:p0` was given"),
     ],
 )
@@ -123,13 +124,16 @@ def test_a_measure_that_cannot_be_is_named(net, text, message):
 
 
 def test_measures_at_rest_are_those_of_the_hanging_cable(hanging):
-    """Tension at the top is all the weight below it, less the half segment that hangs on the point itself."""
-    table = sweep(hanging, {"EA": [1e3, 1e4]}, ["stretch", "tension", "tension:end", "height:end", "sag", "slack"], workers=1)
+    """The largest tension of a segment is all the weight below its middle; at the ends it is that of the payload, and of all."""
+    asked = ["stretch", "tension", "tension:end", "height:end", "sag", "slack", "tension:top", "reaction:top"]
+    table = sweep(hanging, {"EA": [1e3, 1e4]}, asked, workers=1)
     assert set(table["status"]) == {"done"}
     weight, half = 9.81 * (0.5 + 0.2), 9.81 * 0.1 * 0.1
     # equilibrium() stops at a force residual of 1e-10 of the weight
     np.testing.assert_allclose(table["tension"], weight - half, rtol=1e-8)
-    np.testing.assert_allclose(table["tension:end"], 9.81 * 0.5 + half, rtol=1e-8)
+    np.testing.assert_allclose(table["tension:end"], 9.81 * 0.5, rtol=1e-8)
+    np.testing.assert_allclose(table["tension:top"], weight, rtol=1e-8)
+    np.testing.assert_allclose(table["reaction:top"], weight, rtol=1e-8)
     mean = 9.81 * (0.5 + 0.1)
     np.testing.assert_allclose(table["stretch"], mean / table["EA"], rtol=1e-7)
     np.testing.assert_allclose(table["height:end"], -2.0 * (1 + mean / table["EA"]), rtol=1e-8)
@@ -150,7 +154,8 @@ def test_runs_are_measured_and_a_bad_value_is_a_row(net, tmp_path):
 
 
 def test_every_measure_of_a_run_gives_a_value(net):
-    texts = [name + ":p0" * (measure.target == "point") for name, measure in MEASURES.items()]
+    targets = {"point": ":p0", "support": ":s0"}
+    texts = [name + targets.get(measure.target, "") for name, measure in MEASURES.items()]
     line = sweep(net, {"dt": [0.01]}, texts, t_end=0.05, method="edmc", workers=1).iloc[0]
     assert line["status"] == "done", line["reason"]
     assert line[[text for text in texts if text != "error_estimate"]].notna().all()

@@ -113,6 +113,10 @@ class _OfNodes(_Own):
     where = "points"
     points: tuple[str, ...] | None
 
+    def of_cables(self) -> Effect | None:
+        """A law that asks for what a node has of its cables is spread over these; any other acts on the node itself."""
+        return self if self.points is None and self.law.fills else None
+
     def _elements(self, model: Any) -> tuple[np.ndarray, dict[str, Any]]:
         """Nodes that it acts on, and the arguments that are filled in for each."""
         held = [name for name in self.points or () if model.node(name) >= model.n_free]
