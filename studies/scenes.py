@@ -20,7 +20,7 @@ def load(text, compiles):
 
 
 def changed(scene, texts, added=()):
-    """The scene with effects added, see `added_effects`, NAME=VALUE put in, and then lengths that are told by what they give at rest."""
+    """The scene with effects added, see `added_effects`, then NAME=VALUE put in, then lengths told by what they give at rest."""
     from studies.added_effects import with_effects
     from studies.sweeping.vary import SETTINGS, VaryError, apply, parse_vary, read_values
 

@@ -111,7 +111,7 @@ class AppliedForces(Effect):
             nodes = [model.node_of[point.name] for point in points]
             path = load.path
             axes = IN_BODY if self.axes == "body" and turns else IN_WORLD
-            index += [load.kind, axes, len(path.breaks), sine is not None, len(nodes), model.node_of[name], *nodes]
+            index += [load.kind, axes, len(path.breaks), path.sine is not None, len(nodes), model.node_of[name], *nodes]
             numbers.append(numbers_of_path(path))
             if turns:
                 weights, directions, share = direction_weights([point.arm for point in points])
