@@ -326,6 +326,7 @@ def study(
     out: Annotated[
         Path | None, typer.Option(help="Folder for its rows and figures; results/NAME by default.", callback=_folder)
     ] = None,
+    data: Annotated[Path | None, typer.Option(help="Folder of measured data, which the study measured takes.")] = None,
 ):
     """Run one study. Writes its rows and figures, prints its answer."""
     from studies.study import NAMES, question_of, run_study
@@ -337,7 +338,7 @@ def study(
     announce_compiling("study")
     logging.getLogger("anet_lumped").setLevel(logging.WARNING)  # of a study its rows are told, not their runs
     out = out or Path("results") / name
-    found = run_study(name, out, quick=quick)
+    found = run_study(name, out, quick=quick, data=data)
     print(found.record.question, *found.answer, sep="\n\n")
     tell(f"{found.seconds:.1f} s; rows, figures and answer in {out}")
 
