@@ -346,17 +346,24 @@ def study(
 @app.command(epilog="Example: anet-lumped mismatch net_held --markers run1.csv   (columns x, y, z in m or mm)")
 def mismatch(
     scene: Scene,
-    markers: Annotated[Path | None, typer.Option(help="Measured positions (CSV); the catenary if not given.")] = None,
+    markers: Annotated[Path | None, typer.Option(help="Measured positions (CSV), or tracks over time (CSV, NPZ, TRC).")] = None,
+    tension: Annotated[Path | None, typer.Option(help="Measured tensions over time, by the names of cables (CSV, NPZ).")] = None,
+    shift: Annotated[float | None, typer.Option(help="Time of the run at the first sample; sought if not given.", **TIME)] = None,
     change: Changes = (),
     out: Out = None,
     as_json: Json = False,
 ):
-    """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable."""
-    from studies.shown.summary import catenary_comparison, marker_comparison
+    """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable.
 
-    loaded = changed(load(scene, "equilibrium"), change)
-    found = marker_comparison(loaded, markers) if markers else catenary_comparison(loaded)
-    give(found, as_json, out, "mismatch")
+    With tensions or tracks over time the scene is run from its rest, aligned with them, and compared channel by channel: RMSE, peak
+    and phase; with --out there is a picture too.
+    """
+    from studies.shown.mismatch_summary import compared
+
+    found, save, ok = compared(changed(load(scene, "equilibrium"), change), markers, tension, shift, out)
+    give(found, as_json, out, "mismatch", save)
+    if not ok:
+        raise typer.Exit(1)
 
 
 @app.command(epilog="Example: anet-lumped report --out results/report")
