@@ -180,8 +180,7 @@ def simulate(
     try:
         run = simulate(
             moved(changed(load(scene, "simulate"), change), move, t_end), t_end, method=method, dt=dt, rtol=rtol, start=start,
-            save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error,
-            error=error,
+            save_every=save_every, extrapolate=extrapolate, audit=audit, tension_error=tension_error, error=error,
         )  # fmt: skip
     except RunInterrupt as stopped:
         run = stopped.run
@@ -331,7 +330,7 @@ def study(
     name: Annotated[str | None, typer.Argument(help="Name of the study; lists them and their questions if not given.")] = None,
     quick: Quick = False,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for its rows and figures; results/NAME by default.", callback=_folder)
+        Path | None, typer.Option(help="Folder for rows and figures; results/NAME by default.", callback=_folder)
     ] = None,
     data: Annotated[Path | None, typer.Option(help="Folder of measured data, which the study measured takes.")] = None,
 ):
@@ -344,8 +343,7 @@ def study(
         return
     announce_compiling("study")
     logging.getLogger("anet_lumped").setLevel(logging.WARNING)  # of a study its rows are told, not their runs
-    out = out or Path("results") / name
-    found = run_study(name, out, quick=quick, data=data)
+    found = run_study(name, out := out or Path("results") / name, quick=quick, data=data)
     print(found.record.question, *found.answer, sep="\n\n")
     tell(f"{found.seconds:.1f} s; rows, figures and answer in {out}")
 
@@ -361,16 +359,13 @@ def mismatch(
     as_json: Json = False,
 ):
     """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable.
-
-    With tensions or tracks over time the scene is run from its rest, aligned with them, and compared channel by channel: RMSE, peak
-    and phase; with --out there is a picture too.
+    With tensions or tracks over time the scene is run from its rest and aligned with them: RMSE, peak and phase error of each.
     """
     from studies.shown.mismatch_summary import compared
 
     found, save, ok = compared(changed(load(scene, "equilibrium"), change), markers, tension, shift, out)
     give(found, as_json, out, "mismatch", save)
-    if not ok:
-        raise typer.Exit(1)
+    raise typer.Exit(0 if ok else 1)
 
 
 @app.command(epilog="Example: anet-lumped report --out results/report")

@@ -4,7 +4,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from studies.shown.palette import BLACK, VERMILION
+from anet_lumped.views.palette import BLACK, VERMILION
 
 MOST_PANELS = 8  # of the picture
 FEWEST_STATES = 400  # that are saved, and more where more was measured
@@ -64,7 +64,7 @@ def plot(run, found):
     """Figure of what was measured and of the model over time, a panel for each channel, those that differ most first."""
     from matplotlib.figure import Figure
 
-    from studies.shown.run_figure import mark_failures
+    from anet_lumped.views.run_figure import mark_failures
 
     channels = [*found.tensions, *found.markers]
     shown = sorted(channels, key=lambda one: -one.rmse / max(one.measured_peak, 1e-300))[:MOST_PANELS]

@@ -5,9 +5,9 @@ import json
 import numpy as np
 from matplotlib.figure import Figure
 
+from anet_lumped.views.palette import BLACK, BLUE, GREY, VERMILION
 from studies.questions.measured import flights, lindahl
 from studies.questions.measured.tables import GIVEN
-from studies.shown.palette import BLACK, BLUE, GREY, VERMILION
 from studies.study import Drawing
 
 
