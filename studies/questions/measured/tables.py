@@ -84,7 +84,7 @@ def compute(quick=False, executor=None, out=None, data=None):
     changed = [
         {"number": name, "value": json.dumps(value), "period_s": period}
         for name, values in numbers
-        for value in (values[:1] if quick else values)
+        for value in (values[-1:] if quick else values)
         for period in lindahl.PERIODS
     ]
     sensitivity = run_rows(sensitivity_row, changed, executor=executor, out=out and out / "sensitivity")
