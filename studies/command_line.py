@@ -332,8 +332,9 @@ def study(
     name: Annotated[str | None, typer.Argument(help="Name of the study; lists them and their questions if not given.")] = None,
     quick: Quick = False,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for its rows and figures; results/NAME by default.", callback=_folder)
+        Path | None, typer.Option(help="Folder for rows and figures; results/NAME by default.", callback=_folder)
     ] = None,
+    data: Annotated[Path | None, typer.Option(help="Folder of measured data, which the study measured takes.")] = None,
 ):
     """Run one study. Writes its rows and figures, prints its answer."""
     from studies.study import NAMES, question_of, run_study
@@ -344,8 +345,7 @@ def study(
         return
     announce_compiling("study")
     logging.getLogger("anet_lumped").setLevel(logging.WARNING)  # of a study its rows are told, not their runs
-    out = out or Path("results") / name
-    found = run_study(name, out, quick=quick)
+    found = run_study(name, out := out or Path("results") / name, quick=quick, data=data)
     print(found.record.question, *found.answer, sep="\n\n")
     tell(f"{found.seconds:.1f} s; rows, figures and answer in {out}")
 
@@ -353,18 +353,23 @@ def study(
 @app.command(epilog="Example: anet-lumped mismatch net_held --markers run1.csv   (columns x, y, z in m or mm)")
 def mismatch(
     scene: Scene,
-    markers: Annotated[Path | None, typer.Option(help="Measured positions (CSV); the catenary if not given.")] = None,
+    markers: Annotated[Path | None, typer.Option(help="Measured positions (CSV), or tracks over time (CSV, NPZ, TRC).")] = None,
+    tension: Annotated[Path | None, typer.Option(help="Measured tensions over time, by the names of cables (CSV, NPZ).")] = None,
+    shift: Annotated[float | None, typer.Option(help="Time of the run at the first sample; sought if not given.", **TIME)] = None,
     change: Changes = (),
     effect: Added = (),
     out: Out = None,
     as_json: Json = False,
 ):
-    """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable."""
-    from studies.shown.summary import catenary_comparison, marker_comparison
+    """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable.
+    With tensions or tracks over time the scene is run from its rest and aligned with them: RMSE, peak and phase error of each.
+    """
+    from studies.shown.mismatch_summary import compared
 
-    loaded = changed(load(scene, "equilibrium"), change, effect)
-    found = marker_comparison(loaded, markers) if markers else catenary_comparison(loaded)
-    give(found, as_json, out, "mismatch")
+    scene = changed(load(scene, "equilibrium"), change, effect)
+    found, save, ok = compared(scene, markers, tension, shift, out)
+    give(found, as_json, out, "mismatch", save)
+    raise typer.Exit(0 if ok else 1)
 
 
 @app.command(epilog="Example: anet-lumped report --out results/report")

@@ -3,7 +3,8 @@
     STUDY                                          a `Record`: question, part of the report, what a first look takes
     TABLES                                         names of its tables, and a sentence on each: what a line is
     compute(quick=False, executor=None, out=None)  the rows: a dict of DataFrames by the names of TABLES; runs go through
-                                                   `rows.run_rows`, with `executor` and a folder of its own under `out`
+                                                   `rows.run_rows`, with `executor` and a folder of its own under `out`; `data`,
+                                                   a folder, besides for a study whose Record says what data it takes
     plot(rows)                                     a dict of `Drawing`s by name
     answer(rows)                                   the answer, every number and every claim from the rows: paragraphs, an
                                                    empty line between two; the first is the finding that the report's
@@ -46,6 +47,7 @@ NAMES = [
     "effects_cost",
     "hostile_input",
     "error_estimate",
+    "measured",
 ]
 """Names of the studies in the order in which the report runs them: what is soon there and tells most comes first."""
 
@@ -59,6 +61,7 @@ class Part(StrEnum):
     WHY = "Why"
     CURE = "What cures it"
     COST = "What accuracy costs"
+    MEASURED = "How far from the real thing"
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,7 @@ class Record:
     part : of the report
     first_look : what a first look takes of the study, as the end of "A first look: ..."; empty for a study that is short, of
         which the report takes all
+    data : what measured data the study takes besides, as the end of "--data is the folder ..."; empty for a study that takes none
     compares_times : whether its tables or its answer compare times that runs took, so that nothing else may run meanwhile
     """
 
@@ -78,6 +82,7 @@ class Record:
     part: Part
     first_look: str = ""
     compares_times: bool = False
+    data: str = ""
 
 
 class StudyError(InputError):
@@ -133,24 +138,30 @@ def question_of(name: str) -> str:
     return ast.get_docstring(ast.parse(Path(file).read_text(encoding="utf-8"))).splitlines()[0]
 
 
-def run_study(name: str, out: str | Path, *, quick: bool = False, executor: Executor | None = None) -> Study:
+def run_study(
+    name: str, out: str | Path, *, quick: bool = False, executor: Executor | None = None, data: str | Path | None = None
+) -> Study:
     """Run a study; its tables (parquet and CSV), figures, `answer.txt` and `meta.json` go to the folder `out`.
+
+    `data` is a folder of measured data, for a study that takes one.
 
     Raises
     ------
-    StudyError : an unknown name
+    StudyError : an unknown name, or data for a study that takes none
     FolderInUseError : another run writes to `out`
     """
     module, out = module_of(name), Path(out)
+    if data is not None and not module.STUDY.data:
+        raise StudyError(f'The study "{name}" takes no measured data, but --data gives it {data}.')
     with locked(out):
-        return _run(name, module, out, quick, executor)
+        return _run(name, module, out, quick, executor, {} if data is None else {"data": data})
 
 
-def _run(name, module, out, quick, executor):
+def _run(name, module, out, quick, executor, data):
     """`run_study` in a folder that nobody else writes to."""
     shutil.rmtree(out / UNFINISHED, ignore_errors=True)
     begin = time.perf_counter()
-    tables = module.compute(quick=quick, executor=executor, out=out / UNFINISHED)
+    tables = module.compute(quick=quick, executor=executor, out=out / UNFINISHED, **data)
     for table_name, table in tables.items():
         save_table(table, out / table_name)
     shutil.rmtree(out / UNFINISHED, ignore_errors=True)

@@ -1,0 +1,124 @@
+"""Files of measured tensions and marker tracks."""
+
+import zipfile
+
+import numpy as np
+import pytest
+
+from anet_lumped.files.measured_series import SeriesError, holds_tracks, read_tensions, read_tracks
+
+TRC = """PathFileType\t4\t(X/Y/Z)\tcarried.trc
+DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames
+100\t100\t3\t2\tmm\t100\t1\t3
+Frame#\tTime\tp0\t\t\ts0-p0@0.25\t\t
+\t\tX1\tY1\tZ1\tX2\tY2\tZ2
+
+1\t0.00\t1000\t0\t-200\t10\t20\t30
+2\t0.01\t1001\t0\t-200\t\t\t
+3\t0.02\t1002\t0\t-200\t12\t20\t30
+"""
+
+
+def write(folder, name, text):
+    (folder / name).write_text(text, encoding="utf-8")
+    return folder / name
+
+
+def test_csv(tmp_path):
+    found = read_tensions(write(tmp_path, "t.csv", "s0-p0, t,s1-p0.start\n1.5,0.0,\n2.5,0.1,3\n\n"))
+    assert found.t.tolist() == [0.0, 0.1] and found.channels["s0-p0"].tolist() == [[1.5], [2.5]]
+    assert np.isnan(found.channels["s1-p0.start"][0, 0]) and found.channels["s1-p0.start"][1, 0] == 3.0
+    found = read_tracks(write(tmp_path, "m.csv", "t,p0.y,p0.x,p0.z\n0,2,1,3\n1,5,4,6\n"))
+    assert found.channels["p0"].tolist() == [[1, 2, 3], [4, 5, 6]]
+
+
+def test_npz(tmp_path):
+    np.savez(tmp_path / "m.npz", t=[0.0, 1.0], p0=[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+    assert read_tracks(tmp_path / "m.npz").channels["p0"][1].tolist() == [4, 5, 6]
+    np.savez(tmp_path / "t.npz", **{"t": [0.0, 1.0], "s0-p0": [7.0, 8.0]})
+    assert read_tensions(tmp_path / "t.npz").channels["s0-p0"].tolist() == [[7.0], [8.0]]
+
+
+def test_trc_in_its_unit(tmp_path):
+    found = read_tracks(write(tmp_path, "m.trc", TRC))
+    assert found.t.tolist() == [0.0, 0.01, 0.02] and found.channels["p0"][2] == pytest.approx((1.002, 0.0, -0.2))
+    hidden = found.channels["s0-p0@0.25"]
+    assert np.isnan(hidden[1]).all() and hidden[0] == pytest.approx((0.01, 0.02, 0.03))
+
+
+@pytest.mark.parametrize(
+    "header, tracks", [("x,y,z", False), ("t,x,y,z", False), ("t,p0.x,p0.y,p0.z", True), ("name,x,y,z", False)]
+)
+def test_a_cloud_of_markers_is_no_track(tmp_path, header, tracks):
+    assert holds_tracks(write(tmp_path, "m.csv", header + "\n")) is tracks
+    assert holds_tracks(write(tmp_path, "m.txt", header + "\n")) is tracks
+    assert holds_tracks("any.trc") and holds_tracks("any.c3d")
+
+
+@pytest.mark.parametrize(
+    "text, sentence",
+    [
+        ("a,b\n1,2\n", r"A file of tensions must have a header with one t and no name twice"),
+        ("t,a,a\n1,2,3\n", r"no name twice"),
+        ("t\n1\n2\n", r"at least one channel besides the time"),
+        ("t,a\n1,2\n", r"Times must be two finite numbers or more that grow, but those of .* are 1 that"),
+        ("t,a\n1,2\n1,3\n", r"two finite numbers or more that grow"),
+        ("t,a\n1,2\n2,x\n", r"Samples must be numbers, but .*line 3 has"),
+        ("t,a\n1,2,3\n", r"A row must have 2 cells at most, .*line 2 has 3"),
+        ("t,a\n1,\n2,nan\n", r'finite samples, but "a" of .* has none'),
+        ("t,a\n1,2\n2,inf\n", r"has none or infinite ones"),
+        ('t,a\n1,"' + "2" * 140000 + '\n', r"must be a table in CSV, but .* is not"),
+    ],
+)  # fmt: skip
+def test_tensions_that_are_none(tmp_path, text, sentence):
+    with pytest.raises(SeriesError, match=sentence):
+        read_tensions(write(tmp_path, "t.csv", text))
+
+
+@pytest.mark.parametrize(
+    "name, text, sentence",
+    [
+        ("m.csv", "t,p0.x,p0.y\n0,1,2\n", r'NAME.x, NAME.y and NAME.z, but .* has or lacks "p0.z"'),
+        ("m.csv", "t,p0\n0,1\n", r'has or lacks "p0"'),
+        ("m.c3d", "", r"A file of marker tracks must end in .csv, .npz, .trc, but it is "),
+        ("m.trc", "PathFileType\n", r"must begin with PathFileType, as TRC does, and hold rows"),
+        ("m.trc", TRC.replace("PathFileType", "Other"), r"must begin with PathFileType"),
+        ("m.trc", TRC.replace("\tmm\t", "\tinch\t"), r'Units of m, cm or mm in its third line, but .* has "inch"'),
+        ("m.trc", TRC.replace("\t1001\t", "\tone\t"), r"Samples must be numbers, but .*line 8"),
+        ("m.npz", "no zip", r"must be an NPZ file of plain numbers"),
+    ],
+)  # fmt: skip
+def test_tracks_that_are_none(tmp_path, name, text, sentence):
+    with pytest.raises(SeriesError, match=sentence):
+        read_tracks(write(tmp_path, name, text))
+
+
+@pytest.mark.parametrize(
+    "arrays, sentence",
+    [
+        ({"p0": np.zeros((2, 3))}, r"must hold an array t \(k,\)"),
+        ({"t": np.zeros((2, 1)), "p0": np.zeros((2, 3))}, r"must hold an array t"),
+        ({"t": [0.0, 1.0], "p0": 3.0}, r"arrays of as many samples"),
+        ({"t": [0.0, 1.0], "p0": [1.0, 2.0]}, r'A marker must have x, y and z a sample, but .* has "p0" of \(2,\)'),
+        ({"t": [0.0, 1.0], "p0": np.zeros((3, 3))}, r'a sample for each time, but .* has 3 of "p0" for 2'),
+        ({"t": [0.0, 1.0], "p0": np.array([None, 1], object)}, r"NPZ file of plain numbers"),
+    ],
+)  # fmt: skip
+def test_arrays_that_are_none(tmp_path, arrays, sentence):
+    np.savez(tmp_path / "m.npz", **arrays)
+    with pytest.raises(SeriesError, match=sentence):
+        read_tracks(tmp_path / "m.npz")
+
+
+def test_a_wide_tension(tmp_path):
+    np.savez(tmp_path / "t.npz", **{"t": [0.0, 1.0], "s0-p0": np.zeros((2, 3))})
+    with pytest.raises(SeriesError, match=r'A tension must be one number a sample, but .* has "s0-p0" of \(2, 3\)'):
+        read_tensions(tmp_path / "t.npz")
+
+
+def test_a_file_that_would_unpack_to_more_than_the_memory_allowed(tmp_path, monkeypatch):
+    monkeypatch.setenv("ANET_LUMPED_MOST_BYTES", "1000")
+    with zipfile.ZipFile(tmp_path / "m.npz", "w", zipfile.ZIP_DEFLATED) as packed:
+        packed.writestr("t.npy", b"0" * 10_000)
+    with pytest.raises(ValueError, match="A file of marker tracks"):
+        read_tracks(tmp_path / "m.npz")
