@@ -15,7 +15,7 @@ from typing import Annotated
 
 import typer
 
-from studies.quantities import metres, newton_metre_seconds, newtons, seconds
+from studies.quantities import metres, newton_metre_seconds, newtons, seconds, vector_in_metres
 from studies.scenes import changed, load
 from studies.shown.given import give
 from studies.stop_signals import stop_signals
@@ -64,6 +64,14 @@ Full = Annotated[
 ]
 
 
+def _save_run(run, out):
+    """Write a run and its picture into a folder."""
+    from studies.shown.run_figure import plot
+
+    run.save(out / "run.nc")
+    plot(run).savefig(out / "run.png", dpi=110)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the program; whatever the user can put right is one sentence on stderr."""
     with stop_signals() as came, standard_streams():
@@ -109,7 +117,8 @@ def _status(arguments):
         tell(f"{error.filename or 'The system refused what this takes'}: {error.strerror or error}.")
         return 2 if error.filename else 1
     except (ValueError, RuntimeError, ModuleNotFoundError) as error:
-        if type(error).__module__.partition(".")[0] not in ("anet_lumped", "studies"):
+        missing = isinstance(error, ModuleNotFoundError) and error.name is None  # an extra: Python itself tells the module's name
+        if type(error).__module__.partition(".")[0] not in ("anet_lumped", "studies") and not missing:
             raise
         tell_lines(error)
         return 2 if isinstance(error, ValueError) else 1
@@ -180,13 +189,53 @@ def simulate(
 
     def save():
         from anet_lumped.files.moordyn_channels import write_asked
-        from studies.shown.run_figure import plot
 
-        run.save(out / "run.nc")
+        _save_run(run, out)
         write_asked(scene, run, out)
-        plot(run).savefig(out / "run.png", dpi=110)
 
     give(run_summary(run), as_json, out, "run", save)
+    if not run.ok:
+        raise typer.Exit(1)
+
+
+@app.command(
+    epilog="Example: anet-lumped fly quadrotors_net --by 0,10,0 --within 4s --t-end 7s --out results/flown   (10 m in 4 s)"
+)
+def fly(
+    scene: Scene,
+    controller: Annotated[
+        str | None, typer.Option(help="hold, net, admittance or predictive; chosen for the scene if not given.")
+    ] = None,
+    t_end: Annotated[
+        float | None, typer.Option(help="How long to fly, as in 4s; that of its own of a bundled scene.", **TIME)
+    ] = None,
+    dt: Annotated[float, typer.Option(help="Step, as in 4ms or 0.004 (s).", **TIME)] = "4ms",
+    by: Annotated[
+        tuple | None, typer.Option(help="How far to go, as in 0,10,0 (m).", parser=vector_in_metres, metavar="X,Y,Z")
+    ] = None,
+    within: Annotated[float, typer.Option(help="Time in which to go there.", **TIME)] = "4s",
+    save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
+    change: Changes = (),
+    out: Out = None,
+    as_json: Json = False,
+):
+    """Fly a scene with quadrotors, which start where they hover. Tables and files are those of simulate.
+
+    hold: each quadrotor keeps its place. net: p0 and the shape of the net are kept. admittance: as hold, but quadrotors give way to
+    pulls. predictive: one quadrotor brings its load to a place, by model-predictive control (extra mpc). The scenes that come with
+    this have flights of their own.
+    """
+    from anet_lumped.flight.fly import fly
+    from anet_lumped.flight.known import known_quadrotors
+    from anet_lumped.flight.scenarios import controller_for, scenario_of
+    from studies.shown.summary import run_summary
+
+    loaded = changed(load(scene, "fly"), change)
+    quadrotors = known_quadrotors(loaded)
+    scenario = scenario_of(loaded, scene, controller=controller, t_end=t_end, by=by, within=within)
+    pilot = controller_for(loaded, scenario)
+    run = fly(loaded, pilot, scenario.t_end, dt=dt, quadrotors=quadrotors, save_every=save_every)
+    give(run_summary(run), as_json, out, "run", lambda: _save_run(run, out))
     if not run.ok:
         raise typer.Exit(1)
 

@@ -1,5 +1,6 @@
 """A flight: a scene whose bodies are quadrotors, under a controller, step by step."""
 
+import logging
 import time
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -18,7 +19,9 @@ from .quadrotor import THESIS_QUADROTOR, Quadrotor
 from .rotors import Rotors
 from .seen import Seen, Sensors, look
 
+LOG = logging.getLogger(__name__)
 STATES = 400  # saved if the caller does not say how many
+TOLD_EVERY = 5.0  # [s], between two words on how far a flight is
 
 
 def quadrotors_of(scene: Scene, quadrotors: Quadrotor | Mapping[str, Quadrotor]) -> list[Quadrotor]:
@@ -97,8 +100,11 @@ def fly(
         if one is not None and hasattr(one, "reset"):
             one.reset()
     model, rows, status, message = build(scene), [], "done", ""
-    begin = time.perf_counter()
+    begin = told_at = time.perf_counter()
     for k in range(steps + 1):
+        if (now := time.perf_counter()) - told_at > TOLD_EVERY:
+            told_at = now
+            LOG.info("step %d of %d, %.0f s left if the others take as long", k, steps, (now - begin) * (steps - k) / k)
         if k % every == 0 or k == steps:
             rows.append((march.state, march.energy))
         if k == steps:

@@ -81,7 +81,7 @@ def test_bundled_scene(file, tmp_path):
 
 def test_the_scenes_that_are_bundled():
     names = ["loose_cable", "net_carried", "net_flown", "net_held", "quadrotor_hover", "quadrotors_break", "quadrotors_gust"]
-    names += ["quadrotors_net", "thesis_single_cable", "thesis_two_cables"]
+    names += ["quadrotors_net", "quadrotors_scoop", "thesis_single_cable", "thesis_two_cables"]
     assert [file.stem for file in SCENES] == names
 
 
