@@ -8,14 +8,14 @@ import importlib.metadata
 import logging
 import os
 import sys
-import tempfile
 import warnings
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from studies.quantities import metres, newton_metre_seconds, newtons, seconds, vector_in_metres
+from studies.options import DAMPER, LENGTH, TIME, Changes, Full, Json, Method, Move, Out, Quick, Scene, Start, Step, folder
+from studies.quantities import metres, newtons, vector_in_metres
 from studies.scenes import changed, load
 from studies.shown.given import give
 from studies.stop_signals import stop_signals
@@ -27,49 +27,6 @@ app = typer.Typer(no_args_is_help=True, add_completion=True, rich_markup_mode=No
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
 UsageError = typer.BadParameter.__base__  # which Typer does not export
-Scene = Annotated[
-    str, typer.Argument(metavar="SCENE", help="A TOML or MoorDyn file (.txt, .dat), or a scene that comes with this by name.")
-]
-
-
-def _folder(out):
-    """The folder for results, made and tried before anything is computed for it."""
-    if out is not None:
-        try:
-            out.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=out):
-                pass
-        except OSError as error:
-            raise typer.BadParameter(f"must be a folder that can be written, but {out}: {error.strerror}.") from None
-    return out
-
-
-Out = Annotated[Path | None, typer.Option(help="Folder for the results.", callback=_folder)]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables (SI units).")]
-TIME = {"parser": seconds, "metavar": "TIME"}
-LENGTH = {"parser": metres, "metavar": "LENGTH"}
-DAMPER = {"parser": newton_metre_seconds, "metavar": "DAMPER"}
-Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for you if not given.")]
-Step = Annotated[float | None, typer.Option(help="Step, as in 10ms or 0.01 (s); chosen for you if not given.", **TIME)]
-Start = Annotated[str, typer.Option(help="equilibrium or straight.")]
-Changes = Annotated[
-    list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first, as in segments=40 or p0.mass=0.05.")
-]
-Move = Annotated[
-    list[str], typer.Option("--move", metavar="MOTION", help="Move the platform, as in surge=1sin0.1, pitch=3degsin0.1 or six.csv.")
-]
-Quick = Annotated[bool, typer.Option("--quick", help="A first look: the same from less work.")]
-Full = Annotated[
-    bool, typer.Option("--full", help="All of every study, the long ones too, which takes about a quarter of an hour.")
-]
-
-
-def _save_run(run, out):
-    """Write a run and its picture into a folder."""
-    from studies.shown.run_figure import plot
-
-    run.save(out / "run.nc")
-    plot(run).savefig(out / "run.png", dpi=110)
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -189,8 +146,9 @@ def simulate(
 
     def save():
         from anet_lumped.files.moordyn_channels import write_asked
+        from studies.shown.run_figure import save_run
 
-        _save_run(run, out)
+        save_run(run, out)
         write_asked(scene, run, out)
 
     give(run_summary(run), as_json, out, "run", save)
@@ -228,6 +186,7 @@ def fly(
     from anet_lumped.flight.fly import fly
     from anet_lumped.flight.known import known_quadrotors
     from anet_lumped.flight.scenarios import controller_for, scenario_of
+    from studies.shown.run_figure import save_run
     from studies.shown.summary import run_summary
 
     loaded = changed(load(scene, "fly"), change)
@@ -235,7 +194,7 @@ def fly(
     scenario = scenario_of(loaded, scene, controller=controller, t_end=t_end, by=by, within=within)
     pilot = controller_for(loaded, scenario)
     run = fly(loaded, pilot, scenario.t_end, dt=dt, quadrotors=quadrotors, save_every=save_every)
-    give(run_summary(run), as_json, out, "run", lambda: _save_run(run, out))
+    give(run_summary(run), as_json, out, "run", lambda: save_run(run, out))
     if not run.ok:
         raise typer.Exit(1)
 
@@ -322,7 +281,7 @@ def sweep(
     dt: Step = None,
     start: Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")] = None,
     change: Changes = (),
-    out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=_folder)] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=folder)] = None,
     workers: Annotated[int | None, typer.Option(help="Processes; one a core by default.", min=1)] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
     as_json: Json = False,
@@ -373,7 +332,7 @@ def study(
     name: Annotated[str | None, typer.Argument(help="Name of the study; lists them and their questions if not given.")] = None,
     quick: Quick = False,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for its rows and figures; results/NAME by default.", callback=_folder)
+        Path | None, typer.Option(help="Folder for its rows and figures; results/NAME by default.", callback=folder)
     ] = None,
 ):
     """Run one study. Writes its rows and figures, prints its answer."""
@@ -410,7 +369,7 @@ def mismatch(
 @app.command(epilog="Example: anet-lumped report --out results/report")
 def report(
     full: Full = False,
-    out: Annotated[Path, typer.Option(help="Folder for the page and its data.", callback=_folder)] = REPORT,
+    out: Annotated[Path, typer.Option(help="Folder for the page and its data.", callback=folder)] = REPORT,
 ):
     """Run the studies and write one page. What the thesis found, why, and what cures it.
 

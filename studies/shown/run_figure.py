@@ -76,3 +76,9 @@ def _energies(axes, run):
     axes.plot(run.t, total - total[0], color="k", ls=(0, (1, 3)), lw=1.5, label="not accounted for")
     axes.set(xlabel="t [s]", ylabel="energy [J]")
     axes.legend(frameon=False, fontsize=8, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+
+
+def save_run(run, folder) -> None:
+    """Write a run as run.nc, and its picture as run.png, into a folder."""
+    run.save(folder / "run.nc")
+    plot(run).savefig(folder / "run.png", dpi=110)
