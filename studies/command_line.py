@@ -14,8 +14,8 @@ from typing import Annotated
 
 import typer
 
-from studies.options import DAMPER, LENGTH, TIME, Changes, Full, Json, Method, Move, Out, Quick, Scene, Start, Step, folder
-from studies.quantities import metres, newtons, vector_in_metres
+from studies.options import DAMPER, LENGTH, PLACE, TIME, Changes, Full, Json, Method, Move, Out, Quick, Scene, Start, Step, folder
+from studies.quantities import metres, newtons
 from studies.scenes import changed, load
 from studies.shown.given import give
 from studies.stop_signals import stop_signals
@@ -27,6 +27,11 @@ app = typer.Typer(no_args_is_help=True, add_completion=True, rich_markup_mode=No
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
 UsageError = typer.BadParameter.__base__  # which Typer does not export
+
+
+def _save_run(run, out):
+    run.save(out / "run.nc")
+    run.plot().savefig(out / "run.png", dpi=110)
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -99,12 +104,20 @@ def _about(
 
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
 def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False):
-    """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point."""
+    """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point.
+
+    With --out also the places of all nodes (nodes.csv) and a picture (rest.png).
+    """
     from anet_lumped.statics.equilibrium import equilibrium
     from studies.shown.summary import rest_summary, write_nodes
 
     state = equilibrium(changed(load(scene, "equilibrium"), change))
-    give(rest_summary(state), as_json, out, "equilibrium", lambda: write_nodes(state, out / "nodes.csv"))
+
+    def save():
+        write_nodes(state, out / "nodes.csv")
+        state.plot().savefig(out / "rest.png", dpi=110)
+
+    give(rest_summary(state), as_json, out, "equilibrium", save)
 
 
 @app.command(epilog="Example: anet-lumped simulate loose_cable --t-end 0.6 --start straight --method edmc --dt 0.01")
@@ -146,9 +159,8 @@ def simulate(
 
     def save():
         from anet_lumped.files.moordyn_channels import write_asked
-        from studies.shown.run_figure import save_run
 
-        save_run(run, out)
+        _save_run(run, out)
         write_asked(scene, run, out)
 
     give(run_summary(run), as_json, out, "run", save)
@@ -161,16 +173,12 @@ def simulate(
 )
 def fly(
     scene: Scene,
-    controller: Annotated[
-        str | None, typer.Option(help="hold, net, admittance or predictive; chosen for the scene if not given.")
-    ] = None,
+    controller: Annotated[str | None, typer.Option(help="hold, net, admittance or predictive; chosen if not given.")] = None,
     t_end: Annotated[
         float | None, typer.Option(help="How long to fly, as in 4s; that of its own of a bundled scene.", **TIME)
     ] = None,
     dt: Annotated[float, typer.Option(help="Step, as in 4ms or 0.004 (s).", **TIME)] = "4ms",
-    by: Annotated[
-        tuple | None, typer.Option(help="How far to go, as in 0,10,0 (m).", parser=vector_in_metres, metavar="X,Y,Z")
-    ] = None,
+    by: Annotated[tuple | None, typer.Option(help="How far to go, as in 0,10,0 (m).", **PLACE)] = None,
     within: Annotated[float, typer.Option(help="Time in which to go there.", **TIME)] = "4s",
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
@@ -186,15 +194,13 @@ def fly(
     from anet_lumped.flight.fly import fly
     from anet_lumped.flight.known import known_quadrotors
     from anet_lumped.flight.scenarios import controller_for, scenario_of
-    from studies.shown.run_figure import save_run
     from studies.shown.summary import run_summary
 
     loaded = changed(load(scene, "fly"), change)
     quadrotors = known_quadrotors(loaded)
-    scenario = scenario_of(loaded, scene, controller=controller, t_end=t_end, by=by, within=within)
-    pilot = controller_for(loaded, scenario)
-    run = fly(loaded, pilot, scenario.t_end, dt=dt, quadrotors=quadrotors, save_every=save_every)
-    give(run_summary(run), as_json, out, "run", lambda: save_run(run, out))
+    flight = scenario_of(loaded, scene, controller=controller, t_end=t_end, by=by, within=within)
+    run = fly(loaded, controller_for(loaded, flight), flight.t_end, dt=dt, quadrotors=quadrotors, save_every=save_every)
+    give(run_summary(run), as_json, out, "run", lambda: _save_run(run, out))
     if not run.ok:
         raise typer.Exit(1)
 
@@ -297,15 +303,8 @@ def sweep(
     settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
     where = {"out": out, "resume": resume}
     try:
-        table = sweep(
-            changed(load(scene, "simulate" if t_end else "equilibrium"), change),
-            parse_vary(vary),
-            measure,
-            **settings,
-            **where,
-            workers=workers,
-            label="sweep",
-        )
+        loaded = changed(load(scene, "simulate" if t_end else "equilibrium"), change)
+        table = sweep(loaded, parse_vary(vary), measure, **settings, **where, workers=workers, label="sweep")
     except KeyboardInterrupt as stopped:
         tell(f"{str(stopped) or 'Stopped.'} The same command with --resume does the rest.")
         raise typer.Exit(130) from None

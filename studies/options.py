@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from studies.quantities import metres, newton_metre_seconds, seconds
+from studies.quantities import metres, newton_metre_seconds, seconds, vector_in_metres
 
 Scene = Annotated[
     str, typer.Argument(metavar="SCENE", help="A TOML or MoorDyn file (.txt, .dat), or a scene that comes with this by name.")
@@ -29,6 +29,7 @@ Out = Annotated[Path | None, typer.Option(help="Folder for the results.", callba
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables (SI units).")]
 TIME = {"parser": seconds, "metavar": "TIME"}
 LENGTH = {"parser": metres, "metavar": "LENGTH"}
+PLACE = {"parser": vector_in_metres, "metavar": "X,Y,Z"}
 DAMPER = {"parser": newton_metre_seconds, "metavar": "DAMPER"}
 Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for you if not given.")]
 Step = Annotated[float | None, typer.Option(help="Step, as in 10ms or 0.01 (s); chosen for you if not given.", **TIME)]

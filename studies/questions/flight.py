@@ -17,7 +17,7 @@ import pandas as pd
 from anet_lumped import load_scene
 from anet_lumped.flight.fly import fly
 from anet_lumped.flight.scenarios import HOLD, SCENARIOS, Scenario, carried_point, controller_for, point_at_hover, way_from
-from studies.shown.palette import look
+from anet_lumped.views.palette import look
 from studies.shown.sentences import between, listed
 from studies.shown.show import as_text
 from studies.study import Drawing, Part, Record
