@@ -78,7 +78,7 @@ def _renamed():
 @pytest.mark.parametrize("name", [HOLD, NET, ADMITTANCE])
 def test_controllers_by_name_move_the_net(name):
     stops = [(0.0, (0, 0, 0)), (2.0, (0, 0.5, 0))]
-    run = fly(FOUR, controller_for(FOUR, Scenario(name, 5.0, stops)), 5.0, dt=0.01)
+    run = fly(FOUR, controller_for(FOUR, Scenario(name, 5.0, stops)), 5.0, dt=0.02)
     start = point_at_hover(FOUR, carried_point(FOUR))
     assert run.ok and run.position("p0")[0] == pytest.approx(start, abs=1e-9)
     assert run.position("p0")[-1] == pytest.approx(np.add(start, (0, 0.5, 0)), abs=0.01)
@@ -104,10 +104,10 @@ def test_the_thrust_of_hovering_is_the_weight_less_the_buoyancy(depth, litter, p
     events = [PayloadChange("p0", 1.0, basket.mass + picked)] if picked else []
     scene = replace(SCOOP, points=[basket], bodies=lowered, events=events)
     lifted, controller = looked_on(geometric([THESIS_QUADROTOR] * 4, hold([body.at for body in lowered])))
-    run = fly(scene, controller, 8.0 if picked else 1.0, dt=0.01)
+    run = fly(scene, controller, 8.0 if picked else 1.0, dt=0.02)
     mass = sum(b.mass for b in scene.bodies) + sum(c.length * c.mass_per_length for c in scene.cables) + basket.mass
     assert run.ok and len(run.events) == len(events)
-    for at, k in ((0.9, 0), (run.t[-1] - 0.01, len(run.t) - 1)):
+    for at, k in ((0.9, 0), (run.t[-1] - 0.02, len(run.t) - 1)):
         pushed = buoyancy(run.state(k))
         assert (pushed > 0.1) == (depth > 0.0)
         held = mass + (picked if at > 1.0 else 0.0)
@@ -116,7 +116,7 @@ def test_the_thrust_of_hovering_is_the_weight_less_the_buoyancy(depth, litter, p
 
 
 def test_litter_is_scooped_out():
-    run = fly(SCOOP, controller_for(SCOOP, SCENARIOS["quadrotors_scoop"]), SCENARIOS["quadrotors_scoop"].t_end, dt=0.01)
+    run = fly(SCOOP, controller_for(SCOOP, SCENARIOS["quadrotors_scoop"]), SCENARIOS["quadrotors_scoop"].t_end, dt=0.02)
     z, (event,) = run.position("p0")[:, 2], run.events
     level = SCOOP.effects[1].level
     assert run.ok and event.t == 5.0 and event.mass == pytest.approx(SCOOP.points[0].mass + LITTER)
