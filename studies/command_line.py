@@ -8,7 +8,6 @@ import importlib.metadata
 import logging
 import os
 import sys
-import tempfile
 import warnings
 from pathlib import Path
 from typing import Annotated
@@ -16,7 +15,8 @@ from typing import Annotated
 import typer
 
 from studies.added_effects import Added
-from studies.quantities import metres, newton_metre_seconds, newtons, seconds
+from studies.options import DAMPER, LENGTH, PLACE, TIME, Changes, Full, Json, Method, Move, Out, Quick, Scene, Start, Step, folder
+from studies.quantities import metres, newtons
 from studies.scenes import changed, load
 from studies.shown.given import give
 from studies.stop_signals import stop_signals
@@ -28,42 +28,11 @@ app = typer.Typer(no_args_is_help=True, add_completion=True, rich_markup_mode=No
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
 UsageError = typer.BadParameter.__base__  # which Typer does not export
-Scene = Annotated[
-    str, typer.Argument(metavar="SCENE", help="A TOML or MoorDyn file (.txt, .dat), or a scene that comes with this by name.")
-]
 
 
-def _folder(out):
-    """The folder for results, made and tried before anything is computed for it."""
-    if out is not None:
-        try:
-            out.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=out):
-                pass
-        except OSError as error:
-            raise typer.BadParameter(f"must be a folder that can be written, but {out}: {error.strerror}.") from None
-    return out
-
-
-Out = Annotated[Path | None, typer.Option(help="Folder for the results.", callback=_folder)]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables (SI units).")]
-TIME = {"parser": seconds, "metavar": "TIME"}
-LENGTH = {"parser": metres, "metavar": "LENGTH"}
-DAMPER = {"parser": newton_metre_seconds, "metavar": "DAMPER"}
-Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for you if not given.")]
-Step = Annotated[float | None, typer.Option(help="Step, as in 10ms or 0.01 (s); chosen for you if not given.", **TIME)]
-Start = Annotated[str, typer.Option(help="equilibrium or straight.")]
-Changes = Annotated[
-    list[str],
-    typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first: p0.mass=0.05, a.length=sag:1cm."),
-]
-Move = Annotated[
-    list[str], typer.Option("--move", metavar="MOTION", help="Move the platform, as in surge=1sin0.1, pitch=3degsin0.1 or six.csv.")
-]
-Quick = Annotated[bool, typer.Option("--quick", help="A first look: the same from less work.")]
-Full = Annotated[
-    bool, typer.Option("--full", help="All of every study, the long ones too, which takes about a quarter of an hour.")
-]
+def _save_run(run, out):
+    run.save(out / "run.nc")
+    run.plot().savefig(out / "run.png", dpi=110)
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -111,7 +80,8 @@ def _status(arguments):
         tell(f"{error.filename or 'The system refused what this takes'}: {error.strerror or error}.")
         return 2 if error.filename else 1
     except (ValueError, RuntimeError, ModuleNotFoundError) as error:
-        if type(error).__module__.partition(".")[0] not in ("anet_lumped", "studies"):
+        missing = isinstance(error, ModuleNotFoundError) and error.name is None  # an extra: Python itself tells the module's name
+        if type(error).__module__.partition(".")[0] not in ("anet_lumped", "studies") and not missing:
             raise
         tell_lines(error)
         return 2 if isinstance(error, ValueError) else 1
@@ -194,11 +164,48 @@ def simulate(
     def save():
         from anet_lumped.files.moordyn_channels import write_asked
 
-        run.save(out / "run.nc")
+        _save_run(run, out)
         write_asked(scene, run, out)
-        run.plot().savefig(out / "run.png", dpi=110)
 
     give(run_summary(run), as_json, out, "run", save)
+    if not run.ok:
+        raise typer.Exit(1)
+
+
+@app.command(
+    epilog="Example: anet-lumped fly quadrotors_net --by 0,10,0 --within 4s --t-end 7s --out results/flown   (10 m in 4 s)"
+)
+def fly(
+    scene: Scene,
+    controller: Annotated[str | None, typer.Option(help="hold, net, admittance or predictive; chosen if not given.")] = None,
+    t_end: Annotated[
+        float | None, typer.Option(help="How long to fly, as in 4s; that of its own of a bundled scene.", **TIME)
+    ] = None,
+    dt: Annotated[float, typer.Option(help="Step, as in 4ms or 0.004 (s).", **TIME)] = "4ms",
+    by: Annotated[tuple | None, typer.Option(help="How far to go, as in 0,10,0 (m).", **PLACE)] = None,
+    within: Annotated[float, typer.Option(help="Time in which to go there.", **TIME)] = "4s",
+    save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
+    change: Changes = (),
+    effect: Added = (),
+    out: Out = None,
+    as_json: Json = False,
+):
+    """Fly a scene with quadrotors, which start where they hover. Tables and files are those of simulate.
+
+    hold: each quadrotor keeps its place. net: p0 and the shape of the net are kept. admittance: as hold, but quadrotors give way to
+    pulls. predictive: one quadrotor brings its load to a place, by model-predictive control (extra mpc). The scenes that come with
+    this have flights of their own.
+    """
+    from anet_lumped.flight.fly import fly
+    from anet_lumped.flight.known import known_quadrotors
+    from anet_lumped.flight.scenarios import controller_for, scenario_of
+    from studies.shown.summary import run_summary
+
+    loaded = changed(load(scene, "fly"), change, effect)
+    quadrotors = known_quadrotors(loaded)
+    flight = scenario_of(loaded, scene, controller=controller, t_end=t_end, by=by, within=within)
+    run = fly(loaded, controller_for(loaded, flight), flight.t_end, dt=dt, quadrotors=quadrotors, save_every=save_every)
+    give(run_summary(run), as_json, out, "run", lambda: _save_run(run, out))
     if not run.ok:
         raise typer.Exit(1)
 
@@ -289,7 +296,7 @@ def sweep(
     start: Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")] = None,
     change: Changes = (),
     effect: Added = (),
-    out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=_folder)] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=folder)] = None,
     workers: Annotated[int | None, typer.Option(help="Processes; one a core by default.", min=1)] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
     as_json: Json = False,
@@ -331,9 +338,7 @@ def measures():
 def study(
     name: Annotated[str | None, typer.Argument(help="Name of the study; lists them and their questions if not given.")] = None,
     quick: Quick = False,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder for rows and figures; results/NAME by default.", callback=_folder)
-    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for rows and figures; results/NAME by default.", callback=folder)] = None,
     data: Annotated[Path | None, typer.Option(help="Folder of measured data, which the study measured takes.")] = None,
 ):
     """Run one study. Writes its rows and figures, prints its answer."""
@@ -375,7 +380,7 @@ def mismatch(
 @app.command(epilog="Example: anet-lumped report --out results/report")
 def report(
     full: Full = False,
-    out: Annotated[Path, typer.Option(help="Folder for the page and its data.", callback=_folder)] = REPORT,
+    out: Annotated[Path, typer.Option(help="Folder for the page and its data.", callback=folder)] = REPORT,
 ):
     """Run the studies and write one page. What the thesis found, why, and what cures it.
 

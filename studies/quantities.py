@@ -30,6 +30,17 @@ def newton_metre_seconds(text: str) -> float:
     return _amount(text, DAMPERS, "a damper such as 0.1mNms or 1e-4")
 
 
+def vector_in_metres(text: str) -> tuple[float, float, float]:
+    """Three lengths [m] in a text such as 0,10,0 or 0,50cm,0."""
+    parts = text.split(",")
+    if len(parts) != 3:
+        from anet_lumped.checks import quoted
+
+        raise typer.BadParameter(f"must be three lengths such as 0,10,0 or 0,50cm,0, but it is {quoted(text)}.")
+    x, y, z = map(metres, parts)
+    return x, y, z
+
+
 def _amount(text, units, like):
     """The number in a text, times the size of the first of the units that it ends with."""
     number = text.strip()

@@ -43,6 +43,7 @@ NAMES = [
     "work_precision",
     "without_stretch",
     "three_models",
+    "flight",
     "hard_cases",
     "effects_cost",
     "hostile_input",

@@ -5,7 +5,7 @@ import sys
 import time
 
 QUIET = 3.0  # seconds, after which a command says what it is doing
-FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "recommend": 30, "effects": 40, "study": 60, "report": 70}
+FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "fly": 60, "recommend": 30, "effects": 40, "study": 60, "report": 70}
 """Seconds of compiling on one core of 3 GHz where nothing is compiled yet, by what is asked for."""
 
 

@@ -1,5 +1,6 @@
 """A flight: a scene whose bodies are quadrotors, under a controller, step by step."""
 
+import logging
 import time
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -19,7 +20,9 @@ from .quadrotor import THESIS_QUADROTOR, Quadrotor
 from .rotors import Rotors
 from .seen import Seen, Sensors
 
+LOG = logging.getLogger(__name__)
 STATES = 400  # saved if the caller does not say how many
+TOLD_EVERY = 5.0  # [s], between two words on how far a flight is
 
 
 def quadrotors_of(scene: Scene, quadrotors: Quadrotor | Mapping[str, Quadrotor]) -> list[Quadrotor]:
@@ -99,8 +102,11 @@ def fly(
             one.reset()
     steps_of = LawSteps(march, Pilot(controller, sensors, Rotors(crew, dt), len(scene.free_points)))
     rows, status, message = [(march.state, march.energy)], "done", ""
-    begin = time.perf_counter()
+    begin = told_at = time.perf_counter()
     for k in range(0, steps, every):
+        if (now := time.perf_counter()) - told_at > TOLD_EVERY:
+            told_at = now
+            LOG.info("step %d of %d, %.0f s left if the others take as long", k, steps, (now - begin) * (steps - k) / k)
         try:
             steps_of.march(min(every, steps - k))
         except SessionError as failure:

@@ -1,10 +1,11 @@
 """Controllers that act at a rate of their own: called, held and delayed."""
 
+import math
 from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-from anet_lumped.checks import check_number
+from anet_lumped.checks import InputError, check_number
 
 SAME_TIME = 1e-6  # of the time between two calls
 
@@ -27,13 +28,23 @@ class Held:
 
     def reset(self) -> None:
         """Forget what was answered, here and in the controller."""
-        self._calls, self._begin, self._answers = 0, 0.0, deque[tuple[float, Any]]()
+        self._calls, self._begin, self._t, self._answers = 0, 0.0, -math.inf, deque[tuple[float, Any]]()
         if hasattr(self.controller, "reset"):
             self.controller.reset()
 
     def __call__(self, seen: Any, *given: Any) -> Any:
-        """The answer that acts at the time ``seen.t``; calls in the order of times."""
+        """The answer that acts at the time ``seen.t``.
+
+        Raises
+        ------
+        InputError : a time before that of the last call
+        """
         slack = SAME_TIME * self.period
+        if seen.t < self._t - slack:
+            raise InputError(
+                f"A controller must be called in the order of times, or be reset, but t = {seen.t:g} s comes after {self._t:g} s."
+            )
+        self._t = seen.t
         if self._calls == 0:
             self._begin = seen.t
         if seen.t >= self._begin + self._calls * self.period - slack:

@@ -93,7 +93,7 @@ def test_the_scenes_that_are_bundled():
         "quadrotors_break",
         "quadrotors_gust",
     ]
-    names += ["quadrotors_net", "tether", "thesis_single_cable", "thesis_two_cables"]
+    names += ["quadrotors_net", "quadrotors_scoop", "tether", "thesis_single_cable", "thesis_two_cables"]
     assert [file.stem for file in SCENES] == names
 
 

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 from anet_lumped import load_scene, paths
-from anet_lumped.checks import SceneError
+from anet_lumped.checks import InputError, SceneError
 from anet_lumped.flight.fly import fly
 from anet_lumped.flight.geometric import AttitudeControl, Cascade, Goal, PositionControl, attitudes, follow, geometric, hold
 from anet_lumped.flight.hovering import hovering
@@ -129,6 +129,9 @@ def test_rate_hold_and_delay():
     assert held(seen_at(1.0)) == 1.0 and held(seen_at(1.004)) == 1.0
     faster = Held(controller, rate=1000.0)
     assert [faster(seen_at(0.004 * k)) for k in range(3)] == [0.0, 0.004, 0.008]
+    with pytest.raises(InputError, match=r"in the order of times, or be reset, but t = 0 s comes after .* s\."):
+        held(seen_at(0.0))
+    held.reset()
     with pytest.raises(SceneError, match=r"`rate` must be positive and finite \[1/s\], but Held has rate=0"):
         Held(controller, rate=0)
 

@@ -27,6 +27,7 @@ from studies.study import NAMES, module_of
 COMMANDS = [
     "equilibrium",
     "simulate",
+    "fly",
     "check",
     "sweep",
     "measures",
@@ -153,7 +154,7 @@ def test_energy_out_of_nothing_exits_with_1(capsys):
 
 
 SAVING = {
-    ("equilibrium", "net_held"): ["equilibrium.json", "nodes.csv"],
+    ("equilibrium", "net_held"): ["equilibrium.json", "nodes.csv", "rest.png"],
     ("simulate", "net_carried", "--t-end", "20ms"): ["run.json", "run.nc", "run.png"],
     ("mismatch", "net_held"): ["mismatch.json"],
     ("sweep", "net_held", "--vary", "segments=5"): ["meta.json", "rows.csv", "rows.jsonl", "rows.parquet"],
@@ -397,7 +398,7 @@ def test_mismatch_with_markers_fits_them(tmp_path, capsys):
     "arguments, sentence",
     [
         (["check", "net_hel"], 'There is no scene and no file "net_hel", did you mean "net_held"?'),
-        (["check", "qqqq"], "the scenes that come with this are loose_cable, net_carried"),
+        (["check", "qqqq"], "the scenes that come with this are loose_cable, mooring, net_carried"),
         (["check", "nowhere.toml"], "A scene file must be readable, but nowhere.toml"),
         (["sweep", "net_held", "--vary", "Ea=1"], "Nothing called `Ea` can be varied here, did you mean `EA`?"),
         (["sweep", "net_held", "--vary", "EA=1:2"], "A range must be a:b:n"),
@@ -409,7 +410,7 @@ def test_mismatch_with_markers_fits_them(tmp_path, capsys):
         (["convert", "net_held", "nowhere/net.toml"], "nowhere/net.toml: No such file or directory."),
         (["study", "ordr"], 'There is no study "ordr", did you mean "order"?'),
         (["mismatch", "net_held", "--markers", "nowhere.csv"], "nowhere.csv"),
-        (["fly"], "No such command 'fly'"),
+        (["land"], "No such command 'land'"),
     ],
 )
 def test_bad_input_is_one_sentence_and_exit_2(arguments, sentence, capsys):
