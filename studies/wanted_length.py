@@ -2,7 +2,6 @@
 
 import re
 
-from anet_lumped.checks import InputError, quoted
 from studies.quantities import metres, newtons
 
 WANTED = re.compile(r"(.+)\.length\s*=\s*(sag|tension|lowest)\s*:\s*([^@]+?)\s*(?:@\s*(.+))?")
@@ -16,9 +15,12 @@ def apart(texts):
 
 def with_wanted_lengths(scene, texts):
     """The scene with the lengths that such texts want, one after the other."""
-    for text in texts:
-        from anet_lumped.statics.tensioned import tensioned
+    if not texts:
+        return scene
+    from anet_lumped.checks import InputError, quoted
+    from anet_lumped.statics.tensioned import tensioned
 
+    for text in texts:
         cable, what, amount, point = WANTED.fullmatch(text).groups()
         if point is not None and what != "tension":
             raise InputError(f"Only a tension is wanted at a point, but {quoted(text)} wants a {what} there.")

@@ -70,6 +70,7 @@ REGISTRY = Registry(
         "line_change": "LineChange",
         "load": "Load",
         "moordyn_bottom": "MoordynBottom",
+        "natural_curvature": "NaturalCurvature",
         "temperature": "Temperature",
         "viscous_damping": "ViscousDamping",
         "water": "Water",

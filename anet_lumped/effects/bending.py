@@ -37,11 +37,22 @@ from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
 
 from .effect import Effect
+from .laws.rod import (
+    add_row,
+    assemble_pair,
+    between_nodes,
+    combined,
+    dot,
+    own_block,
+    own_step_block,
+    projected,
+    step_of,
+    tangent_of_segment,
+)
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
 ALPHA = 0.05  # numerical damper in full, see the module
 LOOKS = 200  # at the directions of a clamp that turns, for one that is zero
-SHORT = 1e-6  # of L0: a shorter segment counts as this long, since a segment of no length has no direction
 
 
 @dataclass(frozen=True)
@@ -159,39 +170,9 @@ def _stiffness(cable: Any) -> list[float]:
 
 
 @inlined_law
-def _dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@inlined_law
-def _combined(factor_a, a, factor_b, b):
-    """x a + y b."""
-    return factor_a * a[0] + factor_b * b[0], factor_a * a[1] + factor_b * b[1], factor_a * a[2] + factor_b * b[2]
-
-
-@inlined_law
-def _between_nodes(q, i, j):
-    return q[j, 0] - q[i, 0], q[j, 1] - q[i, 1], q[j, 2] - q[i, 2]
-
-
-@inlined_law
-def _tangent(d, L0):
-    """Unit tangent and length of a segment, at least `SHORT` of L0."""
-    l = max(math.sqrt(_dot(d, d)), SHORT * L0)
-    return (d[0] / l, d[1] / l, d[2] / l), l
-
-
-@inlined_law
 def _slope(B, l, t, other):
     """dE/dd = -(B/l) (other - (t . other) t)."""
-    return _combined(-B / l, other, B / l * _dot(t, other), t)
-
-
-@inlined_law
-def _add(f, i, a, sign):
-    f[i, 0] += sign * a[0]
-    f[i, 1] += sign * a[1]
-    f[i, 2] += sign * a[2]
+    return combined(-B / l, other, B / l * dot(t, other), t)
 
 
 @inlined_law
@@ -200,7 +181,7 @@ def _clamp(t, params, at, pieces, sine):
     if pieces == 0:
         return params[at], params[at + 1], params[at + 2]
     c, _ = value_at(t, params, at, pieces, sine != 0)
-    size = math.sqrt(_dot(c, c))
+    size = math.sqrt(dot(c, c))
     return c[0] / size, c[1] / size, c[2] / size
 
 
@@ -208,9 +189,9 @@ def _clamp(t, params, at, pieces, sine):
 def _clamp_rate(t, params, at, pieces, sine):
     """Rate of the direction of a clamp that turns, (r - c (c . r))/|path| for a path of the rate r."""
     path, rate, _, _ = motion_at(t, params, at, pieces, sine != 0)
-    size = math.sqrt(_dot(path, path))
+    size = math.sqrt(dot(path, path))
     c = path[0] / size, path[1] / size, path[2] / size
-    return _combined(1.0 / size, rate, -_dot(c, rate) / size, c)
+    return combined(1.0 / size, rate, -dot(c, rate) / size, c)
 
 
 @inlined_law
@@ -226,66 +207,34 @@ def force(t, q, v, index, params, f):
     for _ in range(index[0]):
         i, j, k = index[i_index], index[i_index + 1], index[i_index + 2]
         B, L0 = params[i_params], params[i_params + 1]
-        t1, l1 = _tangent(_between_nodes(q, i, j), L0)
-        t2, l2 = _tangent(_between_nodes(q, j, k), L0)
+        t1, l1 = tangent_of_segment(between_nodes(q, i, j), L0)
+        t2, l2 = tangent_of_segment(between_nodes(q, j, k), L0)
         g1, g2 = _slope(B, l1, t1, t2), _slope(B, l2, t2, t1)
-        _add(f, i, g1, 1.0)
-        _add(f, j, g1, -1.0)
-        _add(f, j, g2, 1.0)
-        _add(f, k, g2, -1.0)
+        add_row(f, i, g1, 1.0)
+        add_row(f, j, g1, -1.0)
+        add_row(f, j, g2, 1.0)
+        add_row(f, k, g2, -1.0)
         i_index, i_params = i_index + 4, i_params + 3
     while i_index < index.shape[0]:
         i, j, pieces, sine = index[i_index], index[i_index + 1], index[i_index + 2], index[i_index + 3]
-        t1, l1 = _tangent(_between_nodes(q, i, j), params[i_params + 1])
+        t1, l1 = tangent_of_segment(between_nodes(q, i, j), params[i_params + 1])
         g = _slope(2.0 * params[i_params], l1, t1, _clamp(t, params, i_params + 3, pieces, sine))
-        _add(f, i, g, 1.0)
-        _add(f, j, g, -1.0)
+        add_row(f, i, g, 1.0)
+        add_row(f, j, g, -1.0)
         if pieces > 0:
-            power += 2.0 * params[i_params] * _dot(t1, _clamp_rate(t, params, i_params + 3, pieces, sine))
+            power += 2.0 * params[i_params] * dot(t1, _clamp_rate(t, params, i_params + 3, pieces, sine))
         i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
     return power
 
 
 @inlined_law
-def _own_block(H, B, l, t, other):
-    """d2E/dd2 = (B/l^2) (t p^T + p t^T + c (I - t t^T)), p = other - c t, c = t . other, for H."""
-    c, per = _dot(t, other), B / (l * l)
-    p = _combined(1.0, other, -c, t)
-    for x in range(3):
-        for y in range(3):
-            H[x, y] = per * (t[x] * p[y] + p[x] * t[y] - c * t[x] * t[y])
-        H[x, x] += per * c
-
-
-@inlined_law
 def _cross_block(H, per, t1, t2):
     """per (I - t1 t1^T)(I - t2 t2^T), for H."""
-    c = _dot(t1, t2)
+    c = dot(t1, t2)
     for x in range(3):
         for y in range(3):
             H[x, y] = per * (c * t1[x] * t2[y] - t1[x] * t1[y] - t2[x] * t2[y])
         H[x, x] += per
-
-
-@law
-def _assemble(weight, i, j, k, s, H11, H12, H21, H22, D, near, far):
-    """Add weight times the blocks of the three nodes of a pair of segments; Hij is the derivative of g_i with respect to d_j."""
-    free = D.shape[0]
-    for x in range(3):
-        for y in range(3):
-            a, b, c, d = weight * H11[x, y], weight * H12[x, y], weight * H21[x, y], weight * H22[x, y]
-            if i < free:
-                D[i, x, y] += a
-            if j < free:
-                D[j, x, y] += a - b - c + d
-            if k < free:
-                D[k, x, y] += d
-            near[s, 0, x, y] += b - a
-            near[s, 1, x, y] += c - a
-            near[s + 1, 0, x, y] += b - d
-            near[s + 1, 1, x, y] += c - d
-            far[s, 0, x, y] -= b
-            far[s, 1, x, y] -= c
 
 
 @law
@@ -305,18 +254,18 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     for _ in range(index[0]):
         i, j, k, s = index[i_index], index[i_index + 1], index[i_index + 2], index[i_index + 3]
         B, L0 = params[i_params], params[i_params + 1]
-        t1, l1 = _tangent(_between_nodes(q, i, j), L0)
-        t2, l2 = _tangent(_between_nodes(q, j, k), L0)
-        _own_block(H11, B, l1, t1, t2)
-        _own_block(H22, B, l2, t2, t1)
+        t1, l1 = tangent_of_segment(between_nodes(q, i, j), L0)
+        t2, l2 = tangent_of_segment(between_nodes(q, j, k), L0)
+        own_block(H11, B, l1, t1, t2)
+        own_block(H22, B, l2, t2, t1)
         _cross_block(H12, -B / (l1 * l2), t1, t2)
         _cross_block(H21, -B / (l1 * l2), t2, t1)
-        _assemble(c_q, i, j, k, s, H11, H12, H21, H22, D, near, far)
+        assemble_pair(c_q, i, j, k, s, H11, H12, H21, H22, D, near, far)
         i_index, i_params = i_index + 4, i_params + 3
     while i_index < index.shape[0]:
-        t1, l1 = _tangent(_between_nodes(q, index[i_index], index[i_index + 1]), params[i_params + 1])
+        t1, l1 = tangent_of_segment(between_nodes(q, index[i_index], index[i_index + 1]), params[i_params + 1])
         pieces, sine = index[i_index + 2], index[i_index + 3]
-        _own_block(H11, 2.0 * params[i_params], l1, t1, _clamp(t, params, i_params + 3, pieces, sine))
+        own_block(H11, 2.0 * params[i_params], l1, t1, _clamp(t, params, i_params + 3, pieces, sine))
         _assemble_clamp(c_q, index[i_index + 1], H11, D)
         i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
 
@@ -326,52 +275,24 @@ def energy(t, q, index, params):
     """Sum of B/2 |t2 - t1|^2 and of B |c - t|^2 [J]."""
     total, i_index, i_params = 0.0, 1, 0
     for _ in range(index[0]):
-        t1, _ = _tangent(_between_nodes(q, index[i_index], index[i_index + 1]), params[i_params + 1])
-        t2, _ = _tangent(_between_nodes(q, index[i_index + 1], index[i_index + 2]), params[i_params + 1])
-        turn = _combined(1.0, t2, -1.0, t1)
-        total += 0.5 * params[i_params] * _dot(turn, turn)
+        t1, _ = tangent_of_segment(between_nodes(q, index[i_index], index[i_index + 1]), params[i_params + 1])
+        t2, _ = tangent_of_segment(between_nodes(q, index[i_index + 1], index[i_index + 2]), params[i_params + 1])
+        turn = combined(1.0, t2, -1.0, t1)
+        total += 0.5 * params[i_params] * dot(turn, turn)
         i_index, i_params = i_index + 4, i_params + 3
     while i_index < index.shape[0]:
-        t1, _ = _tangent(_between_nodes(q, index[i_index], index[i_index + 1]), params[i_params + 1])
+        t1, _ = tangent_of_segment(between_nodes(q, index[i_index], index[i_index + 1]), params[i_params + 1])
         pieces, sine = index[i_index + 2], index[i_index + 3]
-        turn = _combined(1.0, t1, -1.0, _clamp(t, params, i_params + 3, pieces, sine))
-        total += params[i_params] * _dot(turn, turn)
+        turn = combined(1.0, t1, -1.0, _clamp(t, params, i_params + 3, pieces, sine))
+        total += params[i_params] * dot(turn, turn)
         i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
     return total
 
 
 @inlined_law
-def _step_of(base, q, i, j, L0):
-    """Of a segment in a step from ``base`` to ``q``: both tangents, both lengths, S and e of the module, change of the tangent."""
-    a, b = _between_nodes(base, i, j), _between_nodes(q, i, j)
-    t_a, l_a = _tangent(a, L0)
-    t_b, l_b = _tangent(b, L0)
-    per = 1.0 / (l_a + l_b)
-    e = _combined(per, a, per, b)
-    return t_a, t_b, l_a, l_b, 0.5 * (1.0 / l_a + 1.0 / l_b), e, _combined(1.0, t_b, -1.0, t_a)
-
-
-@inlined_law
-def _turned(S, e, w):
-    """S (I - e e^T) w."""
-    return _combined(S, w, -S * _dot(e, w), e)
-
-
-@inlined_law
-def _own_step_block(H, B, S, e, t_b, l_a, l_b, w):
-    """Derivative in d_b of -B S (I - e e^T) w at constant w, for H."""
-    along, per = _dot(e, w), S / (l_a + l_b)
-    across = _combined(1.0, w, -along, e)
-    for x in range(3):
-        for y in range(3):
-            H[x, y] = B * (0.5 / (l_b * l_b) * across[x] * t_b[y] + per * (e[x] * w[y] - 2.0 * along * e[x] * t_b[y]))
-        H[x, x] += B * per * along
-
-
-@inlined_law
 def _add_turn_block(H, weight, S, e, t_b, l_b):
     """Add weight S (I - e e^T)(I - t_b t_b^T)/l_b to H."""
-    c, per = _dot(e, t_b), weight * S / l_b
+    c, per = dot(e, t_b), weight * S / l_b
     for x in range(3):
         for y in range(3):
             H[x, y] += per * (c * e[x] * t_b[y] - e[x] * e[y] - t_b[x] * t_b[y])
@@ -387,42 +308,42 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         i, j, k, s = index[i_index], index[i_index + 1], index[i_index + 2], index[i_index + 3]
         B, L0, square = params[i_params], params[i_params + 1], (0.5 * h * params[i_params + 2]) ** 2
         alpha = ALPHA * square / (1.0 + square)
-        t1a, t1, l1a, l1, S1, e1, turn1 = _step_of(base, q, i, j, L0)
-        t2a, t2, l2a, l2, S2, e2, turn2 = _step_of(base, q, j, k, L0)
-        bend = _combined(1.0, turn2, -1.0, turn1)
-        w1 = _combined(1.0, _combined(0.5, t2a, 0.5, t2), alpha, bend)
-        w2 = _combined(1.0, _combined(0.5, t1a, 0.5, t1), -alpha, bend)
-        g1, g2 = _turned(-B * S1, e1, w1), _turned(-B * S2, e2, w2)
-        _add(f, i, g1, 1.0)
-        _add(f, j, g1, -1.0)
-        _add(f, j, g2, 1.0)
-        _add(f, k, g2, -1.0)
-        by_method += alpha * B * _dot(bend, bend)
-        _own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
+        t1a, t1, l1a, l1, S1, e1, turn1 = step_of(base, q, i, j, L0)
+        t2a, t2, l2a, l2, S2, e2, turn2 = step_of(base, q, j, k, L0)
+        bend = combined(1.0, turn2, -1.0, turn1)
+        w1 = combined(1.0, combined(0.5, t2a, 0.5, t2), alpha, bend)
+        w2 = combined(1.0, combined(0.5, t1a, 0.5, t1), -alpha, bend)
+        g1, g2 = projected(-B * S1, e1, w1), projected(-B * S2, e2, w2)
+        add_row(f, i, g1, 1.0)
+        add_row(f, j, g1, -1.0)
+        add_row(f, j, g2, 1.0)
+        add_row(f, k, g2, -1.0)
+        by_method += alpha * B * dot(bend, bend)
+        own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
         _add_turn_block(H11, alpha * B, S1, e1, t1, l1)
-        _own_step_block(H22, B, S2, e2, t2, l2a, l2, w2)
+        own_step_block(H22, B, S2, e2, t2, l2a, l2, w2)
         _add_turn_block(H22, alpha * B, S2, e2, t2, l2)
         H12[:, :] = 0.0
         H21[:, :] = 0.0
         _add_turn_block(H12, -(0.5 + alpha) * B, S1, e1, t2, l2)
         _add_turn_block(H21, -(0.5 + alpha) * B, S2, e2, t1, l1)
-        _assemble(1.0, i, j, k, s, H11, H12, H21, H22, D, near, far)
+        assemble_pair(1.0, i, j, k, s, H11, H12, H21, H22, D, near, far)
         i_index, i_params = i_index + 4, i_params + 3
     while i_index < index.shape[0]:
         i, j, pieces, sine = index[i_index], index[i_index + 1], index[i_index + 2], index[i_index + 3]
         B, L0, square = 2.0 * params[i_params], params[i_params + 1], (0.5 * h * params[i_params + 2]) ** 2
         alpha = ALPHA * square / (1.0 + square)
         c_a, c_b = _clamp(t - 0.5 * h, params, i_params + 3, pieces, sine), _clamp(t + 0.5 * h, params, i_params + 3, pieces, sine)
-        t1a, t1, l1a, l1, S1, e1, turn1 = _step_of(base, q, i, j, L0)
-        turned = _combined(1.0, c_b, -1.0, c_a)
-        bend = _combined(1.0, turn1, -1.0, turned)
-        w1 = _combined(1.0, _combined(0.5, c_a, 0.5, c_b), -alpha, bend)
-        g1 = _turned(-B * S1, e1, w1)
-        _add(f, i, g1, 1.0)
-        _add(f, j, g1, -1.0)
-        by_method += alpha * B * _dot(bend, bend)
-        dissipated += B * (0.5 * (_dot(t1a, turned) + _dot(t1, turned)) + alpha * _dot(bend, turned))
-        _own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
+        t1a, t1, l1a, l1, S1, e1, turn1 = step_of(base, q, i, j, L0)
+        turned = combined(1.0, c_b, -1.0, c_a)
+        bend = combined(1.0, turn1, -1.0, turned)
+        w1 = combined(1.0, combined(0.5, c_a, 0.5, c_b), -alpha, bend)
+        g1 = projected(-B * S1, e1, w1)
+        add_row(f, i, g1, 1.0)
+        add_row(f, j, g1, -1.0)
+        by_method += alpha * B * dot(bend, bend)
+        dissipated += B * (0.5 * (dot(t1a, turned) + dot(t1, turned)) + alpha * dot(bend, turned))
+        own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
         _add_turn_block(H11, alpha * B, S1, e1, t1, l1)
         _assemble_clamp(1.0, j, H11, D)
         i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
