@@ -25,9 +25,10 @@ from typing import Any, Self
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_direction, check_number, quoted
+from anet_lumped.checks import Vector, check_direction, check_number
 from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.effects.laws.axial import secant_tension, spring_energy
+from anet_lumped.effects.laws.contact_area import frequencies, sums_over_halves
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
 from .effect import Effect, height_under
@@ -73,7 +74,7 @@ class Ground(Effect):
 
     def highest_frequency(self, scene: Any) -> float:
         """Of the mass of a segment on the springs under it, sqrt(k d/mu), or of a body on those at one of its points."""
-        found = [math.sqrt(self.stiffness * (cable.diameter or 0.0) / cable.mass_per_length) for cable in scene.cables]
+        found = frequencies(scene.cables, self.stiffness)
         for body in scene.bodies:
             areas = _contacts(body)
             found += [math.sqrt(self.stiffness * area * len(areas) / body.least_masses[name]) for name, (area, _) in areas.items()]
@@ -104,19 +105,9 @@ class Ground(Effect):
         ------
         SceneError : a cable without a diameter
         """
-        nodes = np.zeros((model.n, 3))
-        for c, cable in enumerate(model.scene.cables):
-            if cable.diameter is None:
-                raise SceneError(
-                    f"The effect Ground needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
-                )
-            first, count = model.segment_run(c)
-            half = 0.5 * cable.diameter * cable.L0
-            for ends in model.ends[first : first + count].T:
-                np.add.at(nodes, ends, (self.stiffness * half, self.damping * half, DEPTH * cable.diameter * half))
-        for point, cable in model.scene.stubs:
-            half = 0.5 * cable.diameter * cable.L0
-            nodes[model.node(point)] += self.stiffness * half, self.damping * half, DEPTH * cable.diameter * half
+        nodes = sums_over_halves(
+            model, "Ground", lambda cable, half: (self.stiffness * half, self.damping * half, DEPTH * cable.diameter * half)
+        )
         mass = model.mass.copy()
         for body in model.scene.bodies:
             areas = _contacts(body)
