@@ -6,7 +6,7 @@ cable where they are largest, speeds and tensions are those of the run.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -161,7 +161,7 @@ class _Runs:
         try:
             return self.run(scene), None
         except EquilibriumError:
-            start = State(reference.model, 0.0, reference.q[0], reference.v[0], reference.segment_tension[0])
+            start = replace(reference.state(0), t=0.0, events=())
             return self.run(scene, start), start
 
     def reference(self, scene: Scene) -> tuple[Run, float]:

@@ -6,7 +6,7 @@ MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says wha
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
 be had is refused, all of it at once: rods that turn on a body, drag on the rotation of bodies, failures at a time, external loads,
-waves and currents, tables in place of numbers but for EA, viscoelastic lines, line lift (VIV).
+waves and currents, tables in place of numbers but for EA, line lift (VIV).
 """
 
 import pathlib

@@ -3,8 +3,8 @@
 Written so that MoorDyn v2 runs it and that `moordyn_file` reads it back as an equal scene, like_moordyn where the bottom is
 `MoordynBottom` and points do not float; names travel as remarks. What a deck cannot hold is refused: two-way springs, cables that
 do not stretch or may break, events, damping by the environment; of bodies see `moordyn_body_rows`. What it has no place for is
-lost: the path of a driven point or body, which MoorDyn moves from outside, the EI of a scene without bending, that a cable has no
-diameter and that a free point has no place.
+lost: the path of a driven point or body, which MoorDyn moves from outside, the EI of a scene without bending, the zeta of a cable
+that creeps, that a cable has no diameter and that a free point has no place.
 """
 
 import math
@@ -130,8 +130,12 @@ def _type(cable: Cable, bends: bool, curves: dict[Any, str]) -> str:
     diameter = NO_DIAMETER if cable.diameter is None else cable.diameter
     damping = -cable.zeta if cable.BA is None else cable.BA
     EA = repr(cable.EA) if cable.tension_strain is None else curves[cable.tension_strain]
-    numbers = (damping or 0.0, cable.EI if bends else 0.0, cable.Cdn, cable.Can, cable.Cdt, cable.Cat)
-    return " ".join((repr(diameter), repr(cable.mass_per_length), EA, *map(repr, numbers)))
+    of_damping = repr(damping or 0.0)
+    if cable.creeps:
+        EA += "".join(f"|{x!r}" for x in (cable.EA_dynamic, cable.EA_dynamic_per_tension) if x)
+        of_damping = f"{cable.BA_creep!r}|{cable.axial_viscosity!r}"
+    numbers = (cable.EI if bends else 0.0, cable.Cdn, cable.Can, cable.Cdt, cable.Cat)
+    return " ".join((repr(diameter), repr(cable.mass_per_length), EA, of_damping, *map(repr, numbers)))
 
 
 def _point(point: Point, at: Any) -> str:

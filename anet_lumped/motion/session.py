@@ -14,7 +14,7 @@ from anet_lumped.model import rest_lengths
 from anet_lumped.model.body_rotation import quaternions
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
-from anet_lumped.model.tables import AXIAL_TWO_WAY_DAMPER, SEGMENT_DIRECTION
+from anet_lumped.model.tables import AXIAL_TWO_WAY_DAMPER, CREPT_STRETCH, SEGMENT_DIRECTION
 from anet_lumped.results.energy_balance import BY_EFFECTS, WORK, book_remainder
 from anet_lumped.results.events import Event
 from anet_lumped.results.run import STATUS, State, Work
@@ -103,7 +103,7 @@ class Session:
         self._motions = GivenMotions(scene, begin, self._origin, self.dt)
         self._forces = GivenForces(scene)
         self._counts, self._first_t, self._steps = np.zeros(COUNTS, np.int64), begin.t, 0
-        state = State(build(pushed), begin.t, begin.q, begin.v, begin.segment_tension, events=begin.events)
+        state = State(build(pushed), begin.t, begin.q, begin.v, begin.segment_tension, events=begin.events, crept=begin.crept)
         self._legs = Legs(pushed, state, Leg(begin.t, math.inf, begin.t, math.inf, None), self.dt)
         self._due = sorted({event.t for event in pushed.events if event.t >= begin.t})
         self._new_march()
@@ -126,7 +126,7 @@ class Session:
         if not scheme.keeps_constraints:
             legs.take_blow()
         own, model = legs.left, legs.left.model
-        self._net, self._system = net_and_system(model, scheme, legs.tension[own.segment])
+        self._net, self._system = net_and_system(model, scheme, legs.tension[own.segment], legs.crept_of(own))
         q, v = (np.array(x[own.node], float, order="C") for x in (legs.q, legs.v))
         self._state = StepState(q, v, np.zeros((scheme.memory_rows, model.n, 3)), np.zeros(BALANCE))
         start = scratch_for(self._state, scheme.carried_rows, 0).start
@@ -248,9 +248,9 @@ class Session:
             self._motions.go_on()
 
     def _change(self, t: float) -> None:
-        """Change the payloads whose events are at t."""
+        """Change the payloads and cut the cables whose events are at t."""
         self._sync()
-        self._legs.change_payloads(t)
+        self._legs.take_events(t)
         self._new_march()
 
     def _sync(self) -> None:
@@ -259,6 +259,8 @@ class Session:
         legs.t = float(self._numbers[0])
         legs.q[own.node], legs.v[own.node] = self._state.q, self._state.v
         legs.tension[own.segment] = self._end_tension()
+        if own.model.creeps:
+            legs.crept[own.segment] = self._net.crept[:, CREPT_STRETCH]
         legs.carried[WORK:] += self._state.balance[WORK:ENERGIES]
 
     # What is read --------------------------------------------------------------------------------------------------------
@@ -296,7 +298,10 @@ class Session:
         model, own = build(self.scene), self._legs.left
         q, v, tension = self._legs.q.copy(), self._legs.v.copy(), self._legs.tension.copy()
         q[own.node], v[own.node], tension[own.segment] = self._state.q, self._state.v, self._end_tension()
-        return State(model, self.t, q + self._origin, v, tension, events=self.events)
+        crept = None if self._legs.crept is None else self._legs.crept.copy()
+        if crept is not None and own.model.creeps:
+            crept[own.segment] = self._net.crept[:, CREPT_STRETCH]
+        return State(model, self.t, q + self._origin, v, tension, events=self.events, crept=crept)
 
     def position(self, point: str) -> np.ndarray:
         """(3,) place of a point [m]."""
@@ -386,10 +391,15 @@ class Session:
         net = self._net._replace(words=_NO_ADDRESSES, kernels=_NO_ADDRESSES)
         yield from (self._numbers, self._counts, self._motions.given, *self._state, *own_arrays(net, self._legs.left.model))
 
+    def _of_legs(self) -> tuple[np.ndarray, ...]:
+        """What the legs hold of the state."""
+        legs = self._legs
+        return legs.q, legs.v, legs.tension, legs.carried, *(() if legs.crept is None else (legs.crept,))
+
     def save(self) -> Mark:
         """Keep the whole state of the session, to go back to."""
         legs = self._legs
-        kept = legs.q, legs.v, legs.tension, legs.carried
+        kept = self._of_legs()
         return Mark(
             id(self), self.t, self._steps, (dict(legs.masses), dict(legs.broken)), tuple(x.copy() for x in kept),
             self._forces.saved(), tuple(x.copy() for x in self._arrays()), self.events, tuple(self._due),
@@ -408,7 +418,7 @@ class Session:
         other = (masses, broken) != (legs.masses, legs.broken)
         legs.masses, legs.broken, legs.events, self._due = dict(masses), dict(broken), list(mark.events), list(mark.due)
         legs.t, self._steps = mark.t, mark.steps
-        for own, saved in zip((legs.q, legs.v, legs.tension, legs.carried), mark.legs, strict=True):
+        for own, saved in zip(self._of_legs(), mark.legs, strict=True):
             own[:] = saved
         self._forces.restore(mark.forces)
         if other:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import InputError, check_index
+from anet_lumped.checks import InputError, check_index, quoted
 from anet_lumped.effects.laws.axial import tension_parts, with_select
 from anet_lumped.model import body_rotation
 from anet_lumped.model.model import Model
@@ -55,7 +55,16 @@ def segment_tensions(model: Model, q: np.ndarray, v: np.ndarray) -> np.ndarray:
     Returns
     -------
     T : (..., n_segments) float64 [N]
+
+    Raises
+    ------
+    InputError : a cable that creeps, whose tension depends on how far it has crept
     """
+    creeping = next((cable.name for cable in model.scene.cables if cable.creeps), None)
+    if creeping is not None:
+        raise InputError(
+            f"Tensions of a cable that creeps must be given, which no place tells, but those of {quoted(creeping)} are not."
+        )
     a, b = model.ends.T
     c, two_damper = model.axial[model.cable_of, AXIAL_DAMPER], model.axial[model.cable_of, AXIAL_TWO_WAY_DAMPER]
     k, pushes, L0, rows, *ends = (x if np.ndim(x) == 0 else x[..., model.cable_of] for x in model.springs_of_cables)
@@ -83,6 +92,8 @@ class State:
         Of an equilibrium, whether no direction leads down from it; None where it was not judged, as in a run.
     q_near : (n, 3) float64 [m] or None
         Of a scene far from its origin the places about an origin near it, which are not rounded to the digits of ``q``.
+    crept : (n_segments,) float64 [m] or None
+        How far each segment has crept, see `effects.laws.creep`; None is that of lengths that have been held for long.
     """
 
     model: Model
@@ -94,6 +105,7 @@ class State:
     events: tuple[Event, ...] = ()
     stable: bool | None = None
     q_near: np.ndarray | None = None
+    crept: np.ndarray | None = None
 
     def __repr__(self) -> str:
         return f"<State at t={self.t:g} s of {len(self.q)} nodes>"
@@ -194,6 +206,7 @@ class Run:
         Whether the errors that were to be kept are, as far as its own estimates tell (see `motion.accuracy`); None if the step was
         given.
     q_near : (k, n, 3) float64 [m] or None, as of a `State`
+    crept : (k, n_segments) float64 [m] or None, likewise; of scenes with a cable that creeps
     """
 
     model: Model
@@ -217,6 +230,7 @@ class Run:
     extrapolated: bool = False
     kept: bool | None = None
     q_near: np.ndarray | None = None
+    crept: np.ndarray | None = None
 
     def __repr__(self) -> str:
         states = f"{len(self.t)} states of {self.q.shape[1]} nodes from t={self.t[0]:g} s to {self.t[-1]:g} s"
@@ -244,8 +258,12 @@ class Run:
 
     @property
     def energy_promise(self) -> EnergyPromise:
-        """What the method promises of the energy of this scene: nothing where an effect has a force without an energy."""
+        """What the method promises of the energy of this scene: nothing where an effect has a force without an energy.
+
+        Nor does it where a spring gets stiffer as a cable creeps (`EA_dynamic_per_tension`).
+        """
         kept = all(effect.keeps_energy for effect in self.scene.effects)
+        kept = kept and not any(cable.EA_dynamic_per_tension for cable in self.scene.cables)
         return schemes.scheme(self.method).energy if kept else EnergyPromise.NONE
 
     @cached_property
@@ -279,6 +297,7 @@ class Run:
         rows, places = self.t.shape, (*self.t.shape, self.model.n, 3)
         columns = self.energy.shape[1:] if self.energy.shape[1:] in ((len(COLUMNS),), (len(UNDIVIDED),)) else (len(COLUMNS),)
         shapes = {"q": places, "v": places, "q_near": places, "segment_tension": (*rows, self.model.n_segments)}
+        shapes["crept"] = shapes["segment_tension"]
         for name, shape in (shapes | {"error_growth": rows, "energy": (*rows, *columns)}).items():
             found = getattr(self, name)
             if found is not None and found.shape != shape:
@@ -295,7 +314,8 @@ class Run:
         t = float(self.t[k])
         events = tuple(event for event in self.events if event.t < t or (event.t == t and event.kind == BREAK))
         near = None if self.q_near is None else self.q_near[k]
-        return State(self.model, t, self.q[k], self.v[k], self.segment_tension[k], events=events, q_near=near)
+        crept = None if self.crept is None else self.crept[k]
+        return State(self.model, t, self.q[k], self.v[k], self.segment_tension[k], events=events, q_near=near, crept=crept)
 
     def position(self, point: str) -> np.ndarray:
         """(k, 3) places of a point [m]."""

@@ -102,9 +102,7 @@ def test_bodies_that_move_by_themselves_are_refused():
     rod = rod_body("can", (0, 0, 1), (1, 0, 1), mass_per_length=1.0, diameter=0.1, segments=2)
     cable = Cable("a", "can.a", length=2.0, mass_per_length=0.1, EA=1e4, segments=2, diameter=0.01)
     scene = Scene([Fixed("a", (0, 0, 2))], [cable], [Gravity(9.81), LAW], bodies=[rod])
-    with pytest.raises(
-        SceneError, match=r'acts on cables alone, so that no body may move by itself, but "can" does; Ground'
-    ):
+    with pytest.raises(SceneError, match=r'acts on cables alone, so that no body may move by itself, but "can" does; Ground'):
         build(scene)
 
 
