@@ -5,7 +5,7 @@ MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says wha
 `moordyn_bodies`, `moordyn_rods`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_effects`.
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
-be had is refused, all of it at once: rods that turn on a body, drag on the rotation of bodies, failures at a time, external loads,
+be had is refused, all of it at once: rods that turn on a body, drag on the rotation of bodies, external loads,
 waves and currents, tables in place of numbers but for EA, line lift (VIV).
 """
 
@@ -22,7 +22,7 @@ from anet_lumped.scene.scene import Free, Scene
 
 from .moordyn_bodies import moving_body
 from .moordyn_effects import read_effects
-from .moordyn_failure import breaking_tensions
+from .moordyn_failure import Failures, read_failures
 from .moordyn_findings import DeckWarning, Findings
 from .moordyn_line_types import Tables, read_line_types
 from .moordyn_lines import Line, read_lines, type_of
@@ -128,12 +128,12 @@ def deck_from_text(
     bodies = [*_bodies(places, rods, findings), *rods.bodies]
     names = [row.words[0] for row in sections.get("line types", [])]
     lines = read_lines(rows, names, types, places, findings)
-    limits = breaking_tensions(sections.get("failure", []), lines, places, findings)
+    failures = read_failures(sections.get("failure", []), lines, places, findings)
     options = read_options(sections.get("options", []), folder, findings)
     effects = read_effects(options, places, bodies, lines, like_moordyn=like_moordyn)
     findings.raise_if_refused()
     try:
-        scene = _scene(places, bodies, lines, limits, effects, findings)
+        scene = _scene(places, bodies, lines, failures, effects, findings)
     except ValueError as error:
         raise SceneError(f"{source}: {error}") from None
     known = {point.name for point in scene.all_points}
@@ -160,9 +160,7 @@ def _bodies(places: Places, rods: Rods, findings: Findings) -> list[Body]:
     return bodies
 
 
-def _scene(
-    places: Places, bodies: list[Body], lines: list[Line], limits: Mapping[int, float], effects: list, findings: Findings
-) -> Scene:
+def _scene(places: Places, bodies: list[Body], lines: list[Line], failures: Failures, effects: list, findings: Findings) -> Scene:
     """The scene, without free points that no line reaches."""
     ends = {number for line in lines for number in line.ends}
     points = []
@@ -171,5 +169,6 @@ def _scene(
             findings.remark(f"Point {number} is left out: it moves freely and no line ends there.")
         elif point is not None and not isinstance(point, OnMovingBody):
             points.append(point)
+    limits = failures.tensions
     cables = [replace(line.cable, breaking_tension=limits[line.number]) if line.number in limits else line.cable for line in lines]
-    return Scene(points, cables, effects, bodies=bodies)
+    return Scene(points, cables, effects, failures.cuts, bodies)

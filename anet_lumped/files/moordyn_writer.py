@@ -2,9 +2,9 @@
 
 Written so that MoorDyn v2 runs it and that `moordyn_file` reads it back as an equal scene, like_moordyn where the bottom is
 `MoordynBottom` and points do not float; names travel as remarks. What a deck cannot hold is refused: two-way springs, cables that
-do not stretch or may break, events, damping by the environment; of bodies see `moordyn_body_rows`. What it has no place for is
-lost: the path of a driven point or body, which MoorDyn moves from outside, the EI of a scene without bending, the zeta of a cable
-that creeps, that a cable has no diameter and that a free point has no place.
+do not stretch or may break, payloads that change, damping by the environment; of bodies see `moordyn_body_rows`. What it has no
+place for is lost: the path of a driven point or body, which MoorDyn moves from outside, the EI of a scene without bending, the zeta
+of a cable that creeps, that a cable has no diameter and that a free point has no place.
 """
 
 import math
@@ -74,8 +74,10 @@ def moordyn_text(
     stem : str
         Tension-strain curves are taken to be in the files "stem_curve1.txt" and so on.
     """
-    if scene.events:
-        raise SceneError(f"A scene must have no events to be written for MoorDyn, but it has {shown(scene.events[0])}.")
+    if scene.payload_changes:
+        raise SceneError(
+            f"A scene must have no payloads that change to be written for MoorDyn, but it has {shown(scene.payload_changes[0])}."
+        )
     places = _places(scene, places or {})
     environment = _environment(scene, max(abs(float(at[2])) for at in places.values()))
     bends = "bending" in {_name(effect) for effect in scene.effects}
@@ -104,6 +106,7 @@ def moordyn_text(
             f"{i} {types[row]} {number[cable.start]} {number[cable.end]} {cable.length!r} {cable.segments} -{named(cable.name)}"
             for i, (cable, row) in enumerate(zip(scene.cables, rows, strict=True), start=1)
         ),
+        *_failures(scene, number),
         "--------------------- OPTIONS ---------------------",
         *(f"{value} {name}" for name, value in (options or {}).items()),
         *(f"{value!r} {name}" for name, value in environment.items()),
@@ -111,6 +114,23 @@ def moordyn_text(
         "--------------------- need this line ---------------------",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _failures(scene: Scene, number: Mapping[str, int]) -> list[str]:
+    """Section of the lines that are cut at given times, which MoorDyn's Fortran version parts at their ends; none without cuts."""
+    rows = []
+    for row, cut in enumerate(scene.cable_cuts, start=1):
+        cable = scene.cable(cut.cable)
+        at_end = cut.segment % cable.segments == cable.segments - 1
+        if not at_end and cut.segment % cable.segments:
+            raise SceneError(
+                f"A cable must be cut at an end to be written for MoorDyn, but of {quoted(cut.cable)} segment {cut.segment} is."
+            )
+        point = number[cable.end if at_end else cable.start]
+        rows.append(f"{row} {point} {scene.cable_numbers[cut.cable] + 1} {cut.t!r} 0")
+    title, names = "--------------------- FAILURE ---------------------", "FailureID Point Line(s) FailTime FailTen"
+    heads = (title, names, "() () (,) (s or 0) (N or 0)")
+    return [*heads, *rows] if rows else []
 
 
 def _type(cable: Cable, bends: bool, curves: dict[Any, str]) -> str:

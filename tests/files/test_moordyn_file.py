@@ -7,7 +7,20 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, SceneError, equilibrium, load_scene, save_scene, simulate
+from anet_lumped import (
+    Cable,
+    CableCut,
+    Driven,
+    Fixed,
+    Free,
+    PayloadChange,
+    Scene,
+    SceneError,
+    equilibrium,
+    load_scene,
+    save_scene,
+    simulate,
+)
 from anet_lumped.effects import Bending, Gravity, Ground, MoordynBottom, ViscousDamping, Water
 from anet_lumped.files.moordyn_file import deck_from_text, read_moordyn
 from anet_lumped.files.moordyn_writer import moordyn_text, save_moordyn
@@ -285,7 +298,11 @@ def test_what_a_deck_has_no_place_for():
         ({"compression": "linear"}, r'must have compression="damped" or "none" .* cable "line1" has "linear"'),
         ({"EA": np.inf}, r'must have a finite `EA` to be written for MoorDyn, but cable "line1" has EA=inf'),
         ({"breaking_tension": 7e5}, r'must have no `breaking_tension` to be written for MoorDyn, but cable "line1" has .*=700000'),
-        ({"events": [PayloadChange("point2", 1.0, 0.0)]}, r"A scene must have no events to be written for MoorDyn, but it has P"),
+        (
+            {"events": [PayloadChange("point2", 1.0, 0.0)]},
+            r"no payloads that change to be written for MoorDyn, but it has P",
+        ),
+        ({"events": [CableCut("line1", 1.0, 1)]}, r'must be cut at an end to be written for MoorDyn, but of "line1" segment 1 is'),
         ({"effects": [ViscousDamping(0.1)]}, r"A scene must have no ViscousDamping to be written for MoorDyn"),
         ({"effects": [Gravity(9.81, (0, 1, -1))]}, r"Gravity must point along -z to be written for MoorDyn, but"),
         ({"effects": [], "at": None}, r'A free point must have a place to be written for MoorDyn, but "point2" has no `at`'),
