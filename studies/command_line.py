@@ -133,12 +133,20 @@ def _about(
 
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
 def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False):
-    """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point."""
+    """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point.
+
+    With --out also the places of all nodes (nodes.csv) and a picture (rest.png).
+    """
     from anet_lumped.statics.equilibrium import equilibrium
     from studies.shown.summary import rest_summary, write_nodes
 
     state = equilibrium(changed(load(scene, "equilibrium"), change))
-    give(rest_summary(state), as_json, out, "equilibrium", lambda: write_nodes(state, out / "nodes.csv"))
+
+    def save():
+        write_nodes(state, out / "nodes.csv")
+        state.plot().savefig(out / "rest.png", dpi=110)
+
+    give(rest_summary(state), as_json, out, "equilibrium", save)
 
 
 @app.command(epilog="Example: anet-lumped simulate loose_cable --t-end 0.6 --start straight --method edmc --dt 0.01")
@@ -180,11 +188,10 @@ def simulate(
 
     def save():
         from anet_lumped.files.moordyn_channels import write_asked
-        from studies.shown.run_figure import plot
 
         run.save(out / "run.nc")
         write_asked(scene, run, out)
-        plot(run).savefig(out / "run.png", dpi=110)
+        run.plot().savefig(out / "run.png", dpi=110)
 
     give(run_summary(run), as_json, out, "run", save)
     if not run.ok:

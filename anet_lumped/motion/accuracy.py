@@ -145,8 +145,9 @@ def keep_error(
         # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
         loses = run.energy_balance.lost_to_method > ALLOWED_LOSS * run.energy_balance.in_play
         as_far = known.tension_error > NEARER_TENSION * before.tension_error
+        out_of_reach = _parts_as_it_falls(known, before, parts, wanted.of_places(run)) > MOST_FOR_PLACES * choice.dt / first
         in_vain = (
-            known.error > NEARER * before.error and not loses,
+            (known.error > NEARER * before.error or out_of_reach) and not loses,
             as_far and as_far_before,
         )  # peaks come nearer by fits and starts
         as_far_before = as_far
@@ -180,6 +181,20 @@ def _parts(
     if tensions > (AIM if known.apart == math.inf else 1.0) and not in_vain[1]:
         wishes.append(min(math.ceil((tensions / AIM) ** 0.5), int(MOST_FOR_TENSIONS * of_first)))
     return min(max(wishes), MOST_AT_ONCE)
+
+
+def _parts_as_it_falls(known: Known, before: Known, parts: int, allowed: float) -> float:
+    """Number of steps that each step should be replaced by for an error of places to fall to what is ``allowed`` [m].
+
+    It goes on falling as it did when each step was replaced by ``parts``: past a catch or a whip, slower than the method's order
+    says. Infinite where it did not fall.
+    """
+    if known.error <= allowed:
+        return 1.0
+    if known.error >= before.error:
+        return math.inf
+    order_seen = math.log(before.error / known.error) / math.log(parts)
+    return math.exp(min(math.log(known.error / allowed) / order_seen, 700.0))
 
 
 def _wish(run: Run, wanted: Wanted, share: float, of_told: float = 1.0) -> float:

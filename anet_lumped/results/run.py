@@ -23,6 +23,7 @@ from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, Event, broken
 from .moved_body import moved
+from .slack import SlackTime, Snap, slack_times, snaps
 
 STATUS = {
     DONE: "done",
@@ -110,6 +111,11 @@ class State:
     def __repr__(self) -> str:
         return f"<State at t={self.t:g} s of {len(self.q)} nodes>"
 
+    def _repr_html_(self) -> str:
+        from anet_lumped.views.notebook import state_html
+
+        return state_html(self)
+
     @property
     def scene(self) -> Scene:
         """The scene it is a state of."""
@@ -151,6 +157,12 @@ class State:
     def least_tension(self) -> float:
         """Mean tension of the cable whose mean tension is the least [N]."""
         return min(float(self.tension(cable.name).mean()) for cable in self.scene.cables)
+
+    def plot(self) -> Any:
+        """A figure of matplotlib: the shape in one or two planes, coloured by tension; see `views.state_figure`."""
+        from anet_lumped.views.state_figure import plot_state
+
+        return plot_state(self)
 
     def length(self, cable: str) -> float:
         """Stretched length of a cable [m], without segments that broke."""
@@ -236,6 +248,11 @@ class Run:
         states = f"{len(self.t)} states of {self.q.shape[1]} nodes from t={self.t[0]:g} s to {self.t[-1]:g} s"
         return f"<Run {self.status!r}: {self.method} with dt={self.dt:.3g} s, {states}>"
 
+    def _repr_html_(self) -> str:
+        from anet_lumped.views.notebook import run_html
+
+        return run_html(self)
+
     @property
     def scene(self) -> Scene:
         """The scene that moved."""
@@ -280,6 +297,16 @@ class Run:
     def tension_error(self) -> float:
         """Error of the largest tension in the saved states, over what that tension may be, estimated; see `tension_error`."""
         return tension_error.tension_error(self)
+
+    @cached_property
+    def slack(self) -> list[SlackTime]:
+        """Times for which cables were slack, as far as saved states tell; see `results.slack`."""
+        return slack_times(self)
+
+    @cached_property
+    def snaps(self) -> list[Snap]:
+        """Peaks of tension with which slack cables were taut again, from the largest on; see `results.slack`."""
+        return snaps(self)
 
     @property
     def final(self) -> State:
@@ -349,10 +376,6 @@ class Run:
         """(k,) stretched length of a cable [m], without segments that broke."""
         return (np.linalg.norm(np.diff(self.shape(cable), axis=1), axis=2) * self.holds(cable)).sum(axis=1)
 
-    def pieces(self, cable: str, k: int) -> np.ndarray:
-        """(m, 3) places of a cable's nodes at the k-th saved time [m], with a row of NaN where a segment has broken."""
-        return np.insert(self.shape(cable)[k], 1 + np.flatnonzero(~self.holds(cable)[k]), np.nan, axis=0)
-
     def holds(self, cable: str) -> np.ndarray:
         """(k, segments) bool: whether each segment of a cable, from its start to its end, has not broken."""
         whole = np.ones((len(self.t), self.scene.cable(cable).segments), bool)
@@ -370,6 +393,18 @@ class Run:
         from anet_lumped.views.vtk_writer import save_vtk
 
         return save_vtk(self, folder)
+
+    def plot(self) -> Any:
+        """A figure of matplotlib: shapes, tensions and energies, and how the run ended; see `views.run_figure`."""
+        from anet_lumped.views.run_figure import plot_run
+
+        return plot_run(self)
+
+    def plot_tension(self) -> Any:
+        """A figure of matplotlib: the range of tensions along each cable, and tensions over time; see `views.tension_figure`."""
+        from anet_lumped.views.tension_figure import plot_tension
+
+        return plot_tension(self)
 
     def view(self, path: str | PathLike[str] | None = None) -> Path:
         """Write the run as a page (.html), a film (.gif, .mp4) or a VTK series (.pvd); without a path, open a page in a browser."""

@@ -50,7 +50,8 @@ def write_film(run: Any, path: str | PathLike[str]) -> pathlib.Path:
         raise InputError(f"An MP4 needs the program ffmpeg, which was not found; a {GIF} needs none.")
     motion = motion_of(run)
     rows, rate = pictures(motion.t, RATE[ending])
-    figure, draw = _drawing(run, motion)
+    figure, moving, draw = _drawing(run, motion)
+    _draw_once(figure, moving)
     writer: Any = PillowWriter if ending == GIF else FFMpegWriter
     FuncAnimation(figure, draw, frames=rows, init_func=lambda: None).save(file, writer(fps=rate))
     return file
@@ -73,8 +74,27 @@ def pictures(t: np.ndarray, rate: float) -> tuple[np.ndarray, float]:
     return rows, max(1.0, min(rate, len(rows) / seconds))
 
 
-def _drawing(run: Any, motion: Motion) -> tuple[Any, Any]:
-    """The figure, and a function that draws a state in it."""
+def _draw_once(figure: Any, moving: list[Any]) -> None:
+    """Put a picture of all that does not move in its place, so that it is not drawn again for every picture of the film."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    for artist in moving:
+        artist.set_visible(False)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    still = np.array(canvas.buffer_rgba())
+    for artist in figure.axes[0].get_children():
+        artist.set_visible(False)
+    figure.axes[0].set_axis_off()
+    for axes in figure.axes[1:]:
+        axes.set_visible(False)
+    for artist in moving:
+        artist.set_visible(True)
+    figure.figimage(still, zorder=-1)
+
+
+def _drawing(run: Any, motion: Motion) -> tuple[Any, list[Any], Any]:
+    """The figure, what moves in it, and a function that draws a state."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap, Normalize
     from matplotlib.figure import Figure
@@ -122,7 +142,7 @@ def _drawing(run: Any, motion: Motion) -> tuple[Any, Any]:
             trace.set_data_3d(*past[((past >= box[0]) & (past <= box[1])).all(axis=1)].T)
         time.set_text(f"t = {motion.t[k]:.{2 if np.ptp(motion.t) < 100 else 0}f} s")
 
-    return figure, draw
+    return figure, [cables, bodies, time, *spots, *names, *traces], draw
 
 
 def _set_box(axes: Any, motion: Motion) -> tuple[np.ndarray, Any]:

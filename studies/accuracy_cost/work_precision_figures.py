@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from anet_lumped.views.palette import BLUE, COLOURS, GREEN, ORANGE, PURPLE, SKY, VERMILION, look
 from studies.accuracy_cost.contestants import ADAPTIVE, EXTRAPOLATED, OURS, OWN_CHOICE, RIGID
-from studies.shown.palette import BLUE, COLOURS, GREEN, ORANGE, PURPLE, SKY, VERMILION, look
 from studies.shown.scheme_styles import style
 from studies.shown.sentences import power, stiffness
 from studies.study import Drawing

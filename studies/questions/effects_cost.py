@@ -15,10 +15,10 @@ from anet_lumped.effects import REGISTRY
 from anet_lumped.effects.effect import PAID_OUT
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
+from anet_lumped.views.palette import BLUE, ORANGE
 from integrators.stage import LAW_BETWEEN, Stage
 from studies.accuracy_cost.motions import net
 from studies.accuracy_cost.paired_timing import in_words, ratio, take_turns
-from studies.shown.palette import BLUE, ORANGE
 from studies.shown.sentences import listed
 from studies.shown.show import as_text
 from studies.study import Drawing, Part, Record

@@ -4,8 +4,8 @@ import json
 
 import pandas as pd
 
+from anet_lumped.views.palette import look
 from studies.catalogue.hostile_outcomes import ACCEPTED, BAD, LONGEST_LINE, LONGEST_TIME, OUTCOMES, REFUSED, SAID
-from studies.shown.palette import look
 from studies.shown.sentences import counted, listed
 from studies.study import Drawing, Part, Record
 from studies.sweeping.rows import run_rows

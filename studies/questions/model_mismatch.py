@@ -14,7 +14,7 @@ from anet_lumped.effects import Gravity
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
 from anet_lumped.statics.catenary_net import catenary_net
 from anet_lumped.statics.equilibrium import equilibrium
-from studies.shown.palette import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, look
+from anet_lumped.views.palette import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, look
 from studies.shown.sentences import between, listed, power, share
 from studies.shown.show import as_text
 from studies.study import Drawing, Part, Record

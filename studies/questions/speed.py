@@ -7,10 +7,10 @@ import pandas as pd
 
 from anet_lumped import equilibrium, simulate
 from anet_lumped.mechanics.fresh_net import fresh_net
+from anet_lumped.views.palette import look
 from integrators.stage import LAW_BETWEEN, Stage
 from studies.accuracy_cost.motions import net
 from studies.accuracy_cost.paired_timing import in_words, ratio, seconds_of, take_turns
-from studies.shown.palette import look
 from studies.shown.sentences import between, counted, listed, power, stiffness
 from studies.shown.show import as_text
 from studies.study import Drawing, Part, Record

@@ -12,11 +12,11 @@ import numpy as np
 import pandas as pd
 
 from anet_lumped import simulate
+from anet_lumped.views.palette import look
 from studies.accuracy_cost.equal_error import time_at
 from studies.accuracy_cost.motions import carried, dropped, loose, stopped
 from studies.accuracy_cost.paired_timing import take_turns
 from studies.accuracy_cost.references import largest_distance
-from studies.shown.palette import look
 from studies.shown.sentences import between, listed
 from studies.shown.show import as_text
 from studies.study import Drawing, Part, Record

@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from anet_lumped import load_scene, simulate
-from studies.shown.palette import BLUE, ORANGE
-from studies.shown.run_figure import mark_failures
+from anet_lumped.views.palette import BLUE, ORANGE
+from anet_lumped.views.run_figure import mark_failures
 from studies.shown.sentences import stiffness
 
 HERE = Path(__file__).parents[1]

@@ -6,9 +6,9 @@ Readers who see no colours tell schemes by their marks.
 
 from typing import NamedTuple
 
+from anet_lumped.views.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from integrators import schemes
 from integrators.schemes.record import Family
-from studies.shown.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 
 PALETTES = {  # colours of a family, of one hue; taken again from the first one where the family has more schemes
     Family.SYMPLECTIC: (GREY, BLACK),

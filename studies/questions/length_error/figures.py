@@ -1,7 +1,7 @@
 """Figures of the study `length_error`."""
 
+from anet_lumped.views.palette import BLACK, BLUE, DASHES, GREEN, MARKS, ORANGE, SKY, VERMILION
 from studies.questions.length_error.stretch import SCHEMES, THESIS_SEGMENTS, THESIS_STRETCH, shown_segments
-from studies.shown.palette import BLACK, BLUE, DASHES, GREEN, MARKS, ORANGE, SKY, VERMILION
 from studies.shown.scheme_styles import style
 from studies.study import Drawing
 from studies.thesis_cable import CORD_EA, LENGTH

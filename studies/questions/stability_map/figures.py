@@ -3,6 +3,7 @@
 import numpy as np
 
 from anet_lumped.motion.stability import step_limit, top_modes
+from anet_lumped.views.palette import GREEN
 from integrators import schemes
 from studies.questions.stability_map.planes import (
     DAMPERS,
@@ -13,7 +14,6 @@ from studies.questions.stability_map.planes import (
     survived,
     verdict,
 )  # fmt: skip
-from studies.shown.palette import GREEN
 from studies.study import Drawing
 from studies.thesis_cable import (
     CORD_EA,

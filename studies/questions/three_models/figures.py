@@ -3,9 +3,9 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from anet_lumped.views.palette import look
 from studies.questions.three_models.cases import CARRIED, FLOWN
 from studies.questions.three_models.root_finders import BISECTION, FALSE_POSITION, OURS
-from studies.shown.palette import look
 from studies.study import Drawing
 
 

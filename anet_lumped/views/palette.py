@@ -18,3 +18,8 @@ def look(number: int) -> dict:
         "linestyle": DASHES[number % len(DASHES)],
         "marker": MARKS[number % len(MARKS)],
     }
+
+
+def width(number: int, count: int) -> float:
+    """Width of a curve by its number: the first of several are wide, so that they show beneath others that lie on them."""
+    return 3.2 - 2.4 * number / (count - 1) if count > 1 else 1.4

@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from systems import four_cables, loose_cable
 
 from anet_lumped import simulate
+from anet_lumped.views.run_figure import BAD, mark_failures, plot_run
 from anet_lumped.views.verdict import as_length, verdict
 from studies.shown import picture
-from studies.shown.run_figure import BAD, mark_failures, plot
 
 
 def words(figure):
@@ -24,7 +24,7 @@ def words(figure):
 
 def test_a_failed_audit_is_in_the_figure(tmp_path):
     run = simulate(loose_cable(1e4), 0.6, method="edmc", dt=0.02, start="straight", audit=1e-3)
-    figure = plot(run)
+    figure = plot_run(run)
     said, red = words(figure)
     assert red and said.startswith("AUDIT FAILED (edmc") and run.audit.where in said and "m are allowed" in said
     figure.savefig(tmp_path / "run.png")
@@ -35,17 +35,17 @@ def test_a_failed_audit_is_in_the_figure(tmp_path):
 
 def test_a_passed_audit_gives_its_error_and_unit():
     run = simulate(four_cables(carried=True), 1.0, method="edmc", dt=0.01, audit=True)
-    said, red = words(plot(run))
+    said, red = words(plot_run(run))
     assert not red and said.startswith("audit passed (edmc") and f"positions to {as_length(run.audit.error)} (estimate" in said
     assert "10 mm allowed" in said and f"energy accounted for to {run.audit.imbalance:.1g}" in said
-    assert words(plot(simulate(four_cables(), 0.1, method="edmc", dt=0.01)))[0].startswith("done, not audited (edmc")
+    assert words(plot_run(simulate(four_cables(), 0.1, method="edmc", dt=0.01)))[0].startswith("done, not audited (edmc")
 
 
 @pytest.mark.filterwarnings("ignore::anet_lumped.motion.simulate.StabilityWarning")
 @pytest.mark.parametrize(("method", "dt", "word"), [("midpoint", 0.01, "ENERGY GAINED"), ("verlet", 1e-3, "DIVERGED")])
 def test_whatever_is_wrong_with_a_run_is_in_the_figure(method, dt, word):
     run = simulate(loose_cable(1e4), 2.0, method=method, dt=dt, start="straight")
-    said, red = words(plot(run))
+    said, red = words(plot_run(run))
     assert red and said.startswith(f"{word} ({method}") and " ".join(run.message.split()[-3:]) in said
 
 
