@@ -2,7 +2,8 @@
 
 MoorDyn v2's files are read and MoorDyn v1's, of the C++ and of the Fortran version (its documentation, "Input Files"; its sources
 MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says what it means: `moordyn_line_types`, `moordyn_points`,
-`moordyn_bodies`, `moordyn_rods`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_effects`.
+`moordyn_bodies`, `moordyn_rods`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_seafloor`,
+`moordyn_effects`.
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
 be had is refused, all of it at once: rods that turn on a body, drag on the rotation of bodies, external loads,
@@ -30,6 +31,7 @@ from .moordyn_options import read_options, without_held
 from .moordyn_points import OnMovingBody, Places, read_points
 from .moordyn_rods import Rods, bodies_under, read_rods
 from .moordyn_rows import rows_by_section
+from .moordyn_seafloor import read_seafloor
 from .moordyn_unsupported import check_unsupported
 
 NEEDED = ("line types", "points", "lines")
@@ -130,7 +132,8 @@ def deck_from_text(
     lines = read_lines(rows, names, types, places, findings)
     failures = read_failures(sections.get("failure", []), lines, places, findings)
     options = read_options(sections.get("options", []), folder, findings)
-    effects = read_effects(options, places, bodies, lines, like_moordyn=like_moordyn)
+    seafloor = read_seafloor(options, Tables(folder, outside), findings)
+    effects = read_effects(options, places, bodies, lines, like_moordyn=like_moordyn, seafloor=seafloor)
     findings.raise_if_refused()
     try:
         scene = _scene(places, bodies, lines, failures, effects, findings)

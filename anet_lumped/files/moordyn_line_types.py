@@ -36,13 +36,13 @@ class Tables(NamedTuple):
     folder: str | pathlib.Path
     outside: bool
 
-    def path(self, row: Row, name: str) -> pathlib.Path:
-        """Path of a table by its name in a row."""
+    def path(self, row: Row, name: str, what: str = "EA") -> pathlib.Path:
+        """Path of a table by its name in a row, of what for messages."""
         path = pathlib.Path(self.folder) / name
         try:
             inside = pathlib.Path(os.path.realpath(path)).is_relative_to(os.path.realpath(self.folder))
         except ValueError:  # a character that no path may have
-            raise row.error(f"EA must be a number or the name of a file, but is {shown(name)}.") from None
+            raise row.error(f"{what} must be a number or the name of a file, but is {shown(name)}.") from None
         if not (inside or self.outside):
             raise row.error(
                 f"a table must be in the folder of its deck, but {quoted(name)} leads out of it; "
