@@ -12,7 +12,7 @@ from studies.catalogue import random_trials
 from studies.catalogue.random_trials import FAILED, GAINED, HELD, REFUSED, Random, Trial, attempt, draw, try_many
 
 
-@settings(max_examples=100, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck), database=None)
+@settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck), database=None)
 @given(st.data())
 def test_no_run_fails(data):
     """No NaN called success, no error but the library's own, no energy out of nothing where a method promises none."""
