@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from anet_lumped.checks import SceneError, check_name, check_number, quoted, shown
 
+MOST = 10**9  # segments that no cable has
+
 
 @dataclass(frozen=True)
 class CableCut:
@@ -27,5 +29,7 @@ class CableCut:
         check_name(self.cable, "cable")
         owner = f"the cut of cable {quoted(self.cable)}"
         object.__setattr__(self, "t", check_number("t", self.t, "s", owner, sign="non-negative"))
-        if isinstance(self.segment, bool) or not isinstance(self.segment, int):
-            raise SceneError(f"Argument `segment` must be a whole number, but {owner} has segment={shown(self.segment)}.")
+        if isinstance(self.segment, bool) or not isinstance(self.segment, int) or abs(self.segment) > MOST:
+            raise SceneError(
+                f"Argument `segment` must be a whole number up to {MOST:g}, but {owner} has segment={shown(self.segment)}."
+            )

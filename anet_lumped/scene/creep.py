@@ -21,7 +21,9 @@ def check_creep(cable: Any, checked: dict[str, Any], owner: str) -> None:
     )
     if cable.EA_dynamic is None:
         if cable.BA_creep is not None or checked["EA_dynamic_per_tension"]:
-            raise SceneError(f"Arguments `BA_creep` and `EA_dynamic_per_tension` need `EA_dynamic`, but {owner} has none.")
+            raise SceneError(
+                f"Arguments `BA_creep` and `EA_dynamic_per_tension` must come with `EA_dynamic`, but {owner} has none."
+            )
         return
     checked["EA_dynamic"] = check_number("EA_dynamic", cable.EA_dynamic, "N", owner, sign="positive")
     if cable.BA_creep is None:

@@ -191,8 +191,8 @@ def test_scene_files_and_names():
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"EA_dynamic": None}, '`BA_creep` and `EA_dynamic_per_tension` need `EA_dynamic`, but cable "a-b" has none'),
-        ({"EA_dynamic": None, "BA_creep": None, "EA_dynamic_per_tension": 1.0}, "need `EA_dynamic`"),
+        ({"EA_dynamic": None}, '`BA_creep` and `EA_dynamic_per_tension` must come with `EA_dynamic`, but cable "a-b" has none'),
+        ({"EA_dynamic": None, "BA_creep": None, "EA_dynamic_per_tension": 1.0}, "must come with `EA_dynamic`"),
         ({"BA_creep": None}, r'must have `BA_creep`, the viscosity of its creep \[N·s\], but cable "a-b" has none'),
         ({"EA_dynamic": EA}, "must be larger than the EA .* has EA_dynamic=10000.0 and EA=10000.0"),
         ({"EA": None, "tension_strain": ((0.1, 10.0),)}, "goes with no `tension_strain`"),
