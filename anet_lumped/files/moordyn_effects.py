@@ -71,12 +71,10 @@ def read_effects(
 def _bottom(options: Options, places: Places, like_moordyn: bool, seafloor: Seafloor | None) -> Any:
     """The bottom, by this package's law or by MoorDyn's."""
     findings, friction, scale = options.findings, options.value("FrictionCoefficient"), options.value("StatDynFricScale")
-    numbers = {
-        "height": -_depth(options, places) if seafloor is None else 0.0,
-        "stiffness": options.value("kBot"),
-        "damping": options.value("cBot"),
-    }
-    numbers |= {"friction": friction} | ({"height": -_depth(options, places)} if seafloor is None else {})
+    numbers = {"stiffness": options.value("kBot"), "damping": options.value("cBot"), "friction": friction}
+    other = OTHER if seafloor is None else "."
+    if seafloor is None:
+        numbers["height"] = -_depth(options, places)
     if not numbers["stiffness"]:
         raise options.row("kBot", "cBot").error("a bottom must have a kBot that carries something; for none, cBot must be 0 too.")
     if friction and scale != 1.0:
@@ -87,13 +85,17 @@ def _bottom(options: Options, places: Places, like_moordyn: bool, seafloor: Seaf
     if like_moordyn:
         return _effect("moordyn_bottom", row, **numbers, friction_damping=options.value("FricDamp"))
     if options.value("cBot"):
-        findings.remark(f"The damper of the bottom never pulls, where MoorDyn's holds back nodes that rise{OTHER}")
+        findings.remark(f"The damper of the bottom never pulls, where MoorDyn's holds back nodes that rise{other}")
     if friction:
         findings.remark(
             f"Friction on the bottom is {friction:g} of the load at any speed, where MoorDyn's grows with it, {friction:g} times "
-            f"FricDamp = {options.value('FricDamp'):g} N s/m a node{OTHER}"
+            f"FricDamp = {options.value('FricDamp'):g} N s/m a node{other}"
         )
     if seafloor is not None:
+        findings.remark(
+            f"Line {seafloor.row.line}: the bottom presses along its normal, where that of MoorDyn's C++ version presses along z "
+            "on any slope: a line that lies along a slope without friction is drawn by its weight here."
+        )
         return _effect("ground_map", seafloor.row, x=seafloor.x, y=seafloor.y, heights=seafloor.heights, **numbers)
     return _effect("ground", row, **numbers)
 

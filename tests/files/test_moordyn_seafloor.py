@@ -44,7 +44,9 @@ def read(folder, table=None, option="floor.txt SeafloorFile", **how):
 
 @pytest.mark.parametrize(("table", "option"), [(GRID, "floor.txt SeafloorFile"), (DEPTHS, '"floor.txt" WtrDpth')])
 def test_both_forms(tmp_path, table, option):
-    scene = read(tmp_path, table, option).scene
+    deck = read(tmp_path, table, option)
+    assert any("presses along its normal" in remark for remark in deck.remarks)
+    scene = deck.scene
     floor = next(effect for effect in scene.effects if isinstance(effect, GroundMap))
     expected = GroundMap((-50, 50, 150), (-9, 9), ((-25, -25), (-15, -15), (-5, -5)), 2e5, 2e4, 0.4)
     assert floor == expected
