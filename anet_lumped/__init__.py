@@ -36,8 +36,10 @@ from anet_lumped.motion.winch import winched
 from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.six_motions import SixMotions
 from anet_lumped.results.loading import load_run
-from anet_lumped.results.run import Run, State
+from anet_lumped.results.run import Run
+from anet_lumped.results.state import State
 from anet_lumped.scene.attach import attach
+from anet_lumped.scene.cable_cut import CableCut
 from anet_lumped.scene.payload_change import PayloadChange
 from anet_lumped.scene.platform import platform
 from anet_lumped.scene.rod_body import rod_body
@@ -55,6 +57,7 @@ except PackageNotFoundError:  # the source beside no installation
 __all__ = [
     "Body",
     "Cable",
+    "CableCut",
     "Driven",
     "EquilibriumError",
     "Fixed",

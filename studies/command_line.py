@@ -15,6 +15,7 @@ from typing import Annotated
 import typer
 
 from studies.added_effects import Added
+from studies.exit_status import exit_status
 from studies.options import DAMPER, LENGTH, PLACE, TIME, Changes, Full, Json, Method, Move, Out, Quick, Scene, Start, Step, folder
 from studies.quantities import metres, newtons
 from studies.scenes import changed, load
@@ -27,7 +28,6 @@ app = typer.Typer(no_args_is_help=True, add_completion=True, rich_markup_mode=No
 
 REPORT = Path("results/report")
 SHOWN = 60  # rows of a sweep on the screen
-UsageError = typer.BadParameter.__base__  # which Typer does not export
 
 
 def _save_run(run, out):
@@ -42,7 +42,7 @@ def main(arguments: list[str] | None = None) -> None:
             os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever windows a user's setting asks for
             warnings.showwarning = lambda message, *where: tell_lines(f"warning: {message}")
             tell_what_takes_long()
-            status = _status(arguments)
+            status = exit_status(app, arguments)
             sys.stdout.flush()
         except KeyboardInterrupt:
             status = 130
@@ -51,40 +51,6 @@ def main(arguments: list[str] | None = None) -> None:
             if str(error):
                 tell(f"What is printed could not be written: {error}.")
     sys.exit(128 + came[0] if came else status)
-
-
-def _status(arguments):
-    """Exit status of a command, with one sentence on what went wrong.
-
-    2 is for all that the user can put right: what is written on the command line, in a scene, in any file, a scene that cannot
-    hang in rest, a file or folder that cannot be read or written. 1 is for what was asked for rightly and not reached: a run that
-    diverges, a rest or a recommendation that the search did not find, rows that failed, memory, processes
-    or other things that the machine does not give.
-    """
-    arguments = sys.argv[1:] if arguments is None else arguments
-    try:
-        return app(arguments or ["--help"], prog_name="anet-lumped", standalone_mode=False) or 0
-    except typer.Abort:  # Ctrl-C
-        return 130
-    except UsageError as error:
-        told = error.format_message()
-        if not told or error.ctx is None:
-            tell(told)
-        else:
-            tell(f"{told.rstrip('.?')}; {error.ctx.command_path} --help tells more.")
-        return 2
-    except MemoryError as error:
-        tell(f"The memory of this machine does not hold what this takes. {error}".rstrip())
-        return 1
-    except OSError as error:
-        tell(f"{error.filename or 'The system refused what this takes'}: {error.strerror or error}.")
-        return 2 if error.filename else 1
-    except (ValueError, RuntimeError, ModuleNotFoundError) as error:
-        missing = isinstance(error, ModuleNotFoundError) and error.name is None  # an extra: Python itself tells the module's name
-        if type(error).__module__.partition(".")[0] not in ("anet_lumped", "studies") and not missing:
-            raise
-        tell_lines(error)
-        return 2 if isinstance(error, ValueError) else 1
 
 
 def _tell_version(asked: bool):

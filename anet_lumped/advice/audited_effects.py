@@ -12,6 +12,7 @@ from anet_lumped.effects import REGISTRY
 from anet_lumped.effects.effect import Effect
 from anet_lumped.motion.stability import top_modes
 from anet_lumped.results.run import Run
+from anet_lumped.scene.creep import WITHOUT_CREEP
 from anet_lumped.scene.scene import Cable, Free, Scene, SceneError
 
 from . import dimensionless
@@ -255,7 +256,7 @@ def _registered(
 AUDITED: dict[str, Audited] = {
     "elasticity": Audited(
         lambda scene: not all(cable.inextensible for cable in scene.cables),
-        lambda scene: _changed_cables(scene, EA=math.inf, tension_strain=None),
+        lambda scene: _changed_cables(scene, EA=math.inf, tension_strain=None, **WITHOUT_CREEP),
         _lacking("It needs the `EA` [N] of the cables."),
         _elastic_numbers,
         _axial_frequency,

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from anet_lumped.checks import InputError, shown
-from anet_lumped.results.run import State
 from anet_lumped.results.sag import below_chord
+from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Cable, Fixed, Free
 from anet_lumped.statics.catenary_net import Turned, catenaries_between_ends, catenary_net
 

@@ -6,7 +6,7 @@ cable where they are largest, speeds and tensions are those of the run.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,8 @@ import numpy as np
 from anet_lumped.checks import InputError, number, quoted, shown
 from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE
 from anet_lumped.motion.simulate import simulate
-from anet_lumped.results.run import Run, State
+from anet_lumped.results.run import Run
+from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Free, Scene, SceneError, check_scene
 from anet_lumped.statics.equilibrium import EquilibriumError
 
@@ -161,7 +162,7 @@ class _Runs:
         try:
             return self.run(scene), None
         except EquilibriumError:
-            start = State(reference.model, 0.0, reference.q[0], reference.v[0], reference.segment_tension[0])
+            start = replace(reference.state(0), t=0.0, events=())
             return self.run(scene, start), start
 
     def reference(self, scene: Scene) -> tuple[Run, float]:

@@ -22,8 +22,8 @@ from scipy.optimize import least_squares
 from anet_lumped.checks import InputError, shown
 from anet_lumped.limits import BYTES, check_most
 from anet_lumped.regular_files import read_text
-from anet_lumped.results.run import State
 from anet_lumped.results.sag import below_chord
+from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
 

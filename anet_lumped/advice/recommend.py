@@ -18,7 +18,8 @@ from anet_lumped.motion.choice import EXPLICIT_COST, SHARE_OF_LIMIT, SHARE_OF_TI
 from anet_lumped.motion.simulate import RunError, simulate
 from anet_lumped.motion.stability import predict
 from anet_lumped.motion.times import stops
-from anet_lumped.results.run import State
+from anet_lumped.results.state import State
+from anet_lumped.scene.creep import WITHOUT_CREEP
 from anet_lumped.scene.scene import Free, Scene, SceneError, check_scene
 from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
 from integrators import schemes
@@ -330,7 +331,10 @@ class _Search:
     def without_stretch(self, count: int) -> Scene:
         """The scene with that many segments in its finest cable, all with EA = inf."""
         scene = self.divided(count)
-        return replace(scene, cables=tuple(replace(cable, EA=math.inf, tension_strain=None) for cable in scene.cables))
+        return replace(
+            scene,
+            cables=tuple(replace(cable, EA=math.inf, tension_strain=None, **WITHOUT_CREEP) for cable in scene.cables),
+        )
 
     def elasticity(self, count: int, best: Candidate) -> float:
         """What stretching changes [m]: the same net with EA = inf; infinite if its cables are too short for that."""

@@ -67,6 +67,7 @@ REGISTRY = Registry(
         "bending": "Bending",
         "gravity": "Gravity",
         "ground": "Ground",
+        "ground_map": "GroundMap",
         "line_change": "LineChange",
         "load": "Load",
         "moordyn_bottom": "MoordynBottom",

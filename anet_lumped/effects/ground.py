@@ -25,16 +25,23 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_direction, check_number, quoted
+from anet_lumped.checks import Vector, check_direction, check_number
 from anet_lumped.compiled.jit import inlined_law, njit
-from anet_lumped.effects.laws.axial import secant_tension, spring_energy
+from anet_lumped.effects.laws.axial import spring_energy
+from anet_lumped.effects.laws.contact import (
+    EACH,
+    frequencies_of_contact,
+    normal_force,
+    normal_force_between,
+    numbers_of_nodes,
+    of_node,
+)
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
 from .effect import Effect, height_under
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, SETTLE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
-DEPTH = 1e-2  # depth over the cable's diameter, at which the damper acts in full
-HEADER, EACH = 6, 5  # numbers in ``params`` before those of the nodes, and of each node
+HEADER = 6  # numbers in ``params`` before those of the nodes
 
 
 @dataclass(frozen=True)
@@ -75,11 +82,7 @@ class Ground(Effect):
 
     def highest_frequency(self, scene: Any) -> float:
         """Of the mass of a segment on the springs under it, sqrt(k d/mu), or of a body on those at one of its points."""
-        found = [math.sqrt(self.stiffness * (cable.diameter or 0.0) / cable.mass_per_length) for cable in scene.cables]
-        for body in scene.bodies:
-            areas = _contacts(body)
-            found += [math.sqrt(self.stiffness * area * len(areas) / body.least_masses[name]) for name, (area, _) in areas.items()]
-        return max(found)
+        return max(frequencies_of_contact(scene, self.stiffness))
 
     def at_rest(self) -> Effect:
         return replace(self, friction=0.0)
@@ -106,31 +109,8 @@ class Ground(Effect):
         ------
         SceneError : a cable without a diameter
         """
-        nodes = np.zeros((model.n, 3))
-        for c, cable in enumerate(model.scene.cables):
-            if cable.diameter is None:
-                raise SceneError(
-                    f"The effect Ground needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
-                )
-            first, count = model.segment_run(c)
-            half = 0.5 * cable.diameter * cable.L0
-            for ends in model.ends[first : first + count].T:
-                np.add.at(nodes, ends, (self.stiffness * half, self.damping * half, DEPTH * cable.diameter * half))
-        for point, cable in model.scene.stubs:
-            half = 0.5 * cable.diameter * cable.L0
-            nodes[model.node(point)] += self.stiffness * half, self.damping * half, DEPTH * cable.diameter * half
-        mass = model.mass.copy()
-        for body in model.scene.bodies:
-            areas = _contacts(body)
-            for name, (area, width) in areas.items():
-                nodes[model.node(name)] += self.stiffness * area, self.damping * area, DEPTH * width * area
-                mass[model.node(name)] = body.least_masses[name] / len(areas)
-        nodes, resisting = nodes[: model.n_free], np.column_stack([mass, model.mass])
-        touching = nodes[:, 0] > 0.0  # of a body only some points do
-        nodes[touching, 2] *= self.stiffness / nodes[touching, 0]  # the mean over the area
-        nodes[~touching, 2] = 1.0
         normal = np.array(self.normal) / np.linalg.norm(self.normal)
-        numbers = np.column_stack([nodes, resisting[: model.n_free]]).ravel()
+        numbers = numbers_of_nodes(model, "Ground", self.stiffness, self.damping)
         return np.empty(0, np.int64), np.array([*normal, self.height, self.friction, self.slip_speed, *numbers])
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
@@ -143,73 +123,10 @@ class Ground(Effect):
         return -f
 
 
-def _contacts(body):
-    """Area [m2] and width [m] with which points of a body that moves touch the ground, by their names."""
-    found = {}
-    if body.is_driven:
-        return found
-    if body.contact_area > 0.0:
-        names = [f"{body.name}.{name}" for name, _ in body.attachments] or [body.name]
-        area = body.contact_area / len(names)
-        found = dict.fromkeys(names, (area, math.sqrt(4.0 * area / math.pi)))
-    for rod in body.rods:
-        half = 0.5 * rod.diameter * rod.L0
-        for k in range(rod.segments + 1):
-            found[f"{body.name}[{rod.name}.{k}]"] = (half if k in (0, rod.segments) else 2.0 * half), rod.diameter
-    return found
-
-
 @inlined_law
 def _depth_below(q, i, params):
     """Depth of a node below the plane [m]."""
     return params[3] - (params[0] * q[i, 0] + params[1] * q[i, 1] + params[2] * q[i, 2])
-
-
-@inlined_law
-def _of_node(params, i):
-    """k, c, depth and mass of a node."""
-    first = HEADER + EACH * i
-    return params[first], params[first + 1], params[first + 2], params[first + 3]
-
-
-@inlined_law
-def _normal_force(s, rate, k, c, depth):
-    """N of the module's docstring [N], and its slopes in s [N/m] and in ds/dt [N s/m]."""
-    if s <= 0.0:
-        return 0.0, 0.0, 0.0
-    damper_share = min(s / depth, 1.0)
-    N = k * s + c * damper_share * rate
-    if N <= 0.0:
-        return 0.0, 0.0, 0.0
-    return N, k + (c / depth * rate if s < depth else 0.0), c * damper_share
-
-
-@inlined_law
-def _damper_depth(s, depth):
-    """R of the module's docstring [m], and its slope r."""
-    if s <= 0.0:
-        return 0.0, 0.0
-    if s < depth:
-        return 0.5 * s * s / depth, s / depth
-    return s - 0.5 * depth, 1.0
-
-
-@inlined_law
-def _normal_force_between(s_a, s_b, h, k, c, depth, numerical):
-    """N over a whole step [N], its slope in s_b [N/m], and what damper and numerical damper [N/m] take [J]."""
-    secant, slope = secant_tension(s_a, s_b, k, 0.0)
-    before, _ = _damper_depth(s_a, depth)
-    after, r = _damper_depth(s_b, depth)
-    viscous, numerical = c / h * (after - before), numerical if s_a > 0.0 else 0.0
-    damped = numerical * (max(s_b, 0.0) - s_a)  # of the sign of `viscous`
-    N = secant + viscous + damped
-    share = viscous / (viscous + damped) if damped != 0.0 else 1.0
-    if N <= 0.0:
-        N, slope = 0.0, 0.0
-    else:
-        slope += c / h * r + (numerical if s_b > 0.0 else 0.0)
-    taken = (N - secant) * (s_b - s_a)
-    return N, slope, share * taken, (1.0 - share) * taken
 
 
 @inlined_law
@@ -242,11 +159,11 @@ def force(t, q, v, index, params, f):
     """f_i += N n - mu N v_t/sqrt(v_t^2 + u^2); see the module. Returns the power that damper and friction take [W]."""
     power = 0.0
     for i in range((params.shape[0] - HEADER) // EACH):
-        k, c, depth, _ = _of_node(params, i)
+        k, c, depth, _ = of_node(params, HEADER, i)
         s = _depth_below(q, i, params)
         if s > 0.0:
             slide, root, rate = _sliding(v[i, 0], v[i, 1], v[i, 2], params)
-            N, _, _ = _normal_force(s, rate, k, c, depth)
+            N, _, _ = normal_force(s, rate, k, c, depth)
             _add_force(f, i, N, slide, params)
             power += (N - k * s) * rate
             power += params[4] * N * root * (slide[0] * slide[0] + slide[1] * slide[1] + slide[2] * slide[2])
@@ -259,9 +176,9 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     for i in range((params.shape[0] - HEADER) // EACH):
         s = _depth_below(q, i, params)
         if s > 0.0:
-            k, c, depth, _ = _of_node(params, i)
+            k, c, depth, _ = of_node(params, HEADER, i)
             slide, root, rate = _sliding(v[i, 0], v[i, 1], v[i, 2], params)
-            N, of_depth, of_rate = _normal_force(s, rate, k, c, depth)
+            N, of_depth, of_rate = normal_force(s, rate, k, c, depth)
             _add_tangent(D, i, c_q * of_depth + c_v * of_rate, c_v * params[4] * N / root, slide, params)
 
 
@@ -281,9 +198,9 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     for i in range((params.shape[0] - HEADER) // EACH):
         s_a, s_b = _depth_below(base, i, params), _depth_below(q, i, params)
         if s_a > 0.0 or s_b > 0.0:
-            k, c, depth, mass = _of_node(params, i)
+            k, c, depth, mass = of_node(params, HEADER, i)
             numerical = k * numerical_share(damper, 0.25 * h * h * k / mass)
-            N, slope, viscous, unresolved = _normal_force_between(s_a, s_b, h, k, c, depth, numerical)
+            N, slope, viscous, unresolved = normal_force_between(s_a, s_b, h, k, c, depth, numerical)
             vx, vy, vz = per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
             slide, root, _ = _sliding(vx, vy, vz, params)
             _add_force(f, i, N, slide, params)
@@ -300,12 +217,12 @@ def settle(t, h, damper, base, q, v, index, params):
     for i in range((params.shape[0] - HEADER) // EACH):
         s_a, s_b = _depth_below(base, i, params), _depth_below(q, i, params)
         if s_a > 0.0 and s_b > 0.0:
-            k, c, _, mass = _of_node(params, i)
-            viscous, of_node = 0.5 * h * c / mass, params[HEADER + EACH * i + 4]
+            k, c, _, mass = of_node(params, HEADER, i)
+            viscous, own_mass = 0.5 * h * c / mass, params[HEADER + EACH * i + 4]
             rate = -(params[0] * v[i, 0] + params[1] * v[i, 1] + params[2] * v[i, 2])
             after = settled_rate(damper, 0.25 * h * h * k / mass + viscous * viscous, rate, (s_b - s_a) / h)
-            change = mass / of_node * (rate - after)  # by the impulse that all the mass needs, which a body shares among its nodes
+            change = mass / own_mass * (rate - after)  # by the impulse that all the mass needs, which a body shares among its nodes
             for x in range(3):
                 v[i, x] += change * params[x]
-            taken += 0.5 * of_node * change * (2.0 * rate - change)
+            taken += 0.5 * own_mass * change * (2.0 * rate - change)
     return taken

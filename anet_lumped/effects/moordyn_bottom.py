@@ -26,6 +26,7 @@ import numpy as np
 from anet_lumped.checks import SceneError, Vector, check_number, quoted
 from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.effects.laws.axial import secant_tension, spring_energy
+from anet_lumped.effects.laws.contact_area import frequencies, sums_over_halves
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
 from .effect import Effect, height_under
@@ -67,8 +68,8 @@ class MoordynBottom(Effect):
             self._set(**{key: check_number(key, getattr(self, key), unit, self._called, sign=sign)})
 
     def highest_frequency(self, scene: Any) -> float:
-        """Of the mass of a segment on the springs under it, sqrt(k d/mu)."""
-        return max(math.sqrt(self.stiffness * (cable.diameter or 0.0) / cable.mass_per_length) for cable in scene.cables)
+        """Of the mass of a segment on the springs under it."""
+        return max(frequencies(scene.cables, self.stiffness))
 
     def at_rest(self) -> Effect:
         return replace(self, friction=0.0)
@@ -91,19 +92,15 @@ class MoordynBottom(Effect):
 
         Raises
         ------
-        SceneError : a cable without a diameter
+        SceneError : a cable without a diameter, or a body that moves by itself
         """
-        area = np.zeros(model.n)
-        for c, cable in enumerate(model.scene.cables):
-            if cable.diameter is None:
-                raise SceneError(
-                    f"The effect MoordynBottom needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
-                )
-            first, count = model.segment_run(c)
-            for ends in model.ends[first : first + count].T:
-                np.add.at(area, ends, 0.5 * cable.diameter * cable.L0)
-        for point, cable in model.scene.stubs:
-            area[model.node(point)] += 0.5 * cable.diameter * cable.L0
+        if model.has_bodies:
+            free = next(body.name for body in model.scene.bodies if not body.is_driven)
+            raise SceneError(
+                f"The effect MoordynBottom acts on cables alone, so that no body may move by itself, but {quoted(free)} does; "
+                "Ground holds up bodies and rods."
+            )
+        area = sums_over_halves(model, "MoordynBottom", lambda cable, half: (half,))[:, 0]
         area, mass = area[: model.n_free], model.mass[: model.n_free]
         numbers = np.column_stack([self.stiffness * area, self.damping * area, mass]).ravel()
         return np.empty(0, np.int64), np.array([self.height, self.friction, self.friction_damping, *numbers])

@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from anet_lumped.regular_files import check_target
-from anet_lumped.results.run import State
+from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Scene
 
 from .rigid_twin import Link, check_choices, check_twin, twin_of

@@ -1,8 +1,9 @@
 """The environment of a MoorDyn file as effects: gravity, water, bottom and bending, as far as it has them.
 
 `g` is Gravity, `rho` is Water (none for 0), `WtrDpth`, `kBot`, `cBot` and `FrictionCoefficient` are the bottom (none if `kBot` and
-`cBot` are 0), and an `EI` brings Bending. Waves and currents are those of `moordyn_flow`. Values
-that are left out are MoorDyn's. As in MoorDyn, no fixed or coupled point lies below the bottom: it is as deep as the deepest.
+`cBot` are 0), and an `EI` brings Bending. Waves and currents are those of `moordyn_flow`. Values that are left out are MoorDyn's.
+As in MoorDyn, no fixed or coupled point lies below the bottom: it is as deep as the deepest of them. A bottom that is not flat
+(`moordyn_seafloor`) is a `GroundMap`, as it is.
 
 Three things mean one thing to MoorDyn and another here: what the damper of the bottom does to a node that rises, how friction grows
 with the speed, and whether points float. `like_moordyn` takes MoorDyn's: `MoordynBottom` for `Ground`, and `points_float=False`.
@@ -20,6 +21,7 @@ from .moordyn_lines import Line
 from .moordyn_options import Options
 from .moordyn_points import Places
 from .moordyn_rows import Row, made
+from .moordyn_seafloor import Seafloor
 
 OTHER = "; read_moordyn(..., like_moordyn=True) takes MoorDyn's."
 
@@ -32,6 +34,7 @@ def read_effects(
     folder: str | pathlib.Path,
     *,
     like_moordyn: bool,
+    seafloor: Seafloor | None = None,
 ) -> list[Any]:
     """Return the effects of a file.
 
@@ -46,6 +49,8 @@ def read_effects(
         Where the tables of waves and currents are.
     like_moordyn : bool
         Whether MoorDyn's laws are taken where they are others than this package's.
+    seafloor : Seafloor or None
+        Of a bottom that is not flat.
     """
     findings, effects = options.findings, []
     if options.value("g"):
@@ -65,32 +70,42 @@ def read_effects(
                 findings.remark(f"{kind} float at the surface, where MoorDyn has them under water always{OTHER}")
     if options.value("kBot") or options.value("cBot"):
         with findings.refusing():
-            effects.append(_bottom(options, places, like_moordyn))
+            effects.append(_bottom(options, places, like_moordyn, seafloor))
     stiff = [line.row for line in lines if line.cable.EI]
     if stiff:
         effects.append(_effect("bending", stiff[0]))
     return effects
 
 
-def _bottom(options: Options, places: Places, like_moordyn: bool) -> Any:
+def _bottom(options: Options, places: Places, like_moordyn: bool, seafloor: Seafloor | None) -> Any:
     """The bottom, by this package's law or by MoorDyn's."""
     findings, friction, scale = options.findings, options.value("FrictionCoefficient"), options.value("StatDynFricScale")
-    numbers = {"height": -_depth(options, places), "stiffness": options.value("kBot"), "damping": options.value("cBot")}
-    numbers |= {"friction": friction}
+    numbers = {"stiffness": options.value("kBot"), "damping": options.value("cBot"), "friction": friction}
+    other = OTHER if seafloor is None else "."
+    if seafloor is None:
+        numbers["height"] = -_depth(options, places)
     if not numbers["stiffness"]:
         raise options.row("kBot", "cBot").error("a bottom must have a kBot that carries something; for none, cBot must be 0 too.")
     if friction and scale != 1.0:
         raise options.row("StatDynFricScale").error("static friction that differs from dynamic is not supported; it must be 1.")
     row = options.row("kBot", "cBot")
+    if seafloor is not None and like_moordyn:
+        raise seafloor.row.error("a bottom that is not flat has this package's law alone; it must be read without like_moordyn.")
     if like_moordyn:
         return _effect("moordyn_bottom", row, **numbers, friction_damping=options.value("FricDamp"))
     if options.value("cBot"):
-        findings.remark(f"The damper of the bottom never pulls, where MoorDyn's holds back nodes that rise{OTHER}")
+        findings.remark(f"The damper of the bottom never pulls, where MoorDyn's holds back nodes that rise{other}")
     if friction:
         findings.remark(
             f"Friction on the bottom is {friction:g} of the load at any speed, where MoorDyn's grows with it, {friction:g} times "
-            f"FricDamp = {options.value('FricDamp'):g} N s/m a node{OTHER}"
+            f"FricDamp = {options.value('FricDamp'):g} N s/m a node{other}"
         )
+    if seafloor is not None:
+        findings.remark(
+            f"Line {seafloor.row.line}: the bottom presses along its normal, where that of MoorDyn's C++ version presses along z "
+            "on any slope: a line that lies along a slope without friction is drawn by its weight here."
+        )
+        return _effect("ground_map", seafloor.row, x=seafloor.x, y=seafloor.y, heights=seafloor.heights, **numbers)
     return _effect("ground", row, **numbers)
 
 

@@ -1,13 +1,16 @@
-"""The failures of a MoorDyn file: lines that part from a point at a tension.
+"""The failures of a MoorDyn file: lines that part from a point at a time or at a tension.
 
-MoorDyn parts a line from the point at one of its ends, at a time or when the tension at this end exceeds a limit (its
-documentation, "Failure"; its Fortran version alone does the latter). Here a cable breaks where its tension exceeds its
-`breaking_tension` first. While it hangs from its upper end both are the same, but for a segment. Other failures are refused.
+MoorDyn's Fortran version parts a line from the point at one of its ends, at a time or when the tension at this end exceeds a limit,
+whichever comes first (its documentation, "Failure"). Here a line is cut at its last segment there, `CableCut`, half of which stays
+with the point. And a cable breaks where its tension exceeds its `breaking_tension` first; while it hangs from its upper end both
+are the same, but for a segment. Other failures are refused.
 """
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 from anet_lumped.checks import one_line, quoted
+from anet_lumped.scene.cable_cut import CableCut
 
 from .moordyn_findings import Findings
 from .moordyn_lines import POINT_LETTERS, Line
@@ -17,8 +20,15 @@ from .moordyn_rows import DIGITS, WORD, Row
 COLUMNS = 5  # FailureID, Point, Line(s), FailTime, FailTen
 
 
-def breaking_tensions(rows: list[Row], lines: list[Line], places: Places, findings: Findings) -> dict[int, float]:
-    """Breaking tension [N] of each line that may fail, by its number.
+class Failures(NamedTuple):
+    """How lines fail: breaking tension [N] of each line that has one, by its number, and the cuts at given times."""
+
+    tensions: dict[int, float]
+    cuts: tuple[CableCut, ...]
+
+
+def read_failures(rows: list[Row], lines: list[Line], places: Places, findings: Findings) -> Failures:
+    """Read how lines fail.
 
     Parameters
     ----------
@@ -30,6 +40,7 @@ def breaking_tensions(rows: list[Row], lines: list[Line], places: Places, findin
     """
     by_number = {line.number: line for line in lines}
     found: dict[int, float] = {}
+    cuts: dict[tuple[str, int], CableCut] = {}
     for row in rows:
         with findings.refusing():
             if len(row.words) < COLUMNS:
@@ -41,20 +52,29 @@ def breaking_tensions(rows: list[Row], lines: list[Line], places: Places, findin
             if time <= 0.0 and tension <= 0.0:
                 findings.unused(f"failure {one_line(row.words[0], WORD)}", row.line, "failures at no time and no tension")
                 continue
+            point, line = _line_at(row, by_number, places)
+            if line is None:
+                continue
             if time > 0.0:
-                raise row.error("a line that is lost at a given time is not supported; FailTime must be 0.")
-            line = _upper_line(row, by_number, places)
-            if line is not None:
+                segment = 0 if point == line.ends[0] else -1
+                earlier = cuts.get((line.cable.name, segment))
+                cuts[line.cable.name, segment] = CableCut(line.cable.name, min(time, earlier.t if earlier else time), segment)
+                findings.remark(
+                    f"Line {row.line}: {quoted(line.cable.name)} is cut in its segment at point {point} at {time:g} s, half of "
+                    "which stays there; MoorDyn's C++ version does not do that."
+                )
+            if tension > 0.0:
+                _check_upper(row, line, point, places)
                 found[line.number] = min(tension, found.get(line.number, tension))
                 findings.remark(
                     f"Line {row.line}: {quoted(line.cable.name)} breaks where its tension first exceeds {tension:g} N, which is at "
                     "its upper end while it hangs from there; MoorDyn's C++ version does not do that."
                 )
-    return found
+    return Failures(found, tuple(cuts.values()))
 
 
-def _upper_line(row: Row, lines: Mapping[int, Line], places: Places) -> Line | None:
-    """Line of a failure, which must be one and part from its upper end; None if it is refused already."""
+def _line_at(row: Row, lines: Mapping[int, Line], places: Places) -> tuple[int, Line | None]:
+    """Point and line of a failure, which must be one line that ends there; no line if it is refused already."""
     numbers = [word for word in row.words[2].split(",") if word]
     if len(numbers) != 1:
         raise row.error("lines that part from a point together are not supported; a failure must be of one line.")
@@ -65,14 +85,18 @@ def _upper_line(row: Row, lines: Mapping[int, Line], places: Places) -> Line | N
     line = None if number is None else lines.get(number)
     if line is None:
         if row.findings.any_refused:  # of which the line may be one
-            return None
+            return point, None
         raise row.error(f"a failure must be of a line in LINES, but {one_line(numbers[0], WORD)} is none.")
     if point not in line.ends:
         raise row.error(f"a line must fail at one of its ends, but {quoted(line.cable.name)} does not end at point {point}.")
+    return point, line
+
+
+def _check_upper(row: Row, line: Line, point: int, places: Places) -> None:
+    """A line that fails at a tension must part from its upper end."""
     other = line.ends[0] if point == line.ends[1] else line.ends[1]
     if places.at[point][2] < places.at[other][2]:
         raise row.error("a line that parts from its lower end is not supported; it breaks where its tension is largest.")
-    return line
 
 
 def _number(word: str, letters: tuple[str, ...]) -> int | None:

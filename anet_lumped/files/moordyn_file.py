@@ -2,11 +2,12 @@
 
 MoorDyn v2's files are read and MoorDyn v1's, of the C++ and of the Fortran version (its documentation, "Input Files"; its sources
 MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says what it means: `moordyn_line_types`, `moordyn_points`,
-`moordyn_bodies`, `moordyn_rods`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_effects`, `moordyn_flow`.
+`moordyn_bodies`, `moordyn_rods`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_seafloor`, `moordyn_effects`,
+`moordyn_flow`.
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
-be had is refused, all of it at once: rods that turn on a body, drag on the rotation of bodies, failures at a time, external loads,
-flow from a file of the Fortran version, tables in place of numbers but for EA, viscoelastic lines, line lift (VIV).
+be had is refused, all of it at once: rods that turn on a body, drag on the rotation of bodies, external loads, flow from a file of
+the Fortran version, tables in place of numbers but for EA, line lift (VIV).
 """
 
 import pathlib
@@ -22,7 +23,7 @@ from anet_lumped.scene.scene import Free, Scene
 
 from .moordyn_bodies import moving_body
 from .moordyn_effects import read_effects
-from .moordyn_failure import breaking_tensions
+from .moordyn_failure import Failures, read_failures
 from .moordyn_findings import DeckWarning, Findings
 from .moordyn_line_types import Tables, read_line_types
 from .moordyn_lines import Line, read_lines, type_of
@@ -30,6 +31,7 @@ from .moordyn_options import read_options, without_held
 from .moordyn_points import OnMovingBody, Places, read_points
 from .moordyn_rods import Rods, bodies_under, read_rods
 from .moordyn_rows import rows_by_section
+from .moordyn_seafloor import read_seafloor
 from .moordyn_unsupported import check_unsupported
 
 NEEDED = ("line types", "points", "lines")
@@ -128,12 +130,13 @@ def deck_from_text(
     bodies = [*_bodies(places, rods, findings), *rods.bodies]
     names = [row.words[0] for row in sections.get("line types", [])]
     lines = read_lines(rows, names, types, places, findings)
-    limits = breaking_tensions(sections.get("failure", []), lines, places, findings)
+    failures = read_failures(sections.get("failure", []), lines, places, findings)
     options = read_options(sections.get("options", []), folder, findings)
-    effects = read_effects(options, places, bodies, lines, folder, like_moordyn=like_moordyn)
+    seafloor = read_seafloor(options, Tables(folder, outside), findings)
+    effects = read_effects(options, places, bodies, lines, folder, like_moordyn=like_moordyn, seafloor=seafloor)
     findings.raise_if_refused()
     try:
-        scene = _scene(places, bodies, lines, limits, effects, findings)
+        scene = _scene(places, bodies, lines, failures, effects, findings)
     except ValueError as error:
         raise SceneError(f"{source}: {error}") from None
     known = {point.name for point in scene.all_points}
@@ -160,9 +163,7 @@ def _bodies(places: Places, rods: Rods, findings: Findings) -> list[Body]:
     return bodies
 
 
-def _scene(
-    places: Places, bodies: list[Body], lines: list[Line], limits: Mapping[int, float], effects: list, findings: Findings
-) -> Scene:
+def _scene(places: Places, bodies: list[Body], lines: list[Line], failures: Failures, effects: list, findings: Findings) -> Scene:
     """The scene, without free points that no line reaches."""
     ends = {number for line in lines for number in line.ends}
     points = []
@@ -171,5 +172,6 @@ def _scene(
             findings.remark(f"Point {number} is left out: it moves freely and no line ends there.")
         elif point is not None and not isinstance(point, OnMovingBody):
             points.append(point)
+    limits = failures.tensions
     cables = [replace(line.cable, breaking_tension=limits[line.number]) if line.number in limits else line.cable for line in lines]
-    return Scene(points, cables, effects, bodies=bodies)
+    return Scene(points, cables, effects, failures.cuts, bodies)

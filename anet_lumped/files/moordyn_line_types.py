@@ -5,6 +5,9 @@ name of a file is its tension_strain, rows of a strain and a tension below lines
 its zeta where it is negative, because MoorDyn's c = zeta·L0·√(E·rho) times the area is zeta·L0·√(EA·mu). `Cd`, `Ca` are Cdn, Can,
 on d·L0 and on the displaced mass; `CdAx`, `CaAx` are Cdt, Cat, on π·d·L0 and on the displaced mass. Columns count by their place,
 as in MoorDyn, whatever their names.
+
+A viscoelastic line has its EA and its EA_dynamic in `EA`, between bars, and a third number may be EA_dynamic_per_tension;
+`BA/-zeta` is its BA_creep (or, where it is negative, the zeta of that and of EA) and its BA.
 """
 
 import os
@@ -17,6 +20,7 @@ from anet_lumped.regular_files import read_text
 from .moordyn_findings import Findings
 from .moordyn_rows import WORD, Row, is_number, number_of
 
+BAR, MOST_NUMBERS = "|", 3
 SWAPPED = ("can", "cat", "cdn", "cdt")  # order of the first version, where MoorDyn reads Cd, Ca, CdAx, CaAx
 
 
@@ -32,13 +36,13 @@ class Tables(NamedTuple):
     folder: str | pathlib.Path
     outside: bool
 
-    def path(self, row: Row, name: str) -> pathlib.Path:
-        """Path of a table by its name in a row."""
+    def path(self, row: Row, name: str, what: str = "EA") -> pathlib.Path:
+        """Path of a table by its name in a row, of what for messages."""
         path = pathlib.Path(self.folder) / name
         try:
             inside = pathlib.Path(os.path.realpath(path)).is_relative_to(os.path.realpath(self.folder))
         except ValueError:  # a character that no path may have
-            raise row.error(f"EA must be a number or the name of a file, but is {shown(name)}.") from None
+            raise row.error(f"{what} must be a number or the name of a file, but is {shown(name)}.") from None
         if not (inside or self.outside):
             raise row.error(
                 f"a table must be in the folder of its deck, but {quoted(name)} leads out of it; "
@@ -87,11 +91,15 @@ def _type(row: Row, tables: Tables) -> dict[str, Any]:
             f"Line {row.line}: columns 7 to 10 are read as Cd, Ca, CdAx, CaAx, as MoorDyn does, though the file calls them "
             f"{', '.join(SWAPPED)}."
         )
-    damping = row.number(4, "BA/-zeta")
     fields: dict[str, Any] = {"diameter": row.number(1, "Diam"), "mass_per_length": row.number(2, "Mass/m")}
     stretches = row.words[3]
-    fields |= {"EA": row.number(3, "EA")} if is_number(stretches) else {"tension_strain": _curve(row, tables.path(row, stretches))}
-    fields |= {"zeta": -damping} if damping <= 0.0 else {"BA": damping}
+    if BAR in stretches:
+        fields |= _creep(row)
+    else:
+        damping = row.number(4, "BA/-zeta")
+        curve = None if is_number(stretches) else _curve(row, tables.path(row, stretches))
+        fields |= {"EA": row.number(3, "EA")} if curve is None else {"tension_strain": curve}
+        fields |= {"zeta": -damping} if damping <= 0.0 else {"BA": damping}
     names = ("Can", "Cat", "Cdn", "Cdt") if first else ("EI", "Cdn", "Can", "Cdt", "Cat")
     return fields | {name: row.number(column, name) for column, name in enumerate(names, start=5)}
 
@@ -104,14 +112,32 @@ def _check_laws(row: Row, first: bool) -> None:
         word = one_line(row.words[column], WORD)
         if word.upper().startswith("SYROPE"):
             refused.append(f"{what} must be one number; {word}, the Syrope model of polyester, is not supported")
-        elif "|" in word:
-            refused.append(f"{what} must be one number; {word}, a viscoelastic line, is not supported")
+        elif BAR in word:
+            refused += _wrong_bars(what, word, BAR in row.words[3])
         elif what != "EA" and not is_number(row.words[column]):
             refused.append(f"{what} must be a number; {word}, a table in a file, is not supported")
     if len(row.words) > 10 and row.number(10, "Cl") != 0.0:
         refused.append("vortex-induced vibration is not supported; Cl must be 0")
     if refused:
         raise row.error("; ".join(refused) + ".")
+
+
+def _wrong_bars(what: str, word: str, creeps: bool) -> list[str]:
+    """Why numbers between bars are refused, in a list."""
+    numbers, most = word.split(BAR), {"EA": MOST_NUMBERS, "BA/-zeta": 2}.get(what, 1)
+    if len(numbers) > most or not all(map(is_number, numbers)):
+        return [f"{what} must be {'a number' if most == 1 else f'up to {most} numbers between bars'}, but is {word}"]
+    if not creeps:
+        return [f"{what} must be one number where EA is, but is {word}"]
+    return []
+
+
+def _creep(row: Row) -> dict[str, Any]:
+    """Cable fields of EA_s|EA_d or EA_s|EA_d|slope, and of BA_s|BA_d; a BA_creep below 0 is the opposite of a damping ratio."""
+    stiffness, damping = ([number_of(word) for word in row.words[column].split(BAR)] for column in (3, 4))
+    fields: dict[str, Any] = {"EA": stiffness[0], "EA_dynamic": stiffness[1], "BA_creep": damping[0]}
+    fields["BA"] = damping[1] if len(damping) > 1 else 0.0
+    return fields | ({"EA_dynamic_per_tension": stiffness[2]} if len(stiffness) > 2 else {})
 
 
 def _curve(row: Row, path: pathlib.Path) -> tuple[tuple[float, float], ...]:

@@ -1,6 +1,6 @@
 """The lines of a MoorDyn file: unstretched length (less than 0: a multiple of the distance between its ends), in equal segments.
 
-A spring cannot push but its damper always acts: compression="damped".
+A spring cannot push but its damper always acts: compression="damped". A viscoelastic line only pulls: compression="none".
 """
 
 import math
@@ -95,9 +95,21 @@ def _line(row: Row, names: list[str], types: Mapping[str, tuple[Row, dict[str, A
     number = row.count(0, "the number of a line")
     cable = made(
         row, Cable, start.name, end.name, name=row.name or f"line{number}",
-        length=length, segments=segments, compression="damped", **types[kind][1],
+        length=length, segments=segments, **_law(types[kind][1], length / segments),
     )  # fmt: skip
+    if cable.creeps:
+        row.findings.remark(
+            f"Line {row.line}: {quoted(cable.name)} creeps and only pulls, where MoorDyn's slow damper acts on slack segments."
+        )
     return Line(number, cable, ends, row, outputs)
+
+
+def _law(fields: Mapping[str, Any], L0: float) -> dict[str, Any]:
+    """Cable fields of a line of a type, in segments of ``L0`` [m]: MoorDyn's Line::initialize."""
+    if "BA_creep" not in fields:
+        return {"compression": "damped"} | dict(fields)
+    slow = fields["BA_creep"]
+    return dict(fields) | {"BA_creep": slow if slow >= 0.0 else -slow * L0 * math.sqrt(fields["EA"] * fields["mass_per_length"])}
 
 
 def _end(row: Row, column: int, places: Places) -> int | str:

@@ -2,7 +2,7 @@
 
 Names count in any case, as in MoorDyn, which takes the last of an option that comes twice and passes over what it does not know
 (MoorDyn2.cpp: readOptionsLine). What would change the answer and cannot be had here is refused: flow from a file of the Fortran
-version, a bottom that is not flat, friction that differs along and across a line.
+version, friction that differs along and across a line.
 """
 
 import math
@@ -23,10 +23,10 @@ ENVIRONMENT = {
     "g": 9.80665, "rho": 1025.0, "WtrDpth": math.nan, "kBot": 3e6, "cBot": 3e5, "FrictionCoefficient": 0.0,
     "StatDynFricScale": 1.0, "FricDamp": 200.0,
 }  # fmt: skip
-HELD = ("g", "rho", "WtrDpth", "kBot", "cBot", "FrictionCoefficient")  # by the scene
+HELD = ("g", "rho", "WtrDpth", "kBot", "cBot", "FrictionCoefficient", "SeafloorFile")  # by the scene
 MUST_BE_ZERO = {
     "WaterKin": "waves and currents by a file of the Fortran version are",
-    "SeafloorFile": "a bottom that is not flat is", "MU_KT": "friction that differs along and across a line is",
+    "MU_KT": "friction that differs along and across a line is",
     "MU_KA": "friction that differs along and across a line is",
 }  # fmt: skip
 FLOW = {"WaveKin": 7, "Currents": 5}  # the largest number of each, from 0 on
@@ -35,12 +35,13 @@ OWN_RUN = (
     "waveKin_rampT", "UnifyCurrentGrid", "ICgenDynamic", "disableOutput", "disableOutTime", "inertialF", "inertialF_rampT",
     "OutSwitch", "Echo", "fileIC",
 )  # fmt: skip
+SEAFLOOR = "SeafloorFile"
 OLD_NAMES = {
     "gravity": "g", "rhow": "rho", "wtrdnsty": "rho", "depth": "WtrDpth", "waterdepth": "WtrDpth", "kb": "kBot", "cb": "cBot",
     "dt": "dtM", "icdt": "dtIC", "ictmax": "TmaxIC", "icdfac": "CdScaleIC", "icthresh": "threshIC", "cv": "FricDamp",
     "mc": "StatDynFricScale", "gendynamicic": "ICgenDynamic", "icfile": "fileIC",
 }  # fmt: skip
-OPTIONS = {name.lower(): name for name in (*ENVIRONMENT, *MUST_BE_ZERO, *FLOW, "dtWave", *OWN_RUN)} | OLD_NAMES
+OPTIONS = {name.lower(): name for name in (*ENVIRONMENT, *MUST_BE_ZERO, *FLOW, SEAFLOOR, "dtWave", *OWN_RUN)} | OLD_NAMES
 NOTHING = ("", "-", "none", "null", "false", "f", "no", "unused")  # in place of the name of a file
 FROM_OUTSIDE = "seastate"  # in place of the name of a file: flow that the program gives which calls MoorDyn
 
@@ -102,6 +103,8 @@ def _read(row: Row, found: Options, folder: str | pathlib.Path) -> None:
             one_line(key, WORD) + nearest(key.lower(), OPTIONS).rstrip("?"), row.line, "options that MoorDyn does not have"
         )
         return
+    if name == "WtrDpth" and not is_number(word):  # of MoorDyn's Fortran version
+        name = SEAFLOOR
     value = row.number(0, name) if name in ENVIRONMENT else _value(word)
     if name in ENVIRONMENT and isinstance(value, float) and value < 0.0:
         raise row.error(f"{name} must not be negative.")
@@ -119,8 +122,8 @@ def _read(row: Row, found: Options, folder: str | pathlib.Path) -> None:
 
 
 def _is_nothing(name: str, word: str, row: Row, folder: str | pathlib.Path) -> bool:
-    """Whether an option asks for no waves, no currents and no such bottom; a flow from outside that nobody gives is none."""
-    if number_of(word) == 0.0 or (name in ("WaterKin", "SeafloorFile") and word.lower() in NOTHING):
+    """Whether an option asks for no waves and no currents; a flow from outside that nobody gives is none."""
+    if number_of(word) == 0.0 or (name == "WaterKin" and word.lower() in NOTHING):
         return True
     if name == "WaterKin" and word.lower() == FROM_OUTSIDE:
         row.findings.remark(

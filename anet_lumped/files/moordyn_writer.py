@@ -2,9 +2,9 @@
 
 Written so that MoorDyn v2 runs it and that `moordyn_file` reads it back as an equal scene, like_moordyn where the bottom is
 `MoordynBottom` and points do not float; names travel as remarks. What a deck cannot hold is refused: two-way springs, cables that
-do not stretch or may break, events, damping by the environment; of bodies see `moordyn_body_rows`. What it has no place for is
-lost: the path of a driven point or body, which MoorDyn moves from outside, the EI of a scene without bending, that a cable has no
-diameter and that a free point has no place.
+do not stretch or may break, payloads that change, damping by the environment; of bodies see `moordyn_body_rows`. What it has no
+place for is lost: the path of a driven point or body, which MoorDyn moves from outside, the EI of a scene without bending, the zeta
+of a cable that creeps, that a cable has no diameter and that a free point has no place.
 """
 
 import math
@@ -19,6 +19,7 @@ from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene, check_sc
 
 from .moordyn_body_rows import body_points, body_rows
 from .moordyn_rows import named
+from .moordyn_seafloor import seafloor_text
 
 NO_DIAMETER = 1e-3  # [m], of a cable without one: MoorDyn divides by the section, and in air nothing else asks for it
 NO_BOTTOM = 1e4  # [m], depth of water without a bottom
@@ -51,9 +52,17 @@ def save_moordyn(scene: Scene, path: str | PathLike[str], options: Mapping[str, 
         warnings.warn("MoorDyn 2.7.2 passes over the first CdA of a body that has several.", stacklevel=2)
     path = pathlib.Path(path)
     path.write_text(moordyn_text(scene, options, stem=path.stem), encoding="utf-8")
+    if (ground := _seafloor(scene)) is not None:
+        text = seafloor_text(ground.x, ground.y, ground.heights)
+        path.with_name(f"{path.stem}_seafloor.txt").write_text(text, encoding="utf-8")
     for curve, name in _curves(scene, path.stem).items():
         rows = ("strain tension", "(-) (N)", "0 0", *(f"{strain!r} {tension!r}" for strain, tension in curve))
         path.with_name(name).write_text("\n".join(rows), encoding="utf-8")  # MoorDyn takes no empty last line
+
+
+def _seafloor(scene: Scene) -> Any:
+    """The `GroundMap` of a scene, or None."""
+    return next((effect for effect in scene.effects if _name(effect) == "ground_map"), None)
 
 
 def _curves(scene: Scene, stem: str) -> dict[Any, str]:
@@ -72,10 +81,12 @@ def moordyn_text(
     places : dict of point name to (3,) array_like [m]
         Where points start, in place of `at` or of the start of a path.
     stem : str
-        Tension-strain curves are taken to be in the files "stem_curve1.txt" and so on.
+        Tension-strain curves are taken to be in the files "stem_curve1.txt" and so on, a `GroundMap` in "stem_seafloor.txt".
     """
-    if scene.events:
-        raise SceneError(f"A scene must have no events to be written for MoorDyn, but it has {shown(scene.events[0])}.")
+    if scene.payload_changes:
+        raise SceneError(
+            f"A scene must have no payloads that change to be written for MoorDyn, but it has {shown(scene.payload_changes[0])}."
+        )
     places = _places(scene, places or {})
     environment = _environment(scene, max(abs(float(at[2])) for at in places.values()))
     bends = "bending" in {_name(effect) for effect in scene.effects}
@@ -104,13 +115,32 @@ def moordyn_text(
             f"{i} {types[row]} {number[cable.start]} {number[cable.end]} {cable.length!r} {cable.segments} -{named(cable.name)}"
             for i, (cable, row) in enumerate(zip(scene.cables, rows, strict=True), start=1)
         ),
+        *_failures(scene, number),
         "--------------------- OPTIONS ---------------------",
         *(f"{value} {name}" for name, value in (options or {}).items()),
         *(f"{value!r} {name}" for name, value in environment.items()),
+        *([f"{stem}_seafloor.txt SeafloorFile"] if _seafloor(scene) else []),
         "--------------------- OUTPUTS ---------------------",
         "--------------------- need this line ---------------------",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _failures(scene: Scene, number: Mapping[str, int]) -> list[str]:
+    """Section of the lines that are cut at given times, which MoorDyn's Fortran version parts at their ends; none without cuts."""
+    rows = []
+    for row, cut in enumerate(scene.cable_cuts, start=1):
+        cable = scene.cable(cut.cable)
+        at_end = cut.segment % cable.segments == cable.segments - 1
+        if not at_end and cut.segment % cable.segments:
+            raise SceneError(
+                f"A cable must be cut at an end to be written for MoorDyn, but of {quoted(cut.cable)} segment {cut.segment} is."
+            )
+        point = number[cable.end if at_end else cable.start]
+        rows.append(f"{row} {point} {scene.cable_numbers[cut.cable] + 1} {cut.t!r} 0")
+    title, names = "--------------------- FAILURE ---------------------", "FailureID Point Line(s) FailTime FailTen"
+    heads = (title, names, "() () (,) (s or 0) (N or 0)")
+    return [*heads, *rows] if rows else []
 
 
 def _type(cable: Cable, bends: bool, curves: dict[Any, str]) -> str:
@@ -130,8 +160,12 @@ def _type(cable: Cable, bends: bool, curves: dict[Any, str]) -> str:
     diameter = NO_DIAMETER if cable.diameter is None else cable.diameter
     damping = -cable.zeta if cable.BA is None else cable.BA
     EA = repr(cable.EA) if cable.tension_strain is None else curves[cable.tension_strain]
-    numbers = (damping or 0.0, cable.EI if bends else 0.0, cable.Cdn, cable.Can, cable.Cdt, cable.Cat)
-    return " ".join((repr(diameter), repr(cable.mass_per_length), EA, *map(repr, numbers)))
+    of_damping = repr(damping or 0.0)
+    if cable.creeps:
+        EA += "".join(f"|{x!r}" for x in (cable.EA_dynamic, cable.EA_dynamic_per_tension) if x)
+        of_damping = f"{cable.BA_creep!r}|{cable.axial_viscosity!r}"
+    numbers = (cable.EI if bends else 0.0, cable.Cdn, cable.Can, cable.Cdt, cable.Cat)
+    return " ".join((repr(diameter), repr(cable.mass_per_length), EA, of_damping, *map(repr, numbers)))
 
 
 def _point(point: Point, at: Any) -> str:
@@ -173,13 +207,14 @@ def _environment(scene: Scene, far: float) -> dict[str, float]:
     """Options that stand for the effects of a scene, whose points start no farther from z=0 than ``far`` [m]."""
     given: dict[str | None, Any] = {_name(effect): effect for effect in scene.effects}
     for name, effect in given.items():
-        if name not in ("gravity", "water", "ground", "moordyn_bottom", "bending"):
+        if name not in ("gravity", "water", "ground", "ground_map", "moordyn_bottom", "bending"):
             raise SceneError(f"A scene must have no {type(effect).__name__} to be written for MoorDyn, which has no such effect.")
     x, y, z = scene.gravity.tolist()
     if x or y or z > 0.0:
         raise SceneError(f"Gravity must point along -z to be written for MoorDyn, but the scene's acceleration is {(x, y, z)}.")
-    if "ground" in given and "moordyn_bottom" in given:
-        raise SceneError("A scene must have one bottom to be written for MoorDyn, but it has Ground and MoordynBottom.")
+    bottoms = [type(given[name]).__name__ for name in ("ground", "ground_map", "moordyn_bottom") if name in given]
+    if len(bottoms) > 1:
+        raise SceneError(f"A scene must have one bottom to be written for MoorDyn, but it has {' and '.join(bottoms)}.")
     water, ground = given.get("water"), given.get("ground", given.get("moordyn_bottom"))
     if water is not None:
         for name, still in (("level", 0.0), ("current", None), ("wave", None), ("waves", None)):
@@ -188,6 +223,9 @@ def _environment(scene: Scene, far: float) -> dict[str, float]:
         if water.g not in (None, -z):
             raise SceneError(f"Water must have the g of Gravity, {-z:g} m/s2, to be written for MoorDyn, but it has g={water.g}.")
     options = {"g": -z + 0.0, "rho": 0.0 if water is None else water.density}
+    if "ground_map" in given:
+        ground = given["ground_map"]
+        return options | {"kBot": ground.stiffness, "cBot": ground.damping, "FrictionCoefficient": ground.friction}
     if ground is None:
         reach = far + math.fsum(cable.length for cable in scene.cables)
         return options | {"WtrDpth": max(NO_BOTTOM, 2.0 * reach), "kBot": 0.0, "cBot": 0.0}

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from anet_lumped.checks import InputError, SceneError, check_number, nearest, quoted, shown
-from anet_lumped.results.run import State
+from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Free, Scene, check_scene
 
 LINKS, JOINTS = ("cylinder", "lumped"), ("ball", "revolute")

@@ -10,7 +10,7 @@ from os import PathLike
 
 from anet_lumped.checks import InputError, quoted
 from anet_lumped.regular_files import read_text
-from anet_lumped.results.run import State
+from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Scene
 
 PLACES, VELOCITIES = ("x", "y", "z"), ("vx", "vy", "vz")

@@ -119,4 +119,5 @@ def fly(
         v=np.array([state.v for state, _ in rows]), energy=np.array([energy for _, energy in rows]), method=march.method, dt=dt,
         reason=march.reason, status=status, message=message, work=march.work, wall_time=wall_time,
         segment_tension=np.array([state.segment_tension for state, _ in rows]), events=march.events, pushed=True,
+        crept=None if rows[0][0].crept is None else np.array([state.crept for state, _ in rows]),
     )  # fmt: skip

@@ -25,7 +25,7 @@ import numpy as np
 from anet_lumped.checks import InputError
 from anet_lumped.scene.scene import Free, Scene
 
-from .geometric import G
+from .laws import G
 from .seen import Seen
 
 STATES, INPUTS, OUTPUTS = 18, 3, 18

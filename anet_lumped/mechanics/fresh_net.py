@@ -8,6 +8,8 @@ from anet_lumped.model.net import NO_LINKS, Carried, Net
 from anet_lumped.model.tables import (
     BORDER_COLUMNS,
     BORDER_UNKNOWNS,
+    CREEP_COLUMNS,
+    CREPT_COLUMNS,
     FACTOR_COLUMNS,
     FAR_FACTOR_COLUMNS,
     KERNELS,
@@ -27,7 +29,7 @@ from anet_lumped.scene.scene import Driven
 NOWHERE = (0.0, 0.0, 0.0)
 
 
-def fresh_net(model, force=True, newton=True, links=False):
+def fresh_net(model, force=True, newton=True, links=False, crept=None):
     """Make the arrays that compiled code works on, with fresh scratch space. Each run needs its own.
 
     Parameters
@@ -37,13 +39,15 @@ def fresh_net(model, force=True, newton=True, links=False):
         Whether the run needs forces at one time, and whether it needs the stages of an implicit method.
     links : bool
         Whether its forces are those of links, cables that do not stretch.
+    crept : (n_segments,) float64 or None [m]
+        Slow stretch of each segment at the start, for a motion of cables that creep. None is for statics, and for scenes without.
 
     Returns
     -------
     Net
     """
     n, segments = model.n, model.n_segments
-    couples = model.coupled_neighbours
+    couples, creeps = model.coupled_neighbours, crept is not None and model.creeps
     has_added_mass = any("inertia" in effect.kernels() for effect in model.forces)
     changing = len(model.lengths.cable) > 0  # rest lengths change: then masses and laws belong to the run
     effects = model.effects._replace(params=model.effects.params.copy())
@@ -58,8 +62,10 @@ def fresh_net(model, force=True, newton=True, links=False):
         cable_groups=model.cable_groups,
         single_cables=model.single_cables,
         single_kinds=model.single_kinds,
-        axial=model.axial.copy() if changing else model.axial,
+        axial=model.axial_of_fast_parts if creeps else model.axial.copy() if changing else model.axial,
         springs=model.springs,
+        creep=model.creep if creeps else np.zeros((0, CREEP_COLUMNS)),
+        crept=np.column_stack([crept, np.zeros(segments)]) if creeps else np.zeros((0, CREPT_COLUMNS)),
         paths=pack(paths),
         n_driven=model.n_driven,
         carried=_carried(model.scene, len(paths)),
@@ -87,7 +93,7 @@ def fresh_net(model, force=True, newton=True, links=False):
         added_mass=np.zeros((model.n_free if has_added_mass else 0, 3, 3)),
         breaking_tension=model.breaking_tension,
         observed_tension=np.zeros(len(model.breaking_tension)),
-        remembered=np.zeros(16 * len(model.breaking_tension) + 5),
+        remembered=np.zeros((16 + 2 * creeps) * len(model.breaking_tension) + 5),
         links=model.links.of_a_run() if links else NO_LINKS,
         kernels=np.zeros(KERNELS, np.int64),
     ).addressed()

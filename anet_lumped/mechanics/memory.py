@@ -25,4 +25,5 @@ def remember(net_address, back):
     first = _exchange(flat(net.segment), net.remembered, 0, back)
     first = _exchange(net.tension, net.remembered, first, back)
     first = _exchange(net.mean_tension, net.remembered, first, back)
-    _exchange(net.linearised, net.remembered, first, back)
+    first = _exchange(net.linearised, net.remembered, first, back)
+    _exchange(flat(net.crept), net.remembered, first, back)

@@ -9,7 +9,7 @@ from anet_lumped.compiled.lanes import column, group_members, lane, load, load_f
 from anet_lumped.mechanics.cable_rows import row3, segment_count
 from anet_lumped.mechanics.effect_forces import clear
 from anet_lumped.mechanics.linear import solve
-from anet_lumped.mechanics.optional import as_finish, as_finish_bodies
+from anet_lumped.mechanics.optional import as_finish, as_finish_bodies, as_relinearise_creep
 from anet_lumped.mechanics.residual import EPS
 from anet_lumped.mechanics.segment_law import (
     group_constant,
@@ -37,6 +37,7 @@ from anet_lumped.model.tables import (
     KERNEL_FINISH_BODIES,
     KERNEL_FINISH_GROUPS,
     KERNEL_FINISH_SINGLES,
+    KERNEL_RELINEARISE_CREEP,
     LINEARISED_BEGINNING,
     LINEARISED_FIRST_STEP,
     LINEARISED_LAW,
@@ -225,12 +226,15 @@ def direction(stage, net_address):
         for c in range(net.cable.shape[0]):
             if net.axial[c, AXIAL_PUSH_SHARE] != 1.0:
                 changed = _relinearise_cable(stage, net, c, length_direction) or changed
+        if net.kernels[KERNEL_RELINEARISE_CREEP] != 0:
+            changed = as_relinearise_creep(net.kernels[KERNEL_RELINEARISE_CREEP])(stage, net_address) == 1 or changed
         if not changed:
             break
         for i in range(net.n_interior, net.n_free):
             for x in range(3):
                 right_side[i, x] = law_force[i, x]
-    unbalanced = 0.0 if all_taut and net.effects.linear_in_node_state == 1 else UNKNOWN_FORCE
+    bounded = all_taut and net.effects.linear_in_node_state == 1 and net.creep.shape[0] == 0
+    unbalanced = 0.0 if bounded else UNKNOWN_FORCE
     if stage.law == LAW_AT_END:
         return solves, UNKNOWN_FORCE
     if net.cable_groups.shape[0] > 0:

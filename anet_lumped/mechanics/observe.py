@@ -4,9 +4,11 @@ import math
 
 from numba import float64, int64, void
 
-from anet_lumped.compiled.jit import kernel
+from anet_lumped.compiled.jit import internal, kernel
 from anet_lumped.effects.laws.axial import elastic_energy, tension_parts
+from anet_lumped.effects.laws.creep import stored_energy, tension_at_once
 from anet_lumped.effects.signatures import as_energy
+from anet_lumped.mechanics.creeping_law import creep_of
 from anet_lumped.mechanics.effect_forces import numbers_of
 from anet_lumped.mechanics.optional import as_set_lengths
 from anet_lumped.mechanics.segment_law import SHORTEST, spring_of
@@ -24,6 +26,9 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_SEGMENT,
     CABLE_SEGMENTS,
     CABLE_START,
+    CREEP_STATIC,
+    CREPT_CHANGE,
+    CREPT_STRETCH,
     KERNEL_SET_LENGTHS,
     LINEARISED_LAW,
     LINEARISED_MEAN_STEP,
@@ -37,6 +42,19 @@ from integrators.stage import LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN
 from integrators.system import NO_EVENTS
 
 _f1, _f2 = float64[::1], float64[:, ::1]
+
+
+@internal
+def _creeping_tension(net, c, s, stretch, rate, acting):
+    """`observe` of a segment s of cable c that creeps, of the ``stretch`` l - L0 [m] and the ``rate`` of length [m/s]."""
+    creep, crept, row, h = creep_of(net, c), net.crept[s, CREPT_STRETCH], net.segment[s], net.linearised[LINEARISED_TAU]
+    if net.linearised[LINEARISED_LAW] != LAW_BETWEEN or stretch <= crept:
+        return tension_at_once(stretch - crept, crept, rate, creep)
+    mean_rate = (row[SEGMENT_STRETCH] - row[SEGMENT_STRETCH_BEFORE] + net.crept[s, CREPT_CHANGE]) / h
+    k, omega_squared = net.axial[c, AXIAL_STIFFNESS], net.axial[c, AXIAL_OMEGA_SQUARED]
+    resolved = 1.0 / (1.0 + (0.25 * h + 0.5 * creep.fast_damper / k) * h * omega_squared)
+    at_once = tension_at_once(stretch - crept, crept, mean_rate + resolved * (rate - mean_rate), creep)
+    return max(acting - row[SEGMENT_TENSION] + at_once, 0.0)
 
 
 @kernel(void(_f2, _f2, int64, _f1))
@@ -60,8 +78,13 @@ def observe(q, v, net_address, tension):
 
       which is the law where the step resolves the stretching, and the mean where it does not.
     * Otherwise: the law at one time.
+
+    Of cables that creep the law is that of `creep.tension_at_once`, and their slow stretches [m] follow the tensions of all
+    segments, where ``tension`` has room for them.
     """
     net = view_net(net_address)
+    for i in range(min(net.crept.shape[0], tension.shape[0] - net.tension.shape[0])):
+        tension[net.tension.shape[0] + i] = net.crept[i, CREPT_STRETCH]
     for c in range(net.cable.shape[0]):
         first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
         L0, k, damper, two_way_damper, spring = (
@@ -83,7 +106,9 @@ def observe(q, v, net_address, tension):
                 rate = dx * (v[i, 0] - v[before, 0]) + dy * (v[i, 1] - v[before, 1]) + dz * (v[i, 2] - v[before, 2])
                 rate = rate / max(l, SHORTEST * L0) - net.axial[c, AXIAL_L0_RATE]
                 T, elastic = tension_parts(l - L0, rate, spring, damper, two_way_damper)
-                if net.linearised[LINEARISED_LAW] == LAW_BETWEEN and (elastic != 0.0 or two_way_damper > 0.0):
+                if net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0:
+                    T = _creeping_tension(net, c, s, l - L0, rate, acting)
+                elif net.linearised[LINEARISED_LAW] == LAW_BETWEEN and (elastic != 0.0 or two_way_damper > 0.0):
                     h, row = net.linearised[LINEARISED_TAU], net.segment[s]
                     mean_rate = row[SEGMENT_STRETCH] - row[SEGMENT_STRETCH_BEFORE]
                     if two_way_damper == 0.0:
@@ -116,7 +141,12 @@ def energies(t, q, v, net_address, energy):
         for j in range(count):
             i = node + j if j < count - 1 else net.cable[c, CABLE_END]
             dx, dy, dz = q[i, 0] - q[before, 0], q[i, 1] - q[before, 1], q[i, 2] - q[before, 2]
-            elastic += elastic_energy(math.sqrt(dx * dx + dy * dy + dz * dz) - L0, spring)
+            stretch = math.sqrt(dx * dx + dy * dy + dz * dz) - L0
+            if net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0:
+                crept = net.crept[net.cable[c, CABLE_FIRST_SEGMENT] + j, CREPT_STRETCH]
+                elastic += stored_energy(stretch - crept, crept, creep_of(net, c))
+            else:
+                elastic += elastic_energy(stretch, spring)
             before = i
     effects = net.effects
     for e in range(effects.address.shape[0]):

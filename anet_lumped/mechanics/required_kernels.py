@@ -36,9 +36,13 @@ def require(net, model, force=False, newton=False, links=False):
 
         for name, module in (("residual", residual), ("finish", newton_step), ("settle", settle)):
             one, four = (getattr(module, f"{name}_of_{kind}") for kind in ("singles", "groups"))
+            if len(net.creep) and name != "finish":
+                one = getattr(creep_kernels(), f"{name}_of_creeping")
             _write_both(net, name, one if singles else None, four if groups else None)
         if (net.effects.address[:, tables.SLOT_SETTLE] != 0).any():
             _write(net, "SETTLE_EFFECTS", "settle_effects", settle.settle_effects)
+        if len(net.creep):
+            _write(net, "RELINEARISE_CREEP", "relinearise_creep", creep_kernels().relinearise_creep)
         require_elimination(net, model.coupled_neighbours)
     if model.has_bodies:
         _require_bodies(net, force, newton, links)
@@ -64,6 +68,13 @@ def require_elimination(net, reach):
             _write(net, f"ELIMINATE_{kind.upper()}", "eliminate", getattr(eliminating[kind], f"eliminate_{kind}"))
         if present or (kind == "singles" and short):
             _write(net, f"SUBSTITUTE_{kind.upper()}", "substitute", getattr(substituting[kind], f"substitute_{kind}"))
+
+
+def creep_kernels():
+    """Module of the kernels of cables that creep, compiled for scenes that have some."""
+    from anet_lumped.mechanics import creep_kernels as kernels
+
+    return kernels
 
 
 def _require_bodies(net, force, newton, links):

@@ -15,6 +15,7 @@ from anet_lumped.compiled.lanes import (
 )
 from anet_lumped.effects.signatures import as_force, as_tangent, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, row3, segment_count
+from anet_lumped.mechanics.creeping_law import linearise_creeping
 from anet_lumped.mechanics.effect_forces import add_masses, any_live, clear, numbers_of, take_middle
 from anet_lumped.mechanics.optional import (
     CableBalance,
@@ -34,6 +35,8 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_NODE,
     CABLE_FIRST_SEGMENT,
     CABLE_START,
+    CREPT_CHANGE,
+    CREPT_STRETCH,
     KERNEL_BALANCE_BODIES,
     KERNEL_PLACE_BODIES,
     KERNEL_RESIDUAL_GROUPS,
@@ -71,15 +74,17 @@ def set_stage_lengths(stage, net_address):
 
 
 @inlined
-def _cable_residual(stage, net, c, members, base, q, step, largest_coordinate):
-    """Linearise the segments of a cable, or of the ``members`` cables of a group, and return their `CableBalance`.
+def cable_residual(stage, net, cables, base, q, law, creep, largest_coordinate):
+    """Linearise the segments of a cable, or of a group of cables, and return their `CableBalance`.
 
-    ``step`` is that of `segment_law.cable_law`. Adds the forces of the cable on its end points to ``net.law_force``, and the same
-    forces with the predicted tensions to ``net.predicted_force``.
+    ``cables`` are the address of the cable or group and how many cables it is, ``law`` its `CableLaw`, and ``creep`` the `Creep` of
+    its segments, None of a cable that does not creep. Adds the forces of the cable on its end points to ``net.law_force``, and the
+    same forces with the predicted tensions to ``net.predicted_force``.
     """
+    c, members = cables
     first, node, per_tau = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE), 1.0 / stage.tau
     start, end = column(net.cable, c, CABLE_START), column(net.cable, c, CABLE_END)
-    count, law = segment_count(net, c), cable_law(stage, net, c, step)
+    count = segment_count(net, c)
     L0, k, damper, taut, two_way_damper = law.spring.L0, law.steepest_slope, law.damper, law.taut, law.two_way_damper
     flat_q, flat_base, flat_right, segment = flat(q), flat(base), flat(net.right_side), flat(net.segment)
     zero = 0.0 * L0
@@ -91,7 +96,11 @@ def _cable_residual(stage, net, c, members, base, q, step, largest_coordinate):
         s = shifted(first, j, 1, 0)
         row, predicted_tension, q1 = shifted(s, 0, SEGMENT_COLUMNS, 0), load(net.tension, s), row3(flat_q, i)
         a1 = row3(flat_base, i)
-        T, new = linearise(stage, law, q0, q1, a0, a1, predicted_tension, load_history(segment, row))
+        if creep is None:
+            T, new = linearise(stage, law, q0, q1, a0, a1, predicted_tension, load_history(segment, row))
+        else:
+            of_segment, history = (law, creep, net.crept[s, CREPT_STRETCH]), load_history(segment, row)
+            T, new, net.crept[s, CREPT_CHANGE] = linearise_creeping(stage, of_segment, q0, q1, a0, a1, predicted_tension, history)
         store_linearised(segment, row, new)
         tension_used = select(two_way_damper == 0.0, max(predicted_tension, 0.0), predicted_tension)
         tension_gap = max(
@@ -130,7 +139,7 @@ def _cable_residual(stage, net, c, members, base, q, step, largest_coordinate):
 
 
 @inlined
-def _joined(first, second):
+def joined(first, second):
     """`CableBalance` of two sets of cables together: the larger one of each number, and the sum of the sums of forces."""
     return CableBalance(
         max(first.norm, second.norm),
@@ -144,20 +153,22 @@ def _joined(first, second):
 
 @on_demand
 def residual_of_singles(stage, net_address, base, q, step, largest_coordinate):
-    """`_cable_residual` of the cables that are in no group."""
+    """`cable_residual` of the cables that are in no group."""
     net, balance = view_net(net_address), CableBalance(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for c in net.single_cables:
-        balance = _joined(balance, _cable_residual(stage, net, c, 1, base, q, step, largest_coordinate))
+        law = cable_law(stage, net, c, step)
+        balance = joined(balance, cable_residual(stage, net, (c, 1), base, q, law, None, largest_coordinate))
     return balance
 
 
 @on_demand
 def residual_of_groups(stage, net_address, base, q, step, largest_coordinate):
-    """`_cable_residual` of the cables that are taken by fours."""
+    """`cable_residual` of the cables that are taken by fours."""
     net, balance = view_net(net_address), CableBalance(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for g in range(net.cable_groups.shape[0]):
         c, members = group_members(net.cable_groups, g), net.cable_groups[g, WIDTH]
-        balance = _joined(balance, _cable_residual(stage, net, c, members, base, q, step, largest_coordinate))
+        law = cable_law(stage, net, c, step)
+        balance = joined(balance, cable_residual(stage, net, (c, members), base, q, law, None, largest_coordinate))
     return balance
 
 
@@ -258,14 +269,14 @@ def residual(stage, base, target, q, net_address):
     balance = CableBalance(0.0, scale, inertia_noise, 0.0, inertia_noise, 0.0)
     if net.cable_groups.shape[0] > 0:
         of_groups = as_cable_residual(net.kernels[KERNEL_RESIDUAL_GROUPS])
-        balance = _joined(balance, of_groups(stage, net_address, base, q, step, largest_coordinate))
+        balance = joined(balance, of_groups(stage, net_address, base, q, step, largest_coordinate))
     if net.single_cables.shape[0] > 0:
         of_singles = as_cable_residual(net.kernels[KERNEL_RESIDUAL_SINGLES])
-        balance = _joined(balance, of_singles(stage, net_address, base, q, step, largest_coordinate))
+        balance = joined(balance, of_singles(stage, net_address, base, q, step, largest_coordinate))
     if first_of_bodies < n_free:
         of_bodies = as_balance_bodies(net.kernels[KERNEL_BALANCE_BODIES])
         of_those = of_bodies(stage, net_address, largest_coordinate, balance.noise, balance.predicted_noise)
-        balance = _joined(balance, of_those)
+        balance = joined(balance, of_those)
     norm, predicted, sum_of_forces = balance.norm, balance.predicted, balance.sum_of_forces
     for i in range(net.n_interior, first_of_bodies):
         norm = max(norm, abs(law_force[i, 0]), abs(law_force[i, 1]), abs(law_force[i, 2]))

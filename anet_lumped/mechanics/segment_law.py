@@ -126,7 +126,7 @@ def moving_mass(net, node):
 
 
 @inlined
-def _largest_moving_mass(net, c):
+def largest_moving_mass(net, c):
     """Largest mass of a cable's moving nodes [kg]."""
     ends = max(moving_mass(net, column(net.cable, c, CABLE_START)), moving_mass(net, column(net.cable, c, CABLE_END)))
     if lane(column(net.cable, c, CABLE_SEGMENTS), 0) > 1:
@@ -145,7 +145,7 @@ def penalty(stage, net, c):
         return 0.0 * column(net.axial, c, AXIAL_L0)
     if lane(column(net.cable, c, CABLE_SEGMENTS), 0) > 1:
         return PENALTY_PER_INERTIA * stage.W * load(net.mass, column(net.cable, c, CABLE_FIRST_NODE))
-    return PENALTY_PER_INERTIA * stage.W * _largest_moving_mass(net, c)
+    return PENALTY_PER_INERTIA * stage.W * largest_moving_mass(net, c)
 
 
 @inlined
@@ -157,6 +157,13 @@ def numerical_damper(stage, net, c):
     """
     square = 0.25 * stage.tau * stage.tau * column(net.axial, c, AXIAL_OMEGA_SQUARED)
     return stage.dissipation * column(net.axial, c, AXIAL_STIFFNESS) * (square / (1.0 + square))
+
+
+@inlined
+def tension_error_weight(slope, per_length_error, inertia):
+    """Force that an error of a tension of a ``slope`` [N/m] counts for, over that error; see `taut_law`."""
+    per_slope = 1.0 / max(slope, TINY)
+    return max(per_length_error * per_slope, math.sqrt(inertia * per_slope))
 
 
 @inlined
@@ -172,7 +179,7 @@ def taut_law(stage, net, c):
     """
     k, damper, per_tau = column(net.axial, c, AXIAL_STIFFNESS), column(net.axial, c, AXIAL_DAMPER), 1.0 / stage.tau
     numerical, length_penalty = numerical_damper(stage, net, c), penalty(stage, net, c)
-    inertia = stage.W * _largest_moving_mass(net, c)
+    inertia = stage.W * largest_moving_mass(net, c)
     if stage.law == LAW_BETWEEN:
         undamped_slope = length_penalty + damper * per_tau + 0.5 * k
         damped_slope, next_step_slope = undamped_slope + numerical, abs(0.5 * k - numerical - damper * per_tau)
@@ -183,8 +190,7 @@ def taut_law(stage, net, c):
     if group_constant(net, c, AXIAL_INEXTENSIBLE) > 0.0:
         per_tension_error = STRICTNESS * inertia / length_penalty
     else:
-        per_slope = 1.0 / max(damped_slope, TINY)
-        per_tension_error = max(per_length_error * per_slope, math.sqrt(inertia * per_slope))
+        per_tension_error = tension_error_weight(damped_slope, per_length_error, inertia)
     return TautLaw(numerical, length_penalty, undamped_slope, damped_slope, per_length_error, min(per_tension_error, 1.0))
 
 
@@ -248,7 +254,7 @@ def _swing_share(change, last_change):
 
 
 @inlined
-def _numerical_damper_of_step(law, history, stretch_before):
+def numerical_damper_of_step(law, history, stretch_before):
     """Numerical damper of a segment in a step that begins [N/m], and the change of its stretch in the last step [m].
 
     The damper acts in full on a slack segment that cannot push, which may snap taut in the step; else with the share of
@@ -315,7 +321,7 @@ def linearise(stage, law, start, end, base_start, base_end, predicted_tension, h
         stretch_before = l_a - law.L0_at_start
         if stage.law == LAW_BETWEEN:
             if law.step > LINEARISED_SAME_STEP:
-                numerical, last_change = _numerical_damper_of_step(law, history, stretch_before)
+                numerical, last_change = numerical_damper_of_step(law, history, stretch_before)
             else:
                 numerical = history.numerical_damper
             per_sum = 1.0 / max(l_a + l, SHORTEST * L0)

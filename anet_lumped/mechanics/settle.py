@@ -9,6 +9,7 @@ from anet_lumped.compiled.lanes import WIDTH, column, group_members, is_below, l
 from anet_lumped.effects.laws.axial import damped_changes
 from anet_lumped.effects.signatures import as_force, as_settle, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
+from anet_lumped.mechanics.creeping_law import creep_in_step, fast_spring
 from anet_lumped.mechanics.effect_forces import any_live, numbers_of, take_middle
 from anet_lumped.mechanics.optional import (
     CableAccount,
@@ -34,6 +35,7 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_NODE,
     CABLE_FIRST_SEGMENT,
     CABLE_START,
+    CREPT_STRETCH,
     KERNEL_ENERGY_OF_PAID_OUT,
     KERNEL_SETTLE_EFFECTS,
     KERNEL_SETTLE_GROUPS,
@@ -89,16 +91,20 @@ def _unresolved_share(ratio):
 
 
 @inlined
-def _cable_settle(stage, net, c, members, base, q, v):
-    """`settle` of a cable, or of the ``members`` cables of a group; returns their `CableAccount`.
+def cable_settle(stage, net, cables, base, q, v, creep):
+    """`settle` of a cable, or of a group of cables; returns their `CableAccount`.
 
-    Writes the changes of velocity by the impulses to ``net.middle_v``, and adds each impulse over the step to ``net.tension``.
+    ``cables`` are the address of the cable or group and how many cables it is; ``creep`` is the `Creep` of its segments, None of a
+    cable that does not creep. Writes the changes of velocity by the impulses to ``net.middle_v``, and adds each impulse over the
+    step to ``net.tension``.
     """
-    h, per_h = stage.tau, 1.0 / stage.tau
+    (c, members), h, per_h = cables, stage.tau, 1.0 / stage.tau
     first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
     start, end, count = column(net.cable, c, CABLE_START), column(net.cable, c, CABLE_END), segment_count(net, c)
     L0, k, damper = column(net.axial, c, AXIAL_L0), column(net.axial, c, AXIAL_STIFFNESS), column(net.axial, c, AXIAL_DAMPER)
     spring, two_way_damper = spring_of(net, c), group_constant(net, c, AXIAL_TWO_WAY_DAMPER)
+    if creep is not None:
+        spring = fast_spring(net, creep.fast_stiffness, L0)
     omega_squared, L_a = column(net.axial, c, AXIAL_OMEGA_SQUARED), column(net.axial, c, AXIAL_L0_BEFORE)
     L0_rate = column(net.axial, c, AXIAL_L0_RATE)
     if group_constant(net, c, AXIAL_INEXTENSIBLE) > 0.0:
@@ -108,7 +114,14 @@ def _cable_settle(stage, net, c, members, base, q, v):
         taut_share = 2.0 * stage.dissipation * _unresolved_share(spring_term + damping_term * damping_term)
         slack_term = spring.push_share * spring_term + two_way_damper * damping_term * damping_term
         slack_share = 2.0 * stage.dissipation * _unresolved_share(slack_term)
-    flat_base, flat_q, flat_v, change, segment, zero = flat(base), flat(q), flat(v), flat(net.middle_v), flat(net.segment), 0.0 * L0
+    flat_base, flat_q, flat_v, velocity_change, segment, zero = (
+        flat(base),
+        flat(q),
+        flat(v),
+        flat(net.middle_v),
+        flat(net.segment),
+        0.0 * L0,
+    )
     by_dampers, by_method, put_in, by_impulses, total_square = zero, zero, zero, zero, zero
     i1, q1, v1, mobility_1 = start, row3(flat_q, start), row3(flat_v, start), _mobility(net, start)
     segments_at_1 = load(net.node_segments, start)
@@ -122,8 +135,13 @@ def _cable_settle(stage, net, c, members, base, q, v):
         l = math.sqrt(dx * dx + dy * dy + dz * dz)
         per_l, stretch = 1.0 / max(l, SHORTEST * L0), l - L0
         stretch_before = load(segment, shifted(row, 0, 1, SEGMENT_STRETCH_BEFORE))
-        n, lengthening = (dx * per_l, dy * per_l, dz * per_l), stretch - stretch_before
         numerical = load(segment, shifted(row, 0, 1, SEGMENT_NUMERICAL_DAMPER))
+        if creep is not None:
+            L_a = L0 + net.crept[s, CREPT_STRETCH]
+            spring, change, by_slow_part = creep_in_step(stage, net, (creep, s, L0), stretch_before, l, numerical)
+            by_dampers, by_method = by_dampers + by_slow_part[0], by_method + by_slow_part[1]
+            stretch = l - spring.L0
+        n, lengthening = (dx * per_l, dy * per_l, dz * per_l), stretch - stretch_before
         T_at_end, _, secant = tension_law(stage, stretch, stretch_before, spring, damper, two_way_damper, numerical)
         store(segment, shifted(row, 0, 1, SEGMENT_STRETCH), stretch)
         store(segment, shifted(row, 0, 1, SEGMENT_TENSION), T_at_end)
@@ -133,7 +151,10 @@ def _cable_settle(stage, net, c, members, base, q, v):
         by_dampers, by_method = by_dampers + damper_share * dissipated, by_method + (1.0 - damper_share) * dissipated
         total_square = total_square + lengthening * lengthening
         rate = n[0] * (v2[0] - v1[0]) + n[1] * (v2[1] - v1[1]) + n[2] * (v2[2] - v1[2]) - L0_rate
-        change_wanted = select(stretch > 0.0, taut_share, slack_share) * (rate - lengthening * per_h)
+        mean_rate = lengthening * per_h
+        if creep is not None:
+            mean_rate = mean_rate + change * per_h
+        change_wanted = select(stretch > 0.0, taut_share, slack_share) * (rate - mean_rate)
         impulse_acts = ((T > 0.0) | (two_way_damper > 0.0)) & (change_wanted * rate > 0.0) & (mobility_1 + mobility_2 > 0.0)
         impulse = select(
             impulse_acts,
@@ -148,7 +169,7 @@ def _cable_settle(stage, net, c, members, base, q, v):
             add_to_points(net.middle_v, 0, start, members, node_change, 1.0)
             by_impulses = by_impulses - select(mobility_1 == 0.0, impulse, 0.0) * (n[0] * v1[0] + n[1] * v1[1] + n[2] * v1[2])
         else:
-            put_row3(change, i1, node_change)
+            put_row3(velocity_change, i1, node_change)
         if j == count - 1:
             by_impulses = by_impulses + select((mobility_2 == 0.0) & (mobility_1 > 0.0), impulse, 0.0) * (
                 n[0] * v2[0] + n[1] * v2[1] + n[2] * v2[2]
@@ -170,7 +191,7 @@ def _cable_settle(stage, net, c, members, base, q, v):
 
 
 @inlined
-def _sum(first, second):
+def sum_of_accounts(first, second):
     """`CableAccount` of two sets of cables together."""
     return CableAccount(
         first.by_dampers + second.by_dampers,
@@ -183,20 +204,21 @@ def _sum(first, second):
 
 @on_demand
 def settle_of_singles(stage, net_address, base, q, v):
-    """`_cable_settle` of the cables that are in no group, summed."""
+    """`cable_settle` of the cables that are in no group, summed."""
     net, account = view_net(net_address), CableAccount(0.0, 0.0, 0.0, 0.0, 0.0)
     for c in net.single_cables:
-        account = _sum(account, _cable_settle(stage, net, c, 1, base, q, v))
+        account = sum_of_accounts(account, cable_settle(stage, net, (c, 1), base, q, v, None))
     return account
 
 
 @on_demand
 def settle_of_groups(stage, net_address, base, q, v):
-    """`_cable_settle` of the cables that are taken by fours, summed."""
+    """`cable_settle` of the cables that are taken by fours, summed."""
     net, account = view_net(net_address), CableAccount(0.0, 0.0, 0.0, 0.0, 0.0)
     for g in range(net.cable_groups.shape[0]):
         members = group_members(net.cable_groups, g)
-        account = _sum(account, _cable_settle(stage, net, members, net.cable_groups[g, WIDTH], base, q, v))
+        own = cable_settle(stage, net, (members, net.cable_groups[g, WIDTH]), base, q, v, None)
+        account = sum_of_accounts(account, own)
     return account
 
 
@@ -287,7 +309,7 @@ def settle(stage, base, q, v, net_address, energy):
     if net.cable_groups.shape[0] > 0:
         account = as_cable_settle(net.kernels[KERNEL_SETTLE_GROUPS])(stage, net_address, base, q, v)
     if net.single_cables.shape[0] > 0:
-        account = _sum(account, as_cable_settle(net.kernels[KERNEL_SETTLE_SINGLES])(stage, net_address, base, q, v))
+        account = sum_of_accounts(account, as_cable_settle(net.kernels[KERNEL_SETTLE_SINGLES])(stage, net_address, base, q, v))
     put_in += account.put_in + account.by_impulses
     by_method = account.by_method + (account.by_impulses + by_steps_of_effects)
     for i in range(net.n_free):

@@ -88,7 +88,7 @@ def build(scene):
                 f"{one.stiffness:g} N/m on nodes of {1.0 / of.max():g} kg."
             )
     springs = _curves(scene.cables, cable)
-    groups, single, kinds = _groups(cable, axial)
+    groups, single, kinds = _groups(cable, axial, np.array([one.creeps for one in scene.cables]))
     model = Model(
         scene=scene,
         n=n,
@@ -124,8 +124,10 @@ def _curves(cables, table):
     return np.array(rows, float).reshape(-1, 2)
 
 
-def _groups(cable, axial):
+def _groups(cable, axial, creeps):
     """Cables that hang on a prescribed point and are alike but for their numbers, by fours, and all others; the tables of `Net`.
+
+    Those that creep, of which ``creeps`` (n_cables,) tells, are never taken at once.
 
     Returns
     -------
@@ -135,7 +137,15 @@ def _groups(cable, axial):
     alike = {}
     for c in np.flatnonzero(~(short | bordered)):
         row, of = cable[c], axial[c]
-        same = row[CABLE_SEGMENTS], row[CABLE_CURVE_END], of[AXIAL_PUSH_SHARE], of[AXIAL_TWO_WAY_DAMPER], of[AXIAL_INEXTENSIBLE]
+        alone = c if creeps[c] else -1
+        same = (
+            row[CABLE_SEGMENTS],
+            row[CABLE_CURVE_END],
+            of[AXIAL_PUSH_SHARE],
+            of[AXIAL_TWO_WAY_DAMPER],
+            of[AXIAL_INEXTENSIBLE],
+            alone,
+        )
         alike.setdefault(same, []).append(c)
     fours = [cables[i : i + WIDTH] for cables in alike.values() for i in range(0, len(cables), WIDTH)]
     groups = [[*four, *[four[-1]] * (WIDTH - len(four)), len(four)] for four in fours if len(four) > 1]

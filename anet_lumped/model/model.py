@@ -8,11 +8,15 @@ import numpy as np
 from anet_lumped.checks import quoted
 from anet_lumped.model.tables import (
     AXIAL_L0,
+    AXIAL_OMEGA_SQUARED,
     AXIAL_PUSH_SHARE,
     AXIAL_STIFFNESS,
     CABLE_END,
     CABLE_FIRST_SEGMENT,
     CABLE_SEGMENTS,
+    CREEP_COLUMNS,
+    CREEP_FAST,
+    CREEP_STATIC,
 )
 from anet_lumped.scene.scene import Scene
 
@@ -87,6 +91,27 @@ class Model:
     def near_rows(self):
         """Pairs of nodes that effects may join: the ends of each segment, then the `pairs` of bodies."""
         return self.n_segments + len(self.bodies.pairs)
+
+    @property
+    def creeps(self):
+        """Whether there are cables that creep."""
+        return len(self.creep) > 0
+
+    @cached_property
+    def creep(self):
+        """(n_cables, 4) float64: `Net.creep`, without rows where no cable creeps."""
+        if not any(cable.creeps for cable in self.scene.cables):
+            return np.zeros((0, CREEP_COLUMNS))
+        return np.array([cable.creep if cable.creeps else (0.0,) * CREEP_COLUMNS for cable in self.scene.cables])
+
+    @property
+    def axial_of_fast_parts(self):
+        """``axial`` of a motion: of cables that creep, the springs are the fast ones, and kernels of their own take them."""
+        axial, creeps = self.axial.copy(), self.creep[:, CREEP_STATIC] > 0.0
+        axial[creeps, AXIAL_STIFFNESS] = self.creep[creeps, CREEP_FAST]
+        axial[creeps, AXIAL_OMEGA_SQUARED] *= self.creep[creeps, CREEP_FAST] / self.creep[creeps, CREEP_STATIC]
+        axial[creeps, AXIAL_PUSH_SHARE] = 1.0  # as of springs for which `newton_step` looks for no slack segments
+        return axial
 
     @property
     def n_segments(self):

@@ -163,7 +163,7 @@ class Links(NamedTuple):
 class Net(NamedTuple):
     """A model as compiled code sees it, with the scratch arrays of one run.
 
-    `tables` names the columns of ``cable``, ``axial``, ``springs``, ``segment`` and ``linearised``.
+    `tables` names the columns of ``cable``, ``axial``, ``springs``, ``creep``, ``crept``, ``segment`` and ``linearised``.
     """
 
     n_free: int
@@ -176,6 +176,8 @@ class Net(NamedTuple):
     single_kinds: np.ndarray  # (2,) where in ``single_cables`` the second and the third kind begin
     axial: np.ndarray
     springs: np.ndarray  # (rows, 2) of tension-strain curves, see `Cable.springs`
+    creep: np.ndarray  # (n_cables, 4) of cables that creep, columns in `tables`; empty where none does, and in statics
+    crept: np.ndarray  # (n_segments, 2) [m] slow stretch of each segment and its change in the last step, likewise
     paths: tuple
     n_driven: int  # first driven node
     carried: Carried
@@ -225,7 +227,7 @@ POINTS = types.NamedTuple((_i1,) * 7 + (_f3,), Points)
 LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f2, _f2, _f1), Links)
 NO_LINKS = Links(*(np.zeros((0,) * kind.ndim, np.int64 if kind.dtype == types.int64 else float) for kind in LINKS.types))
 NET = types.NamedTuple(
-    (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, TABLE, types.int64)
+    (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, _f2, _f2, TABLE, types.int64)
     + (CARRIED, EFFECTS, LENGTHS, POINTS, BODIES)
     + (_f2, _f1, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f2, _f3)
     + (_f2,) * 3

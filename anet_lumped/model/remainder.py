@@ -139,7 +139,7 @@ def lightest(scene):
     if not scene.events:
         return scene
     least, points = {}, []
-    for event in scene.events:
+    for event in scene.payload_changes:
         least[event.point] = min(event.mass, least.get(event.point, event.mass))
     for point in scene.points:
         points.append(replace(point, mass=min(point.mass, least[point.name])) if point.name in least else point)

@@ -73,10 +73,14 @@ def table(scene, model, cut):
 
     Raises
     ------
-    SceneError : an effect whose numbers are not linear in a length that is paid out, or no length left to begin with
+    SceneError : an effect whose numbers are not linear in a length that is paid out, no length left to begin with, or a cable that
+        creeps
     """
     at_shortest(scene, 0.0, 0.0)
     found = changes(scene)
+    creeping = next((name for name in found if scene.cable(name).creeps), None)
+    if creeping is not None:
+        raise SceneError(f"A cable that creeps keeps its rest length, but that of cable {quoted(creeping)} is to change in time.")
     names, material, nodes, masses, places, slopes = list(found), [], [], [], [], []
     for name in names:
         cable = scene.cable(name)

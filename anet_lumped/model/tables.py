@@ -19,6 +19,16 @@ AXIAL_COLUMNS = 10
 # `Net.springs`, one row a piece of a tension-strain curve: the strain that it acts from, and its share of k.
 CURVE_STRAIN, CURVE_SHARE = 0, 1
 
+# `Net.creep`, one row a cable, of its segments, see `effects.laws.creep`: the static stiffness [N/m], 0 for a cable that does not
+# creep; the stiffness of the fast spring without tension [N/m], by how much it grows with the tension [1/m]; the slow damper
+# [N s/m].
+CREEP_STATIC, CREEP_FAST, CREEP_PER_TENSION, CREEP_DAMPER = range(4)
+CREEP_COLUMNS = 4
+
+# `Net.crept`, one row a segment: its slow stretch [m], and how much that changed in the last step.
+CREPT_STRETCH, CREPT_CHANGE = range(2)
+CREPT_COLUMNS = 2
+
 # `Net.segment`, one row a segment, its linearised law T = T_0 + k g . (d_j - d_i) along e: e and g (three columns each), the
 # geometric stiffness a, k and T_0; and for the law the stretch before (of the old segment, or of its component along the new one),
 # the stretch now, the conservative part of the tension, the change of length in the last step, and the numerical damper.
@@ -82,7 +92,8 @@ KERNEL_SETTLE_EFFECTS = 19
 KERNEL_PLACE_BODIES, KERNEL_BALANCE_BODIES, KERNEL_REDUCE_BODIES, KERNEL_SPREAD_BODIES, KERNEL_FINISH_BODIES = 20, 21, 22, 23, 24
 KERNEL_TURN_BODIES, KERNEL_STIFFEN_BODIES, KERNEL_FORCE_BODIES = 25, 26, 27
 KERNEL_MOBILITY_BODIES, KERNEL_MEET_BODIES, KERNEL_PULL_BODIES, KERNEL_SHAPE_BODIES = 28, 29, 30, 31
-KERNELS = 32
+KERNEL_RELINEARISE_CREEP = 32
+KERNELS = 33
 
 # `Bodies.joined`, one row a cable that ends at a body and at another moving point: the nodes of its start and end, the bodies that
 # carry them or -1, the unknown (of the first of two, of a body) of each, the blocks of its nodes (start, end) and (end, start), and

@@ -80,7 +80,7 @@ def time_scale(scene, tension=0.0, speed=0.0):
     for effect in scene.effects:
         scales += effect.time_scales
     scales += [math.sqrt(body.radius / g) for body in scene.bodies if g > 0.0 and not body.is_driven]
-    payloads = [min([p.mass, *(e.mass for e in scene.events if e.point == p.name)]) for p in scene.free_points]
+    payloads = [min([p.mass, *(e.mass for e in scene.payload_changes if e.point == p.name)]) for p in scene.free_points]
     mass = sum(cable.mass_per_length * cable.length for cable in scene.cables) + sum(payloads)
     if tension > DRAWN * mass * g:
         scales.append(math.sqrt(mass * sum(cable.length for cable in scene.cables) / tension) / math.pi)
@@ -92,7 +92,7 @@ def _cable_scale(cable, g, speed):
         return math.sqrt(cable.length / g)
     if cable.inextensible:
         return min(math.sqrt(cable.length / STANDARD_GRAVITY), cable.length / speed if speed > 0.0 else math.inf)
-    return 10.0 * cable.length * math.sqrt(cable.mass_per_length / cable.EA)
+    return 10.0 * cable.length * math.sqrt(cable.mass_per_length / cable.EA_fast)
 
 
 def _path_scales(path):
@@ -139,6 +139,9 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
             f'Method "{method}" needs cables that do not stretch, EA=inf, but cable {quoted(elastic)} has '
             f"EA={scene.cable(elastic).EA:g} N."
         )
+    creeping = next((cable.name for cable in scene.cables if cable.creeps), None)
+    if creeping is not None:
+        _check_creep(method, adaptive, creeping)
     chosen_by_user = method is not None
     if method is not None and dt is not None and not adaptive:
         method = schemes.scheme(method).with_given_steps or method
@@ -155,6 +158,8 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
         why = "asked for"
     elif rigid is not None:
         method, why = DEFAULT_IMPLICIT, f"cable {quoted(rigid)} does not stretch"
+    elif creeping is not None:
+        method, why = DEFAULT_IMPLICIT, f"cable {quoted(creeping)} creeps"
     elif adaptive:
         method, why = DEFAULT_IMPLICIT, "adaptive steps: no limit of stability, and no energy gained"
     elif dt is not None:
@@ -170,9 +175,9 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
             f"(stable to {limit:.3g} s) and {implicit_cost * 1e6:.3g} µs with {DEFAULT_IMPLICIT} at {motion:.3g} s "
             f"(1/{1 / SHARE_OF_TIME_SCALE:.0f} of the motion's time scale)"
         )
-    if undamped_slack_cable is not None and not chosen_by_user and rigid is None:
+    if undamped_slack_cable is not None and not chosen_by_user and rigid is None and creeping is None:
         why += f"; cable {quoted(undamped_slack_cable)} may go slack undamped, where an explicit step gains energy"
-    if stiff_effect is not None and not chosen_by_user and rigid is None:
+    if stiff_effect is not None and not chosen_by_user and rigid is None and creeping is None:
         why += f"; no limit of an explicit step is known before the run for the forces of {stiff_effect}"
     scheme, limit = schemes.scheme(method), prediction.limits[method].step
     if scheme.keeps_constraints:
@@ -186,6 +191,16 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
         why += f"; dt={dt:.3g} s from the time scale of the motion"
     warning = "" if adaptive else prediction.warning(method, dt)
     return Choice(method, dt, f"{method}: {why}", limit, (warning,) if warning else ())
+
+
+def _check_creep(method, adaptive, creeping):
+    """How far a cable has crept is a state of its own, which few methods carry, and none from a step that is taken again."""
+    able, what = schemes.names(takes_creep=True), f"cable {quoted(creeping)} has an `EA_dynamic`"
+    if method is not None and method not in able:
+        needed = " or ".join(f'method="{name}"' for name in able)
+        raise InputError(f"A cable that creeps needs {needed}, but {what} and the method is {method}.")
+    if adaptive:
+        raise InputError(f"A cable that creeps needs fixed steps, but {what} and a tolerance is given.")
 
 
 def _of_links(scheme, dt, motion, adaptive, transverse):

@@ -59,6 +59,7 @@ def extrapolated(coarse, fine):
         v=_extrapolate(coarse.v, fine.v),
         energy=_extrapolate(coarse.energy, fine.energy),
         segment_tension=tension,
+        crept=None if fine.crept is None else np.maximum(_extrapolate(coarse.crept, fine.crept), 0.0),
         dt=coarse.dt,
         reason=coarse.reason + "; extrapolated with half of it",
         extrapolated=True,

@@ -14,6 +14,7 @@ from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.model.reach import first_shortfall
 from anet_lumped.model.remainder import Remainder, remainder
+from anet_lumped.model.settled_creep import settled_creep
 from anet_lumped.model.tables import CABLE_SEGMENTS
 from anet_lumped.results.energy_balance import BY_EFFECTS, POTENTIAL, WORK
 from anet_lumped.results.events import BREAK, PAYLOAD, Event, broken
@@ -29,11 +30,15 @@ NEARLY_TAUT = 10.0  # steps before cables would not reach any more, within which
 
 
 class Start(NamedTuple):
-    """State that a leg starts from: q, v (n, 3) [m], [m/s] and the tension of every segment (n_segments,) [N]; all its own."""
+    """State that a leg starts from: q, v (n, 3) [m], [m/s] and the tension of every segment (n_segments,) [N]; all its own.
+
+    And how far each segment has crept (n_segments,) [m]; None where no cable creeps.
+    """
 
     q: np.ndarray
     v: np.ndarray
     tension: np.ndarray
+    crept: np.ndarray | None = None
 
 
 class Settings(NamedTuple):
@@ -78,13 +83,13 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
     handover = Handover(choice, settings.adaptive) if schemes.scheme(choice.method).keeps_constraints else None
     while True:
         if due and due[0] == made.t:
-            made.change_payloads(due.pop(0))
+            made.take_events(due.pop(0))
         end, own = due[0] if due else t_end, made.left
         short = first_shortfall(own.model.scene, made.t, end)
         leg = made.leg._replace(begin=made.t, end=end if short is None else short.t)
         if handover is None:
             made.take_blow()
-        begin, taken = Start(made.q[own.node], made.v[own.node], made.tension[own.segment]), choice
+        begin, taken = Start(made.q[own.node], made.v[own.node], made.tension[own.segment], made.crept_of(own)), choice
         if handover is not None:
             taken, begin, until = handover.next_leg(made, own.model, begin, leg.end)
             leg = leg._replace(end=until)
@@ -122,6 +127,7 @@ class _Rows(NamedTuple):
     energy: np.ndarray
     tension: np.ndarray
     error: np.ndarray | None
+    crept: np.ndarray | None
 
 
 class Legs:
@@ -130,9 +136,17 @@ class Legs:
     def __init__(self, scene, start, leg, dt):
         self.scene, self.model, self.leg, self.dt = scene, build(scene), leg, dt
         self.t, self.q, self.v, self.tension = start.t, start.q.copy(), start.v.copy(), start.segment_tension.copy()
+        self.crept = None
+        if self.model.creeps:
+            self.crept = settled_creep(self.model, start.q) if start.crept is None else start.crept.copy()
         self.events, self.broken = list(start.events), broken(start.events)
-        earlier = sorted((event for event in scene.events if event.t < start.t), key=lambda event: event.t)
+        earlier = sorted((event for event in scene.payload_changes if event.t < start.t), key=lambda event: event.t)
         self.masses = {event.point: event.mass for event in earlier}
+        for cut in sorted((cut for cut in scene.cable_cuts if cut.t < start.t), key=lambda cut: cut.t):
+            segment = cut.segment % scene.cable(cut.cable).segments
+            if segment not in self.broken.get(cut.cable, ()):  # the start does not say so
+                self.events.append(Event(cut.t, BREAK, cut.cable, 0.0, segment=segment, tension=0.0))
+        self.broken = broken(self.events)
         self.runs, self.rows, self.carried, self.left_out = [], [], np.zeros(ENERGIES), 0.0
         self._reduce()
 
@@ -148,10 +162,13 @@ class Legs:
         new = slice(first, count)
         error = None if run.error_growth is None else self.left_out + run.error_growth
         saved = run.t[new], run.q[new], run.v[new], energy[new], run.segment_tension[new]
-        self.rows.append(_Rows(own, *saved, None if error is None else error[new]))
+        crept = None if run.crept is None else run.crept[new]
+        self.rows.append(_Rows(own, *saved, None if error is None else error[new], crept))
         self.left_out = 0.0 if error is None else float(error[-1])
         self.t = float(run.t[-1])
         self.q[own.node], self.v[own.node], self.tension[own.segment] = run.q[-1], run.v[-1], run.segment_tension[-1]
+        if self.crept is not None:
+            self.crept[own.segment] = 0.0 if run.crept is None else run.crept[-1]  # what is left may not creep
         self.carried[WORK:] = energy[-1, WORK:]
         self.runs.append(run)
 
@@ -159,13 +176,20 @@ class Legs:
         """Save the current state."""
         own = self.left
         row = self.t, self.q[own.node], self.v[own.node], self.energies(), self.tension[own.segment]
-        self.rows.append(_Rows(own, *(np.array([part]) for part in row), np.array([self.left_out])))
+        crept = self.crept_of(own)
+        saved = (np.array([part]) for part in row)
+        self.rows.append(_Rows(own, *saved, np.array([self.left_out]), None if crept is None else crept[None]))
+
+    def crept_of(self, own):
+        """How far the segments of what is left have crept, (n_segments,) [m]; None where no cable creeps."""
+        return self.crept[own.segment] if own.model.creeps else None
 
     def energies(self):
         """Kinetic, elastic and potential energy now, work and what was taken so far, (7,) [J]."""
         from anet_lumped.mechanics.bindings import system  # compiled on first use
 
-        own, net, energy = self.left, fresh_net(self.left.model, force=False, newton=False), np.zeros(BALANCE)
+        own, energy = self.left, np.zeros(BALANCE)
+        net = fresh_net(own.model, force=False, newton=False, crept=self.crept_of(own))
         system(own.model, force=False, newton=False).energy(self.t, self.q[own.node], self.v[own.node], net.address, energy)
         return energy[:ENERGIES] + self.carried
 
@@ -186,9 +210,17 @@ class Legs:
         self.carried[WORK] += work
         self.carried[BY_EFFECTS] += lost
 
+    def take_events(self, t):
+        """Change the payloads and cut the cables whose events are at t."""
+        self.change_payloads(t)
+        cuts = [(cut, cut.segment % self.scene.cable(cut.cable).segments) for cut in self.scene.cable_cuts if cut.t == t]
+        whole = [(cut.cable, segment) for cut, segment in cuts if segment not in self.broken.get(cut.cable, ())]
+        segments = np.arange(self.model.n_segments)
+        self.break_segments([int(segments[self.model.segments(cable)][segment]) for cable, segment in whole])
+
     def change_payloads(self, t):
         """Change the payloads whose events are at t."""
-        for change in (event for event in self.scene.events if event.t == t):
+        for change in (event for event in self.scene.payload_changes if event.t == t):
             node, potential = self.model.node_of[change.point], self.energies()[POTENTIAL]
             more = change.mass - self.masses.get(change.point, self.scene.point(change.point).mass)
             V, body, lost = self.v[node].copy(), np.array(change.velocity), 0.0
@@ -245,6 +277,8 @@ class Legs:
             self.carried[BY_EFFECTS] += lost
             tension = float(self.tension[segment])
             self.tension[segment] = 0.0
+            if self.crept is not None:
+                self.crept[segment] = 0.0
             self.events.append(Event(self.t, BREAK, cable.name, lost, segment=number, tension=tension))
 
     def joined(self):
@@ -255,13 +289,16 @@ class Legs:
         t = np.concatenate([leg.t for leg in self.rows])
         q, v = np.empty((2, len(t), self.model.n, 3))
         tension, begin = np.zeros((len(t), self.model.n_segments)), 0
+        crept = None if self.crept is None else np.zeros_like(tension)
         for leg in self.rows:
             rows = slice(begin, begin + len(leg.t))
             q[rows, leg.left.node], v[rows, leg.left.node], tension[rows, leg.left.segment] = leg.q, leg.v, leg.tension
+            if leg.crept is not None:
+                crept[rows, leg.left.segment] = leg.crept
             begin = rows.stop
         return replace(
             last,
-            model=self.model, t=t, q=q, v=v, segment_tension=tension,
+            model=self.model, t=t, q=q, v=v, segment_tension=tension, crept=crept,
             energy=np.concatenate([leg.energy for leg in self.rows]),
             status=STATUS[DONE] if last.status == STATUS[EVENT] else last.status,
             work=Work(*np.sum([astuple(run.work) for run in self.runs], axis=0).tolist()),

@@ -1,5 +1,7 @@
 """A leg of a run with a scheme of this package: the march, what it says of itself, and the Run that comes back."""
 
+import numpy as np
+
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.results.energy_balance import book_remainder
 from anet_lumped.results.run import STATUS, Run, RunInterrupt, Work
@@ -12,7 +14,7 @@ from .failure_messages import stiff_for, why_it_stopped
 from .times import stops
 
 
-def net_and_system(model, scheme, tension):
+def net_and_system(model, scheme, tension, crept=None):
     """What a march with a scheme of this package works on.
 
     Parameters
@@ -20,6 +22,7 @@ def net_and_system(model, scheme, tension):
     model : Model
     scheme : Scheme
     tension : (n_segments,) float64 [N], at the start
+    crept : (n_segments,) float64 [m], how far segments have crept; None where no cable creeps
 
     Returns
     -------
@@ -28,7 +31,7 @@ def net_and_system(model, scheme, tension):
     from anet_lumped.mechanics.bindings import system  # compiled on first use: a scene or its equilibrium need none of it
 
     needs = {"force": scheme.evaluates_force, "newton": not scheme.explicit, "links": scheme.keeps_constraints}
-    net, bound = fresh_net(model, **needs), system(model, **needs, mean=scheme.observes_mean_over_stages)
+    net, bound = fresh_net(model, **needs, crept=crept), system(model, **needs, mean=scheme.observes_mean_over_stages)
     net.tension[:] = tension
     return net, bound
 
@@ -53,7 +56,7 @@ def march(model, choice, leg, start, settings):
     RunInterrupt : Ctrl-C
     """
     scheme = schemes.scheme(choice.method)
-    net, bound = net_and_system(model, scheme, start.tension)
+    net, bound = net_and_system(model, scheme, start.tension, start.crept)
     if settings.adaptive:
         times = AdaptiveSteps(leg.begin, leg.end, choice.dt, *settings.tolerances, stops(model.scene))
         saves = leg.times()
@@ -61,7 +64,9 @@ def march(model, choice, leg, start, settings):
         stride, saves = leg.stride(choice.dt)
         times = FixedSteps(leg.begin, leg.end, choice.dt, leg.run_begin, stride)
     parameters = scheme.parameters(rho_inf=settings.rho_inf)
-    out = march_system(scheme, bound, net.address, times, start.q, start.v, (saves, model.n_segments), parameters)
+    observed = 2 * model.n_segments if model.creeps else model.n_segments
+    out = march_system(scheme, bound, net.address, times, start.q, start.v, (saves, observed), parameters)
+    tensions, crept = np.split(out.saved.observed, [model.n_segments], axis=1)
     tolerances = settings.tolerances if settings.adaptive and scheme.embedded else None
     stiff = stiff_for(choice, tolerances, out.counts, out.held, out.held_for) if tolerances else ()
     if not scheme.books_its_losses:
@@ -74,7 +79,8 @@ def march(model, choice, leg, start, settings):
         error_growth=out.saved.error,
         wall_time=out.wall_time,
         warnings=(*choice.warnings, *stiff),
-        segment_tension=out.saved.observed,
+        segment_tension=tensions,
+        crept=crept if model.creeps else None,
     )  # fmt: skip
     if out.interrupted:
         raise RunInterrupt(run)

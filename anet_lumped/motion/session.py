@@ -14,10 +14,11 @@ from anet_lumped.model import rest_lengths
 from anet_lumped.model.body_rotation import quaternions
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
-from anet_lumped.model.tables import AXIAL_TWO_WAY_DAMPER, SEGMENT_DIRECTION
+from anet_lumped.model.tables import AXIAL_TWO_WAY_DAMPER, CREPT_STRETCH, SEGMENT_DIRECTION
 from anet_lumped.results.energy_balance import BY_EFFECTS, WORK, book_remainder
 from anet_lumped.results.events import Event
-from anet_lumped.results.run import STATUS, State, Work
+from anet_lumped.results.run import STATUS, Work
+from anet_lumped.results.state import State
 from anet_lumped.scene.origin import near_origin
 from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.starts import Start
@@ -38,7 +39,7 @@ from .given_motions import GivenMotions
 from .legs import Legs
 from .own_methods import net_and_system
 from .readings import Sight, compiled_see, readings_of, sight_of, words_in_memory
-from .session_mark import Mark, SessionError, own_arrays
+from .session_mark import Mark, SessionError, arrays_of_legs, check_mark, own_arrays
 from .session_start import start_near
 from .simulate import StabilityWarning
 from .stability import transverse_frequency
@@ -104,7 +105,7 @@ class Session:
         self._motions = GivenMotions(scene, begin, self._origin, self.dt)
         self._forces = GivenForces(scene)
         self._counts, self._first_t, self._steps = np.zeros(COUNTS, np.int64), begin.t, 0
-        state = State(build(pushed), begin.t, begin.q, begin.v, begin.segment_tension, events=begin.events)
+        state = State(build(pushed), begin.t, begin.q, begin.v, begin.segment_tension, events=begin.events, crept=begin.crept)
         self._legs = Legs(pushed, state, Leg(begin.t, math.inf, begin.t, math.inf, None), self.dt)
         self._due = sorted({event.t for event in pushed.events if event.t >= begin.t})
         self._new_march()
@@ -118,7 +119,7 @@ class Session:
         if not scheme.keeps_constraints:
             legs.take_blow()
         own, model = legs.left, legs.left.model
-        self._net, self._system = net_and_system(model, scheme, legs.tension[own.segment])
+        self._net, self._system = net_and_system(model, scheme, legs.tension[own.segment], legs.crept_of(own))
         q, v = (np.array(x[own.node], float, order="C") for x in (legs.q, legs.v))
         self._state = StepState(q, v, np.zeros((scheme.memory_rows, model.n, 3)), np.zeros(BALANCE))
         start = scratch_for(self._state, scheme.carried_rows, 0).start
@@ -158,8 +159,6 @@ class Session:
     @property
     def _goal(self) -> float:
         return self._first_t + (self._steps + 1) * self.dt
-
-    # What is given -------------------------------------------------------------------------------------------------------
 
     def drive(
         self, name: str, position: Any = None, velocity: Any = NOTHING, rotation: Any = None, angular_velocity: Any = None
@@ -262,9 +261,9 @@ class Session:
             self._motions.go_on()
 
     def _change(self, t: float) -> None:
-        """Change the payloads whose events are at t."""
+        """Change the payloads and cut the cables whose events are at t."""
         self._sync()
-        self._legs.change_payloads(t)
+        self._legs.take_events(t)
         self._new_march()
 
     def _sync(self) -> None:
@@ -273,6 +272,8 @@ class Session:
         legs.t = float(self._numbers[0])
         legs.q[own.node], legs.v[own.node] = self._state.q, self._state.v
         legs.tension[own.segment] = self._end_tension()
+        if own.model.creeps:
+            legs.crept[own.segment] = self._net.crept[:, CREPT_STRETCH]
         legs.carried[WORK:] += self._state.balance[WORK:ENERGIES]
 
     # What is read --------------------------------------------------------------------------------------------------------
@@ -310,7 +311,11 @@ class Session:
         own = self._legs.left
         q, v, tension = self._legs.q.copy(), self._legs.v.copy(), self._legs.tension.copy()
         q[own.node], v[own.node], tension[own.segment] = self._state.q, self._state.v, self._end_tension()
-        return State(self.model, self.t, q + self._origin, v, tension, events=self.events, pushed=self._forces.acts)
+        crept = None if self._legs.crept is None else self._legs.crept.copy()
+        if crept is not None and own.model.creeps:
+            crept[own.segment] = self._net.crept[:, CREPT_STRETCH]
+        pushed = self._forces.acts
+        return State(self.model, self.t, q + self._origin, v, tension, events=self.events, pushed=pushed, crept=crept)
 
     def position(self, point: str) -> np.ndarray:
         """(3,) place of a point [m]."""
@@ -397,8 +402,6 @@ class Session:
         self._system.observe(self._state.q, self._state.v, self._net.address, self._observed)
         return self._observed
 
-    # Going back ----------------------------------------------------------------------------------------------------------
-
     def _arrays(self) -> Iterator[np.ndarray]:
         """Everything that a step changes, besides what the legs hold."""
         net = self._net._replace(words=_NO_ADDRESSES, kernels=_NO_ADDRESSES)
@@ -406,8 +409,7 @@ class Session:
 
     def save(self) -> Mark:
         """Keep the whole state of the session, to go back to."""
-        legs = self._legs
-        kept = legs.q, legs.v, legs.tension, legs.carried
+        legs, kept = self._legs, arrays_of_legs(self._legs)
         return Mark(
             id(self), self.t, self._steps, (dict(legs.masses), dict(legs.broken)), tuple(x.copy() for x in kept),
             self._forces.saved(), tuple(x.copy() for x in self._arrays()), self.events, tuple(self._due),
@@ -420,13 +422,12 @@ class Session:
         ------
         InputError : not a mark of this session
         """
-        if not isinstance(mark, Mark) or mark.session != id(self):
-            raise InputError(f"Argument `mark` must be what `save` of the same session returned, but it is {shown(mark)}.")
+        check_mark(mark, self)
         legs, (masses, broken) = self._legs, mark.structure
         other = (masses, broken) != (legs.masses, legs.broken)
         legs.masses, legs.broken, legs.events, self._due = dict(masses), dict(broken), list(mark.events), list(mark.due)
         legs.t, self._steps = mark.t, mark.steps
-        for own, saved in zip((legs.q, legs.v, legs.tension, legs.carried), mark.legs, strict=True):
+        for own, saved in zip(arrays_of_legs(legs), mark.legs, strict=True):
             own[:] = saved
         self._forces.restore(mark.forces)
         if other:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from anet_lumped.checks import InputError, shown
 from anet_lumped.results.events import Event
 
 
@@ -36,6 +37,17 @@ class Mark:
     arrays: tuple[np.ndarray, ...]
     events: tuple[Event, ...]
     due: tuple[float, ...]
+
+
+def check_mark(mark: Any, session: Any) -> None:
+    """Refuse what is no mark of a session."""
+    if not isinstance(mark, Mark) or mark.session != id(session):
+        raise InputError(f"Argument `mark` must be what `save` of the same session returned, but it is {shown(mark)}.")
+
+
+def arrays_of_legs(legs: Any) -> tuple[np.ndarray, ...]:
+    """What the legs hold of the state."""
+    return legs.q, legs.v, legs.tension, legs.carried, *(() if legs.crept is None else (legs.crept,))
 
 
 def own_arrays(value: Any, model: Any) -> list[np.ndarray]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from anet_lumped.model.build import build
-from anet_lumped.results.run import State
+from anet_lumped.results.state import State
 from anet_lumped.statics.equilibrium import equilibrium
 from anet_lumped.statics.starts import Start, start_state
 

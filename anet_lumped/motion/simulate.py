@@ -16,7 +16,8 @@ from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
 from anet_lumped.results.near_origin import computed_near_origin
-from anet_lumped.results.run import STATUS, Run, RunInterrupt, State
+from anet_lumped.results.run import STATUS, Run, RunInterrupt
+from anet_lumped.results.state import State
 from anet_lumped.scene.origin import largest_distance
 from anet_lumped.scene.scene import Driven, Scene, check_scene
 from anet_lumped.statics.equilibrium import equilibrium

@@ -21,7 +21,7 @@ from integrators.schemes import MODULES, names
 from integrators.schemes import scheme as record_of
 
 if TYPE_CHECKING:
-    from anet_lumped.results.run import State
+    from anet_lumped.results.state import State
 
 
 @dataclass(frozen=True)

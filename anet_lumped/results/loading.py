@@ -66,6 +66,8 @@ def _run(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Run:
     work = _record(Work, "work", account)
     if work is None:
         raise DamagedError("its `work` is missing")
+    if ("crept" in arrays) != any(cable.creeps for cable in scene.cables):
+        raise DamagedError("it tells how far cables have crept, and none creeps, or it does not, and one does")
     try:
         model = build(scene)
     except InputError as error:
@@ -74,7 +76,7 @@ def _run(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Run:
         model, arrays["t"], arrays["q"], arrays["v"], arrays["energy"], **texts,
         dt=float(account["dt"]), wall_time=float(account["wall_time"]), segment_tension=arrays["tension"],
         error_growth=arrays.get("error"), error_factor=float(numbers["error_factor"]),
-        work=work, audit=_record(Audit, "audit", account), events=events,
+        crept=arrays.get("crept"), work=work, audit=_record(Audit, "audit", account), events=events,
         warnings=_read(tuple[str, ...], "warnings", _typed(str, "warnings", account)),
         extrapolated=bool(account.get("extrapolated", 0)),
         pushed=bool(account.get("pushed", 0)),
@@ -102,8 +104,8 @@ def _check_finite(arrays: Mapping[str, np.ndarray], finished: bool) -> None:
     """Times are finite and increase; what a run that reached its end holds besides is finite too."""
     if not np.isfinite(arrays["t"]).all() or (np.diff(arrays["t"]) < 0.0).any():
         raise DamagedError("its times are not finite, or do not increase")
-    for name in ("q", "v", "tension", "energy") if finished else ():
-        if not np.isfinite(arrays[name]).all():
+    for name in ("q", "v", "tension", "energy", "crept") if finished else ():
+        if name in arrays and not np.isfinite(arrays[name]).all():
             raise DamagedError(f"its run reached its end, but `{name}` is not finite")
 
 

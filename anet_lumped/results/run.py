@@ -1,4 +1,4 @@
-"""What comes back from a computation: a State at one time, a Run over many."""
+"""A Run: the states of a motion, how it ended, and what it cost."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -9,21 +9,19 @@ from typing import Any
 import numpy as np
 
 from anet_lumped.checks import InputError, check_index
-from anet_lumped.effects.laws.axial import tension_parts, with_select
 from anet_lumped.model import body_rotation
 from anet_lumped.model.model import Model
-from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_TWO_WAY_DAMPER
 from anet_lumped.scene.scene import Scene
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
-from . import end_forces, error_estimate, own_state, run_file, tension_error
+from . import end_forces, error_estimate, run_file, tension_error
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
-from .events import BREAK, Event, broken
-from .moved_body import moved
+from .events import BREAK, Event
 from .slack import SlackTime, Snap, slack_times, snaps
+from .state import State, segment_tensions
 
 STATUS = {
     DONE: "done",
@@ -43,154 +41,6 @@ class RunInterrupt(KeyboardInterrupt):
     def __init__(self, run: "Run") -> None:
         super().__init__(run.message)
         self.run = run
-
-
-def segment_tensions(model: Model, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Tension of every segment by its law.
-
-    Parameters
-    ----------
-    model : Model
-    q, v : (..., n, 3) float64 [m], [m/s]
-
-    Returns
-    -------
-    T : (..., n_segments) float64 [N]
-    """
-    a, b = model.ends.T
-    c, two_damper = model.axial[model.cable_of, AXIAL_DAMPER], model.axial[model.cable_of, AXIAL_TWO_WAY_DAMPER]
-    k, pushes, L0, rows, *ends = (x if np.ndim(x) == 0 else x[..., model.cable_of] for x in model.springs_of_cables)
-    d = q[..., b, :] - q[..., a, :]
-    l = np.linalg.norm(d, axis=-1)
-    rate = np.sum(d * (v[..., b, :] - v[..., a, :]), axis=-1) / np.maximum(l, 1e-300)
-    law = with_select(tension_parts, np.where)
-    return law(l - L0, rate, (k, pushes, L0, rows, *ends), c, two_damper)[0]
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """Places and velocities of all nodes at one time, with the tension of every segment.
-
-    Parameters
-    ----------
-    model : Model
-    t : float [s]
-    q, v : (n, 3) float64 [m], [m/s]
-    segment_tension : (n_segments,) float64 [N]
-    residual : float or None
-        Largest out-of-balance force over the weight carried, of an equilibrium.
-    events : tuple of Event, what has happened up to then
-    stable : bool or None
-        Of an equilibrium, whether no direction leads down from it; None where it was not judged, as in a run.
-    q_near : (n, 3) float64 [m] or None
-        Of a scene far from its origin the places about an origin near it, which are not rounded to the digits of ``q``.
-    pushed : bool
-        Whether forces from outside act, as `Session.push` gives them, which its scene does not have.
-    """
-
-    model: Model
-    t: float
-    q: np.ndarray
-    v: np.ndarray
-    segment_tension: np.ndarray
-    residual: float | None = None
-    events: tuple[Event, ...] = ()
-    stable: bool | None = None
-    q_near: np.ndarray | None = None
-    pushed: bool = False
-
-    @classmethod
-    def of(cls, scene: Scene, shapes: Any = None, velocities: Any = None, points: Any = None, t: float = 0.0) -> "State":
-        """State of one's own, to start from.
-
-        A shape is resampled to the nodes of its cable at equal arc lengths, unless it has a place for each node. Its order is that
-        of the cable or the opposite one, whichever is nearer to the cable's points. Cables without a shape are straight.
-        Fixed and driven points, and those of bodies, are where the scene has them at the time t.
-
-        Parameters
-        ----------
-        scene : Scene
-        shapes : dict of cable to (k, 3) array_like [m] or None, places along it, k >= 2
-        velocities : dict of cable or free point to (k, 3) or (3,) array_like [m/s] or None
-            Of each place of a cable's shape, of a whole cable, or of a point; at rest where nothing is given.
-        points : dict of free point to (3,) array_like [m] or None, where the shapes do not say
-        t : float [s]
-
-        Raises
-        ------
-        InputError : a name that the scene lacks, no array of places, a shape that misses its points, velocities that disagree
-        """
-        model, q, v = own_state.places_and_velocities(scene, shapes, velocities, points, t)
-        return cls(model, float(t), q, v, segment_tensions(model, q, v))
-
-    def __repr__(self) -> str:
-        return f"<State at t={self.t:g} s of {len(self.q)} nodes>"
-
-    def _repr_html_(self) -> str:
-        from anet_lumped.views.notebook import state_html
-
-        return state_html(self)
-
-    @property
-    def scene(self) -> Scene:
-        """The scene it is a state of."""
-        return self.model.scene
-
-    def position(self, point: str) -> np.ndarray:
-        """(3,) place of a point [m]."""
-        return self.q[self.model.node(point)]
-
-    def velocity(self, point: str) -> np.ndarray:
-        """(3,) velocity of a point [m/s]."""
-        return self.v[self.model.node(point)]
-
-    def rotation(self, body: str) -> np.ndarray:
-        """(3, 3) rotation matrix of a body; its columns are the body's axes."""
-        return body_rotation.rotations(self.model, body, self.t, self.q)
-
-    def quaternion(self, body: str) -> np.ndarray:
-        """(4,) rotation of a body as a unit quaternion (w, x, y, z) with w >= 0."""
-        return body_rotation.quaternions(self.rotation(body))
-
-    def angular_velocity(self, body: str) -> np.ndarray:
-        """(3,) angular velocity of a body in the axes of the world [rad/s]."""
-        return body_rotation.angular_velocities(self.model, body, self.t, self.q, self.v)
-
-    def moved(self, body: str, **motion: Any) -> "State":
-        """The same state with a body elsewhere, or moving otherwise: see `moved_body.moved` for ``at`` and the like."""
-        return moved(self, body, **motion)
-
-    def shape(self, cable: str) -> np.ndarray:
-        """(segments + 1, 3) places of a cable's nodes from its start to its end [m]."""
-        return self.q[self.model.nodes(cable)]
-
-    def tension(self, cable: str) -> np.ndarray:
-        """(segments,) tension of a cable's segments from its start to its end [N]."""
-        return self.segment_tension[self.model.segments(cable)]
-
-    def end_tension(self, cable: str, point: str) -> float:
-        """Force with which a cable pulls at a point where it ends [N]: its last half segment included, see `end_forces`."""
-        return float(np.linalg.norm(end_forces.end_force(end_forces.rows_of_state(self), self.scene, cable, point)))
-
-    def reaction(self, name: str) -> np.ndarray:
-        """(3,) force of a fixed or driven point, of a driven body or of the "ground" on the net [N], see `end_forces`."""
-        return end_forces.reaction(end_forces.rows_of_state(self), self.scene, name)[0]
-
-    @property
-    def least_tension(self) -> float:
-        """Mean tension of the cable whose mean tension is the least [N]."""
-        return min(float(self.tension(cable.name).mean()) for cable in self.scene.cables)
-
-    def plot(self) -> Any:
-        """A figure of matplotlib: the shape in one or two planes, coloured by tension; see `views.state_figure`."""
-        from anet_lumped.views.state_figure import plot_state
-
-        return plot_state(self)
-
-    def length(self, cable: str) -> float:
-        """Stretched length of a cable [m], without segments that broke."""
-        lengths = np.linalg.norm(np.diff(self.shape(cable), axis=0), axis=1)
-        return float(np.delete(lengths, broken(self.events).get(cable, ())).sum())
 
 
 @dataclass
@@ -242,6 +92,7 @@ class Run:
         given.
     q_near : (k, n, 3) float64 [m] or None, as of a `State`
     pushed : bool, as of a `State`
+    crept : (k, n_segments) float64 [m] or None, likewise; of scenes with a cable that creeps
     """
 
     model: Model
@@ -266,6 +117,7 @@ class Run:
     kept: bool | None = None
     q_near: np.ndarray | None = None
     pushed: bool = False
+    crept: np.ndarray | None = None
 
     def __repr__(self) -> str:
         states = f"{len(self.t)} states of {self.q.shape[1]} nodes from t={self.t[0]:g} s to {self.t[-1]:g} s"
@@ -298,8 +150,12 @@ class Run:
 
     @property
     def energy_promise(self) -> EnergyPromise:
-        """What the method promises of the energy of this scene: nothing where an effect has a force without an energy."""
+        """What the method promises of the energy of this scene: nothing where an effect has a force without an energy.
+
+        Nor does it where a spring gets stiffer as a cable creeps (`EA_dynamic_per_tension`).
+        """
         kept = all(effect.keeps_energy for effect in self.scene.effects)
+        kept = kept and not any(cable.EA_dynamic_per_tension for cable in self.scene.cables)
         return schemes.scheme(self.method).energy if kept else EnergyPromise.NONE
 
     @cached_property
@@ -343,6 +199,7 @@ class Run:
         rows, places = self.t.shape, (*self.t.shape, self.model.n, 3)
         columns = self.energy.shape[1:] if self.energy.shape[1:] in ((len(COLUMNS),), (len(UNDIVIDED),)) else (len(COLUMNS),)
         shapes = {"q": places, "v": places, "q_near": places, "segment_tension": (*rows, self.model.n_segments)}
+        shapes["crept"] = shapes["segment_tension"]
         for name, shape in (shapes | {"error_growth": rows, "energy": (*rows, *columns)}).items():
             found = getattr(self, name)
             if found is not None and found.shape != shape:
@@ -359,7 +216,8 @@ class Run:
         t = float(self.t[k])
         near = None if self.q_near is None else self.q_near[k]
         tension, events = self.segment_tension[k], self.events_before(k)
-        return State(self.model, t, self.q[k], self.v[k], tension, events=events, q_near=near, pushed=self.pushed)
+        crept = None if self.crept is None else self.crept[k]
+        return State(self.model, t, self.q[k], self.v[k], tension, events=events, q_near=near, pushed=self.pushed, crept=crept)
 
     def events_before(self, k: int) -> tuple[Event, ...]:
         """What had happened before the k-th saved state."""
@@ -444,4 +302,4 @@ class Run:
         return view(self, path)
 
 
-__all__ = ["Audit", "EnergyBalance", "Run", "Scene", "State", "Work"]
+__all__ = ["Audit", "EnergyBalance", "Run", "Work"]

@@ -25,7 +25,7 @@ WHAT = "A saved run"  # for messages
 AXES = ["x", "y", "z"]
 DIMENSIONS = {
     "t": ("t",), "q": ("t", "node", "axis"), "v": ("t", "node", "axis"), "tension": ("t", "segment"), "energy": ("t", "energy_of"),
-    "error": ("t",), "rotation": ("t", "body", "quaternion"),
+    "error": ("t",), "crept": ("t", "segment"), "rotation": ("t", "body", "quaternion"),
 }  # fmt: skip
 
 
@@ -60,6 +60,8 @@ def write(run: Any, path: str | PathLike[str]) -> None:
     arrays = {"t": run.t, "q": run.q, "v": run.v, "tension": run.segment_tension, "energy": run.energy}
     if run.error_growth is not None:
         arrays["error"] = run.error_growth
+    if run.crept is not None:
+        arrays["crept"] = run.crept
     if run.scene.bodies:
         arrays["rotation"] = np.stack([run.quaternion(body.name) for body in run.scene.bodies], axis=1)
     about: dict[str, dict[str, str]] = {
@@ -69,6 +71,7 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         "tension": {"units": "N"},
         "energy": {"units": "J"},
         "rotation": {"long_name": "unit quaternion (w, x, y, z) of each body"},
+        "crept": {"units": "m", "long_name": "how far each segment has crept"},
         "error": {"units": "m", "long_name": "what the steps left out of places"},
     }
     variables: dict[str, Any] = {name: (DIMENSIONS[name], array, about[name]) for name, array in arrays.items()}
@@ -85,7 +88,7 @@ def read(path: str | PathLike[str]) -> tuple[dict[str, np.ndarray], dict[str, An
     Returns
     -------
     arrays : dict of str to float64
-        t, q, v, tension, energy and, if there is one, error; shapes agree with each other.
+        t, q, v, tension, energy and, if there are such, error and crept; shapes agree with each other.
     account : dict
         The attributes, as text and numbers.
 

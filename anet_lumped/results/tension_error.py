@@ -124,7 +124,7 @@ def snap_tension(run: Any, cable: Cable, flies: np.ndarray) -> float:
     if not caught.any():
         return 0.0
     v = np.linalg.norm(np.diff(run.v[1:, nodes], axis=0), axis=2)[caught].max()
-    return float(v) * math.sqrt(cable.EA * cable.mass_per_length) * highest_axial_mode(cable).unresolved(run.dt)
+    return float(v) * math.sqrt(cable.EA_fast * cable.mass_per_length) * highest_axial_mode(cable).unresolved(run.dt)
 
 
 def _missing(run: Any, cable: Cable, T: np.ndarray) -> np.ndarray:
@@ -141,7 +141,7 @@ def _missing(run: Any, cable: Cable, T: np.ndarray) -> np.ndarray:
     if unresolved > 0.0 and run.energy.shape[1] > BY_METHOD and schemes.scheme(run.method).books_its_losses:
         lost = vibration_lost(run.energy, 2.0 * decay) / len(run.scene.cables)
         spread = SPREAD * (cable.segments / SPREAD_SEGMENTS) ** SPREAD_POWER
-        vibration = spread * np.sqrt(2.0 * cable.EA / cable.length * lost)[:, None]
+        vibration = spread * np.sqrt(2.0 * cable.EA_fast / cable.length * lost)[:, None]
         missing = np.maximum(missing, np.minimum(vibration, ringing / unresolved))
     return missing
 
@@ -250,5 +250,5 @@ def lowest_axial_mode(scene: Scene, cable: Cable) -> Mode:
     if cable.inextensible:
         return Mode(0.0, 0.0)
     load = sum(point.mass for point in scene.points if isinstance(point, Free) and point.name in (cable.start, cable.end))
-    omega = math.sqrt(cable.EA / (cable.length * (load + cable.mass_per_length * cable.length / 2.5)))
+    omega = math.sqrt(cable.EA_fast / (cable.length * (load + cable.mass_per_length * cable.length / 2.5)))
     return Mode(omega, 0.5 * cable.dashpot / cable.stiffness * omega)

@@ -17,8 +17,8 @@ from anet_lumped.effects.flow.wind import Wind
 from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
-from anet_lumped.scene.payload_change import KINDS as EVENTS
-from anet_lumped.scene.payload_change import PayloadChange
+from anet_lumped.scene.happenings import KINDS as EVENTS
+from anet_lumped.scene.happenings import Happening
 from anet_lumped.scene.rod import Rod
 from anet_lumped.scene.scene import Body, Cable, Driven, Fixed, Free, Scene, check_scene
 
@@ -113,7 +113,7 @@ def _of_body(body: Body) -> dict[str, Any]:
     return plain if body.rods else {key: value for key, value in plain.items() if key != "rods"}
 
 
-def _event(entry: dict[str, Any], place: str) -> PayloadChange:
+def _event(entry: dict[str, Any], place: str) -> Happening:
     kind, entry = _take_kind(entry, EVENTS, "event", place)
     return _make(kind, entry, place)
 

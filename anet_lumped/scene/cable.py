@@ -8,6 +8,7 @@ from typing import Any, Literal, get_args
 
 from anet_lumped.checks import SceneError, check_count, check_name, check_number, nearest, number, quoted, shown
 
+from .creep import check_creep
 from .tension_strain import check_curve, slopes
 
 Compression = Literal["none", "damped", "linear"]
@@ -39,6 +40,11 @@ class Cable:
     breaking_tension : float [N] or None, at which a segment fails; None for never
     tension_strain : sequence of (eps, T [N]) or None, the elastic tension over the strain in place of EA·eps: straight from (0, 0)
         to the first, from each to the next, and on beyond the last; both must grow
+    EA_dynamic : float [N] or None, of a cable that creeps (fibre ropes): axial stiffness against fast stretching, larger than EA,
+        which is that under a load held for long. A fast spring and damper, `EA_dynamic` and BA, are in series with a slow
+        spring and the damper `BA_creep`, see `effects.laws.creep`; `zeta` is then that of the fast ones. Only pulls
+    BA_creep : float [N·s] or None, viscosity of the creep
+    EA_dynamic_per_tension : float, by how much EA_dynamic grows with the tension held
     """
 
     start: str
@@ -60,6 +66,9 @@ class Cable:
     breaking_tension: float | None = field(default=None, kw_only=True)
     EA_compression: float = field(default=0.0, kw_only=True)
     tension_strain: Sequence[tuple[float, float]] | None = field(default=None, kw_only=True)
+    EA_dynamic: float | None = field(default=None, kw_only=True)
+    BA_creep: float | None = field(default=None, kw_only=True)
+    EA_dynamic_per_tension: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self) -> None:
         for point in (self.start, self.end):
@@ -90,6 +99,7 @@ class Cable:
             raise SceneError(f"A cable must have `EA` or `tension_strain`, but {owner} has neither.")
         else:
             checked["EA"] = math.inf if number(self.EA) == math.inf else check_number("EA", self.EA, "N", owner, sign="positive")
+        check_creep(self, checked, owner)
         for key, value in checked.items():
             object.__setattr__(self, key, value)
         if self.start == self.end:
@@ -112,6 +122,23 @@ class Cable:
     def inextensible(self) -> bool:
         """Whether it does not stretch, EA = inf."""
         return math.isinf(self.EA)
+
+    @property
+    def creeps(self) -> bool:
+        """Whether it creeps, with an `EA_dynamic`."""
+        return self.EA_dynamic is not None
+
+    @property
+    def EA_fast(self) -> float:
+        """Axial stiffness against fast stretching [N]: EA, or the EA_dynamic of a cable without tension that creeps."""
+        return self.EA if self.EA_dynamic is None else self.EA_dynamic
+
+    @property
+    def creep(self) -> tuple[float, float, float, float]:
+        """Of a segment of a cable that creeps: static stiffness and that of the fast spring without tension [N/m], by how much this
+        grows with the tension [1/m], and the slow damper [N·s/m]."""
+        assert self.EA_dynamic is not None and self.BA_creep is not None
+        return tuple(x / self.L0 for x in (self.EA, self.EA_dynamic, self.EA_dynamic_per_tension, self.BA_creep))  # type: ignore[return-value]
 
     @property
     def EA_first(self) -> float:
@@ -164,16 +191,16 @@ class Cable:
             return 0.0
         if self.BA is not None:
             return self.BA
-        return self.zeta * self.L0 * math.sqrt(self.EA * self.mass_per_length)
+        return self.zeta * self.L0 * math.sqrt(self.EA_fast * self.mass_per_length)
 
     @property
     def damping_ratio(self) -> float:
         """Damping ratio of one segment, zeta as given or BA/(L0·√(EA·mu))."""
         if self.BA is None or self.inextensible:
             return self.zeta
-        return self.BA / (self.L0 * math.sqrt(self.EA * self.mass_per_length))
+        return self.BA / (self.L0 * math.sqrt(self.EA_fast * self.mass_per_length))
 
     @property
     def omega_max(self) -> float:
         """Bound of the axial frequencies of the lumped chain, (2/L0)·√(EA/mu) [rad/s]."""
-        return 2.0 / self.L0 * math.sqrt(self.EA / self.mass_per_length)
+        return 2.0 / self.L0 * math.sqrt(self.EA_fast / self.mass_per_length)

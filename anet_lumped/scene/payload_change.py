@@ -32,6 +32,3 @@ class PayloadChange:
         object.__setattr__(self, "t", check_number("t", self.t, "s", owner, sign="non-negative"))
         object.__setattr__(self, "mass", check_number("mass", self.mass, "kg", owner, sign="non-negative"))
         object.__setattr__(self, "velocity", check_vector("velocity", self.velocity, "m/s", owner))
-
-
-KINDS = {"payload_change": PayloadChange}

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from anet_lumped.checks import SceneError, Vector, as_entries, look_up, nearest, quoted, shown
 from anet_lumped.effects.effect import Effect
 from anet_lumped.prescribed.paths import Path
+from anet_lumped.scene.cable_cut import CableCut
+from anet_lumped.scene.happenings import Happening
 from anet_lumped.scene.payload_change import PayloadChange
 
 from .body import Body, OnBody, OnDrivenBody
@@ -44,19 +46,19 @@ class Scene:
     points : sequence of Fixed, Driven and Free
     cables : sequence of Cable
     effects : sequence of effects (package `anet_lumped.effects`), at most one of each type
-    events : sequence of PayloadChange, what happens at given times of a run
+    events : sequence of PayloadChange and CableCut, what happens at given times of a run
     bodies : sequence of Body; cables end at their attachments, "quad1.hook"
 
     Raises
     ------
     SceneError : names that are not unique or not known, a free point that no cable reaches, an effect given twice, a payload that
-        is not at a free point or changes twice at a time
+        is not at a free point or changes twice at a time, a cut of a segment that there is not, or that is cut twice
     """
 
     points: Sequence[Point]  # each of the five is kept as a tuple
     cables: Sequence[Cable]
     effects: Sequence[Effect] = ()
-    events: Sequence[PayloadChange] = ()
+    events: Sequence[Happening] = ()
     bodies: Sequence[Body] = ()
 
     whole: ClassVar[bool] = True  # as its user wrote it: every free point holds a cable, and there is one
@@ -137,10 +139,21 @@ class Scene:
             seen.add(type(effect))
 
     def _check_events(self) -> None:
-        seen = set()
         for event in self.events:
-            if not isinstance(event, PayloadChange):
-                raise SceneError(f"Argument `events` of a scene must hold PayloadChange, but holds {shown(event)}.")
+            if not isinstance(event, Happening):
+                raise SceneError(f"Argument `events` of a scene must hold PayloadChange or CableCut, but holds {shown(event)}.")
+        cut: set[tuple[str, int]] = set()
+        for event in self.cable_cuts:
+            count = self.cable(event.cable).segments
+            if not -count <= event.segment < count:
+                raise SceneError(
+                    f"A cut must be of a segment of its cable, but {quoted(event.cable)} has {count}, and {event.segment} is cut."
+                )
+            if (event.cable, event.segment % count) in cut:
+                raise SceneError(f"A segment may be cut once, but segment {event.segment} of cable {quoted(event.cable)} is twice.")
+            cut.add((event.cable, event.segment % count))
+        seen = set()
+        for event in self.payload_changes:
             if not isinstance(self.point(event.point), Free) or isinstance(self.point(event.point), OnBody):
                 raise SceneError(
                     f"A payload must be at a free point, but one is to change at {quoted(event.point)}, which is none."
@@ -150,6 +163,16 @@ class Scene:
                     f"A payload may change once at a time, but that of {quoted(event.point)} does twice at {event.t:g} s."
                 )
             seen.add((event.point, event.t))
+
+    @property
+    def payload_changes(self) -> tuple[PayloadChange, ...]:
+        """The payloads that change at given times."""
+        return tuple(event for event in self.events if isinstance(event, PayloadChange))
+
+    @property
+    def cable_cuts(self) -> tuple[CableCut, ...]:
+        """The cables that are cut at given times."""
+        return tuple(event for event in self.events if isinstance(event, CableCut))
 
     @cached_property
     def _points(self) -> dict[str, Point]:

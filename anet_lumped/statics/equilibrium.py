@@ -14,7 +14,7 @@ from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
 from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_PUSH_SHARE, AXIAL_STIFFNESS, CABLE_END, CABLE_SEGMENTS
 from anet_lumped.results.near_origin import computed_near_origin
-from anet_lumped.results.run import State
+from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Fixed, Free, Scene, check_scene
 
 from .equilibrium_error import EquilibriumError, NoRestError

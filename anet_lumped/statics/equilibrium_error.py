@@ -1,7 +1,7 @@
 """The error for a scene that has no rest, or whose rest was not found."""
 
 from anet_lumped.checks import SceneError
-from anet_lumped.results.run import State
+from anet_lumped.results.state import State
 
 
 class EquilibriumError(RuntimeError):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from anet_lumped.model.model import Model
-from anet_lumped.results.run import State
+from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Fixed, Scene
 
 from .starts import straight

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 from anet_lumped.checks import InputError, nearest, number, quoted, shown
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
-from anet_lumped.results.run import Run, State
+from anet_lumped.results.run import Run
+from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Driven, Fixed, Free, OnBody, SceneError
 
 Start = str | State | Mapping[str, ArrayLike]
@@ -127,9 +128,12 @@ def _checked_arrays(state):
     if not isinstance(state.model, Model):
         raise InputError(f"`model` of a State must be that of a scene, but it is {shown(state.model)}.")
     n, n_segments, found = state.model.n, state.model.n_segments, []
-    for name, what, expected in (
-        ("q", "nodes", (n, 3)), ("v", "nodes", (n, 3)), ("segment_tension", "segments", (n_segments,))
-    ):  # fmt: skip
+    expected_shapes = {"q": (n, 3), "v": (n, 3), "segment_tension": (n_segments,), "crept": (n_segments,)}
+    for name, expected in expected_shapes.items():
+        what = "nodes" if name in ("q", "v") else "segments"
+        if name == "crept" and state.crept is None:
+            found.append(None)
+            continue
         array = _numbers(getattr(state, name), f"`{name}` of a State")
         if array.shape != expected:
             raise InputError(
@@ -145,7 +149,8 @@ def _adopt(model, state):
     q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
     if not np.isfinite(number(state.t)):
         raise InputError(f"A State to start from must have a finite time [s], but it has t={shown(state.t)}.")
-    own_q, own_v, own_tension = _checked_arrays(state)
+    own_q, own_v, own_tension, own_crept = _checked_arrays(state)
+    crept = None if own_crept is None or not model.creeps else np.zeros(model.n_segments)
     segments = {cable.name: cable.segments for cable in state.scene.cables}
     for cable in model.scene.cables:
         other = segments.get(cable.name)
@@ -157,6 +162,8 @@ def _adopt(model, state):
         mine, theirs = model.nodes(cable.name), state.model.nodes(cable.name)
         q[mine], v[mine] = own_q[theirs], own_v[theirs]
         tension[model.segments(cable.name)] = own_tension[state.model.segments(cable.name)]
+        if crept is not None:
+            crept[model.segments(cable.name)] = own_crept[state.model.segments(cable.name)]
     for body in model.scene.bodies:
         _adopt_body(model, state.model, body, (q, v), (own_q, own_v))
     for point in model.scene.all_points:
@@ -168,7 +175,11 @@ def _adopt(model, state):
         s = int(np.flatnonzero(~np.isfinite(tension))[0])
         cable = model.scene.cables[model.cable_of[s]]
         raise InputError(f"A start must have finite tensions, but a segment of cable {quoted(cable.name)} has {tension[s]} N.")
-    return State(model, float(state.t), q, v, tension, events=state.events)
+    if crept is not None and not (np.isfinite(crept) & (crept >= 0.0)).all():
+        s = int(np.flatnonzero(~(np.isfinite(crept) & (crept >= 0.0)))[0])
+        name = quoted(model.scene.cables[model.cable_of[s]].name)
+        raise InputError(f"A start must have crept by no less than 0 m, but a segment of cable {name} has by {crept[s]} m.")
+    return State(model, float(state.t), q, v, tension, events=state.events, crept=crept)
 
 
 def _adopt_body(model, other, body, mine, theirs):

@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import Any
 
 from anet_lumped.checks import InputError, check_number, quoted
-from anet_lumped.results.run import State
 from anet_lumped.results.sag import sag as sag_of
+from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Scene, check_scene
 
 from .equilibrium import equilibrium

@@ -74,6 +74,7 @@ EDMC = own_scheme(
     evaluates_force=False,
     error_constant=1 / 12,
     takes_rigid_bodies=True,
+    takes_creep=True,
     step=step,
     memory_rows=6,
     carried_rows=3,

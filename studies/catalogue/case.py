@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from anet_lumped.results.energy_balance import error_of_steps
-from anet_lumped.results.run import Run, State
+from anet_lumped.results.run import Run
+from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Driven, Scene
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise

@@ -9,7 +9,7 @@ from anet_lumped import Cable, Fixed, Free, Scene, State, equilibrium
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model.build import build
 from anet_lumped.motion.simulate import simulate
-from anet_lumped.results.run import segment_tensions
+from anet_lumped.results.state import segment_tensions
 from integrators import schemes
 from integrators.schemes.record import Stepping
 from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, REST, SPIN, Case, Statement, largest_tension, position_at_end, weight

@@ -20,7 +20,7 @@ from anet_lumped.motion.accuracy import TENSION_ERROR, Wanted
 from anet_lumped.motion.simulate import StabilityWarning, simulate, straight
 from anet_lumped.motion.stability import predict
 from anet_lumped.prescribed import paths
-from anet_lumped.results.run import segment_tensions
+from anet_lumped.results.state import segment_tensions
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from studies.catalogue.outcome import DEFAULT, FAILED, GAINED, HELD, REFUSED, bounded_work, compiled_methods

@@ -9,7 +9,7 @@ from anet_lumped import Cable, Driven, Fixed, Free, Scene, State, equilibrium
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import paths
-from anet_lumped.results.run import segment_tensions
+from anet_lumped.results.state import segment_tensions
 from studies.catalogue.case import (
     ACCURACY,
     BOUNDED_RISE,

@@ -14,7 +14,7 @@ from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, State,
 from anet_lumped.effects import Gravity
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import paths
-from anet_lumped.results.run import segment_tensions
+from anet_lumped.results.state import segment_tensions
 from studies.catalogue.case import ACCURACY, LOAD, MOMENTUM, Case, Statement, at_time, largest_tension, position_at_end
 
 G, ANGLE = 9.81, math.radians(30.0)

@@ -13,7 +13,7 @@ import pandas as pd
 from anet_lumped.effects import Gravity
 from anet_lumped.model.build import build
 from anet_lumped.motion.simulate import simulate
-from anet_lumped.results.run import State, segment_tensions
+from anet_lumped.results.state import State, segment_tensions
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
 from studies.shown.scheme_styles import style
 from studies.shown.sentences import between, counted, listed, percent, power, share

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from anet_lumped import Cable, Fixed, Free, Scene, SceneError, State, simulate
+from anet_lumped import Cable, Fixed, Free, Scene, SceneError, State, rod_body, simulate
 from anet_lumped.effects import Gravity, MoordynBottom, moordyn_bottom
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.model.build import build
@@ -95,6 +95,15 @@ def test_a_cable_without_a_diameter_is_refused():
     cable = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e4, segments=2)
     with pytest.raises(SceneError, match=r'MoordynBottom needs the `diameter` \[m\] of every cable, but cable "a-b" has none'):
         MoordynBottom().table(build(Scene([Fixed("a", (0, 0, 0)), Fixed("b", (1, 0, 0))], [cable])))
+
+
+def test_bodies_that_move_by_themselves_are_refused():
+    """They have no contact with it, and would sink through."""
+    rod = rod_body("can", (0, 0, 1), (1, 0, 1), mass_per_length=1.0, diameter=0.1, segments=2)
+    cable = Cable("a", "can.a", length=2.0, mass_per_length=0.1, EA=1e4, segments=2, diameter=0.01)
+    scene = Scene([Fixed("a", (0, 0, 2))], [cable], [Gravity(9.81), LAW], bodies=[rod])
+    with pytest.raises(SceneError, match=r'acts on cables alone, so that no body may move by itself, but "can" does; Ground'):
+        build(scene)
 
 
 def test_its_plane_moves_with_the_origin():

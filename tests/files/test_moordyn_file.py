@@ -7,7 +7,20 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, SceneError, equilibrium, load_scene, save_scene, simulate
+from anet_lumped import (
+    Cable,
+    CableCut,
+    Driven,
+    Fixed,
+    Free,
+    PayloadChange,
+    Scene,
+    SceneError,
+    equilibrium,
+    load_scene,
+    save_scene,
+    simulate,
+)
 from anet_lumped.effects import Bending, Gravity, Ground, MoordynBottom, ViscousDamping, Water
 from anet_lumped.files.moordyn_file import deck_from_text, read_moordyn
 from anet_lumped.files.moordyn_writer import moordyn_text, save_moordyn
@@ -165,8 +178,8 @@ def test_a_deck_that_is_silent_has_moordyns_sea_down_to_its_deepest_point():
         ("240       12       -", "x         12       -", r"line 18, .*UnstrLen must be a finite number, but is x"),
         ("2    rope ", "1    rope ", r"line 18, .*a line must come once, but line1 comes again"),
         ("4e7    3.0e3", "rope.dat 3.0e3", r"line 7, .*EA must be a number or the name of a readable file, but .*rope.dat"),
-        ("4e7    3.0e3", "4e7|8e7 3.0e3", r"line 7, .*EA must be one number; 4e7\|8e7, a viscoelastic line, is not supported"),
-        ("4e7    3.0e3", "4e7    3e3|4e3", r"line 7, .*BA/-zeta must be one number; 3e3\|4e3"),
+        ("4e7    3.0e3", "8e7|4e7 3.0e3", r"line 18, .*`EA_dynamic` must be larger"),
+        ("4e7    3.0e3", "4e7    3e3|4e3", r"line 7, .*BA/-zeta must be one number where EA is, but is 3e3\|4e3"),
         ("4e7    3.0e3       0 ", "4e7    3.0e3       ei.dat ", r"line 7, .*EI must be a number; ei.dat, a table"),
         ("4e7    3.0e3", "-4e7   3.0e3", r"line 18, .*`EA` must be positive"),
         ("0.01    0.0\n", "0.01    0.0   0.8\n", r"line 7, .*vortex-induced vibration is not supported; Cl must be 0"),
@@ -183,9 +196,9 @@ def test_a_deck_that_is_silent_has_moordyns_sea_down_to_its_deepest_point():
         ("0       WaveKin", "9       WaveKin", r'line 29, "9 +WaveKin": WaveKin must be an integer from 0 to 7'),
         ("0       WaveKin", "WtrDpth 30", r"line 29, .*the value of an option must come before its name"),
         ("0       WaveKin", "7       Currents", r"line 29, .*Currents must be an integer from 0 to 5"),
-        ("0       WaveKin", "bottom.txt SeafloorFile", r"line 29, .*a bottom that is not flat is not supported"),
+        ("0       WaveKin", "bottom.txt SeafloorFile", r"line 29, .*a seafloor must be in a readable file, but bottom"),
         ("500     WtrDpth", "-500    WtrDpth", r"line 26, .*WtrDpth must not be negative"),
-        ("500     WtrDpth", "sea.txt WtrDpth", r"line 26, .*WtrDpth must be a finite number, but is sea.txt"),
+        ("500     WtrDpth", "sea.txt WtrDpth", r"line 26, .*a seafloor must be in a readable file, but sea"),
         ("-- OUTPUTS", "-- POINTS ---\n-- OUTPUTS ---", r'line 30: a section must come once, but "POINTS" comes again'),
         ("-- LINE TYPES", "-- KINDS", r"mooring.txt: a MoorDyn file must have a section LINE TYPES, but this has none"),
     ],
@@ -285,7 +298,11 @@ def test_what_a_deck_has_no_place_for():
         ({"compression": "linear"}, r'must have compression="damped" or "none" .* cable "line1" has "linear"'),
         ({"EA": np.inf}, r'must have a finite `EA` to be written for MoorDyn, but cable "line1" has EA=inf'),
         ({"breaking_tension": 7e5}, r'must have no `breaking_tension` to be written for MoorDyn, but cable "line1" has .*=700000'),
-        ({"events": [PayloadChange("point2", 1.0, 0.0)]}, r"A scene must have no events to be written for MoorDyn, but it has P"),
+        (
+            {"events": [PayloadChange("point2", 1.0, 0.0)]},
+            r"no payloads that change to be written for MoorDyn, but it has P",
+        ),
+        ({"events": [CableCut("line1", 1.0, 1)]}, r'must be cut at an end to be written for MoorDyn, but of "line1" segment 1 is'),
         ({"effects": [ViscousDamping(0.1)]}, r"A scene must have no ViscousDamping to be written for MoorDyn"),
         ({"effects": [Gravity(9.81, (0, 1, -1))]}, r"Gravity must point along -z to be written for MoorDyn, but"),
         ({"effects": [], "at": None}, r'A free point must have a place to be written for MoorDyn, but "point2" has no `at`'),

@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from anet_lumped import Driven, Fixed, Free, SceneError, load_scene, paths
+from anet_lumped import CableCut, Driven, Fixed, Free, SceneError, load_scene, paths
 from anet_lumped.effects import Ground, MoordynBottom, Water
 from anet_lumped.files.moordyn_attachments import WORDS, Hold
 from anet_lumped.files.moordyn_file import deck_from_text, read_moordyn
 from anet_lumped.files.moordyn_findings import DeckError, DeckWarning
+from anet_lumped.files.moordyn_writer import moordyn_text
 
 DECK = """\
 a hose that hangs from a pontoon
@@ -236,6 +237,19 @@ def test_the_bottom_is_no_higher_than_what_is_held():
     ]
 
 
+def test_a_failure_at_a_time_is_a_cut():
+    """Of the first and of the last segment of line 2, whichever of several times is first; and it is written again."""
+    change = ("--- OPTIONS", "--- FAILURE ---\nh\nh\n1 3 2 12 0\n2 P2 2 9.5 0\n3 3 2 11 7e4\n--- OPTIONS")
+    scene = read(change).scene
+    ends = scene.cables[1].start, scene.cables[1].end
+    first = {point: -1 if point == ends[1] else 0 for point in ("point3", "point2")}
+    assert set(scene.events) == {CableCut("line2", 11.0, first["point3"]), CableCut("line2", 9.5, first["point2"])}
+    assert scene.cables[1].breaking_tension == 7e4
+    assert any('"line2" is cut in its segment at point 3 at 12 s, half of which stays there' in remark for remark in said(change))
+    strong = replace(scene, cables=[replace(cable, breaking_tension=None) for cable in scene.cables])
+    assert set(deck_from_text(moordyn_text(strong)).scene.events) == set(scene.events)
+
+
 def test_a_failure_is_a_breaking_tension():
     change = ("--- OPTIONS", "--- FAILURE ---\nh\nh\n1 3 2 0 6e4\n2 P3 2 0 5e4\n--- OPTIONS")
     scene, usual = read(change).scene, deck_from_text(DECK).scene
@@ -249,7 +263,6 @@ FAILURE = "--- FAILURE ---\nh\nh\n1 %s\n--- OPTIONS"
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("--- OPTIONS", FAILURE % "3 2 12 0", r"line 20, .*lost at a given time is not supported; FailTime must be 0"),
         ("--- OPTIONS", FAILURE % "2 1,2 0 9", r"line 20, .*lines that part from a point together are not supported"),
         ("--- OPTIONS", FAILURE % "1 1 0 9", r"line 20, .*a line that parts from its lower end is not supported"),
         ("--- OPTIONS", FAILURE % "R1a 1 0 9", r"line 20, .*a failure must be at a point in POINTS, but R1a is none"),
@@ -296,9 +309,9 @@ def test_refused_bodies_are_told_once(row, message):
 def test_all_that_is_refused_is_told_at_once():
     with pytest.raises(DeckError) as refused:
         read(
-            ("3.1e7", "3.1e7|6e7"), (POINT_2, "2 Fre 30 0 -25 80 0.05 0.1 0.5"), ("1 hose 1 2 42", "1 hase 1 2 42"),
+            ("3.1e7", "3.1e7|x"), (POINT_2, "2 Fre 30 0 -25 80 0.05 0.1 0.5"), ("1 hose 1 2 42", "1 hase 1 2 42"),
             ("4e5 kBot", "x kBot\n9 WaveKin\n9 Currents"),
-            ("--- OPT", "--- RODS ---\nh\nh\n--- FAILURE ---\nh\nh\n1 1 1 9 0\n--- OPT"),
+            ("--- OPT", "--- RODS ---\nh\nh\n--- FAILURE ---\nh\nh\n1 7 1 9 0\n--- OPT"),
         )  # fmt: skip
     lines = str(refused.value).split("\n")
     assert tuple(lines) == refused.value.args

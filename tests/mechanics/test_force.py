@@ -10,7 +10,7 @@ from anet_lumped.effects.laws.axial import SWITCHES
 from anet_lumped.mechanics.bindings import system
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
-from anet_lumped.results.run import segment_tensions
+from anet_lumped.results.state import segment_tensions
 
 
 @pytest.mark.parametrize("compression", SWITCHES)

@@ -9,7 +9,7 @@ from systems import spring_mass
 
 from anet_lumped import Cable, Fixed, Free, Scene, State, simulate
 from anet_lumped.model.build import build
-from anet_lumped.results.run import segment_tensions
+from anet_lumped.results.state import segment_tensions
 from studies.catalogue.swings import ANGLE, pendulum, released, rod_tension
 
 OMEGA, M, R = 3.0, 1.0, 1.0  # [rad/s], [kg], [m]

@@ -9,7 +9,7 @@ from anet_lumped import Cable, Driven, Fixed, Free, Scene, State, equilibrium, p
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model.build import build
 from anet_lumped.results.free_flight import OF_SECOND_DIFFERENCE, flight_errors, goes_loose, loose
-from anet_lumped.results.run import segment_tensions
+from anet_lumped.results.state import segment_tensions
 
 G = 9.81
 

@@ -14,6 +14,7 @@ import pytest
 from anet_lumped import (
     Body,
     Cable,
+    CableCut,
     Driven,
     Fixed,
     Free,
@@ -50,6 +51,7 @@ MAKERS = {
     "Rod": (Rod, {"name": "leg", "start": (0, 0, 0), "end": (0, 0, 1), "diameter": 0.1}),
     "Cable": (Cable, {"start": "a", "end": "b", "length": 1.0, "mass_per_length": 0.1, "EA": 1e3, "segments": 2}),
     "PayloadChange": (PayloadChange, {"point": "b", "t": 1.0, "mass": 1.0}),
+    "CableCut": (CableCut, {"cable": "a-b", "t": 1.0, "segment": 0}),
     "paths.line": (paths.line, {"start": (0, 0, 0), "velocity": (1, 0, 0), "ramp": 1.0}),
     "paths.samples": (paths.samples, {"t": [0.0, 1.0], "xyz": [(0, 0, 0), (1, 0, 0)]}),
     "paths.harmonic": (paths.harmonic, {"center": (0, 0, 0), "amplitude": (1, 0, 0), "frequency": 1.0}),
@@ -101,11 +103,12 @@ WRONG = {
 }
 NAMES = {
     ("Body", "name"), ("Rod", "name"), ("Fixed", "name"), ("Driven", "name"), ("Free", "name"), ("Cable", "start"),
-    ("Cable", "end"), ("Cable", "name"), ("PayloadChange", "point"),
+    ("Cable", "end"), ("Cable", "name"), ("PayloadChange", "point"), ("CableCut", "cable"),
 }  # fmt: skip
 NONE = {
     ("Free", "at"), ("Cable", "BA"), ("Cable", "name"), ("Cable", "diameter"), ("Cable", "breaking_tension"),
-    ("Cable", "tension_strain"), ("air", "wind"), ("air", "surface"), ("water", "current"), ("water", "wave"), 
+    ("Cable", "tension_strain"), ("Cable", "EA_dynamic"), ("Cable", "BA_creep"),
+    ("air", "wind"), ("air", "surface"), ("water", "current"), ("water", "wave"),
     ("water", "waves"), ("water", "g"),
     ("waves.Jonswap", "spreading"), ("waves.PiersonMoskowitz", "spreading"),
     ("load", "cables"), ("rope", "tension"), ("Body", "pinned"), ("Body", "path"), ("Body", "turning"),

@@ -1,0 +1,54 @@
+"""The area with which cables touch a ground: d L0/2 at either end of each segment.
+
+Source: Hall & Goupee, Ocean Eng. 104 (2015) 590, eq. 16.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from anet_lumped.checks import SceneError, quoted
+
+
+def sums_over_halves(model: Any, effect: str, numbers: Callable[[Any, float], Sequence[float]]) -> np.ndarray:
+    """Sum of numbers over the half segments that each node has.
+
+    Parameters
+    ----------
+    model : Model
+    effect : str
+        Name of the class of effects that asks.
+    numbers : callable (cable, area) -> (columns,) floats
+        What half a segment of a cable, of an area [m2], adds to its node.
+
+    Returns
+    -------
+    sums : (n, columns) float64
+
+    Raises
+    ------
+    SceneError : a cable without a diameter
+    """
+    without = next((cable.name for cable in model.scene.cables if cable.diameter is None), None)
+    if without is not None:
+        raise SceneError(f"The effect {effect} needs the `diameter` [m] of every cable, but cable {quoted(without)} has none.")
+    rows = [numbers(cable, 0.5 * cable.diameter * cable.L0) for cable in model.scene.cables]
+    stubs = [(model.node(point), numbers(cable, 0.5 * cable.diameter * cable.L0)) for point, cable in model.scene.stubs]
+    sums = np.zeros((model.n, len((rows + [row for _, row in stubs])[0])))
+    for c, row in enumerate(rows):
+        first, count = model.segment_run(c)
+        for ends in model.ends[first : first + count].T:
+            np.add.at(sums, ends, row)
+    for node, row in stubs:
+        sums[node] += row
+    return sums
+
+
+def frequencies(cables: Sequence[Any], stiffness: float) -> list[float]:
+    """Circular frequency of the mass of each cable's segments on the springs under it, sqrt(k d/mu) [rad/s].
+
+    ``stiffness`` k is a pressure per depth [Pa/m].
+    """
+    return [math.sqrt(stiffness * (cable.diameter or 0.0) / cable.mass_per_length) for cable in cables]
