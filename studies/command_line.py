@@ -15,6 +15,7 @@ from typing import Annotated
 
 import typer
 
+from studies.added_effects import Added
 from studies.quantities import metres, newton_metre_seconds, newtons, seconds
 from studies.scenes import changed, load
 from studies.shown.given import give
@@ -133,7 +134,7 @@ def _about(
 
 
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
-def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False):
+def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False, effect: Added = ()):
     """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point.
 
     With --out also the places of all nodes (nodes.csv) and a picture (rest.png).
@@ -141,7 +142,7 @@ def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Js
     from anet_lumped.statics.equilibrium import equilibrium
     from studies.shown.summary import rest_summary, write_nodes
 
-    state = equilibrium(changed(load(scene, "equilibrium"), change))
+    state = equilibrium(changed(load(scene, "equilibrium"), change, effect))
 
     def save():
         write_nodes(state, out / "nodes.csv")
@@ -161,6 +162,7 @@ def simulate(
     start: Annotated[str, typer.Option(help="equilibrium, straight, or a CSV of places along cables.")] = "equilibrium",
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
+    effect: Added = (),
     move: Move = (),
     error: Annotated[float | None, typer.Option(help="Error of places to keep, as in 1mm; chosen if not given.", **LENGTH)] = None,
     tension_error: Annotated[float | None, typer.Option(help="Error of the largest tension to keep, over it; 0.02 is 2 %.")] = None,
@@ -179,7 +181,7 @@ def simulate(
     from anet_lumped.motion.simulate import RunInterrupt, simulate
     from studies.shown.summary import run_summary
 
-    ready = moved(changed(load(scene, "simulate"), change), move, t_end)
+    ready = moved(changed(load(scene, "simulate"), change, effect), move, t_end)
     begin = read_start(start, ready) if start.lower().endswith(".csv") else start
     try:
         run = simulate(
@@ -210,15 +212,16 @@ def recommend(
     start: Start = "equilibrium",
     realtime: Annotated[float | None, typer.Option(help="How many times faster than real time it must run.")] = None,
     change: Changes = (),
+    effect: Added = (),
     as_json: Json = False,
 ):
     """Find the cheapest segments, method and step for an error. Its parts, the runner-up, and the command to run."""
     from anet_lumped.advice.recommend import recommend
     from studies.shown.summary import recommendation_summary
 
-    loaded = changed(load(scene, "recommend"), change)
+    loaded = changed(load(scene, "recommend"), change, effect)
     found = recommend(loaded, error, at=at, t_end=t_end, start=start, realtime=realtime)
-    give(recommendation_summary(found, scene, change), as_json)
+    give(recommendation_summary(found, scene, change, effect), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
         tell(
@@ -237,6 +240,7 @@ def effects(
     start: Start = "equilibrium",
     water_level: Annotated[float | None, typer.Option(help="Height of still water, if there is any.", **LENGTH)] = None,
     change: Changes = (),
+    effect: Added = (),
     out: Out = None,
     as_json: Json = False,
 ):
@@ -248,7 +252,7 @@ def effects(
     from studies.shown.summary import effects_summary, write_effects
 
     limit = newtons(error) if tension else metres(error)
-    loaded = changed(load(scene, "effects"), change)
+    loaded = changed(load(scene, "effects"), change, effect)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
     give(effects_summary(found), as_json, out, "effects", lambda: write_effects(found, out / "effects.csv"))
 
@@ -258,12 +262,13 @@ def check(
     scene: Scene,
     dt: Annotated[float | None, typer.Option(help="A step to judge, as in 1ms.", **TIME)] = None,
     change: Changes = (),
+    effect: Added = (),
     as_json: Json = False,
 ):
     """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
     from studies.shown.summary import prediction_summary
 
-    give(prediction_summary(changed(load(scene, "equilibrium"), change), dt), as_json)
+    give(prediction_summary(changed(load(scene, "equilibrium"), change, effect), dt), as_json)
 
 
 @app.command(epilog="Example: anet-lumped sweep net_held --vary EA=1e2:1e6:9log --vary segments=5,10  (EA in N)")
@@ -283,6 +288,7 @@ def sweep(
     dt: Step = None,
     start: Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")] = None,
     change: Changes = (),
+    effect: Added = (),
     out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=_folder)] = None,
     workers: Annotated[int | None, typer.Option(help="Processes; one a core by default.", min=1)] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
@@ -297,17 +303,9 @@ def sweep(
 
     out = out or Path("results") / f"sweep-{Path(scene).stem}"
     settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
-    where = {"out": out, "resume": resume}
     try:
-        table = sweep(
-            changed(load(scene, "simulate" if t_end else "equilibrium"), change),
-            parse_vary(vary),
-            measure,
-            **settings,
-            **where,
-            workers=workers,
-            label="sweep",
-        )
+        loaded = changed(load(scene, "simulate" if t_end else "equilibrium"), change, effect)
+        table = sweep(loaded, parse_vary(vary), measure, **settings, out=out, resume=resume, workers=workers, label="sweep")
     except KeyboardInterrupt as stopped:
         tell(f"{str(stopped) or 'Stopped.'} The same command with --resume does the rest.")
         raise typer.Exit(130) from None
@@ -357,13 +355,14 @@ def mismatch(
     scene: Scene,
     markers: Annotated[Path | None, typer.Option(help="Measured positions (CSV); the catenary if not given.")] = None,
     change: Changes = (),
+    effect: Added = (),
     out: Out = None,
     as_json: Json = False,
 ):
     """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable."""
     from studies.shown.summary import catenary_comparison, marker_comparison
 
-    loaded = changed(load(scene, "equilibrium"), change)
+    loaded = changed(load(scene, "equilibrium"), change, effect)
     found = marker_comparison(loaded, markers) if markers else catenary_comparison(loaded)
     give(found, as_json, out, "mismatch")
 
@@ -423,6 +422,7 @@ def convert(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="A scene, as of the other commands, or a saved run (.nc).")],
     out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write, whose ending says what it is to be.")],
     change: Changes = (),
+    effect: Added = (),
     links: Annotated[str, typer.Option(help="Of a twin: cylinder or lumped.")] = "cylinder",
     joints: Annotated[str, typer.Option(help="Of a twin: ball or revolute.")] = "ball",
     damping: Annotated[float | None, typer.Option(help="Of a twin: damper of each joint, as in 1e-4 (N m s).", **DAMPER)] = None,
@@ -436,13 +436,13 @@ def convert(
     from anet_lumped.files.twin_file import ENDINGS, save_twin
 
     if scene.lower().endswith(ENDING):
-        if change:
-            raise InputError(f"A saved run is written as it is; --set changes a scene, but {scene} is a run.")
+        if change or effect:
+            raise InputError(f"A saved run is written as it is; --set and --effect change a scene, but {scene} is a run.")
         print(view_saved(scene, out))
         return
     if out.suffix.lower() not in (".toml", *MOORDYN, *ENDINGS):
         raise InputError(f"OUT must end in .toml, {', '.join((*MOORDYN, *ENDINGS))}, but is {out}; .pvd is for a saved run (.nc).")
-    ready = changed(load(scene, "equilibrium"), change)
+    ready = changed(load(scene, "equilibrium"), change, effect)
     if out.suffix.lower() in ENDINGS:
         save_twin(ready, out, dt, links=links, joints=joints, damping=damping or 0.0)
     else:

@@ -19,10 +19,12 @@ def load(text, compiles):
     return scene
 
 
-def changed(scene, texts):
-    """The scene with NAME=VALUE put in, and then with the lengths that are told by what they give at rest."""
+def changed(scene, texts, added=()):
+    """The scene with effects added, see `added_effects`, then NAME=VALUE put in, then lengths told by what they give at rest."""
+    from studies.added_effects import with_effects
     from studies.sweeping.vary import SETTINGS, VaryError, apply, parse_vary, read_values
 
+    scene = with_effects(scene, added)
     wanted, texts = apart(texts)
     values = read_values(scene, parse_vary(texts)) if texts else {}
     for name, given in values.items():

@@ -143,7 +143,7 @@ def _air_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
 
 def _water_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     water = _effect(scene, "water")
-    density, wave = water.density, water.wave
+    density, swings = water.density, [wave.usual_period for wave in water.all_waves]
     thickest = max(cable.diameter or 0.0 for cable in scene.cables)
     return {
         "drag/weight": _drag_number(scene, scales, density, scales.speed),
@@ -151,7 +151,7 @@ def _water_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
             scene, lambda c: dimensionless.buoyancy_over_weight(density, c.diameter or 0.0, c.mass_per_length)
         ),
         "Froude": dimensionless.froude(scales.speed, _largest(scene, lambda c: c.length), scales.g) if scales.g else math.nan,
-        "Keulegan-Carpenter": dimensionless.keulegan_carpenter(scales.speed, wave.period if wave else scales.swing, thickest),
+        "Keulegan-Carpenter": dimensionless.keulegan_carpenter(scales.speed, max(swings, default=scales.swing), thickest),
     }
 
 

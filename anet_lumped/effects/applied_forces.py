@@ -8,12 +8,12 @@ import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_pairs, check_vector, quoted, shown
 from anet_lumped.compiled.jit import inlined, njit
+from anet_lumped.prescribed.path_in_numbers import PIECE, constant, numbers_of_path, value_at
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
 
 from .effect import Effect
 from .laws.couple import along, combined, couple, cross_product, direction_weights
-from .laws.path_numbers import PIECE, POWERS, numbers_of_path, path_value
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
 AXES = ("world", "body")
@@ -152,11 +152,7 @@ class AppliedForces(Effect):
 
 def _path(value: Any) -> Path:
     """A path, or a constant vector as one."""
-    if isinstance(value, Path):
-        return value
-    coefficients = np.zeros((1, POWERS, 3))
-    coefficients[0, 0] = value
-    return Path("constant", (), np.zeros(1), coefficients, np.zeros(0))
+    return value if isinstance(value, Path) else constant(value)
 
 
 @inlined
@@ -185,7 +181,7 @@ def force(t, q, v, index, params, f):
     power, i, at = 0.0, 0, 0
     while i < index.shape[0]:
         kind, axes, pieces, has_sine, nodes = index[i], index[i + 1], index[i + 2], index[i + 3], index[i + 4]
-        value, at = path_value(t, params, at, pieces, has_sine != 0)
+        value, at = value_at(t, params, at, pieces, has_sine != 0)
         point, first, end = index[i + HEADER], i + HEADER + 1, i + HEADER + 1 + nodes
         if nodes == 0:
             power += _add(f, v, point, 1.0, value)

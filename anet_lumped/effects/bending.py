@@ -32,11 +32,11 @@ import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, check_direction, check_pairs, quoted
 from anet_lumped.compiled.jit import inlined_law, law, njit
+from anet_lumped.prescribed.path_in_numbers import length_of_path, motion_at, numbers_of_path, value_at
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
 
 from .effect import Effect
-from .laws.path_numbers import length_of_path, numbers_of_path, path_rate, path_value
 from .laws.rod import (
     add_row,
     assemble_pair,
@@ -180,7 +180,7 @@ def _clamp(t, params, at, pieces, sine):
     """Direction of a clamp at a time; a constant one is written as it is."""
     if pieces == 0:
         return params[at], params[at + 1], params[at + 2]
-    c, _ = path_value(t, params, at, pieces, sine != 0)
+    c, _ = value_at(t, params, at, pieces, sine != 0)
     size = math.sqrt(dot(c, c))
     return c[0] / size, c[1] / size, c[2] / size
 
@@ -188,8 +188,8 @@ def _clamp(t, params, at, pieces, sine):
 @inlined_law
 def _clamp_rate(t, params, at, pieces, sine):
     """Rate of the direction of a clamp that turns, (r - c (c . r))/|path| for a path of the rate r."""
-    path, _ = path_value(t, params, at, pieces, sine != 0)
-    size, rate = math.sqrt(dot(path, path)), path_rate(t, params, at, pieces, sine != 0)
+    path, rate, _, _ = motion_at(t, params, at, pieces, sine != 0)
+    size = math.sqrt(dot(path, path))
     c = path[0] / size, path[1] / size, path[2] / size
     return combined(1.0 / size, rate, -dot(c, rate) / size, c)
 

@@ -32,6 +32,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from anet_lumped.compiled.jit import inlined_law, law, njit
+from anet_lumped.effects.flow.waves.base import Wave
+from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
 from anet_lumped.effects.flow.wind.kernel import pack
 from anet_lumped.effects.laws.axes_drag import along_axes, axes_drag, axis_of, subtract_axis_slopes
 from anet_lumped.effects.laws.drag import segment_coefficients, subtract_segment_slopes, tangent_of
@@ -62,7 +64,7 @@ class FluidOnBodies(Effect):
     density: float
     level: float
     flow: Any
-    wave: Any = None
+    waves: tuple[Wave, ...] = ()
     g: float = 0.0
     dry: bool = False
     floats: bool = True  # whether small bodies go through the surface; else they are under water at any height
@@ -108,10 +110,10 @@ class FluidOnBodies(Effect):
                 of_caps += [(along[:2], self._of_cap(rod)), (along[:-3:-1], self._of_cap(rod))]
                 row += rod.segments
         winds = pack(self.flow)
-        wave = np.zeros(0) if self.wave is None else self.wave.numbers(self.g, self.level)
+        wave = pack_waves(self.waves, self.g, self.level)
         header = [self.level, len(winds), len(wave), float(self.dry), 0.0 if self.dry else self.density * self.g]
         index = [[len(of_bodies), len(of_segments), len(of_caps)], *rows, *(own for own, _ in of_segments + of_caps)]
-        params = [header, winds, wave, *of_bodies, *(own for _, own in of_segments + of_caps)]
+        params: list[Any] = [header, winds, wave, *of_bodies, *(own for _, own in of_segments + of_caps)]
         return np.concatenate(index).astype(np.int64), np.concatenate(params)
 
     def _of_body(self, body: Any) -> list[float]:

@@ -10,7 +10,7 @@ with a smooth change at the surface, see `laws.submergence`. V is the unstretche
 where points do not float, w is 1 for them at any height.
 The tension is the effective one of mooring codes, which includes the pressure on a cross-section of the cable.
 
-The velocity of the water is the sum of that of a current, whose acceleration is left out, and that of a wave, whose surface limits
+The velocity of the water is the sum of that of a current, whose acceleration is left out, and that of waves, whose surface limits
 the water. In still water buoyancy has an energy, -rho g V times the depth; its work over a whole step is the change of this energy,
 so that no step can raise the energy. Where added mass turns with a cable or goes through the surface, the energy 1/2 v.(dA/dt) v is
 taken or given, because Morison's equation has no force for dA/dq; it counts as dissipated, with either sign. In a wave the work of
@@ -33,7 +33,8 @@ import numpy as np
 from anet_lumped.checks import SceneError, Vector, check_flag, check_number, quoted, shown
 from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.effects.flow.surface import flow_at, height_at
-from anet_lumped.effects.flow.waves import Airy
+from anet_lumped.effects.flow.waves.base import Wave, check_waves
+from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
 from anet_lumped.effects.flow.wind import Wind
 from anet_lumped.effects.flow.wind.base import check_winds, same_at_each_height
 from anet_lumped.effects.flow.wind.kernel import pack
@@ -74,18 +75,20 @@ class Water(Effect):
     density : float [kg/m3]; 1025: sea water
     level : float [m], z of the still surface
     current : None, a wind of `anet_lumped.wind`, or several, whose velocities add up
-    wave : None, or a wave of `anet_lumped.waves`
+    wave : None, or a wave of `anet_lumped.waves`, for one alone
     g : float [m/s2], gravity of buoyancy and wave; None: that of the scene, which must then point along -z
     points_float : bool
         Whether a point comes out of the water at its surface; False: points are under water at any height, as MoorDyn has them.
+    waves : None, a wave of `anet_lumped.waves`, or several, which add up
     """
 
     density: float = 1025.0
     level: float = 0.0
     current: Wind | Sequence[Wind] | None = None
-    wave: Airy | None = None
+    wave: Wave | None = None
     g: float | None = None
     points_float: bool = True
+    waves: Wave | Sequence[Wave] | None = None
 
     coupled_neighbours: ClassVar[int] = 1
     stiff: ClassVar[bool] = True
@@ -99,20 +102,31 @@ class Water(Effect):
             g=None if self.g is None else check_number("g", self.g, "m/s2", owner, sign="non-negative"),
             points_float=check_flag("points_float", self.points_float, owner),
         )
-        if not (self.wave is None or isinstance(self.wave, Airy)):
+        if not (self.wave is None or isinstance(self.wave, Wave)):
             raise SceneError(
                 f"Argument `wave` must be a wave of anet_lumped.waves or None, but {owner} has wave={shown(self.wave)}."
             )
+        self._set(waves=check_waves("waves", self.waves, owner))
+        if self.wave is not None and self.waves is not None:
+            raise SceneError(f"One of the arguments `wave` and `waves` must be None, but {owner} has both.")
+
+    @property
+    def all_waves(self) -> tuple[Wave, ...]:
+        """Its wave, or its waves."""
+        given = self.wave if self.waves is None else self.waves
+        return () if given is None else (given,) if isinstance(given, Wave) else tuple(given)
 
     @property
     def time_scales(self) -> tuple[float, ...]:
-        """2/omega of the wave, as for a point that is shaken."""
-        return () if self.wave is None else (2.0 / self.wave.frequency,)
+        """2/omega of the shortest wave, as for a point that is shaken."""
+        highest = max((wave.highest_frequency for wave in self.all_waves), default=0.0)
+        return (2.0 / highest,) if highest > 0.0 else ()
 
     def seen_from(self, origin: Vector, scene: Any) -> Effect | None:
         if origin[2] != 0.0 or not same_at_each_height(self.current):
             return None
-        return self if self.wave is None else replace(self, wave=self.wave.seen_from(origin, self.gravity(scene)))
+        waves = tuple(wave.seen_from(origin, self.gravity(scene)) for wave in self.all_waves)
+        return self if not waves else replace(self, wave=None, waves=waves)
 
     def gravity(self, scene: Any) -> float:
         """Acceleration of gravity of buoyancy and wave [m/s2]."""
@@ -150,7 +164,7 @@ class Water(Effect):
                     f"The effect Water needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
                 )
         g = self.gravity(scene)
-        current, wave = pack(self.current), np.zeros(0) if self.wave is None else self.wave.numbers(g, self.level)
+        current, wave = pack(self.current), pack_waves(self.all_waves, g, self.level)
         points = [point for point in scene.free_points if point.volume > 0.0 or point.CdA > 0.0]
         of_cable = np.array([self._of_cable(cable, g) for cable in scene.cables])
         of_point = np.array([self._of_point(point, g) for point in points])
@@ -176,7 +190,7 @@ class Water(Effect):
             return None
         from .fluid_on_bodies import FluidOnBodies  # compiled for those scenes alone
 
-        return FluidOnBodies(self.density, self.level, self.current, self.wave, self.gravity(scene), floats=self.points_float)
+        return FluidOnBodies(self.density, self.level, self.current, self.all_waves, self.gravity(scene), floats=self.points_float)
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "inertia": inertia}

@@ -1,19 +1,21 @@
 """The environment of a MoorDyn file as effects: gravity, water, bottom and bending, as far as it has them.
 
 `g` is Gravity, `rho` is Water (none for 0), `WtrDpth`, `kBot`, `cBot` and `FrictionCoefficient` are the bottom (none if `kBot` and
-`cBot` are 0), and an `EI` brings Bending. Values that are left out are MoorDyn's. As in MoorDyn, no fixed or coupled point lies
-below the bottom: it is as deep as the deepest of them.
+`cBot` are 0), and an `EI` brings Bending. Waves and currents are those of `moordyn_flow`. Values
+that are left out are MoorDyn's. As in MoorDyn, no fixed or coupled point lies below the bottom: it is as deep as the deepest.
 
 Three things mean one thing to MoorDyn and another here: what the damper of the bottom does to a node that rises, how friction grows
 with the speed, and whether points float. `like_moordyn` takes MoorDyn's: `MoordynBottom` for `Ground`, and `points_float=False`.
 """
 
+import pathlib
 from collections.abc import Iterable
 from typing import Any
 
 from anet_lumped.scene.body import Body
 from anet_lumped.scene.scene import Driven, Fixed, Free
 
+from .moordyn_flow import read_flow
 from .moordyn_lines import Line
 from .moordyn_options import Options
 from .moordyn_points import Places
@@ -23,7 +25,13 @@ OTHER = "; read_moordyn(..., like_moordyn=True) takes MoorDyn's."
 
 
 def read_effects(
-    options: Options, places: Places, bodies: Iterable[Body], lines: Iterable[Line], *, like_moordyn: bool
+    options: Options,
+    places: Places,
+    bodies: Iterable[Body],
+    lines: Iterable[Line],
+    folder: str | pathlib.Path,
+    *,
+    like_moordyn: bool,
 ) -> list[Any]:
     """Return the effects of a file.
 
@@ -34,6 +42,8 @@ def read_effects(
     bodies : iterable of Body
         Those that move by themselves.
     lines : iterable of Line
+    folder : str or pathlib.Path
+        Where the tables of waves and currents are.
     like_moordyn : bool
         Whether MoorDyn's laws are taken where they are others than this package's.
     """
@@ -41,11 +51,14 @@ def read_effects(
     if options.value("g"):
         with findings.refusing():
             effects.append(_effect("gravity", options.row("g"), g=options.value("g")))
+    flow = read_flow(options, lambda: _depth(options, places), folder)
+    if flow and not options.value("rho"):
+        findings.remark("No use is made of waves and currents: rho is 0.")
     if options.value("rho"):
         floating = any(isinstance(point, Free) and (point.volume or point.CdA) for point in places.points.values())
         with findings.refusing():
             law = {"points_float": False} if like_moordyn else {}
-            effects.append(_effect("water", options.row("rho"), density=options.value("rho"), **law))
+            effects.append(_effect("water", options.row("rho"), density=options.value("rho"), **law, **flow))
         kinds = ("Points with a volume or a CdA", floating), ("Bodies with a volume", any(body.volume for body in bodies))
         for kind, float_at_surface in kinds:
             if float_at_surface and not like_moordyn:

@@ -2,11 +2,11 @@
 
 MoorDyn v2's files are read and MoorDyn v1's, of the C++ and of the Fortran version (its documentation, "Input Files"; its sources
 MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says what it means: `moordyn_line_types`, `moordyn_points`,
-`moordyn_bodies`, `moordyn_rods`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_effects`.
+`moordyn_bodies`, `moordyn_rods`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_effects`, `moordyn_flow`.
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
 be had is refused, all of it at once: rods that turn on a body, drag on the rotation of bodies, failures at a time, external loads,
-waves and currents, tables in place of numbers but for EA, viscoelastic lines, line lift (VIV).
+flow from a file of the Fortran version, tables in place of numbers but for EA, viscoelastic lines, line lift (VIV).
 """
 
 import pathlib
@@ -130,7 +130,7 @@ def deck_from_text(
     lines = read_lines(rows, names, types, places, findings)
     limits = breaking_tensions(sections.get("failure", []), lines, places, findings)
     options = read_options(sections.get("options", []), folder, findings)
-    effects = read_effects(options, places, bodies, lines, like_moordyn=like_moordyn)
+    effects = read_effects(options, places, bodies, lines, folder, like_moordyn=like_moordyn)
     findings.raise_if_refused()
     try:
         scene = _scene(places, bodies, lines, limits, effects, findings)

@@ -1,8 +1,8 @@
 """The options of a MoorDyn file: what its environment is, and what belongs to MoorDyn's own run.
 
 Names count in any case, as in MoorDyn, which takes the last of an option that comes twice and passes over what it does not know
-(MoorDyn2.cpp: readOptionsLine). What would change the answer and cannot be had here is refused: waves, currents, a bottom that is
-not flat, friction that differs along and across a line.
+(MoorDyn2.cpp: readOptionsLine). What would change the answer and cannot be had here is refused: flow from a file of the Fortran
+version, a bottom that is not flat, friction that differs along and across a line.
 """
 
 import math
@@ -25,12 +25,13 @@ ENVIRONMENT = {
 }  # fmt: skip
 HELD = ("g", "rho", "WtrDpth", "kBot", "cBot", "FrictionCoefficient")  # by the scene
 MUST_BE_ZERO = {
-    "WaveKin": "waves are", "Currents": "currents are", "WaterKin": "waves and currents are",
+    "WaterKin": "waves and currents by a file of the Fortran version are",
     "SeafloorFile": "a bottom that is not flat is", "MU_KT": "friction that differs along and across a line is",
     "MU_KA": "friction that differs along and across a line is",
 }  # fmt: skip
+FLOW = {"WaveKin": 7, "Currents": 5}  # the largest number of each, from 0 on
 OWN_RUN = (
-    "dtM", "CFL", "tScheme", "dtIC", "TmaxIC", "CdScaleIC", "threshIC", "dtOut", "writeLog", "WriteUnits", "dtWave",
+    "dtM", "CFL", "tScheme", "dtIC", "TmaxIC", "CdScaleIC", "threshIC", "dtOut", "writeLog", "WriteUnits",
     "waveKin_rampT", "UnifyCurrentGrid", "ICgenDynamic", "disableOutput", "disableOutTime", "inertialF", "inertialF_rampT",
     "OutSwitch", "Echo", "fileIC",
 )  # fmt: skip
@@ -39,9 +40,9 @@ OLD_NAMES = {
     "dt": "dtM", "icdt": "dtIC", "ictmax": "TmaxIC", "icdfac": "CdScaleIC", "icthresh": "threshIC", "cv": "FricDamp",
     "mc": "StatDynFricScale", "gendynamicic": "ICgenDynamic", "icfile": "fileIC",
 }  # fmt: skip
-OPTIONS = {name.lower(): name for name in (*ENVIRONMENT, *MUST_BE_ZERO, *OWN_RUN)} | OLD_NAMES
+OPTIONS = {name.lower(): name for name in (*ENVIRONMENT, *MUST_BE_ZERO, *FLOW, "dtWave", *OWN_RUN)} | OLD_NAMES
 NOTHING = ("", "-", "none", "null", "false", "f", "no", "unused")  # in place of the name of a file
-FROM_OUTSIDE = {("WaveKin", "1"), ("WaterKin", "seastate")}  # flow that the program gives which calls MoorDyn
+FROM_OUTSIDE = "seastate"  # in place of the name of a file: flow that the program gives which calls MoorDyn
 
 
 class Options(NamedTuple):
@@ -106,6 +107,8 @@ def _read(row: Row, found: Options, folder: str | pathlib.Path) -> None:
         raise row.error(f"{name} must not be negative.")
     if name in MUST_BE_ZERO and not _is_nothing(name, word, row, folder):
         raise row.error(f"{MUST_BE_ZERO[name]} not supported; {name} must be 0.")
+    if name in FLOW and not (isinstance(value, float) and value in range(FLOW[name] + 1)):
+        raise row.error(f"{name} must be an integer from 0 to {FLOW[name]}.")
     if name in found.rows:
         findings.remark(
             f"{name} is given on lines {found.rows[name].line} and {row.line}; the last one counts, as in MoorDyn: {word}."
@@ -119,7 +122,7 @@ def _is_nothing(name: str, word: str, row: Row, folder: str | pathlib.Path) -> b
     """Whether an option asks for no waves, no currents and no such bottom; a flow from outside that nobody gives is none."""
     if number_of(word) == 0.0 or (name in ("WaterKin", "SeafloorFile") and word.lower() in NOTHING):
         return True
-    if (name, word.lower()) in FROM_OUTSIDE:
+    if name == "WaterKin" and word.lower() == FROM_OUTSIDE:
         row.findings.remark(
             f"Line {row.line}: {name} {word} is a flow that the program gives which calls MoorDyn. None is given: "
             "the water is still."

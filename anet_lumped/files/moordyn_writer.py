@@ -182,9 +182,9 @@ def _environment(scene: Scene, far: float) -> dict[str, float]:
         raise SceneError("A scene must have one bottom to be written for MoorDyn, but it has Ground and MoordynBottom.")
     water, ground = given.get("water"), given.get("ground", given.get("moordyn_bottom"))
     if water is not None:
-        for name, still in (("level", 0.0), ("current", None), ("wave", None)):
+        for name, still in (("level", 0.0), ("current", None), ("wave", None), ("waves", None)):
             if (value := getattr(water, name)) != still:
-                raise SceneError(f"Water must be still, with level=0, to be written for MoorDyn, but it has {name}={value}.")
+                raise SceneError(f"Water must be still, with level=0, to be written for MoorDyn, but it has {name}={shown(value)}.")
         if water.g not in (None, -z):
             raise SceneError(f"Water must have the g of Gravity, {-z:g} m/s2, to be written for MoorDyn, but it has g={water.g}.")
     options = {"g": -z + 0.0, "rho": 0.0 if water is None else water.density}

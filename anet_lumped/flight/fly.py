@@ -7,16 +7,17 @@ from typing import Any
 import numpy as np
 
 from anet_lumped.checks import InputError, check_number, nearest, quoted, shown
-from anet_lumped.model.build import build
+from anet_lumped.motion.law_steps import LawSteps
 from anet_lumped.motion.session import Session, SessionError
 from anet_lumped.results.run import Run
 from anet_lumped.scene.scene import Scene, check_scene
 
-from .geometric import Wrench
+from .compiled_law import Wrench
 from .hovering import hovering
+from .pilot import Pilot
 from .quadrotor import THESIS_QUADROTOR, Quadrotor
 from .rotors import Rotors
-from .seen import Seen, Sensors, look
+from .seen import Seen, Sensors
 
 STATES = 400  # saved if the caller does not say how many
 
@@ -92,30 +93,23 @@ def fly(
         scene, session = ready.scene, session | {"start": ready.shapes}
     steps = round(t_end / dt)
     every = max(1, round(steps / STATES if save_every is None else save_every / dt))
-    march, rotors = Session(scene, dt, **session), Rotors(crew, dt)
+    march = Session(scene, dt, **session)
     for one in (controller, sensors):
         if one is not None and hasattr(one, "reset"):
             one.reset()
-    model, rows, status, message = build(scene), [], "done", ""
+    steps_of = LawSteps(march, Pilot(controller, sensors, Rotors(crew, dt), len(scene.free_points)))
+    rows, status, message = [(march.state, march.energy)], "done", ""
     begin = time.perf_counter()
-    for k in range(steps + 1):
-        if k % every == 0 or k == steps:
-            rows.append((march.state, march.energy))
-        if k == steps:
-            break
-        seen = look(march)
-        told = controller(seen if sensors is None else sensors(seen))
-        if k == 0:
-            rotors.settle(*told)
-        march.push_bodies(*rotors.step(*told, seen.rotation, seen.velocity), axes="body")
+    for k in range(0, steps, every):
         try:
-            march.step()
+            steps_of.march(min(every, steps - k))
         except SessionError as failure:
             status, message = failure.status, str(failure)
             break
+        rows.append((march.state, march.energy))
     wall_time = time.perf_counter() - begin
     return Run(
-        model=model, t=np.array([state.t for state, _ in rows]), q=np.array([state.q for state, _ in rows]),
+        model=march.model, t=np.array([state.t for state, _ in rows]), q=np.array([state.q for state, _ in rows]),
         v=np.array([state.v for state, _ in rows]), energy=np.array([energy for _, energy in rows]), method=march.method, dt=dt,
         reason=march.reason, status=status, message=message, work=march.work, wall_time=wall_time,
         segment_tension=np.array([state.segment_tension for state, _ in rows]), events=march.events, pushed=True,

@@ -16,50 +16,30 @@ Source: Lee, Leok and McClamroch, Geometric Tracking Control of a Quadrotor UAV 
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from anet_lumped.checks import check_number
+from anet_lumped.prescribed.path_in_numbers import counted
+from anet_lumped.prescribed.paths import Path
 
-from .laws import attitudes_along, turn_to
+from .compiled_law import CompiledLaw, Goal, Wrench, law_of
+from .laws import attitudes_along, exert, go_along, stay, turn_to
 from .quadrotor import Quadrotor
 from .seen import Seen
 from .timing import Held
 
-G = 9.81  # [m/s2], which controllers expect
 
-
-class Goal(NamedTuple):
-    """Where m quadrotors shall be.
-
-    Parameters
-    ----------
-    position, velocity, acceleration : (m, 3) float64 [m], [m/s], [m/s2]
-    """
-
-    position: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
-
-
-class Wrench(NamedTuple):
-    """What m quadrotors are told: thrust (m,) [N] along their z axes, and torque (m, 3) [N m] in their axes."""
-
-    thrust: np.ndarray
-    torque: np.ndarray
-
-
-def hold(positions: Any) -> Callable[[Seen], Goal]:
+def hold(positions: Any) -> CompiledLaw:
     """Guide that keeps quadrotors at places (m, 3) [m]."""
     places = np.array(positions, float).reshape(-1, 3)
-    goal = Goal(places, np.zeros_like(places), np.zeros_like(places))
-    return lambda seen: goal
+    return CompiledLaw(stay, places, gives="goal", quadrotors=len(places))
 
 
-def follow(paths: Sequence[Any]) -> Callable[[Seen], Goal]:
+def follow(paths: Sequence[Path]) -> CompiledLaw:
     """Guide that takes each quadrotor along a path of `anet_lumped.paths`."""
-    return lambda seen: Goal(*(np.array(rows) for rows in zip(*(path.at(seen.t) for path in paths), strict=True)))
+    return CompiledLaw(go_along, np.concatenate([np.zeros(0), *map(counted, paths)]), gives="goal", quadrotors=len(paths))
 
 
 class PositionControl:
@@ -81,7 +61,7 @@ class PositionControl:
         self.guide, self.feed_forward = guide, feed_forward
         self.frequency = check_number("frequency", frequency, "rad/s", "PositionControl", sign="positive")
         self.damping = check_number("damping", damping, "", "PositionControl", sign="positive")
-        self._mass = np.array([[one.mass] for one in quadrotors])
+        self._mass = [one.mass for one in quadrotors]
 
     def reset(self) -> None:
         """Begin anew."""
@@ -90,11 +70,18 @@ class PositionControl:
 
     def __call__(self, seen: Seen) -> np.ndarray:
         """(m, 3) force in the axes of the world [N]."""
-        goal, w = self.guide(seen), self.frequency
-        a = goal.acceleration + w * w * (goal.position - seen.position) + 2.0 * self.damping * w * (goal.velocity - seen.velocity)
-        a[:, 2] += G
-        a *= self._mass
-        return a - seen.pull if self.feed_forward else a
+        return self._law(None)(seen, np.concatenate(self.guide(seen)))
+
+    def _law(self, guide: CompiledLaw | None) -> CompiledLaw:
+        """The law of forces, to which a goal is given."""
+        numbers = self.frequency, self.damping, float(self.feed_forward), *self._mass
+        return CompiledLaw(exert, numbers, gives="force", guide=guide, quadrotors=len(self._mass), needs_given=True)
+
+    @property
+    def law(self) -> CompiledLaw | None:
+        """The same compiled, if its guide is."""
+        guide = law_of(self.guide)
+        return None if guide is None else self._law(guide)
 
 
 class AttitudeControl:
@@ -117,15 +104,18 @@ class AttitudeControl:
         self.damping = check_number("damping", damping, "", "AttitudeControl", sign="positive")
         self.heading = check_number("heading", heading, "rad", "AttitudeControl")
         self.feed_forward = feed_forward
-        numbers = self.frequency, self.damping, np.cos(self.heading), np.sin(self.heading), float(feed_forward)
-        self._numbers = np.array(numbers, float)
-        self._inertia = np.array([one.inertia_tensor for one in quadrotors]).reshape(-1, 3, 3)
+        turn = self.frequency, self.damping, np.cos(self.heading), np.sin(self.heading), float(feed_forward)
+        inertia = [one.inertia_tensor.ravel() for one in quadrotors]
+        self._law = CompiledLaw(turn_to, np.concatenate([turn, *inertia]), quadrotors=len(inertia), needs_given=True)
 
     def __call__(self, seen: Seen, force: np.ndarray) -> Wrench:
         """The wrench for a force (m, 3) in the axes of the world [N]."""
-        told = Wrench(np.empty(len(force)), np.empty((len(force), 3)))
-        turn_to(force, seen.rotation, seen.angular_velocity, seen.moment, self._inertia, self._numbers, *told)
-        return told
+        return self._law(seen, force)
+
+    @property
+    def law(self) -> CompiledLaw:
+        """The same compiled."""
+        return self._law
 
 
 def attitudes(force: np.ndarray, heading: float = 0.0) -> np.ndarray:

@@ -11,7 +11,6 @@ for. J^+ is the pseudoinverse, so that they move as little as does it. The tensi
 `PositionControl`.
 """
 
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -19,14 +18,16 @@ import numpy as np
 from scipy.optimize import brentq
 
 from anet_lumped.checks import InputError, Vector, check_number, check_vector, quoted
+from anet_lumped.prescribed.path_in_numbers import constant, counted
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.turning import matrix_of
 from anet_lumped.scene.scene import Free, Scene
 from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
 from anet_lumped.statics.held_bodies import with_bodies_held
 
-from .geometric import Goal
+from .compiled_law import CompiledLaw, Goal
 from .hovering import hovering
+from .laws import NET_NUMBERS, NET_POINT, NET_RATE, NET_REACH, guide_net
 from .seen import Seen
 
 DIFFERENCE = 1e-4  # of the spread, of the differences that J is made of
@@ -89,7 +90,16 @@ class NetGuide:
 
     def reset(self) -> None:
         """Forget the errors."""
-        self._sum, self._t = np.zeros(3), math.nan
+        self._memory = np.zeros(NET_NUMBERS)
+
+    @property
+    def law(self) -> CompiledLaw:
+        """The same compiled, which begins with the errors that are known."""
+        place = self.at if isinstance(self.at, Path) else constant(np.array(self.at))
+        memory = self._memory.copy()
+        memory[[NET_RATE, NET_REACH, NET_POINT]] = self.rate, REACH * self.spread, self._number
+        numbers = np.concatenate([memory, self.offsets.ravel(), self._inverse.ravel(), counted(place)])
+        return CompiledLaw(guide_net, numbers, gives="goal", quadrotors=len(self.offsets))
 
     def _arms(self, spread: float) -> np.ndarray:
         """(m, 3) places of the quadrotors about their middle [m]."""
@@ -134,16 +144,7 @@ class NetGuide:
 
     def __call__(self, seen: Seen) -> Goal:
         """Where the quadrotors shall be."""
-        if isinstance(self.at, Path):
-            place, velocity, acceleration = self.at.at(seen.t)
-        else:
-            place, velocity, acceleration = np.array(self.at), np.zeros(3), np.zeros(3)
-        if not math.isnan(self._t):
-            self._sum += self.rate * (seen.t - self._t) * (place - seen.point[self._number])
-            size = float(np.linalg.norm(self._sum))
-            if size > REACH * self.spread:
-                self._sum *= REACH * self.spread / size
-        self._t = seen.t
-        shift = (self._inverse @ self._sum).reshape(-1, 3)
-        still = np.zeros_like(shift)
-        return Goal(place + self.offsets + shift, velocity + still, acceleration + still)
+        law = self.law
+        goal: Goal = law(seen)
+        self._memory = law.numbers[:NET_NUMBERS]
+        return goal

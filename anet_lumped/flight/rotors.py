@@ -30,16 +30,16 @@ class Rotors:
     def __init__(self, quadrotors: Sequence[Quadrotor], dt: float) -> None:
         self.quadrotors, self.dt = tuple(quadrotors), dt
         count = len(self.quadrotors)
-        self._mixing = np.array([one.mixing for one in quadrotors]).reshape(-1, 4, 4)
-        self._sharing = np.linalg.inv(self._mixing)
-        self._limits = np.array([(one.largest_thrust, one.thrust_coefficient) for one in quadrotors]).reshape(-1, 2)
-        self._drag = np.array([one.drag for one in quadrotors]).reshape(-1, 3)
-        self._lags = np.array([_lag_means(one.lag, dt) for one in quadrotors]).reshape(-1, 3)
-        self.speed, self._command, self._acting = np.zeros((count, 4)), np.zeros((count, 4)), np.zeros((count, 6))
+        self.mixing = np.array([one.mixing for one in quadrotors]).reshape(-1, 4, 4)
+        self.sharing = np.linalg.inv(self.mixing)
+        self.limits = np.array([(one.largest_thrust, one.thrust_coefficient) for one in quadrotors]).reshape(-1, 2)
+        self.drag = np.array([one.drag for one in quadrotors]).reshape(-1, 3)
+        self.lags = np.array([_lag_means(one.lag, dt) for one in quadrotors]).reshape(-1, 3)
+        self.speed, self.command, self.acting = np.zeros((count, 4)), np.zeros((count, 4)), np.zeros((count, 6))
 
     def settle(self, thrust: np.ndarray, torque: np.ndarray) -> None:
         """Let the rotors turn as commanded, without lag."""
-        command_rotors(thrust, torque, self._sharing, self._limits, self.speed)
+        command_rotors(told(thrust, torque), self.sharing, self.limits, self.speed)
 
     def step(
         self, thrust: np.ndarray, torque: np.ndarray, rotation: np.ndarray, velocity: np.ndarray
@@ -56,9 +56,14 @@ class Rotors:
         -------
         force, torque : (m, 3) float64 [N], [N m]
         """
-        command_rotors(thrust, torque, self._sharing, self._limits, self._command)
-        turn_rotors(self._command, self.speed, self._limits, self._mixing, self._lags, self._drag, rotation, velocity, self._acting)
-        return self._acting[:, :3], self._acting[:, 3:]
+        command_rotors(told(thrust, torque), self.sharing, self.limits, self.command)
+        turn_rotors(self.command, self.speed, self.limits, self.mixing, self.lags, self.drag, rotation, velocity, self.acting)
+        return self.acting[:, :3], self.acting[:, 3:]
+
+
+def told(thrust: np.ndarray, torque: np.ndarray) -> np.ndarray:
+    """(m, 4) thrusts [N] and torques [N m], one row a quadrotor."""
+    return np.column_stack([np.reshape(thrust, (-1, 1)), torque])
 
 
 def _lag_means(lag: float, dt: float) -> tuple[float, float, float]:

@@ -35,8 +35,7 @@ class Seen(NamedTuple):
 
 def look(session: Session) -> Seen:
     """The state of a session, exact."""
-    motions, (pull, moment) = session.motions(), session.pulls()
-    return Seen(session.t, *motions, pull, moment, *session.free_points())
+    return Seen(session.t, *session.look())
 
 
 class Sensors:

@@ -1,6 +1,7 @@
 """The points of a scene in the order of their nodes, and the place of rigid bodies in the system over the free points.
 
-A body has two unknowns of three numbers there, how far it shifts and how far it turns. Bodies are eliminated after all free points.
+A body has two unknowns of three numbers there, how far it shifts and how far it turns. They are eliminated with the free points in
+the order of least fill: bodies that carry a net before the points at which it meets.
 """
 
 from typing import NamedTuple
@@ -29,7 +30,7 @@ class PointOrder(NamedTuple):
     Parameters
     ----------
     free : tuple of str
-        Free points in the order of their elimination; the first two points of each free body, likewise; its other points.
+        Free points; the first two points of each free body; its other points.
     fixed, driven : tuple of str
         Points on driven bodies come last.
     symbolic : Points
@@ -106,12 +107,14 @@ def order_of_points(scene):
     pairs = [(cable.start, cable.end) for cable in scene.cables]
     links = [(u, w) for a, b in pairs for u in unknowns.get(a, ()) for w in unknowns.get(b, ()) if u != w]
     of_bodies = [name for both in heads.values() for name in both]
-    order, later = minimum_degree([*joints, *of_bodies], [*links, *heads.values()], last=of_bodies)
+    names, links = [*joints, *of_bodies], [*links, *heads.values()]
+    numbered, _ = minimum_degree(names, links, last=of_bodies)
+    order, later = minimum_degree(names, links)
     carried = [point.name for body in free_bodies for point in body.points[2:]]
     both_move = [(a, b) for a, b in pairs if a in unknowns and b in unknowns]
     own = dict.fromkeys((a, b) for a, b in both_move if len(unknowns[a]) + len(unknowns[b]) > 2)
-    symbolic, block_of = symbolic_elimination(order, later, len(carried), 2 * len(own))
-    rank, behind = {name: i for i, name in enumerate(order)}, len(symbolic.block) - 2 * len(own)
+    symbolic, block_of = symbolic_elimination(numbered, order, later, len(carried), 2 * len(own))
+    rank, behind = {name: i for i, name in enumerate(numbered)}, len(symbolic.block) - 2 * len(own)
     blocks_of_pair = {}
     for a, b in both_move:
         if (a, b) not in own:
@@ -122,4 +125,4 @@ def order_of_points(scene):
     fixed = [point.name for point in scene.points if isinstance(point, Fixed)]
     driven = [point.name for point in scene.points if isinstance(point, Driven)]
     driven += [point.name for point in scene.all_points if isinstance(point, OnDrivenBody)]
-    return PointOrder((*order, *carried), tuple(fixed), tuple(driven), symbolic, blocks_of_pair, block_of, scene)
+    return PointOrder((*numbered, *carried), tuple(fixed), tuple(driven), symbolic, blocks_of_pair, block_of, scene)

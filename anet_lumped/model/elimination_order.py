@@ -35,15 +35,17 @@ def minimum_degree(names, links, last=()):
     return order, later
 
 
-def symbolic_elimination(order, later, carried=0, more=0):
+def symbolic_elimination(names, order, later, carried=0, more=0):
     """Symbolic block LU: arrays of `Points`, and the position of each block.
 
-    Room is left for the blocks of ``carried`` nodes behind those of the points in ``order``, and for ``more`` blocks at the end.
+    The points are numbered as in ``names`` and eliminated in ``order``. Room is left for the blocks of ``carried`` nodes behind
+    those of the points, and for ``more`` blocks at the end.
     """
-    rank = {name: i for i, name in enumerate(order)}
+    rank = {name: i for i, name in enumerate(names)}
     block_of, behind = {(p, p): p for p in range(len(order))}, len(order) + carried
+    turns = [rank[name] for name in order]
     ahead = [sorted(rank[other] for other in later[name]) for name in order]
-    for p, others in enumerate(ahead):
+    for p, others in zip(turns, ahead, strict=True):
         for q in others:
             block_of[p, q], block_of[q, p] = behind, behind + 1
             behind += 2
@@ -56,10 +58,11 @@ def symbolic_elimination(order, later, carried=0, more=0):
         return np.cumsum([0, *map(len, rows)]).astype(np.int64)
 
     points = Points(
+        order=np.array(turns, np.int64),
         later_at=starts(ahead),
         later=flat(ahead),
-        upper=flat([[block_of[p, q] for q in others] for p, others in enumerate(ahead)]),
-        lower=flat([[block_of[q, p] for q in others] for p, others in enumerate(ahead)]),
+        upper=flat([[block_of[p, q] for q in others] for p, others in zip(turns, ahead, strict=True)]),
+        lower=flat([[block_of[q, p] for q in others] for p, others in zip(turns, ahead, strict=True)]),
         target_at=starts(target),
         target=flat(target),
         block=np.zeros((behind + more, 3, 3)),

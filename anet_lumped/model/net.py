@@ -103,13 +103,14 @@ class Carried(NamedTuple):
 class Points(NamedTuple):
     """Block LU of the system over the free points: symbolic part (elimination order, fill) and the blocks themselves.
 
-    Free point p is eliminated p-th; the unknowns of bodies, two a body, count as points too, and are eliminated last. Its later
-    neighbours are ``later[later_at[p]:later_at[p+1]]``; ``upper`` and ``lower``
-    are the positions of the blocks (p, j) and (j, p) in ``block``; the diagonal block of p is ``block[p]``. ``target`` holds,
-    for each pair (i, j) of later neighbours in row order, the block that their product updates, from ``target_at[p]`` on. The
-    first blocks are those of the free nodes from ``n_interior`` on, also of nodes that bodies carry, which are not eliminated here.
+    Free point p = ``order[e]`` is eliminated e-th; the unknowns of bodies, two a body, count as points too. Its later neighbours
+    are ``later[later_at[e]:later_at[e+1]]``; ``upper`` and ``lower`` are the positions of the blocks (p, j) and (j, p) in
+    ``block``; the diagonal block of p is ``block[p]``. ``target`` holds, for each pair (i, j) of later neighbours in row order, the
+    block that their product updates, from ``target_at[e]`` on. The first blocks are those of the free nodes from ``n_interior`` on,
+    also of nodes that bodies carry, which are not eliminated here.
     """
 
+    order: np.ndarray
     later_at: np.ndarray
     later: np.ndarray
     upper: np.ndarray
@@ -220,7 +221,7 @@ EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1, types.int64), Effects)
 LENGTHS = types.NamedTuple((_i1, _f2, TABLE, _f1, _i1, _i1, _f1, _f1, _i1, _i1, _f1, _f1, _f2, _f2, _f3), Lengths)
 CARRIED = types.NamedTuple((_i1, _f2, _f3), Carried)
 BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2, _i2, _i2, _i2, _f2, _f2, _f2, _f2), Bodies)
-POINTS = types.NamedTuple((_i1,) * 6 + (_f3,), Points)
+POINTS = types.NamedTuple((_i1,) * 7 + (_f3,), Points)
 LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f2, _f2, _f1), Links)
 NO_LINKS = Links(*(np.zeros((0,) * kind.ndim, np.int64 if kind.dtype == types.int64 else float) for kind in LINKS.types))
 NET = types.NamedTuple(

@@ -94,9 +94,11 @@ JOINED_COLUMNS = 14
 # `Bodies.state`, one row a body, of the stage that was placed last: its mass over the square of the step [kg/s2]; inertial force
 # [N] and moment [N m]; the matrix of the moment over the turn (nine columns by rows), at first of inertia alone [N m]; radius of
 # gyration [m]; and five numbers by which a Newton step is judged: inertial moment over the square of a turn [N m], sums of
-# stiffness and of force times arm [N], [N m], and the last shift and turn [m], [rad]; the largest coordinate of its nodes [m].
+# stiffness and of force times arm [N], [N m], and the last shift and turn [m], [rad]; the largest coordinate of its nodes [m]; and
+# of a step of `LAW_BETWEEN` what it begins with: the reference point [m] and the angular velocity [rad/s].
 BODY_INERTIA, BODY_FORCE, BODY_MOMENT, BODY_TURNING, BODY_RADIUS, BODY_SECOND_ORDER, BODY_COORDINATE = 0, 1, 4, 7, 16, 17, 22
-BODY_COLUMNS = 23
+BODY_BEFORE, BODY_SPIN_BEFORE = 23, 26
+BODY_COLUMNS = 29
 
 # `Links.unknown`, one row a cable: numbers of the first and of the last of its links among the end links, -1 for one that is not
 # among them, and the entry of their system that joins both, -1 for none.

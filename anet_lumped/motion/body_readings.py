@@ -58,12 +58,6 @@ def body_table(model: Any, bodies: Any) -> BodyTable:
     )
 
 
-def motions_of(table: BodyTable) -> Motions:
-    """`Motions` of bodies, not yet read."""
-    count = len(table.share)
-    return Motions(np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3, 3)), np.zeros((count, 3)))
-
-
 @inlined
 def axes_and_rates(q, v, first, last, node, weights):
     """Directions e_1 and e_2 of a body, of the nodes from ``first`` to ``last``, and their rates: e_a = sum c^a_k q_k."""

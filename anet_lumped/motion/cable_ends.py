@@ -30,13 +30,13 @@ class CableEnds:
             body_of[own], origin[own] = b, own[0]
         ends = [(s, node, sign) for s, row in enumerate(model.ends.tolist()) for node, sign in zip(row, (1, -1), strict=True)]
         found = np.array([(s, node, sign) for s, node, sign in ends if body_of[node] >= 0], np.int64).reshape(-1, 3)
-        self._pulling = tuple(np.ascontiguousarray(x) for x in (*found.T, body_of[found[:, 1]], origin[found[:, 1]]))
+        self.pulling = tuple(np.ascontiguousarray(x) for x in (*found.T, body_of[found[:, 1]], origin[found[:, 1]]))
         bare = np.zeros(model.n)
         for point in model.scene.all_points:
             bare[model.node_of[point.name]] = getattr(point, "mass", 0.0)
         loaded = table.node[(model.mass - bare)[table.node] > 0.0]
         weight = np.outer(model.mass - bare, model.scene.gravity)[loaded]
-        self._loaded = loaded, body_of[loaded], origin[loaded], weight
+        self.loaded = loaded, body_of[loaded], origin[loaded], weight
 
     def directions(self, q: np.ndarray) -> np.ndarray:
         """(n_segments, 3) directions from the first to the second end of each segment, at places (n, 3) [m]."""
@@ -51,16 +51,6 @@ class CableEnds:
         own, sign = self._at[node]
         return (sign * tension[own]) @ directions[own]
 
-    def on_bodies(self, q: np.ndarray, rows: np.ndarray, column: int, tension: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Forces (bodies, 3) [N] on bodies, and moments about their origins (bodies, 3) [N m].
-
-        With the weights of the half segments that end there, as a cable pulls whose mass is spread over its length. Directions
-        are in three columns of ``rows`` (n_segments, columns) from ``column`` on.
-        """
-        force, moment = np.zeros((self._count, 3)), np.zeros((self._count, 3))
-        pull_bodies(q, rows, column, tension, *self._pulling, *self._loaded, force, moment)
-        return force, moment
-
 
 @inlined
 def _add(q, node, origin, x, y, z, force, moment):
@@ -74,7 +64,11 @@ def _add(q, node, origin, x, y, z, force, moment):
 def pull_bodies(
     q, rows, column, tension, segment, node, sign, body, origin, loaded, loaded_body, loaded_origin, weight, force, moment
 ):
-    """Add the pulls of segments, and the weights of nodes, to the forces and moments of bodies; see `CableEnds.on_bodies`."""
+    """Add the pulls of segments, and the weights of nodes, to the forces (m, 3) [N] and moments (m, 3) [N m] of bodies.
+
+    With the weights of the half segments that end there, as a cable pulls whose mass is spread over its length. Directions are in
+    three columns of ``rows`` (n_segments, columns) from ``column`` on; the others are in `CableEnds`.
+    """
     for k in range(segment.shape[0]):
         row, T = rows[segment[k]], sign[k] * tension[segment[k]]
         x, y, z = T * row[column], T * row[column + 1], T * row[column + 2]

@@ -20,8 +20,7 @@ from anet_lumped.results.events import Event
 from anet_lumped.results.run import STATUS, State, Work
 from anet_lumped.scene.origin import near_origin
 from anet_lumped.scene.scene import Scene, check_scene
-from anet_lumped.statics.equilibrium import equilibrium
-from anet_lumped.statics.starts import Start, start_state
+from anet_lumped.statics.starts import Start
 from integrators import schemes
 from integrators.compile_once import compile_for
 from integrators.marching import held_march
@@ -30,7 +29,7 @@ from integrators.states import scratch_for
 from integrators.system import BALANCE, COUNTS, DONE, ENERGIES, EVENT, SAME_TIME, STEP, StepState, entry_point, first_class
 from integrators.system import words_in_memory as system_words
 
-from .body_readings import Motions, body_table, motions_of, read
+from .body_readings import Motions, body_table
 from .cable_ends import CableEnds
 from .choice import check_method, choose
 from .failure_messages import why_it_stopped
@@ -38,7 +37,9 @@ from .given_forces import GivenForces
 from .given_motions import GivenMotions
 from .legs import Legs
 from .own_methods import net_and_system
+from .readings import Sight, compiled_see, readings_of, sight_of, words_in_memory
 from .session_mark import Mark, SessionError, own_arrays
+from .session_start import start_near
 from .simulate import StabilityWarning
 from .stability import transverse_frequency
 from .times import Leg
@@ -85,11 +86,11 @@ class Session:
         check_method(method, rho_inf)
         if method is not None and schemes.scheme(method).origin is not Origin.OWN:
             raise InputError(f"A session needs a method of this package, but the method is {method}.")
-        self.scene, self.dt = scene, number(dt)
+        self.scene, self.dt, self.model = scene, number(dt), build(scene)
         near = near_origin(scene)
         self._origin = np.array(near.origin, float)
         pushed = replace(near.scene, effects=(*near.scene.effects, Push()))
-        begin = self._start(near.scene, start)
+        begin = start_near(near, start)
         choice = choose(lightest(near.scene), method, self.dt, False, begin.least_tension, transverse_frequency(begin))
         self.method, self.reason, self._choice = choice.method, choice.reason, choice
         self._scheme = schemes.scheme(choice.method)
@@ -110,15 +111,6 @@ class Session:
         self._first_energy = np.zeros(ENERGIES)  # for the next line
         self._first_energy = self.energy
         self._first = self.save()
-
-    def _start(self, scene: Scene, start: Start) -> State:
-        if isinstance(start, str) and start == "equilibrium":
-            return equilibrium(scene)
-        if isinstance(start, State):
-            start = replace(start, q=start.q - self._origin)
-        elif isinstance(start, dict):
-            start = {name: np.asarray(shape) - self._origin for name, shape in start.items()}
-        return start_state(build(scene), start)
 
     def _new_march(self) -> None:
         """Make what the next steps work on, from the state that the legs hold."""
@@ -150,6 +142,14 @@ class Session:
         self._least_tension = np.where(two_way, -math.inf, 0.0)
         self._cable_ends = CableEnds(model, self._table)
         self._begin(self._address)
+        self.readings = readings_of(self, model)
+        self._readable = words_in_memory(self.readings)
+        self.readable = self._readable.ctypes.data  # address of the readings
+
+    @property
+    def _as_observed(self) -> bool:
+        """Whether no step has told other tensions than those at the time reached."""
+        return self._scheme.explicit or self._steps == 0
 
     def _lead(self) -> None:
         """Write the paths of what is driven from outside through the next step."""
@@ -215,7 +215,7 @@ class Session:
         SessionError : the step failed; its message says when, where, why and what to try
         SceneError : a cable that would be reeled in by more than it has
         """
-        goal, same = self._goal, SAME_TIME * self.dt
+        goal = self._goal
         if len(self._net.lengths.cable):
             rest_lengths.at_shortest(self._legs.scene, goal, goal)
         if self._motions.tracks:
@@ -223,6 +223,11 @@ class Session:
         forces = self._forces
         if forces.write(self._state.q, self._state.v, self.dt) and self._scheme.evaluates_force:
             self._begin(self._address)  # such a step takes over the force at the end of the last one
+        self._finish_step()
+
+    def _finish_step(self) -> None:
+        """March on to the end of the step, from event to event."""
+        goal, same, forces = self._goal, SAME_TIME * self.dt, self._forces
         while True:
             while self._due and self._due[0] <= self._numbers[0]:
                 self._change(self._due.pop(0))
@@ -233,17 +238,26 @@ class Session:
                 work = forces.work(before, self._state.q)
                 self._legs.carried[WORK] += work
                 self._legs.carried[BY_EFFECTS] += work
-            if status == EVENT:
-                self._sync()
-                self._legs.break_segments(self._legs.overloaded(at_least=1))
-                self._new_march()
-            elif status != DONE:
-                raise SessionError(
-                    STATUS[status], why_it_stopped(self._legs.left.model, self._choice, status, self.t, node, None, self._counts)
-                )
+            if status != DONE:
+                self._after(status, node)
             elif end >= goal - same:
                 break
-        self._steps += 1
+        self._count_steps(1)
+
+    def _after(self, status: int, node: int) -> None:
+        """After an event: make what the rest of the step works on; else the step has failed."""
+        if status != EVENT:
+            raise SessionError(
+                STATUS[status], why_it_stopped(self._legs.left.model, self._choice, status, self.t, node, None, self._counts)
+            )
+        self._sync()
+        self._legs.break_segments(self._legs.overloaded(at_least=1))
+        self._new_march()
+
+    def _count_steps(self, count: int) -> None:
+        """After so many steps."""
+        self._steps += count
+        self.readings.at_end[0] = self._as_observed
         if self._motions.tracks:
             self._motions.go_on()
 
@@ -293,10 +307,10 @@ class Session:
     @property
     def state(self) -> State:
         """State at the time reached, from which `simulate` and another session go on."""
-        model, own = build(self.scene), self._legs.left
+        own = self._legs.left
         q, v, tension = self._legs.q.copy(), self._legs.v.copy(), self._legs.tension.copy()
         q[own.node], v[own.node], tension[own.segment] = self._state.q, self._state.v, self._end_tension()
-        return State(model, self.t, q + self._origin, v, tension, events=self.events, pushed=self._forces.acts)
+        return State(self.model, self.t, q + self._origin, v, tension, events=self.events, pushed=self._forces.acts)
 
     def position(self, point: str) -> np.ndarray:
         """(3,) place of a point [m]."""
@@ -331,12 +345,15 @@ class Session:
         free = self._forces.body.get(body)
         return self.state.angular_velocity(body) if free is None else self.motions().angular_velocity[free].copy()
 
+    def look(self) -> Sight:
+        """All bodies that move freely and all free points, in the order of the scene, seen at once."""
+        sight = sight_of(len(self._forces.bodies), len(self._forces.free_nodes))
+        compiled_see()(self.readable, sight)
+        return sight
+
     def motions(self) -> Motions:
-        """Places and motions of all bodies that move freely, in the order of the scene, read at once: see `Motions`."""
-        found = motions_of(self._table)
-        read(self._state.q, self._state.v, *self._table[:-1], *found)
-        found.position[:] += self._origin
-        return found
+        """Places and motions of all bodies that move freely, in the order of the scene: see `Motions`."""
+        return Motions(*self.look()[:4])
 
     def pull(self, point: str) -> np.ndarray:
         """(3,) force of the cables on a point that acted in the last step [N]; of a body at its origin alone, see `pulls`."""
@@ -348,18 +365,19 @@ class Session:
 
         Half segments that end at a body count with their weight, as of a cable whose mass is spread over its length.
         """
-        return self._cable_ends.on_bodies(self._state.q, *self._directions(), self._acted())
+        seen = self.look()
+        return seen.pull, seen.moment
 
     def _directions(self) -> tuple[np.ndarray, int]:
         """Rows of the segments left, and the first of the three columns of the direction in which each pulled in the last step."""
-        if self._scheme.explicit or self._steps == 0:
+        if self._as_observed:
             return self._cable_ends.directions(self._state.q), 0
         return self._net.segment, SEGMENT_DIRECTION
 
     def free_points(self) -> tuple[np.ndarray, np.ndarray]:
         """(k, 3) places [m] and velocities [m/s] of all free points, in the order of the scene."""
-        nodes = self._forces.free_nodes
-        return self._state.q[nodes] + self._origin, self._state.v[nodes]
+        seen = self.look()
+        return seen.point, seen.point_velocity
 
     def _node(self, point: str) -> int:
         try:
@@ -370,7 +388,7 @@ class Session:
 
     def _acted(self) -> np.ndarray:
         """Tension of every segment that acted in the last step, of what is left of the scene."""
-        if self._scheme.explicit or self._steps == 0:
+        if self._as_observed:
             return self._end_tension()
         return np.maximum(self._net.tension, self._least_tension)
 
@@ -416,6 +434,7 @@ class Session:
             self._new_march()
         for own, saved in zip(self._arrays(), mark.arrays, strict=True):
             own[...] = saved
+        self.readings.at_end[0] = self._as_observed
 
     def reset(self) -> None:
         """Go back to the start."""

@@ -12,7 +12,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from anet_lumped.checks import NAMED, SceneError, Vector, nearest, one_line, quoted, shown
 from anet_lumped.effects.flow import waves, wind
-from anet_lumped.effects.flow.waves import Airy
+from anet_lumped.effects.flow.waves import Wave
 from anet_lumped.effects.flow.wind import Wind
 from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.paths import Path
@@ -27,7 +27,7 @@ POINTS = {"fixed": Fixed, "driven": Driven, "free": Free}
 
 # What is written as a table with a `kind` inside another.
 PARTS: dict[Any, tuple[str, Mapping[str, Callable]]] = {
-    Path: ("path", paths.KINDS), Signal: ("signal", signals.KINDS), Wind: ("wind", wind.KINDS), Airy: ("wave", waves.KINDS)
+    Path: ("path", paths.KINDS), Signal: ("signal", signals.KINDS), Wind: ("wind", wind.KINDS), Wave: ("wave", waves.KINDS)
 }  # fmt: skip
 
 
@@ -155,6 +155,12 @@ def _vectors_or(what: str, kinds: Mapping[str, Callable], value: Any, place: str
     }
 
 
+def kinds_of(maker: Callable, key: str) -> Mapping[str, Callable] | None:
+    """Classes by the `kind` of the table that an argument of `maker` may be given by; None if it takes no such table."""
+    annotation = _arguments(maker)[key].annotation if key in _arguments(maker) else None
+    return next((kinds for part, (_, kinds) in PARTS.items() if _mentions(annotation, part)), None)
+
+
 def _mentions(annotation: Any, part: type) -> bool:
     """Whether a type holds another, at any depth."""
     return part is annotation or any(_mentions(inner, part) for inner in get_args(annotation))
@@ -271,7 +277,7 @@ def _plain(thing: Any) -> dict[str, Any]:
 def _lists(value: Any) -> Any:
     if isinstance(value, Path | Signal):
         return {"kind": value.kind} | _lists(dict(value.parameters))
-    if isinstance(value, Wind | Airy):
+    if isinstance(value, Wind | Wave):
         return {"kind": {kind: name for name, kind in (wind.KINDS | waves.KINDS).items()}[type(value)]} | _plain(value)
     if isinstance(value, dict):
         return {key: _lists(entry) for key, entry in value.items()}

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from anet_lumped.effects import REGISTRY
+from anet_lumped.effects.flow.waves.airy import Airy
 from anet_lumped.effects.flow.wind.base import as_winds
 from anet_lumped.effects.flow.wind.profiles import Uniform
 
@@ -45,7 +46,7 @@ class Wave:
 class Surroundings:
     """Ground, surface of water, wave, and velocities (3,) [m/s] of wind and current; each is None if a scene lacks it.
 
-    A wind or a current that differs from place to place or in time is none of these.
+    A wind or a current that differs from place to place or in time is none of these, and neither are irregular or several waves.
     """
 
     ground: Plane | None
@@ -62,7 +63,7 @@ def surroundings(scene: Any, origin: np.ndarray) -> Surroundings:
     return Surroundings(
         None if ground is None else _plane(ground.normal, ground.height, origin),
         None if water is None else _plane((0.0, 0.0, 1.0), water.level, origin),
-        None if water is None or water.wave is None else _wave(water.wave, water.gravity(scene), origin),
+        None if water is None else _regular(water.all_waves, water.gravity(scene), origin),
         None if air is None else _uniform(air.wind),
         None if water is None else _uniform(water.current),
     )
@@ -73,8 +74,10 @@ def _plane(normal: Any, height: float, origin: np.ndarray) -> Plane:
     return Plane(unit, height - float(unit @ origin))
 
 
-def _wave(wave: Any, g: float, origin: np.ndarray) -> Wave:
-    seen = wave.seen_from(tuple(origin), g)
+def _regular(waves: Any, g: float, origin: np.ndarray) -> Wave | None:
+    if len(waves) != 1 or not isinstance(waves[0], Airy):
+        return None
+    seen = waves[0].seen_from(tuple(origin), g)
     phase = math.remainder(seen.phase, 2.0 * math.pi)
     return Wave(0.5 * seen.height, seen.wave_number(g), seen.frequency, phase, np.array(seen.direction[:2]), seen.ramp)
 

@@ -75,10 +75,10 @@ def _audit(audit) -> dict:
     }  # fmt: skip
 
 
-def recommendation_summary(found, scene, change=()) -> dict:
+def recommendation_summary(found, scene, change=(), added=()) -> dict:
     """The recommended method for a scene (its name or file), its cost, the parts of its error, and the command to run it.
 
-    ``change`` is what was changed in the scene first, as texts NAME=VALUE.
+    ``change`` is what was changed in the scene first, as texts NAME=VALUE, and ``added`` are effects that were added to it.
     """
     cables = found.scene.cables
     alike = len({cable.segments for cable in cables}) == 1
@@ -87,7 +87,8 @@ def recommendation_summary(found, scene, change=()) -> dict:
     stepping = f"--dt {best.dt:.6g}" if best.rtol is None else f"--rtol {best.rtol:.2g}"
     stepping += " --extrapolate" if best.extrapolate else ""
     before = [text for text in change if not text.partition("=")[0].strip().endswith("segments")]
-    sets = " ".join(f"--set {text}" for text in [*map(shlex.quote, before), *(f"{name}={n}" for name, n in changes.items())])
+    sets = [f"--effect {shlex.quote(text)}" for text in added] + [f"--set {shlex.quote(text)}" for text in before]
+    sets = " ".join([*sets, *(f"--set {name}={n}" for name, n in changes.items())])
     named = {"best": best, "runner-up": found.runner_up, "with EA=inf": found.rigid}
     return {
         "recommended": [

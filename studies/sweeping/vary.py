@@ -122,6 +122,8 @@ def apply(scene: Scene, inputs: dict) -> tuple[Scene, dict]:
             del cable["zeta"]
         elif varied == ["zeta"] or cable["BA"] is None:
             del cable["BA"]
+        if cable["diameter"] is None:
+            del cable["diameter"]
     return scene_from_dict(entries), settings
 
 
@@ -130,6 +132,7 @@ def _fields(entries):
     fields = {}
     for cable in entries["cables"]:
         cable.setdefault("BA", None)
+        cable.setdefault("diameter", None)
     parts = [(cable.get("name", f"{cable['start']}-{cable['end']}"), cable) for cable in entries["cables"]]
     parts += [(point["name"], point) for section in ("points", "bodies") for point in entries.get(section, ())]
     parts += list(entries["effects"].items())
@@ -147,9 +150,9 @@ def _values_below(part, above=""):
             continue
         if isinstance(value, dict):
             yield from _values_below(value, f"{above}{key}.")
-        elif isinstance(value, list) and value and all(isinstance(entry, dict) and "name" in entry for entry in value):
-            for entry in value:  # the rods of a body
-                yield from _values_below(entry, f"{above}{key}.{entry['name']}.")
+        elif isinstance(value, list) and value and all(isinstance(entry, dict) for entry in value):
+            for i, entry in enumerate(value):  # the rods of a body; several winds or waves
+                yield from _values_below(entry, f"{above}{key}.{entry.get('name', i)}.")
         else:
             yield above + key, part, key
         if isinstance(value, list) and len(value) == 3:

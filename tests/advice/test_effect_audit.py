@@ -157,7 +157,7 @@ def carrying_water():
     def pond(t, q, v, length, level, density=1000.0):
         return 0.0, 0.0, density * 9.81 * 0.25 * math.pi * 1e-4 * length if q[2] < level else 0.0
 
-    pond.wave = None
+    pond.all_waves = ()
     return pond
 
 

@@ -8,8 +8,9 @@ from numpy.testing import assert_allclose
 
 from anet_lumped import Body, Cable, Fixed, Free, Rod, Scene, SceneError, equilibrium, paths, simulate
 from anet_lumped.effects import Air, Gravity, Water
-from anet_lumped.effects.flow.wave_kernel import wave_at
 from anet_lumped.effects.flow.waves import Airy
+from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
+from anet_lumped.effects.flow.waves.kernel import wave_at
 from anet_lumped.effects.flow.wind import Uniform
 from anet_lumped.model.build import build
 
@@ -186,7 +187,7 @@ def test_without_weight_and_drag_a_body_goes_with_the_water():
     volume, wave = 2e-3, Airy(0.4, 3.0, (1.0, 0.0, 0.0), depth=20.0)
     body = Body("b", mass=RHO * volume, inertia=(0.02, 0.02, 0.02), at=(0.0, 0.0, -4.0), volume=volume, Ca=(0.5,) * 3)
     scene = alone(body, effects=[Gravity(G), Water(RHO, wave=wave)])
-    numbers = wave.numbers(G, 0.0)
+    numbers = pack_waves(wave, G, 0.0)
     start = thrown(scene, velocity=tuple(wave_at(0.0, 0.0, 0.0, -4.0, numbers)[1]))
     run = simulate(scene, 3.0, method="dop853", start=start, rtol=1e-9, save_every=0.01)
     here = [wave_at(t, *place, numbers)[3] for t, place in zip(run.t, run.position("b"), strict=True)]

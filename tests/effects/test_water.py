@@ -9,8 +9,9 @@ from systems import nets, order_of_the_jacobian, scatter
 
 from anet_lumped import Cable, Driven, Fixed, Free, Scene, SceneError, State, equilibrium, simulate
 from anet_lumped.effects import Gravity, Water
-from anet_lumped.effects.flow.wave_kernel import wave_at
 from anet_lumped.effects.flow.waves import Airy
+from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
+from anet_lumped.effects.flow.waves.kernel import wave_at
 from anet_lumped.effects.flow.wind import PowerLaw, Sampled, Uniform
 from anet_lumped.effects.flow.wind.kernel import pack, wind_at
 from anet_lumped.effects.laws.submergence import immersed, sphere_diameter, submerged_share
@@ -55,7 +56,7 @@ def surface(water, t, place):
     velocity = np.array(wind_at(t, *place, pack(water.current))[0])
     if water.wave is None:
         return place[2] - water.level, velocity, np.zeros(3)
-    (eta, *_), u, _, a, _ = wave_at(t, *place, water.wave.numbers(G, water.level))
+    (eta, *_), u, _, a, _ = wave_at(t, *place, pack_waves(water.wave, G, water.level))
     return place[2] - water.level - eta, velocity + u, np.array(a)
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from anet_lumped import SceneError
-from anet_lumped.effects.flow.wave_kernel import wave_at
 from anet_lumped.effects.flow.waves import Airy
+from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
+from anet_lumped.effects.flow.waves.kernel import wave_at
 
 G, LEVEL = 9.81, 1.5
 EPS = np.finfo(float).eps
@@ -16,7 +17,7 @@ SHALLOW = Airy(0.4, 5.0, (-1.0, 2.0, 0.0), depth=3.0, phase=-1.0, ramp=4.0)
 
 
 def at(wave, t, place, g=G):
-    return wave_at(t, *map(float, place), wave.numbers(g, LEVEL))
+    return wave_at(t, *map(float, place), pack_waves(wave, g, LEVEL))
 
 
 @pytest.mark.parametrize("depth", [1e-3, 0.5, 3.0, 40.0, 1e4, math.inf])

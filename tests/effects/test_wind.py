@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import welch
 
 from anet_lumped import SceneError
-from anet_lumped.effects.flow.wind import Dryden, Gust, Logarithmic, PowerLaw, Recorded, Sampled, Uniform
+from anet_lumped.effects.flow.wind import Dryden, Gridded, Gust, Logarithmic, PowerLaw, Recorded, Sampled, Uniform
 from anet_lumped.effects.flow.wind.dryden import energy_below, wave_number
 from anet_lumped.effects.flow.wind.kernel import pack, wind_at
 
@@ -47,6 +47,50 @@ def test_sampled(z, velocity, slope):
     np.testing.assert_allclose(found, [*velocity, 0.0], rtol=16 * EPS, atol=EPS)
     np.testing.assert_allclose(gradient, [0, 0, slope[0], 0, 0, slope[1], 0, 0, 0], rtol=16 * EPS, atol=EPS)
     np.testing.assert_array_equal(at(Sampled([(3, 1, 2)]), 0.0, (0, 0, z)), [1, 2, 0])
+
+
+GRID = {"x": (-1.0, 2.0, 3.0), "y": (0.0, 4.0), "z": (-9.0, -2.0, 0.0), "t": (0.0, 1.0, 5.0)}
+
+
+def many_linear(t, x, y, z):
+    """A velocity that is linear in each of its arguments."""
+    return 1.0 + x * y - 0.2 * z * t, x + y * z * t, t - 0.5 * z * x * y
+
+
+def of_grid(axes, function):
+    rows = [function(t, x, y, z) for t in axes["t"] for z in axes["z"] for y in axes["y"] for x in axes["x"]]
+    return Gridded(rows, **axes)
+
+
+@pytest.mark.parametrize("place", [(0.3, 0.5, 1.0, -4.0), (4.9, 2.5, 3.9, -0.1), (1.0, 2.0, 2.0, -2.0), (0.0, -1.0, 0.0, -9.0)])
+def test_a_grid_is_linear_in_each_direction(place):
+    t, x, y, z = place
+    found, gradient = wind_at(t, x, y, z, pack(of_grid(GRID, many_linear)))
+    np.testing.assert_allclose(found, many_linear(t, x, y, z), rtol=64 * EPS, atol=64 * EPS)
+    if not (x in GRID["x"] or y in GRID["y"] or z in GRID["z"]):
+        slopes = [y, x, -0.2 * t, 1.0, z * t, y * t, -0.5 * z * y, -0.5 * z * x, -0.5 * x * y]
+        np.testing.assert_allclose(gradient, slopes, rtol=0, atol=256 * EPS)  # entries up to 30
+
+
+def test_a_grid_is_held_beyond_its_ends():
+    wind = of_grid(GRID, many_linear)
+    for beyond, nearest in (
+        ((9.0, 1.0, 1.0, -1.0), (5.0, 1.0, 1.0, -1.0)), ((2.0, -7.0, 9.0, 3.0), (2.0, -1.0, 4.0, 0.0)),
+        ((-1.0, 9.0, -1.0, -99.0), (0.0, 3.0, 0.0, -9.0)),
+    ):  # fmt: skip
+        found, gradient = wind_at(*beyond, pack(wind))
+        np.testing.assert_allclose(found, many_linear(*nearest), rtol=64 * EPS)
+        assert gradient[2::3] == (0.0, 0.0, 0.0) or beyond[3] == -1.0  # of those that leave z
+
+
+def test_a_profile_that_changes_in_time():
+    """An axis of one number is one along which nothing changes; of one place and time it is uniform."""
+    profile = of_grid({"x": (3.0,), "y": (1.0,), "z": (-4.0, 0.0), "t": (0.0, 2.0)}, lambda t, x, y, z: (z * t, 1.0, 0.5 * t))
+    assert profile.same_at_each_height and not of_grid(GRID, many_linear).same_at_each_height
+    found, gradient = wind_at(1.5, -70.0, 80.0, -1.0, pack(profile))
+    np.testing.assert_allclose(found, [-1.5, 1.0, 0.75], rtol=8 * EPS)
+    np.testing.assert_allclose(gradient, [0, 0, 1.5, 0, 0, 0, 0, 0, 0], rtol=8 * EPS, atol=EPS)
+    np.testing.assert_array_equal(at(Gridded([(1, 2, 3)]), 4.0, (5, 6, 7)), [1, 2, 3])
 
 
 @pytest.mark.parametrize("height", [0.5, 10.0, 40.0])
@@ -218,6 +262,15 @@ def test_recorded(tmp_path, interpolation, degree):
         (lambda: Dryden(1.0, 0.0, EAST, seed=1), "`length` must be positive"),
         (lambda: Dryden(1.0, 5.0, EAST, seed=-1), "`seed` must be an integer of at least 0, but wind Dryden has seed=-1"),
         (lambda: Dryden(1.0, 5.0, EAST, seed=1, modes=0), "`modes` must be an integer of at least 1"),
+        (
+            lambda: Gridded([]),
+            r"`velocity` must be 1 rows \(u, v, w\), one for each t, z, y and x, of which there are 1, 1, 1, 1, but wind",
+        ),
+        (lambda: Gridded([(0, 0, 0)] * 3, (0, 1)), "`velocity` must be 2 rows .* are 1, 2, 1, 1, but wind Gridded has 3 rows"),
+        (lambda: Gridded(3.0), "`velocity` must be 1 rows .* but wind Gridded has 3.0"),
+        (lambda: Gridded([(0, 0, 0)], z=()), r"`z` must be at least one number \[m\], but wind Gridded has \(\)"),
+        (lambda: Gridded([(0, 0, 0)], t=(1, 1)), r"Numbers of `t` must increase \[s\], but wind Gridded has 1.0 and then 1.0"),
+        (lambda: Gridded([(0, 0, math.nan)]), r"`velocity\[0\]` must be three finite numbers"),
         (lambda: Recorded(3), "`file` must be the path of a file, a string, but wind Recorded has file=3"),
         (lambda: Recorded("nowhere.csv"), "A recorded wind must be readable, but nowhere.csv: No such file"),
         (lambda: Recorded("nowhere.csv", "quintic"), '`interpolation` must be "linear" or "cubic", but wind Recorded has'),

@@ -119,6 +119,11 @@ ONCE = ("4e5 kBot", "4e5 kBot\n%s")
         ('"" WaterKin', None),
         ("1 WaveKin", "Line 20: WaveKin 1 is a flow that the program gives which calls MoorDyn. None is given: the water is "
          "still."),
+        ("4 WaveKin", "Line 20: MoorDyn has no WaveKin 4 yet and reads nothing for it, so that nothing flows by it."),
+        ("3 Currents", "Line 20: MoorDyn has no Currents 3 yet and reads nothing for it, so that nothing flows by it."),
+        ("2 WaveKin", "Line 20: WaveKin 2 reads wave_frequencies.txt, which is not beside the deck. There are no waves here."),
+        ("1 Currents", "Line 20: Currents 1 reads current_profile.txt, which is not beside the deck. There is no current here."),
+        ("0.1 dtWave", "No use is made of options of MoorDyn's own run: dtWave (line 20)."),
         ("SEASTATE WaterKin", "Line 20: WaterKin SEASTATE is a flow that the program gives which calls MoorDyn. None is given: "
          "the water is still."),
         ("flow.dat WaterKin", "Line 20: WaterKin names a file that is not there, flow.dat; MoorDyn's C++ version never reads one. "
@@ -141,7 +146,7 @@ def test_a_file_of_flow_that_has_none_is_passed_over(tmp_path):
     still = changed((ONCE[0], ONCE[1] % '"flow.dat" WaterKin'))
     assert deck_from_text(still, folder=tmp_path).scene == deck_from_text(DECK).scene
     (tmp_path / "flow.dat").write_text("--- WAVES ---\n0  WaveKinMod - type\n--- CURRENT ---\n 1 CurrentMod - type\n")
-    with pytest.raises(DeckError, match=r'line 20, ".*WaterKin": waves and currents are not supported'):
+    with pytest.raises(DeckError, match=r'line 20, ".*WaterKin": waves and currents by a file of the Fortran version are not'):
         deck_from_text(still, folder=tmp_path)
 
 
@@ -259,7 +264,9 @@ FAILURE = "--- FAILURE ---\nh\nh\n1 %s\n--- OPTIONS"
         (POINT_3, "3 Body 1 2 -3 0 0 0 0", r"line 11, .*must be Fixed, Coupled, Free or Body and a number"),
         (POINT_3, "3 CoupledPinned 1 2 -3 0 0 0 0", r"line 11, .*must be Fixed, Coupled, Free or Body and a number"),
         ("3.1e7", "SYROPE:s.dat|2|3", r"line 5, .*the Syrope model of polyester, is not supported"),
-        ("4e5 kBot", "4e5 kBot\n2 WaveKin", r"line 20, .*waves are not supported"),
+        ("4e5 kBot", "4e5 kBot\n8 WaveKin", r"line 20, .*WaveKin must be an integer from 0 to 7"),
+        ("4e5 kBot", "4e5 kBot\nsea.txt WaveKin", r"line 20, .*WaveKin must be an integer from 0 to 7"),
+        ("4e5 kBot", "4e5 kBot\n2.5 Currents", r"line 20, .*Currents must be an integer from 0 to 5"),
         ("4e5 kBot", "0 kBot", r'line 19, "0 kBot": a bottom must have a kBot that carries something; for none, cBot must be 0'),
     ],
 )  # fmt: skip
@@ -290,7 +297,7 @@ def test_all_that_is_refused_is_told_at_once():
     with pytest.raises(DeckError) as refused:
         read(
             ("3.1e7", "3.1e7|6e7"), (POINT_2, "2 Fre 30 0 -25 80 0.05 0.1 0.5"), ("1 hose 1 2 42", "1 hase 1 2 42"),
-            ("4e5 kBot", "x kBot\n3 WaveKin\n2 Currents"),
+            ("4e5 kBot", "x kBot\n9 WaveKin\n9 Currents"),
             ("--- OPT", "--- RODS ---\nh\nh\n--- FAILURE ---\nh\nh\n1 1 1 9 0\n--- OPT"),
         )  # fmt: skip
     lines = str(refused.value).split("\n")

@@ -1,14 +1,15 @@
 """What a run tells of the error of its largest tension: overshoot and memory against plain formulas, runs against finer ones."""
 
+import itertools
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from anet_lumped import Cable, Fixed, Free, Scene, simulate
+from anet_lumped import Cable, Fixed, Free, PayloadChange, Scene, equilibrium, simulate
 from anet_lumped.effects import Gravity
-from anet_lumped.results.tension_error import Mode, _remembered, vibration_lost
+from anet_lumped.results.tension_error import Mode, _remembered, counted_jumps, vibration_lost
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.5, 1.0, 3.0])
@@ -44,6 +45,59 @@ def test_jumps_and_energies_fade():
     np.testing.assert_allclose(_remembered(jump, still)[jump > 0.0], jump[jump > 0.0], rtol=1e-10)
 
 
+def jumps(T):
+    """Half of the larger third difference beside each row, as a loop; what is before the first row is as it is there."""
+    row = [T[0], T[0], *T, T[-1], T[-1]]
+    third = [abs(row[i + 3] - 3.0 * row[i + 2] + 3.0 * row[i + 1] - row[i]) for i in range(len(T) + 1)]
+    return 0.5 * np.array([max(pair) for pair in itertools.pairwise(third)])
+
+
+def counted_over_jumps(T):
+    """Of one segment, at each row."""
+    jump = jumps(T)
+    counted = counted_jumps(T[:, None], jump[:, None])[:, 0]
+    return np.divide(counted, jump, out=np.ones(len(T)), where=jump > 0.0)
+
+
+WIGGLE = np.sin(2.0 * math.pi * np.arange(200) / 10.0)
+
+
+def test_an_alternating_tension_counts_a_quarter_of_its_third_differences():
+    """Means of two rows in a row have no alternation: a quarter of 4 A is its amplitude. The first four rows count in full."""
+    share = counted_over_jumps(2.0 + (-1.0) ** np.arange(50))
+    np.testing.assert_allclose(share[4:], 0.25, rtol=1e-12)
+    np.testing.assert_allclose(share[:4], 1.0, rtol=1e-12)
+
+
+def test_a_wave_that_ten_steps_resolve_counts_less_than_a_jump():
+    """Means of two rows have cos(pi/10) times the third differences of the rows, at phases between theirs."""
+    T = 2.0 + WIGGLE
+    counted = counted_jumps(T[:, None], jumps(T)[:, None])[10:-10]
+    of_means = jumps(0.5 * (T[1:] + T[:-1]))[9:-9].max()
+    assert counted.max() == pytest.approx(0.7 * of_means, rel=1e-12)
+    assert 0.7 * of_means < 0.7 * jumps(T)[10:-10].max()
+
+
+def test_a_jump_out_of_a_small_wave_counts_in_full():
+    T = 2.0 + 0.01 * WIGGLE + (np.arange(200) >= 100)
+    share = counted_over_jumps(T)
+    assert share[99] == share[100] == 1.0 and share[90] < 0.75
+
+
+def test_jumps_of_a_cable_that_was_slack_count_in_full():
+    """Two rows before and after are looked at. It is slack once in twenty, so that no row stands out."""
+    T = np.maximum(0.5 + np.sin(2.0 * math.pi * np.arange(200) / 20.0), 0.0)
+    row = np.arange(20, 180)
+    near = np.min([T[row + n] for n in range(-2, 3)], axis=0) == 0.0
+    share = counted_over_jumps(T)[row]
+    assert (share[near] == 1.0).all() and share[~near].min() < 0.75
+
+
+def test_few_rows_count_in_full():
+    T = np.array([1.0, 2.0, 1.0, 2.0])
+    assert counted_over_jumps(T).tolist() == [1.0] * 4
+
+
 def hung(segments, EA, zeta, mass, stretched=False):
     """A pendulum of 1 m let go at 0.8 rad: unstretched, so that its tension jumps at once, or stretched by its tension."""
     length = 1.0 + (mass * 9.81 * math.cos(0.8) / EA if stretched else 0.0)
@@ -52,10 +106,10 @@ def hung(segments, EA, zeta, mass, stretched=False):
     return Scene([Fixed("a", (0.0, 0.0, 0.0)), end], [cable], [Gravity(9.81)])
 
 
-def told_and_true(scene, dt, fine, method="edmc", t_end=1.0):
+def told_and_true(scene, dt, fine, method="edmc", t_end=1.0, start="straight"):
     """Of a run with a step, and from one with a fine step and no numerical damper, which would take the vibration."""
-    run = simulate(scene, t_end, method=method, dt=dt, save_every=dt, start="straight")
-    reference = simulate(scene, t_end, method="edmc", dt=fine, save_every=fine, start="straight", rho_inf=1.0)
+    run = simulate(scene, t_end, method=method, dt=dt, save_every=dt, start=start)
+    reference = simulate(scene, t_end, method="edmc", dt=fine, save_every=fine, start=start, rho_inf=1.0)
     assert run.ok and reference.ok
     largest, true = run.segment_tension.max(), reference.segment_tension.max()
     return run.tension_error, abs(true - largest) / max(true, largest)
@@ -66,6 +120,27 @@ def told_and_true(scene, dt, fine, method="edmc", t_end=1.0):
 def test_a_jump_that_the_steps_do_not_resolve_rings_through_the_swing(method, dt):
     told, true = told_and_true(hung(1, 1e5, 0.0, 1.0), dt, 1e-4, method)
     assert true > 0.1 and 0.25 < told / true < 4.0
+
+
+@pytest.mark.parametrize("zeta", [0.0, 0.05])
+def test_a_transverse_wave_that_few_steps_resolve_is_no_jump(zeta):
+    """A pendulum let go with the stretch of its tension: waves run to and fro, and its tension wiggles by a hundredth.
+
+    Rest under gravity along the cable is the balance of all forces along it as it is let go.
+    """
+    cable = Cable("a", "b", length=1.0, mass_per_length=0.01, EA=1e4, zeta=zeta, segments=20)
+    scene = Scene([Fixed("a", (0.0, 0.0, 0.0)), Free("b", mass=0.1)], [cable], [Gravity(9.81)])
+    along = Gravity(9.81 * math.cos(math.pi / 6.0), (math.sin(math.pi / 6.0), 0.0, -math.cos(math.pi / 6.0)))
+    told, true = told_and_true(scene, 0.032, 5e-4, t_end=0.8, start=equilibrium(replace(scene, effects=(along,))))
+    assert 0.004 < true < 0.008 and 0.25 < told / true < 4.0
+
+
+@pytest.mark.parametrize("dt", [0.015, 0.0075])  # omega h/2 = 7.4 and 3.7
+def test_a_payload_that_is_picked_up_in_a_swing_makes_a_jump(dt):
+    scene = hung(10, 1e6, 0.05, 1.0, stretched=True)
+    scene = replace(scene, events=[PayloadChange("b", t=0.53, mass=2.0)])
+    told, true = told_and_true(scene, dt, 1e-4, t_end=0.9)
+    assert true > 0.2 and 0.5 < told / true < 2.0
 
 
 def test_a_stiff_pendulum_that_does_not_jump_has_no_such_error():

@@ -70,7 +70,12 @@ MAKERS = {
     "wind.Dryden": (wind.Dryden, {"sigma": 1.0, "length": 10.0, "carried": (5, 0, 0), "seed": 1}),
     "wind.Sampled": (wind.Sampled, {"samples": [(0.0, 1.0, 0.0), (10.0, 2.0, 0.0)]}),
     "wind.Recorded": (wind.Recorded, {"file": "wind.csv"}),
+    "wind.Gridded": (wind.Gridded, {"velocity": [(1.0, 0.0, 0.0)]}),
     "waves.Airy": (waves.Airy, {"height": 1.0, "period": 5.0}),
+    "waves.Jonswap": (waves.Jonswap, {"height": 1.0, "period": 5.0, "seed": 1}),
+    "waves.PiersonMoskowitz": (waves.PiersonMoskowitz, {"height": 1.0, "period": 5.0, "seed": 1}),
+    "waves.Components": (waves.Components, {"components": [(0.1, 1.0, 0.0, 0.0)]}),
+    "waves.Recorded": (waves.Recorded, {"file": "gauge.csv"}),
 }
 CABLE = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e3, segments=2)
 MAKERS["Scene"] = (Scene, {"points": POINTS, "cables": [CABLE]})
@@ -105,7 +110,9 @@ NAMES = {
 }  # fmt: skip
 NONE = {
     ("Free", "at"), ("Cable", "BA"), ("Cable", "name"), ("Cable", "diameter"), ("Cable", "breaking_tension"),
-    ("Cable", "tension_strain"), ("air", "wind"), ("air", "surface"), ("water", "current"), ("water", "wave"), ("water", "g"),
+    ("Cable", "tension_strain"), ("air", "wind"), ("air", "surface"), ("water", "current"), ("water", "wave"), 
+    ("water", "waves"), ("water", "g"),
+    ("waves.Jonswap", "spreading"), ("waves.PiersonMoskowitz", "spreading"),
     ("load", "cables"), ("rope", "tension"), ("Body", "pinned"), ("Body", "path"), ("Body", "turning"),
     ("Body", "hull"), ("paths.samples", "ends"), ("paths.samples", "periods"), ("signals.samples", "ends"),
     ("signals.samples", "periods"), ("paths.lift", "hold"),
@@ -113,6 +120,7 @@ NONE = {
 EMPTY = {
     ("air", "wind"),
     ("water", "current"),
+    ("water", "waves"),
     ("bending", "clamped"),
     ("Scene", "effects"),
     ("Scene", "events"),
@@ -134,7 +142,12 @@ RIGHT = (
         ("escapes", "load", "cables"),
     }
     | {(empty, "applied_forces", what) for empty in ("an empty list", "an empty dict") for what in ("force", "torque")}
-    | {("400 digits", "wind.Dryden", "seed"), ("5000 digits", "wind.Dryden", "seed")}
+    | {("a list", "wind.Gridded", axis) for axis in "xyzt"}
+    | {
+        (f"{digits} digits", owner, "seed")
+        for digits in (400, 5000)
+        for owner in ("wind.Dryden", "waves.Jonswap", "waves.PiersonMoskowitz")
+    }
 )
 """What is no mistake after all."""
 
@@ -144,8 +157,9 @@ ARGUMENTS = [(owner, argument) for owner, (maker, _) in MAKERS.items() for argum
 
 @pytest.fixture(autouse=True)
 def recorded(tmp_path, monkeypatch):
-    """A recorded wind in the folder that relative paths start from."""
+    """A recorded wind and a recorded elevation in the folder that relative paths start from."""
     (tmp_path / "wind.csv").write_text("t,u,v,w\n0,1,0,0\n1,2,0,0\n", encoding="utf-8")
+    (tmp_path / "gauge.csv").write_text("t,elevation\n0,1\n1,2\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
 
 

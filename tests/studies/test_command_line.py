@@ -299,11 +299,11 @@ def test_a_platform_moves_a_mooring_file_and_its_channels_are_written(tmp_path, 
 
 
 def test_all_that_is_refused_of_a_mooring_file_is_told_line_by_line(tmp_path, capsys):
-    (tmp_path / "rode.dat").write_text(MOORING.replace("0.01 dtM", "3 WaveKin\n2 Currents"))
+    (tmp_path / "rode.dat").write_text(MOORING.replace("0.01 dtM", "0.3 MU_KT\nbottom.txt SeafloorFile"))
     assert call("equilibrium", tmp_path / "rode.dat") == 2
     first, second = capsys.readouterr().err.splitlines()
-    assert first.startswith('anet-lumped: rode.dat, line 17, "3 WaveKin": waves are not supported')
-    assert second.startswith('anet-lumped: rode.dat, line 18, "2 Currents": currents are not supported')
+    assert first.startswith('anet-lumped: rode.dat, line 17, "0.3 MU_KT": friction that differs')
+    assert second.startswith('anet-lumped: rode.dat, line 18, "bottom.txt SeafloorFile": a bottom that is not flat')
 
 
 def test_convert_refuses_an_ending_it_does_not_know(tmp_path, capsys):
@@ -555,4 +555,4 @@ def test_every_command_that_takes_a_scene_changes_it_first(tmp_path, capsys):
     recommended = said("recommend", "net_carried", "--error", "5mm", "--t-end", 1, *change, "--set", "segments=30")
     assert re.search(r"command: .* --set p0.mass=0.4 --set segments=\d+\n", recommended)
     assert call("convert", OLD_RUN, tmp_path / "run.pvd", *change) == 2
-    assert "A saved run is written as it is; --set changes a scene, but" in capsys.readouterr().err
+    assert "A saved run is written as it is; --set and --effect change a scene, but" in capsys.readouterr().err

@@ -2,7 +2,7 @@
 
 from anet_lumped.compiled.jit import inlined_law
 
-from .wave_kernel import AT_REST, wave_at
+from .waves.kernel import AT_REST, wave_at
 from .wind.kernel import wind_at
 
 

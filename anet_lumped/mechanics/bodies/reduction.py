@@ -93,19 +93,21 @@ def reduce_bodies(net_address):
                 S, f = S_shift, f_shift
             elif i == turn:
                 S, f = S_turn, f_turn
-            s, arm = _arms(net, between, k)
+            stiffness, length = 0.0, math.sqrt(dot(row(bodies.arm_end, k), row(bodies.arm_end, k)))
+            for x in range(9):
+                stiffness = max(stiffness, abs(S[x]))
             force = plus(force, f)
             moment = plus(moment, cross(row(bodies.arm_mean, k) if between else row(bodies.arm_end, k), f))
+            of[BODY_SECOND_ORDER + 1] += stiffness * length
+            of[BODY_SECOND_ORDER + 2] += math.sqrt(dot(f, f)) * length
+            if stiffness == 0.0:
+                continue  # nothing pulls at this node that depends on where it is
+            s, arm = _arms(net, between, k)
             S_arm, s_S = matrix_product(S, arm), matrix_product(s, S)
             _add(shifts, S, 1.0)
             _add(shift_turn, S_arm, -1.0)
             _add(turn_shift, s_S, 1.0)
             _add(turns, matrix_product(s_S, arm), -1.0)
-            stiffness, length = 0.0, math.sqrt(dot(row(bodies.arm_end, k), row(bodies.arm_end, k)))
-            for x in range(9):
-                stiffness = max(stiffness, abs(S[x]))
-            of[BODY_SECOND_ORDER + 1] += stiffness * length
-            of[BODY_SECOND_ORDER + 2] += math.sqrt(dot(f, f)) * length
         put(right_side, shift, force)
         put(right_side, turn, moment)
     if net.near_blocks.shape[0] > 0:
@@ -171,9 +173,9 @@ def _hold_pivot(net, b):
         net.right_side[base + p, x] = 0.0
         for y in range(3):
             points.block[p, x, y] = 1.0 if x == y else 0.0
-    for u in range(points.later_at.shape[0] - 1):
-        for j in range(points.later_at[u], points.later_at[u + 1]):
-            if u == p or points.later[j] == p:
+    for e in range(points.order.shape[0]):
+        for j in range(points.later_at[e], points.later_at[e + 1]):
+            if points.order[e] == p or points.later[j] == p:
                 _add(points.block[points.upper[j]], _block(points.block[points.upper[j]]), -1.0)
                 _add(points.block[points.lower[j]], _block(points.block[points.lower[j]]), -1.0)
 

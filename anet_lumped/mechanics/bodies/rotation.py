@@ -44,14 +44,37 @@ def reference_of(net, b, q):
 
 
 @inlined
+def mean_of(net, b, v):
+    """Mean of the rows of v of a body, weighted by the masses of its nodes."""
+    bodies, mass, sum_of = net.bodies, 0.0, (0.0, 0.0, 0.0)
+    for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
+        i = bodies.node[k]
+        mass, sum_of = mass + net.mass[i], plus(sum_of, scaled(net.mass[i], row(v, i)))
+    return scaled(1.0 / mass, sum_of)
+
+
+@inlined
+def moved_mean(net, b, before, after):
+    """Mean of what the rows of ``after`` differ by from those of ``before``, weighted by the masses of a body's nodes.
+
+    The difference of both means, without the digits that each of them loses.
+    """
+    bodies, mass, sum_of = net.bodies, 0.0, (0.0, 0.0, 0.0)
+    for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
+        i = bodies.node[k]
+        m = net.mass[i]
+        mass, sum_of = mass + m, plus(sum_of, scaled(m, minus(row(after, i), row(before, i))))
+    return scaled(1.0 / mass, sum_of)
+
+
+@inlined
 def group_of(net, b, base, q):
     """`Group` of body b."""
     mass, before = centre_of_mass(net, b, base)
-    _, now = centre_of_mass(net, b, q)
     pivot = net.bodies.pivot[b]
     if pivot >= 0:
-        before, now = row(base, pivot), row(base, pivot)
-    return Group(mass, before, now)
+        return Group(mass, row(base, pivot), row(base, pivot))
+    return Group(mass, before, plus(before, moved_mean(net, b, base, q)))
 
 
 @inlined

@@ -17,22 +17,26 @@ from anet_lumped.mechanics.optional import CableBalance
 from anet_lumped.mechanics.residual import FORCE_ROUNDING
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
+    BODY_BEFORE,
     BODY_COORDINATE,
     BODY_FORCE,
     BODY_INERTIA,
     BODY_MOMENT,
     BODY_RADIUS,
     BODY_SECOND_ORDER,
+    BODY_SPIN_BEFORE,
     BODY_TURNING,
 )
 from integrators.stage import LAW_BETWEEN
 
-from .rotation import centre_of_mass, group_of, place, rotation_between
+from .inertia import NO_MATRIX
+from .rotation import group_of, moved_mean, place, rotation_between
 from .vectors import (
     added,
     applied,
     cross,
     cross_matrix,
+    cross_twice,
     dot,
     inertia_of,
     largest,
@@ -69,12 +73,10 @@ def _before(net, b, group, base, target, per_h):
 def _slow(net, b, base, target, per_h, of_centre, spin):
     """Write how much the nodes of a body slow down in the mean over a step, by its velocities at both ends, to ``bodies.slowing``.
 
-    The centre of mass slows down by ``of_centre`` [m/s2], and the body turns by ``spin`` at the end.
+    Only added masses ask for it. The centre of mass slows down by ``of_centre`` [m/s2], and the body turns by ``spin`` at the end.
     """
     bodies = net.bodies
-    _, centre = centre_of_mass(net, b, base)
-    _, ahead = centre_of_mass(net, b, target)
-    start = scaled(per_h, minus(ahead, centre))
+    start = scaled(per_h, moved_mean(net, b, base, target))
     if bodies.pivot[b] >= 0:
         start = NO_VECTOR
     for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
@@ -100,14 +102,14 @@ def _slow_backward(stage, net, b, group, base, target, q, J):
 
 @on_demand
 def place_bodies(stage, net_address, base, target, q):
-    """Move the rows of each body in q to the nearest place that keeps its shape, and write its inertia to ``bodies.state``."""
+    """Move the rows of each body in q to the nearest place that keeps its shape, and write ``bodies.state``."""
     net = view_net(net_address)
-    bodies, per_h = net.bodies, 1.0 / stage.tau
+    bodies, per_h, has_fluid = net.bodies, 1.0 / stage.tau, net.added_mass.shape[0] > 0
     for b in range(bodies.pivot.shape[0]):
         group = group_of(net, b, base, q)
         theta = rotation_between(net, b, group, base, q)
         J = place(net, b, group, theta, base, q)
-        shift, moment, stiffness, coordinate = NO_VECTOR, NO_VECTOR, times_scalar(stage.W, J), 0.0
+        of, shift, moment, stiffness, coordinate = bodies.state[b], NO_VECTOR, NO_VECTOR, times_scalar(stage.W, J), 0.0
         for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
             i = bodies.node[k]
             m, ahead = net.mass[i] * stage.W, minus(row(target, i), row(q, i))
@@ -116,8 +118,7 @@ def place_bodies(stage, net_address, base, target, q):
             if stage.law != LAW_BETWEEN:
                 arm = row(bodies.arm_end, k)
                 moment = plus(moment, scaled(m, cross(arm, ahead)))
-                turning = matrix_product(cross_matrix(scaled(-m, ahead)), cross_matrix(arm))
-                stiffness = added(stiffness, turning)
+                stiffness = added(stiffness, cross_twice(scaled(-m, ahead), arm))
         second_order = stage.W * (J[0] + J[4] + J[8])
         if stage.law == LAW_BETWEEN:
             spin, momentum_before = _before(net, b, group, base, target, per_h)
@@ -137,10 +138,12 @@ def place_bodies(stage, net_address, base, target, q):
             mean_ahead = scaled(1.0 / (group.mass * stage.W), shift)
             if bodies.pivot[b] >= 0:
                 mean_ahead = NO_VECTOR
-            _slow(net, b, base, target, per_h, scaled(stage.W, mean_ahead), end)
-        else:
+            for x in range(3):
+                of[BODY_BEFORE + x], of[BODY_SPIN_BEFORE + x] = group.before[x], spin[x]
+            if has_fluid:
+                _slow(net, b, base, target, per_h, scaled(stage.W, mean_ahead), end)
+        elif has_fluid:
             _slow_backward(stage, net, b, group, base, target, q, J)
-        of = bodies.state[b]
         of[BODY_INERTIA], of[BODY_RADIUS] = group.mass * stage.W, math.sqrt(0.5 * (J[0] + J[4] + J[8]) / group.mass)
         of[BODY_SECOND_ORDER], of[BODY_COORDINATE] = second_order, coordinate
         for x in range(3):
@@ -206,10 +209,10 @@ def balance_bodies(stage, net_address, largest_coordinate, cable_noise, predicte
         scale = max(scale, largest(load), largest(shift), largest(load_moment) / radius, largest(moment) / radius)
         noise = max(noise, of_places)
         sum_of_forces += dot(force_by_law, (1.0, 1.0, 1.0)) + dot(moment_by_law, (1.0, 1.0, 1.0))
-        share = -0.5 if between else -1.0
+        turning, share = NO_MATRIX, -0.5 if between else -1.0
         for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
             f = row(net.predicted_force, bodies.node[k] - net.n_interior)
-            turning = matrix_product(cross_matrix(scaled(share, f)), cross_matrix(row(bodies.arm_end, k)))
-            for x in range(9):
-                of[BODY_TURNING + x] += turning[x]
+            turning = added(turning, cross_twice(scaled(share, f), row(bodies.arm_end, k)))
+        for x in range(9):
+            of[BODY_TURNING + x] += turning[x]
     return CableBalance(norm, scale, noise, predicted, noise, sum_of_forces)

@@ -105,6 +105,13 @@ def cross_matrix(a):
 
 
 @inlined
+def cross_twice(a, b):
+    """[a] [b], which is b a^T - (a . b) I."""
+    xx, yy, zz = a[0] * b[0], a[1] * b[1], a[2] * b[2]
+    return -yy - zz, b[0] * a[1], b[0] * a[2], b[1] * a[0], -xx - zz, b[1] * a[2], b[2] * a[0], b[2] * a[1], -xx - yy
+
+
+@inlined
 def matrix_product(A, B):
     """A B."""
     return (

@@ -44,11 +44,12 @@ def solve_points(net_address):
     net = view_net(net_address)
     points, right_side, step, base = net.points, net.right_side, net.newton_step, net.n_interior
     block, points_free = points.block, points.later_at.shape[0] - 1
-    for p in range(points_free):
+    for e in range(points_free):
+        p = points.order[e]
         M, rp = block[p], right_side[base + p]
         _factor(M)
         rp[0], rp[1], rp[2] = _solved(M, rp[0], rp[1], rp[2])
-        first, last, target = points.later_at[p], points.later_at[p + 1], points.target_at[p]
+        first, last, target = points.later_at[e], points.later_at[e + 1], points.target_at[e]
         for j in range(first, last):
             U = block[points.upper[j]]
             for i in range(3):
@@ -63,10 +64,11 @@ def solve_points(net_address):
                     for y in range(3):
                         S[x, y] -= L[x, 0] * U[0, y] + L[x, 1] * U[1, y] + L[x, 2] * U[2, y]
                 target += 1
-    for p in range(points_free - 1, -1, -1):
+    for e in range(points_free - 1, -1, -1):
+        p = points.order[e]
         d = step[base + p]
         d[0], d[1], d[2] = right_side[base + p, 0], right_side[base + p, 1], right_side[base + p, 2]
-        for j in range(points.later_at[p], points.later_at[p + 1]):
+        for j in range(points.later_at[e], points.later_at[e + 1]):
             U, step_later = block[points.upper[j]], step[base + points.later[j]]
             for x in range(3):
                 d[x] -= U[x, 0] * step_later[0] + U[x, 1] * step_later[1] + U[x, 2] * step_later[2]

@@ -24,7 +24,10 @@ ALWAYS = (DEFAULT, "dop853", "edmc", EXTRAPOLATED, "backward_euler")
 IN_TURN = ("symplectic_euler", "verlet", "rk4")  # one of them a case: they differ in what they do with a force, not with a case
 PUMPS = ("midpoint", "sdirk2", "tr_bdf2", "generalised_alpha")  # linear theory is all that they promise
 DEAR = ("swing, 10000 segments", "hour of swing", "net 10 x 10, held")  # the default only, which is edmc
-HALVED_BY_ITSELF = ("crumple settles", "payload dropped")  # by the default, 32 times to keep its error: twice as many steps again are millions
+HALVED_BY_ITSELF = (
+    "crumple settles",
+    "payload dropped",
+)  # by the default, 32 times to keep its error: twice as many steps again are millions
 TRIED = [(case, method) for i, case in enumerate(CASES) if case not in DEAR for method in (*ALWAYS, IN_TURN[i % len(IN_TURN)])]
 
 

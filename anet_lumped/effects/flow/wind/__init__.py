@@ -2,6 +2,7 @@
 
 from .base import Wind
 from .dryden import Dryden
+from .gridded import Gridded
 from .gust import Gust
 from .profiles import Logarithmic, PowerLaw, Sampled, Uniform
 from .recorded import Recorded
@@ -14,6 +15,7 @@ KINDS = {
     "dryden": Dryden,
     "recorded": Recorded,
     "sampled": Sampled,
+    "gridded": Gridded,
 }
 
-__all__ = ["KINDS", "Dryden", "Gust", "Logarithmic", "PowerLaw", "Recorded", "Sampled", "Uniform", "Wind"]
+__all__ = ["KINDS", "Dryden", "Gridded", "Gust", "Logarithmic", "PowerLaw", "Recorded", "Sampled", "Uniform", "Wind"]

@@ -6,9 +6,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from anet_lumped.checks import LARGEST, NAMED, SceneError, one_line, shown
+from anet_lumped.checks import SceneError, shown
 from anet_lumped.compiled.jit import on_demand
-from anet_lumped.regular_files import read_text
+from anet_lumped.effects.flow.recording import read_recording
 
 from .base import UNIFORM_IN_PLACE, Wind
 
@@ -46,9 +46,9 @@ class Recorded(Wind):
             raise SceneError(
                 f'Argument `interpolation` must be "linear" or "cubic", but wind Recorded has {shown(self.interpolation)}.'
             )
-        t, velocity = _read(self.file)
-        object.__setattr__(self, "t", t)
-        object.__setattr__(self, "velocity", velocity)
+        table = read_recording(self.file, ("t", "u", "v", "w"), "A recorded wind")
+        object.__setattr__(self, "t", table[:, 0].copy())
+        object.__setattr__(self, "velocity", table[:, 1:].copy())
 
     def numbers(self) -> np.ndarray:
         """Number of samples k, times (k,) [s], and the polynomials of the pieces that begin at them, (k, 4, 3) [m/s^(i+1)]."""
@@ -66,31 +66,6 @@ class Recorded(Wind):
     def kernel(self) -> Callable[..., Any]:
         """Compiled function, see `Wind`."""
         return _velocity
-
-
-def _read(path: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times (k,) and velocities (k, 3) of a file."""
-    file = one_line(path, NAMED)
-    first, *lines = read_text(path, "A recorded wind", SceneError).split("\n")
-    if [name.strip() for name in first.split(",")] != ["t", "u", "v", "w"]:
-        raise SceneError(f'A recorded wind must begin with the line "t,u,v,w", but {file} begins with {shown(first)}.')
-    try:
-        table = np.array([[float(entry) for entry in line.split(",")] for line in lines if line.strip()])
-    except ValueError as error:
-        raise SceneError(f"A recorded wind must hold four numbers (t, u, v, w) a line, but {file}: {error}.") from None
-    if table.ndim != 2 or table.shape[1] != 4 or len(table) < 2 or not (np.abs(table) <= LARGEST).all():
-        what = "" if (np.abs(table) <= LARGEST).all() else f" with entries that are not finite, or larger than {LARGEST:g}"
-        raise SceneError(
-            "A recorded wind must hold at least two lines of four finite numbers (t, u, v, w), but "
-            f"{file} has shape {table.shape}{what}."
-        )
-    steps = np.diff(table[:, 0])
-    if not (steps > 0.0).all():
-        row = int(np.argmin(steps > 0.0))
-        raise SceneError(
-            f"The times of a recorded wind must increase, but in {file} t={table[row, 0]} is followed by t={table[row + 1, 0]}."
-        )
-    return table[:, 0].copy(), table[:, 1:].copy()
 
 
 @on_demand
