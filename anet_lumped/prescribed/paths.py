@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from anet_lumped.checks import LARGEST, SceneError, Vector, check_count, check_direction, check_number, check_vector, shown
+from anet_lumped.limits import ROWS, check_most
 
 from .smoothstep import ramped
 
@@ -283,6 +284,7 @@ def circle(start: Vector, center: Vector, axis: Vector, period: float, turns: fl
         raise SceneError(
             f"A circle of {turns:g} turns in {period:g} s each may have a ramp of {turns * period:g} s at most, but has {ramp:g} s."
         )
+    check_most(ROWS, 128.0 * turns, f"A circle of {turns:g} turns")
     steady, rate = turns * period - ramp, 2.0 * math.pi / period
     pieces = max(1, math.ceil(64 * steady / period))
     times = np.linspace(ramp, ramp + steady, pieces + 1) if steady > 0.0 else np.array([ramp])

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from anet_lumped.checks import SceneError
+from anet_lumped.checks import InputError
 from anet_lumped.prescribed.path_kernel import TABLE, evaluate
 from anet_lumped.prescribed.paths import circle, harmonic, lift, line, pack, samples, seen_from
 
@@ -189,6 +189,10 @@ def test_equal_by_its_parameters(path):
         (lambda: circle((0, 0, 1), (0, 0, 0), (0, 0, 1), 1.0, 1.0), r"A circle must start away from its axis, but it has start="),
         (lambda: circle((1, 0, 1), (0, 0, 0), (0, 0, 1), 1.0, 1.0, 2.0), r"may have a ramp of 1 s at most, but has 2 s"),
         (lambda: circle((1, 0, 1), (0, 0, 0), (0, 0, 0), 1.0, 1.0), r"Argument `axis` must .* circle has axis="),
+        (
+            lambda: circle((1, 0, 1), (0, 0, 0), (0, 0, 1), 1.0, 1e9),
+            r"A circle of 1e\+09 turns would take 1.28e\+11 rows, but must",
+        ),
         (lambda: lift((1, 0, 1), (0, 0, 1), 0.0), r"Argument `duration` must be positive and finite \[s\], but lift has"),
         (lambda: lift((1, 0, 1), (0, 0, 1), 1e-9), r"but lift has duration=1e-09"),
         (lambda: samples([0, 1], [(0, 0), (1, 1)]), r"but have \(2,\) and \(2, 2\)"),
@@ -198,5 +202,5 @@ def test_equal_by_its_parameters(path):
     ],
 )
 def test_messages(make, message):
-    with pytest.raises(SceneError, match=message):
+    with pytest.raises(InputError, match=message):
         make()

@@ -54,6 +54,11 @@ MAKERS = {
     "CableCut": (CableCut, {"cable": "a-b", "t": 1.0, "segment": 0}),
     "paths.line": (paths.line, {"start": (0, 0, 0), "velocity": (1, 0, 0), "ramp": 1.0}),
     "paths.samples": (paths.samples, {"t": [0.0, 1.0], "xyz": [(0, 0, 0), (1, 0, 0)]}),
+    "paths.circle": (
+        paths.circle,
+        dict(start=(1, 0, 0), center=(0, 0, 0), axis=(0.0, 0.0, 1.0), period=2.0, turns=1.5, ramp=0.5),
+    ),
+    "paths.lift": (paths.lift, dict(start=(0.0, 0.0, 0.0), by=(0.0, 0.0, 1.0), duration=1.0, hold=0.5)),
     "paths.harmonic": (paths.harmonic, {"center": (0, 0, 0), "amplitude": (1, 0, 0), "frequency": 1.0}),
     "paths.external": (paths.external, {"start": (0, 0, 0)}),
     "signals.line": (signals.line, {"start": 0.0, "rate": 1.0, "ramp": 1.0}),
@@ -112,7 +117,8 @@ NONE = {
     ("water", "waves"), ("water", "g"),
     ("waves.Jonswap", "spreading"), ("waves.PiersonMoskowitz", "spreading"),
     ("load", "cables"), ("rope", "tension"), ("Body", "pinned"), ("Body", "path"), ("Body", "turning"),
-    ("Body", "hull"),
+    ("Body", "hull"), ("paths.samples", "ends"), ("paths.samples", "periods"), ("signals.samples", "ends"),
+    ("signals.samples", "periods"), ("paths.lift", "hold"),
 }  # fmt: skip
 EMPTY = {
     ("air", "wind"),
@@ -195,7 +201,7 @@ def test_numbers_of_any_size_and_kind_are_taken_or_refused(owner, size):
     maker, arguments = MAKERS[owner]
     for argument, value in arguments.items():
         wrong = (size,) * 3 if isinstance(value, tuple) and len(value) == 3 else size
-        with contextlib.suppress(SceneError), warnings.catch_warnings():
+        with contextlib.suppress(InputError), warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of the diameter of a rope
             maker(**(arguments | {argument: wrong}))
 
