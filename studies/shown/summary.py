@@ -6,6 +6,7 @@ from dataclasses import asdict
 
 import numpy as np
 
+from anet_lumped.checks import InputError
 from anet_lumped.results.end_forces import GROUND
 from anet_lumped.scene.scene import Free
 from studies.shown.show import as_text
@@ -51,8 +52,8 @@ def run_summary(run) -> dict:
                 "end_stretch": run.length(cable.name)[-1] / cable.length - 1,
                 "peak_stretch": run.length(cable.name).max() / cable.length - 1,
                 "peak_tension": run.tension(cable.name).max(),
-                "peak_start_tension": run.end_tension(cable.name, cable.start).max(),
-                "peak_end_tension": run.end_tension(cable.name, cable.end).max(),
+                "peak_start_tension": _peak_at(run, cable, cable.start),
+                "peak_end_tension": _peak_at(run, cable, cable.end),
             }
             for cable in run.scene.cables
         ],
@@ -302,6 +303,14 @@ def _points(state):
     """Positions of the points that move."""
     free = [point.name for point in state.scene.points if isinstance(point, Free)]
     return [{"point": name} | _xyz(state.position(name)) for name in free]
+
+
+def _peak_at(run, cable, point):
+    """Largest tension of a cable at a point [N]; None where that is not known, as of a point pushed from outside the scene."""
+    try:
+        return run.end_tension(cable.name, point).max()
+    except InputError:
+        return None
 
 
 def _reactions(state):

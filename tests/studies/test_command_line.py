@@ -304,7 +304,7 @@ def test_all_that_is_refused_of_a_mooring_file_is_told_line_by_line(tmp_path, ca
     assert call("equilibrium", tmp_path / "rode.dat") == 2
     first, second = capsys.readouterr().err.splitlines()
     assert first.startswith('anet-lumped: rode.dat, line 17, "0.3 MU_KT": friction that differs')
-    assert second.startswith('anet-lumped: rode.dat, line 18, "bottom.txt SeafloorFile": a bottom that is not flat')
+    assert second.startswith('anet-lumped: rode.dat, line 18, "bottom.txt SeafloorFile": a seafloor must be in a readable file')
 
 
 def test_convert_refuses_an_ending_it_does_not_know(tmp_path, capsys):
