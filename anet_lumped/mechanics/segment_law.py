@@ -286,8 +286,8 @@ def linearise(stage, law, start, end, base_start, base_end, predicted_tension, h
     the stretch x_a at the base is n . d_a - L_a in `LAW_AT_END`; in the other laws it is l_a - L_a.
 
     A segment is linearised as taut although the law says that it is slack, if it cannot push, was predicted taut, and is short by
-    so little that the predicted tension outweighs the force of that length error (`TautLaw.force_per_length_error`). All pieces of a
-    tension-strain curve count in that tension: the segment may have been on a less steep one at the start of the step.
+    so little that the predicted tension outweighs the force of that length error (`TautLaw.force_per_length_error`). All pieces
+    of a tension-strain curve count in that tension: the segment may begin the step on a less steep one.
 
     Parameters
     ----------
