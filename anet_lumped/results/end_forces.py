@@ -196,7 +196,8 @@ def _numbers(model: Model, t: np.ndarray, e: int) -> Iterator[tuple[float, np.nd
 @lru_cache(maxsize=16)
 def _left(model: Model, events: tuple[Event, ...]) -> Remainder:
     """What is left of a scene after events."""
-    payloads, lost = {}, broken(events)
+    payloads: dict[str, dict[str, float]] = {}
+    lost = broken(events)
     for event in events:
         if event.kind == PAYLOAD:
             payloads[event.where] = payloads.get(event.where, {}) | carried_from(event)
