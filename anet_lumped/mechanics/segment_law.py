@@ -348,8 +348,11 @@ def linearise(stage, law, start, end, base_start, base_end, predicted_tension, h
         elif stage.law == LAW_BETWEEN:
             hardly_short = predicted_tension + per_length_error * min(stretch, stretch_before) > 0.0
             as_taut = (T == 0.0) & (predicted_tension > 0.0) & hardly_short
-            two_way_spring = Spring(spring.stiffness, 1.0, L0, spring.curve, spring.first_piece, spring.end_piece)
-            taut_tension, slope, _ = tension_between(stretch_before, stretch, two_way_spring, damper / stage.tau, numerical, 1.0)
+            damper_of_step, two_way_spring = damper / stage.tau, Spring(spring.stiffness, 1.0, L0, spring.curve, 0, 0)
+            taut_tension, slope, _ = tension_between(stretch_before, stretch, two_way_spring, damper_of_step, numerical, 1.0)
+            if spring.first_piece < spring.end_piece:
+                curved = Spring(spring.stiffness, 1.0, L0, spring.curve, spring.first_piece, spring.end_piece)
+                taut_tension, slope, _ = tension_between(stretch_before, stretch, curved, damper_of_step, numerical, 1.0)
             linearised_tension = select(as_taut, taut_tension, linearised_tension)
             stiffness = select(as_taut, reduced_slope(stage, slope, geometric), stiffness)
     return T, LinearisedSegment(
