@@ -165,12 +165,16 @@ def fly(
     from anet_lumped.flight.fly import fly
     from anet_lumped.flight.known import known_quadrotors
     from anet_lumped.flight.scenarios import controller_for, scenario_of
+    from anet_lumped.results.run import RunInterrupt
     from studies.shown.summary import run_summary
 
     loaded = changed(load(scene, "fly"), change, effect)
     quadrotors = known_quadrotors(loaded)
     flight = scenario_of(loaded, scene, controller=controller, t_end=t_end, by=by, within=within)
-    run = fly(loaded, controller_for(loaded, flight), flight.t_end, dt=dt, quadrotors=quadrotors, save_every=save_every)
+    try:
+        run = fly(loaded, controller_for(loaded, flight), flight.t_end, dt=dt, quadrotors=quadrotors, save_every=save_every)
+    except RunInterrupt as stopped:
+        run = stopped.run
     give(run_summary(run), as_json, out, "run", lambda: _save_run(run, out))
     if not run.ok:
         raise typer.Exit(1)

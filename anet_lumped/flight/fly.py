@@ -10,8 +10,9 @@ import numpy as np
 from anet_lumped.checks import InputError, check_number, nearest, quoted, shown
 from anet_lumped.motion.law_steps import LawSteps
 from anet_lumped.motion.session import Session, SessionError
-from anet_lumped.results.run import Run
+from anet_lumped.results.run import STATUS, Run, RunInterrupt
 from anet_lumped.scene.scene import Scene, check_scene
+from integrators.system import INTERRUPTED
 
 from .compiled_law import Wrench
 from .hovering import hovering
@@ -23,6 +24,7 @@ from .seen import Seen, Sensors
 LOG = logging.getLogger(__name__)
 STATES = 400  # saved if the caller does not say how many
 TOLD_EVERY = 5.0  # [s], between two words on how far a flight is
+AT_ONCE = 250  # steps that are taken at most before Python looks whether Ctrl-C has come
 
 
 def quadrotors_of(scene: Scene, quadrotors: Quadrotor | Mapping[str, Quadrotor]) -> list[Quadrotor]:
@@ -85,6 +87,7 @@ def fly(
     Raises
     ------
     InputError : an argument out of its range
+    RunInterrupt : Ctrl-C; with what was flown as its ``run``
     """
     check_scene(scene)
     t_end, dt = (check_number(name, x, "s", "fly", sign="positive") for name, x in (("t_end", t_end), ("dt", dt)))
@@ -101,23 +104,34 @@ def fly(
         if one is not None and hasattr(one, "reset"):
             one.reset()
     steps_of = LawSteps(march, Pilot(controller, sensors, Rotors(crew, dt), len(scene.free_points)))
-    rows, status, message = [(march.state, march.energy)], "done", ""
+    reached, status, message = (march.state, march.energy), "done", ""
+    rows, events = [reached], None
     begin = told_at = time.perf_counter()
-    for k in range(0, steps, every):
-        if (now := time.perf_counter()) - told_at > TOLD_EVERY:
-            told_at = now
-            LOG.info("step %d of %d, %.0f s left if the others take as long", k, steps, (now - begin) * (steps - k) / k)
-        try:
-            steps_of.march(min(every, steps - k))
-        except SessionError as failure:
-            status, message = failure.status, str(failure)
-            break
-        rows.append((march.state, march.energy))
+    try:
+        for k in range(0, steps, every):
+            if (now := time.perf_counter()) - told_at > TOLD_EVERY:
+                told_at = now
+                LOG.info("step %d of %d, %.0f s left if the others take as long", k, steps, (now - begin) * (steps - k) / k)
+            for first in range(k, last := min(k + every, steps), AT_ONCE):
+                steps_of.march(min(AT_ONCE, last - first))
+                reached = march.state, march.energy
+            rows.append(reached)
+    except SessionError as failure:
+        status, message = failure.status, str(failure)
+    except KeyboardInterrupt:  # perhaps within a step, so that the session holds no state: the last one reached was copied
+        if rows[-1] is not reached:
+            rows.append(reached)
+        status, events = STATUS[INTERRUPTED], reached[0].events
+        message = f"{march.method} with dt={dt:.3g} s was stopped by the user at t={reached[0].t:.4g} s."
     wall_time = time.perf_counter() - begin
-    return Run(
+    run = Run(
         model=march.model, t=np.array([state.t for state, _ in rows]), q=np.array([state.q for state, _ in rows]),
         v=np.array([state.v for state, _ in rows]), energy=np.array([energy for _, energy in rows]), method=march.method, dt=dt,
         reason=march.reason, status=status, message=message, work=march.work, wall_time=wall_time,
-        segment_tension=np.array([state.segment_tension for state, _ in rows]), events=march.events, pushed=True,
+        segment_tension=np.array([state.segment_tension for state, _ in rows]), events=march.events if events is None else events,
+        pushed=True,
         crept=None if rows[0][0].crept is None else np.array([state.crept for state, _ in rows]),
     )  # fmt: skip
+    if status == STATUS[INTERRUPTED]:
+        raise RunInterrupt(run)
+    return run

@@ -286,7 +286,8 @@ def linearise(stage, law, start, end, base_start, base_end, predicted_tension, h
     the stretch x_a at the base is n . d_a - L_a in `LAW_AT_END`; in the other laws it is l_a - L_a.
 
     A segment is linearised as taut although the law says that it is slack, if it cannot push, was predicted taut, and is short by
-    so little that the predicted tension outweighs the force of that length error (`TautLaw.force_per_length_error`).
+    so little that the predicted tension outweighs the force of that length error (`TautLaw.force_per_length_error`). All pieces
+    of a tension-strain curve count in that tension: the segment may begin the step on a less steep one.
 
     Parameters
     ----------
@@ -347,8 +348,11 @@ def linearise(stage, law, start, end, base_start, base_end, predicted_tension, h
         elif stage.law == LAW_BETWEEN:
             hardly_short = predicted_tension + per_length_error * min(stretch, stretch_before) > 0.0
             as_taut = (T == 0.0) & (predicted_tension > 0.0) & hardly_short
-            two_way_spring = Spring(spring.stiffness, 1.0, L0, spring.curve, 0, 0)
-            taut_tension, slope, _ = tension_between(stretch_before, stretch, two_way_spring, damper / stage.tau, numerical, 1.0)
+            damper_of_step, two_way_spring = damper / stage.tau, Spring(spring.stiffness, 1.0, L0, spring.curve, 0, 0)
+            taut_tension, slope, _ = tension_between(stretch_before, stretch, two_way_spring, damper_of_step, numerical, 1.0)
+            if spring.first_piece < spring.end_piece:
+                curved = Spring(spring.stiffness, 1.0, L0, spring.curve, spring.first_piece, spring.end_piece)
+                taut_tension, slope, _ = tension_between(stretch_before, stretch, curved, damper_of_step, numerical, 1.0)
             linearised_tension = select(as_taut, taut_tension, linearised_tension)
             stiffness = select(as_taut, reduced_slope(stage, slope, geometric), stiffness)
     return T, LinearisedSegment(

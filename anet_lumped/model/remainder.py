@@ -14,6 +14,7 @@ import numpy as np
 
 from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
+from anet_lumped.scene.payload_change import carried_from
 from anet_lumped.scene.scene import Cable, Free, Point, Scene
 
 SCATTER = 1e-3
@@ -60,13 +61,13 @@ class Remainder:
     segment: np.ndarray
 
 
-def remainder(whole, masses, broken):
+def remainder(whole, payloads, broken):
     """What is left of a scene.
 
     Parameters
     ----------
     whole : Model of the scene
-    masses : dict of point name to float [kg], payloads that are not the scene's any more
+    payloads : dict of point name to dict, mass [kg], volume [m³] and CdA [m²] of points where they are not the scene's any more
     broken : dict of cable name to increasing tuple of int, its segments that have failed, from its start
 
     Returns
@@ -98,7 +99,7 @@ def remainder(whole, masses, broken):
                 pieces[cable.name].append(piece)
                 nodes[piece.name], segments[piece.name] = whole.nodes(cable.name)[first : last + 1], own[first:last]
         cables += pieces[cable.name]
-    points = [replace(p, mass=masses.get(p.name, p.mass)) if isinstance(p, Free) else p for p in scene.points]
+    points = [replace(p, **payloads.get(p.name, {})) if isinstance(p, Free) else p for p in scene.points]
     stubs_at = {}
     for name, cable in stubs:
         stubs_at.setdefault(name, []).append(cable)
@@ -135,12 +136,17 @@ def _with_stubs(point, own):
 
 
 def lightest(scene):
-    """The scene with the least payload that each point ever carries: no frequency of what is left of it is above its own."""
+    """The scene with the least payload that each point ever carries: no frequency of what is left of it is above its own.
+
+    Of volumes it is the least too, and of CdA the largest, which damps most.
+    """
     if not scene.events:
         return scene
-    least, points = {}, []
-    for event in scene.payload_changes:
-        least[event.point] = min(event.mass, least.get(event.point, event.mass))
+    points = []
     for point in scene.points:
-        points.append(replace(point, mass=min(point.mass, least[point.name])) if point.name in least else point)
+        for change in (event for event in scene.payload_changes if event.point == point.name):
+            said = carried_from(change)
+            of_change = {key: (max if key == "CdA" else min)(value, getattr(point, key)) for key, value in said.items()}
+            point = replace(point, **of_change)
+        points.append(point)
     return replace(scene, points=points, events=())

@@ -19,6 +19,7 @@ from anet_lumped.model.tables import CABLE_SEGMENTS
 from anet_lumped.results.energy_balance import BY_EFFECTS, POTENTIAL, WORK
 from anet_lumped.results.events import BREAK, PAYLOAD, Event, broken
 from anet_lumped.results.run import STATUS, RunInterrupt, Work
+from anet_lumped.scene.payload_change import carried_from
 from integrators import schemes
 from integrators.system import BALANCE, DONE, ENERGIES, EVENT, SAME_TIME, UNCONVERGED
 
@@ -141,7 +142,9 @@ class Legs:
             self.crept = settled_creep(self.model, start.q) if start.crept is None else start.crept.copy()
         self.events, self.broken = list(start.events), broken(start.events)
         earlier = sorted((event for event in scene.payload_changes if event.t < start.t), key=lambda event: event.t)
-        self.masses = {event.point: event.mass for event in earlier}
+        self.payloads = {}
+        for change in earlier:
+            self._carry(change)
         for cut in sorted((cut for cut in scene.cable_cuts if cut.t < start.t), key=lambda cut: cut.t):
             segment = cut.segment % scene.cable(cut.cable).segments
             if segment not in self.broken.get(cut.cable, ()):  # the start does not say so
@@ -150,8 +153,12 @@ class Legs:
         self.runs, self.rows, self.carried, self.left_out = [], [], np.zeros(ENERGIES), 0.0
         self._reduce()
 
+    def _carry(self, change):
+        """Let a point carry what a `PayloadChange` says."""
+        self.payloads[change.point] = self.payloads.get(change.point, {}) | carried_from(change)
+
     def _reduce(self):
-        self.left = remainder(self.model, self.masses, self.broken)
+        self.left = remainder(self.model, self.payloads, self.broken)
 
     def add(self, run):
         """Add the rows that a leg has saved; its last state is where the next leg starts."""
@@ -222,20 +229,27 @@ class Legs:
         """Change the payloads whose events are at t."""
         for change in (event for event in self.scene.payload_changes if event.t == t):
             node, potential = self.model.node_of[change.point], self.energies()[POTENTIAL]
-            more = change.mass - self.masses.get(change.point, self.scene.point(change.point).mass)
-            V, body, lost = self.v[node].copy(), np.array(change.velocity), 0.0
-            if more > 0.0:
+            more = change.mass - self.payloads.get(change.point, {}).get("mass", self.scene.point(change.point).mass)
+            V, body, lost, M, carried = self.v[node].copy(), np.array(change.velocity), 0.0, 0.0, np.zeros((3, 3))
+            if more > 0.0 or change.volume is not None:
                 M, carried = self._inertia(node)
-                joint = np.linalg.solve((M + more) * np.eye(3) + carried, (M * np.eye(3) + carried) @ V + more * body)
-                lost = 0.5 * float(M * (V @ V) + more * (body @ body) - (M + more) * (joint @ joint))
-                self.v[node] = joint
-            self.masses[change.point] = change.mass
+            self._carry(change)
             self._reduce()
+            more_fluid = 0.0 if change.volume is None else float((self._inertia(node)[1] - carried)[0, 0])  # that of a sphere
+            if more > 0.0 or more_fluid > 0.0:
+                kept, new, new_fluid = M + min(more, 0.0), max(more, 0.0), max(more_fluid, 0.0)
+                carried = carried + min(more_fluid, 0.0) * np.eye(3)
+                joint = np.linalg.solve(
+                    (kept + new) * np.eye(3) + (carried + new_fluid * np.eye(3)),
+                    (kept * np.eye(3) + carried) @ V + (new + new_fluid) * body,
+                )
+                lost = 0.5 * float(kept * (V @ V) + new * (body @ body) - (kept + new) * (joint @ joint))
+                self.v[node] = joint
             brought = body if more > 0.0 else V
             self.carried[POTENTIAL] += potential - self.energies()[POTENTIAL]
             self.carried[WORK] += 0.5 * more * float(brought @ brought)
             self.carried[BY_EFFECTS] += lost
-            self.events.append(Event(self.t, PAYLOAD, change.point, lost, mass=change.mass))
+            self.events.append(Event(self.t, PAYLOAD, change.point, lost, **carried_from(change)))
 
     def _inertia(self, node):
         """Mass of a moving node of the whole scene's model [kg], and what it carries along of a fluid, (3, 3) [kg]."""

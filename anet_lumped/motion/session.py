@@ -410,7 +410,7 @@ class Session:
         """Keep the whole state of the session, to go back to."""
         legs, kept = self._legs, arrays_of_legs(self._legs)
         return Mark(
-            id(self), self.t, self._steps, (dict(legs.masses), dict(legs.broken)), tuple(x.copy() for x in kept),
+            id(self), self.t, self._steps, (dict(legs.payloads), dict(legs.broken)), tuple(x.copy() for x in kept),
             self._forces.saved(), tuple(x.copy() for x in self._arrays()), self.events, tuple(self._due),
         )  # fmt: skip
 
@@ -422,9 +422,9 @@ class Session:
         InputError : not a mark of this session
         """
         check_mark(mark, self)
-        legs, (masses, broken) = self._legs, mark.structure
-        other = (masses, broken) != (legs.masses, legs.broken)
-        legs.masses, legs.broken, legs.events, self._due = dict(masses), dict(broken), list(mark.events), list(mark.due)
+        legs, (payloads, broken) = self._legs, mark.structure
+        other = (payloads, broken) != (legs.payloads, legs.broken)
+        legs.payloads, legs.broken, legs.events, self._due = dict(payloads), dict(broken), list(mark.events), list(mark.due)
         legs.t, self._steps = mark.t, mark.steps
         for own, saved in zip(arrays_of_legs(legs), mark.legs, strict=True):
             own[:] = saved

@@ -23,6 +23,7 @@ from anet_lumped.model.model import Model
 from anet_lumped.model.remainder import Pieces, Remainder, remainder
 from anet_lumped.model.rest_lengths import numbers_at
 from anet_lumped.prescribed.paths import pack
+from anet_lumped.scene.payload_change import carried_from
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, OnBody, Scene
 
 from .body_accelerations import of_body_point
@@ -195,7 +196,11 @@ def _numbers(model: Model, t: np.ndarray, e: int) -> Iterator[tuple[float, np.nd
 @lru_cache(maxsize=16)
 def _left(model: Model, events: tuple[Event, ...]) -> Remainder:
     """What is left of a scene after events."""
-    payloads, lost = {event.where: event.mass for event in events if event.kind == PAYLOAD}, broken(events)
+    payloads: dict[str, dict[str, float]] = {}
+    lost = broken(events)
+    for event in events:
+        if event.kind == PAYLOAD:
+            payloads[event.where] = payloads.get(event.where, {}) | carried_from(event)
     if not payloads and not lost:
         return Remainder(model, np.arange(model.n), np.arange(model.n_segments))
     return remainder(model, payloads, lost)

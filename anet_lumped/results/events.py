@@ -25,6 +25,7 @@ class Event:
     mass : float or None [kg], of the payload from then on
     segment : int or None, that broke, counted from the cable's start as in ``Run.tension``
     tension : float or None [N], of that segment
+    volume, CdA : float or None [m³], [m²], of the payload from then on; None: as before
     """
 
     t: float
@@ -34,6 +35,8 @@ class Event:
     mass: float | None = None
     segment: int | None = None
     tension: float | None = None
+    volume: float | None = None
+    CdA: float | None = None
 
     def __str__(self) -> str:
         if self.kind == BREAK:
@@ -42,7 +45,8 @@ class Event:
             return f"t={self.t:.6g} s: cable {quoted(self.where)} went slack"
         if self.kind == TAUT:
             return f"t={self.t:.6g} s: all cables were taut again"
-        return f"t={self.t:.6g} s: the payload at point {quoted(self.where)} became {self.mass:.4g} kg"
+        volume = "" if self.volume is None else f" of {self.volume:.4g} m³"
+        return f"t={self.t:.6g} s: the payload at point {quoted(self.where)} became {self.mass:.4g} kg{volume}"
 
 
 def broken(events: Iterable[Event]) -> dict[str, tuple[int, ...]]:

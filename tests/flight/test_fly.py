@@ -1,12 +1,15 @@
 """Flights: the scenarios that are bundled, steps, events, failures, names."""
 
+import os
+import signal
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from flying import AGILE, alone
 
-from anet_lumped import Cable, Free, InputError, NoRestError, Scene, equilibrium, load_run, load_scene, paths
+from anet_lumped import Cable, Free, InputError, NoRestError, RunInterrupt, Scene, equilibrium, load_run, load_scene, paths
 from anet_lumped.effects import Gravity
 from anet_lumped.flight.admittance import Admittance
 from anet_lumped.flight.fly import fly
@@ -162,6 +165,32 @@ def test_a_step_that_fails_ends_the_flight_with_what_was_done():
 
     with pytest.raises(InputError, match=r"must give finite thrusts and torques, but at t = 0\.104 s it gives"):
         fly(alone(), wild, 1.0, quadrotors=AGILE)
+
+
+def test_a_flight_that_is_stopped_gives_what_was_flown(monkeypatch, ctrl_c):
+    """Ctrl-C comes in the middle of a step, between two saved states and ten steps after the last look."""
+    monkeypatch.setattr(sys.modules["anet_lumped.flight.fly"], "AT_ONCE", 10)
+    inner = geometric([AGILE], hold([(0.0, 0.0, 1.0)]))
+
+    def controller(stop_at):
+        def wrench(seen):
+            if seen.t > stop_at:
+                os.kill(os.getpid(), signal.SIGINT)
+            return inner(seen)
+
+        return wrench
+
+    settings = {"quadrotors": AGILE, "save_every": 0.1}
+    whole = fly(alone(), controller(9.0), 0.4, **settings)
+    inner.reset()
+    with pytest.raises(RunInterrupt, match=r"edmc with dt=0\.004 s was stopped by the user at t=0\.24 s") as stopped:
+        fly(alone(), controller(0.25), 0.4, **settings)
+    run = stopped.value.run
+    assert run.status == "interrupted" and not run.ok and run.t == pytest.approx([0.0, 0.1, 0.2, 0.24])
+    assert np.array_equal(run.q[:3], whole.q[:3]) and np.array_equal(run.energy[:3], whole.energy[:3])
+    inner.reset()
+    finer = fly(alone(), controller(9.0), 0.24, quadrotors=AGILE, save_every=0.04)
+    assert np.array_equal(run.q[-1], finer.q[-1]) and np.array_equal(run.segment_tension[-1], finer.segment_tension[-1])
 
 
 def test_names_and_numbers():

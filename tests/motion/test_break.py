@@ -284,7 +284,7 @@ def test_stubs_stay_with_their_nodes():
     """Mass, volume and drag across of the two halves of a segment, with what a point carries of its own."""
     made = dict(length=1.0, mass_per_length=MU, EA=EA, segments=4, diameter=0.02, Cdn=1.1, Can=0.9)
     points = [Fixed("a", (0, 0, 0)), Free("b", 0.5, CdA=0.3, volume=1e-4, Ca=0.5)]
-    scene = remainder(build(Scene(points, [Cable("a", "b", **made)])), {"b": 0.7}, {"a-b": (2, 3)}).model.scene
+    scene = remainder(build(Scene(points, [Cable("a", "b", **made)])), {"b": {"mass": 0.7}}, {"a-b": (2, 3)}).model.scene
     volume = math.pi * 0.01**2 * 0.125
     loose, alone, end = (scene.point(name) for name in ("a-b[2]", "a-b[3]", "b"))
     assert (loose.mass, loose.CdA, loose.volume, loose.Ca) == pytest.approx((0.0125, 0.00275, volume, 0.9))

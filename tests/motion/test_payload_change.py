@@ -1,6 +1,6 @@
 """Payloads that change in mid-run: momentum and energy in closed form, exact times, and one run whatever happened in it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from numba import njit
 from systems import four_cables, oscillator
 
 from anet_lumped import Cable, Fixed, Free, PayloadChange, Scene, SceneError, State, equilibrium, load_run, simulate
-from anet_lumped.effects import REGISTRY, Effect, Gravity
+from anet_lumped.effects import REGISTRY, Effect, Gravity, Water
 from anet_lumped.effects.signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, INERTIA_SIGNATURE, TANGENT_SIGNATURE
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.model.build import build
@@ -274,6 +274,54 @@ def test_scene_refuses(events, message):
 def test_change_refuses(arguments, message):
     with pytest.raises(SceneError, match=message):
         PayloadChange(*arguments)
+    with pytest.raises(SceneError, match=r'`volume` must be non-negative and finite \[m³\], but the change .* "b" has volume=-1.0'):
+        PayloadChange("b", 0.1, 1.0, volume=-1.0)
+
+
+# --- a payload with a volume, in water ------------------------------------------------------------------------------------
+
+RHO = 1000.0
+
+
+@pytest.mark.parametrize(("mass", "volume"), [(5.0, 3e-3), (5.0, 1e-4), (1.0, 3e-3), (1.0, 0.0)])
+def test_fluid_comes_and_goes_with_a_volume(mass, volume):
+    """What comes brings its added mass at its velocity, what leaves takes its own along: in one step after that nothing slows it.
+
+    Picked up, swapped for more mass of less volume, for less mass of more volume, and dropped.
+    """
+    cable = Cable("a", "b", length=3.0, mass_per_length=0.02, EA=100.0, segments=1, diameter=1e-4)
+    change, u = PayloadChange("b", 1e-4, mass, (-1.0, 0.0, 2.0), volume=volume), np.array([-1.0, 0.0, 2.0])
+    points = [Free("a", 1.0), Free("b", 2.0, volume=1e-3, Ca=0.5)]
+    scene = Scene(points, [cable], [Gravity(0.0), Water(density=RHO, level=9.0)], [change])
+    start = replace(flying()[1], model=build(scene))
+    V, A = (
+        start.velocity("b"),
+        RHO * 0.25 * np.pi * 1e-8 * 1.5 + 0.5 * RHO * 1e-3,
+    )  # of half the cable, which lies along x, and the point
+    run = simulate(scene, 2e-4, method="rk4", dt=1e-5, start=start)
+    kept, new, dA = min(2.0, mass) + 0.03, max(0.0, mass - 2.0), 0.5 * RHO * (volume - 1e-3)
+    after = ((kept + A + min(dA, 0.0)) * V + (new + max(dA, 0.0)) * u) / (kept + new + A + dA)
+    np.testing.assert_allclose(run.velocity("b")[-1], after, rtol=1e-4)  # across the cable; along it carries no fluid: 1e-5 of it
+    lost = 0.5 * (kept * V @ V + new * u @ u - (kept + new) * after @ after)
+    assert run.events[0].lost == pytest.approx(lost, rel=1e-3, abs=1e-6) and error_of_steps(run) < 1e-9
+
+
+def test_litter_with_a_volume_is_lighter_in_water():
+    """A load at rest under water takes up litter: pulls, reactions and restarts are of weight less buoyancy."""
+    cable = Cable("a", "b", length=1.0, mass_per_length=0.2, EA=500.0, zeta=1.0, segments=1, diameter=0.004)
+    change = PayloadChange("b", 0.2, 2.5, volume=6e-4, CdA=0.3)
+    scene = Scene([Fixed("a", (0, 0, 0)), Free("b", 2.0, volume=1e-4, CdA=0.2)], [cable], [Gravity(G), Water(RHO, 0.5)], [change])
+    run = simulate(scene, 8.0, dt=0.01)
+    weight = G * (2.5 + 0.1 - RHO * (6e-4 + 0.5 * 0.25 * np.pi * 0.004**2))
+    assert run.final.tension("a-b")[0] == pytest.approx(weight, rel=1e-4)
+    assert run.final.end_tension("a-b", "b") == pytest.approx(G * (2.5 - RHO * 6e-4), rel=1e-4)
+    assert run.energy_balance.imbalance < 1e-9
+    assert str(run.events[0]) == 't=0.2 s: the payload at point "b" became 2.5 kg of 0.0006 m³'
+    again = simulate(scene, 1.0, dt=0.01, start=run.final)
+    np.testing.assert_allclose(again.final.q, run.final.q, atol=1e-6)
+    later = replace(scene, events=[change, PayloadChange("b", 8.5, 2.1)])  # its volume stays
+    run = simulate(later, 8.0, dt=0.01, start=run.final)
+    assert run.final.tension("a-b")[0] == pytest.approx(weight - 0.4 * G, rel=1e-4)
 
 
 def test_a_solver_of_another_package():

@@ -118,7 +118,7 @@ NONE = {
     ("waves.Jonswap", "spreading"), ("waves.PiersonMoskowitz", "spreading"),
     ("load", "cables"), ("rope", "tension"), ("Body", "pinned"), ("Body", "path"), ("Body", "turning"),
     ("Body", "hull"), ("paths.samples", "ends"), ("paths.samples", "periods"), ("signals.samples", "ends"),
-    ("signals.samples", "periods"), ("paths.lift", "hold"),
+    ("signals.samples", "periods"), ("paths.lift", "hold"), ("PayloadChange", "volume"), ("PayloadChange", "CdA"),
 }  # fmt: skip
 EMPTY = {
     ("air", "wind"),

@@ -11,6 +11,8 @@ import pytest
 from test_command_line import PROGRAM, SLOW, call
 from test_rows import start_and_wait_for_rows, wait_for_end_of
 
+import anet_lumped.flight.fly  # noqa: F401 (its module is changed by name)
+from anet_lumped import load_run
 from integrators.marching import interruptible
 from studies import stop_signals as module
 from studies import telling
@@ -149,6 +151,16 @@ def test_a_run_that_is_stopped_is_saved(number, monkeypatch, tmp_path):
     assert call(*long, "--out", tmp_path) == 128 + number
     assert {"run.json", "run.nc"} <= {file.name for file in tmp_path.iterdir()}
     assert '"status": "interrupted"' in (tmp_path / "run.json").read_text()
+
+
+def test_a_flight_that_is_stopped_is_saved(monkeypatch, tmp_path):
+    monkeypatch.setattr(sys.modules["anet_lumped.flight.fly"], "TOLD_EVERY", 0.2)
+    monkeypatch.setattr(telling, "QUIET", 0.0)
+    monkeypatch.setattr(telling, "tell", lambda line: os.kill(os.getpid(), signal.SIGINT) if "step " in line else None)
+    flight = ["fly", "quadrotor_hover", "--t-end", 1e4, "--save-every", "1s"]
+    assert call(*flight, "--out", tmp_path) == 130
+    run = load_run(tmp_path / "run.nc")
+    assert run.status == "interrupted" and 0.0 < run.t[-1] < 1e4 and "stopped by the user" in (tmp_path / "run.json").read_text()
 
 
 @pytest.mark.parametrize("whole_group", [False, True])
