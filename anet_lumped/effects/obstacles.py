@@ -7,9 +7,12 @@ rubbed by friction against its velocity v_t along the surface,
 
 with the same contact areas, damper and creep at the `slip_speed` u as `ground` has. Shapes that overlap press each on its own.
 
-Over a whole step from a to b, N is that of `normal_force_between` for the depths s_a and s_b, and acts against the discrete gradient
-G of the depth, for which s_b - s_a = G . (q_b - q_a) exactly. So its work is -N (s_b - s_a), and no step can raise the energy,
-as with a plane. Friction takes the mean velocity (q_b - q_a)/h across G.
+Over a whole step from a to b, N is that of `normal_force_between` for the depths s_a and s_b, and acts against the discrete
+gradient G of the depth, for which s_b - s_a = G . (q_b - q_a) exactly. So its work is -N (s_b - s_a), and no step can raise the
+energy, as with a plane. Friction takes the mean velocity (q_b - q_a)/h across G.
+
+What is met are nodes, not the straight segments between them. A segment of the length L that spans a surface of the radius R cuts
+it by L^2/(8 R), and an edge of a box by up to L/2.
 Source: as `ground`; Gonzalez, J. Nonlinear Sci. 6 (1996) 449, for steps along what is not flat.
 """
 
@@ -81,6 +84,10 @@ class Obstacles(Effect):
         """Of the mass of a segment on the springs under it, sqrt(k d/mu), or of a body on those at one of its points."""
         return max(frequencies_of_contact(scene, self.stiffness))
 
+    @property
+    def narrowest(self) -> float:
+        return min(shape.half_width for shape in self.all_shapes)
+
     def at_rest(self) -> Effect:
         return replace(self, friction=0.0)
 
@@ -113,8 +120,8 @@ class Obstacles(Effect):
                 if cable.L0 > shape.half_width:
                     least = math.ceil(cable.length / shape.half_width)
                     raise SceneError(
-                        f"Obstacles meet the nodes of cables, so that segments must not be longer than half the smallest width of a "
-                        f"shape, but cable {quoted(cable.name)} has segments of {cable.L0:.3g} m, and shapes[{k}], a "
+                        f"Obstacles meet the nodes of cables, so that segments must not be longer than half the smallest width of "
+                        f"a shape, but cable {quoted(cable.name)} has segments of {cable.L0:.3g} m, and shapes[{k}], a "
                         f"{type(shape).__name__}, a half width of {shape.half_width:.3g} m; it takes segments={least} or more."
                     )
         numbers = numbers_of_nodes(model, "Obstacles", self.stiffness, self.damping)

@@ -281,7 +281,8 @@ def _lists(value: Any) -> Any:
     if isinstance(value, Path | Signal):
         return {"kind": value.kind} | _lists(dict(value.parameters))
     if isinstance(value, Wind | Wave | Shape):
-        return {"kind": {kind: name for name, kind in (wind.KINDS | waves.KINDS | shapes.KINDS).items()}[type(value)]} | _plain(value)
+        kinds = wind.KINDS | waves.KINDS | shapes.KINDS
+        return {"kind": {kind: name for name, kind in kinds.items()}[type(value)]} | _plain(value)
     if isinstance(value, dict):
         return {key: _lists(entry) for key, entry in value.items()}
     return [_lists(entry) for entry in value] if isinstance(value, tuple) else value

@@ -187,11 +187,16 @@ def between(base, q, i, params, first):
     xx, xy, xz = _along(0, 0, x_a, x_b, u, rows), _along(0, 1, x_a, x_b, u, rows), _along(0, 2, x_a, x_b, u, rows)
     yx, yy, yz = _along(1, 0, x_a, x_b, u, rows), _along(1, 1, x_a, x_b, u, rows), _along(1, 2, x_a, x_b, u, rows)
     zx, zy, zz = _along(2, 0, x_a, x_b, u, rows), _along(2, 1, x_a, x_b, u, rows), _along(2, 2, x_a, x_b, u, rows)
-    x = _back((xx[2], xy[2], xz[2]), params, first)  # rows of dG/db along the axes of the solid, turned by columns
-    y = _back((yx[2], yy[2], yz[2]), params, first)
-    z = _back((zx[2], zy[2], zz[2]), params, first)
-    columns = _back((x[0], y[0], z[0]), params, first), _back((x[1], y[1], z[1]), params, first)
-    last = _back((x[2], y[2], z[2]), params, first)
-    turning = (columns[0][0], columns[1][0], last[0]), (columns[0][1], columns[1][1], last[1]), (columns[0][2], columns[1][2], last[2])
+    x, y, z = (  # rows of dG/db along the axes of the solid, with columns along those of the world
+        _back((xx[2], xy[2], xz[2]), params, first),
+        _back((yx[2], yy[2], yz[2]), params, first),
+        _back((zx[2], zy[2], zz[2]), params, first),
+    )
+    of_x, of_y, of_z = (
+        _back((x[0], y[0], z[0]), params, first),
+        _back((x[1], y[1], z[1]), params, first),
+        _back((x[2], y[2], z[2]), params, first),
+    )
+    turning = (of_x[0], of_y[0], of_z[0]), (of_x[1], of_y[1], of_z[1]), (of_x[2], of_y[2], of_z[2])
     G, at_end = _back((xx[0], yy[0], zz[0]), params, first), _back((xx[1], yy[1], zz[1]), params, first)
     return Between(G, at_end, turning)

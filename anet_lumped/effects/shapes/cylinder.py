@@ -49,7 +49,8 @@ class Cylinder(Shape):
     def solid(self) -> Solid:
         """All that is nearer to the axis than the radius; or than the edge to a cylinder that is smaller by it."""
         axis = np.array(self.axis) / np.linalg.norm(self.axis)
-        rows = np.vstack([np.linalg.svd(axis[None])[2][1:], axis])  # any two directions across the axis
+        across = np.linalg.svd(axis[None])[2][1]  # any direction across the axis
+        rows = np.array([across, np.cross(axis, across), axis])
         if self.length is None or self.edge is None:
             return Solid(rows, 2, (0.0, math.inf, math.inf), self.radius)
         return Solid(rows, 2, (self.radius - self.edge, 0.5 * self.length - self.edge, math.inf), self.edge)
