@@ -105,8 +105,8 @@ def _through_an_obstacle(run, step):
     way = run.dt * float(np.linalg.norm(run.v, axis=2).max())
     if way > narrowest:
         return (
-            f"A node went {way:.2g} m in a step, and half of the smallest width of an obstacle is {narrowest:.2g} m, so that it may "
-            f"have gone through; take {step}."
+            f"A node went {way:.2g} m in a step, and half of the smallest width of an obstacle is {narrowest:.2g} m, so that it "
+            f"may have gone through; take {step}."
         )
     for cable in run.scene.cables:
         longest = float(np.linalg.norm(np.diff(run.shape(cable.name), axis=1), axis=2).max())

@@ -21,7 +21,7 @@ def outline(solid: Solid, box: np.ndarray) -> list[np.ndarray]:
     if solid.kind == "sphere":
         lines = [half * np.roll(ring, k, axis=1) for k in range(3)]
     elif solid.kind == "cylinder":
-        lines = [half * (ring + (0.0, 0.0, z)) for z in np.linspace(-1.0, 1.0, RINGS)]
+        lines = [half * (ring + np.array([0.0, 0.0, z])) for z in np.linspace(-1.0, 1.0, RINGS)]
         along = np.linspace(-1.0, 1.0, AROUND)[:, None] * (0.0, 0.0, 1.0)
         lines += [half * (along + ring[k]) for k in range(0, AROUND - 1, 9)]
     else:
@@ -30,7 +30,7 @@ def outline(solid: Solid, box: np.ndarray) -> list[np.ndarray]:
         lines = [half * np.linspace(a, b, AROUND) for a, b in pairs]
     found = []
     for line in lines:
-        places = solid.at + (line + (0.0, 0.0, centre)) @ solid.axes
+        places = solid.at + (line + np.array([0.0, 0.0, centre])) @ solid.axes
         places[((places < box[0]) | (places > box[1])).any(axis=1)] = np.nan
         found.append(places)
     return [places for places in found if np.isfinite(places).any()]

@@ -278,7 +278,7 @@ def test_a_run_says_where_a_cable_may_have_gone_through():
     scene, start = rope([Obstacles(DRUM)], np.array([(0.0, 0.0, 1.0), (1.0, 0.0, 1.0)]), 1.0, 10)
     run = simulate(scene, 0.1, method="edmc", dt=0.01, start=start)
     assert Finding.THROUGH_AN_OBSTACLE not in findings(run)
-    fast, long = replace(run, v=run.v + (25.0, 0.0, 0.0)), replace(run, q=5.0 * run.q)
+    fast, long = replace(run, v=run.v + np.array([25.0, 0.0, 0.0])), replace(run, q=5.0 * run.q)
     assert "A node went 0.25 m in a step, and half of the smallest width of an obstacle is 0.2 m" in str(findings(fast))
     assert 'A segment of cable "rope" was stretched to 0.5 m, more than the smallest width of an obstacle' in str(findings(long))
 
