@@ -25,6 +25,7 @@ if not NOTICE.watched and multiprocessing.parent_process() is None and "ANET_LUM
     )
 
 from anet_lumped.checks import InputError
+from anet_lumped.effects import shapes
 from anet_lumped.effects.flow import waves, wind
 from anet_lumped.files.moordyn_file import read_moordyn
 from anet_lumped.files.moordyn_writer import save_moordyn
@@ -88,6 +89,7 @@ __all__ = [
     "rope",
     "save_moordyn",
     "save_scene",
+    "shapes",
     "signals",
     "simulate",
     "tensioned",

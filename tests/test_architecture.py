@@ -12,7 +12,7 @@ from anet_lumped.effects import REGISTRY
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("studies", "anet_lumped", "integrators")  # each may import those after it
-SHARED = {"effect", "signatures", "laws", "flow", "fluid_on_bodies"}  # what effects may share; air and water act on bodies alike
+SHARED = {"effect", "signatures", "laws", "flow", "fluid_on_bodies", "shapes"}  # what effects may share
 OUTSIDE = {"effects", "checks", "compiled", "prescribed", "regular_files"}  # what they may import of the rest
 
 
@@ -77,7 +77,7 @@ def test_integrators_know_nothing_of_cables(word):
 def test_no_effect_knows_another():
     """Nor the scene, the model or the integrator; nor do the laws and flows that effects share, and what effects have in common."""
     files = [path for path in modules("anet_lumped/effects") if "own" not in path.parts and path.name != "__init__.py"]
-    assert {path.stem for path in files} >= {*REGISTRY.library, *SHARED - {"laws", "flow"}}
+    assert {path.stem for path in files} >= {*REGISTRY.library, *SHARED - {"laws", "flow", "shapes"}}
     for path in files:
         for name in imported(path):
             parts = name.split(".")

@@ -72,6 +72,7 @@ REGISTRY = Registry(
         "load": "Load",
         "moordyn_bottom": "MoordynBottom",
         "natural_curvature": "NaturalCurvature",
+        "obstacles": "Obstacles",
         "temperature": "Temperature",
         "viscous_damping": "ViscousDamping",
         "water": "Water",

@@ -4,6 +4,7 @@ No compiler is imported here, so that a scene without effects needs none.
 """
 
 import dataclasses
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
@@ -131,6 +132,11 @@ class Effect:
     def highest_frequency(self, scene: Any) -> float:
         """Highest circular frequency of the motions that it brings to a scene [rad/s]; 0 if it brings none."""
         return 0.0
+
+    @property
+    def narrowest(self) -> float:
+        """Half of the smallest width of what nodes may not go through [m]; infinite if there is no such thing."""
+        return math.inf
 
     def check_parameters(self) -> None:
         """Check the fields and write back what they become, with `_set`; raise a SceneError for what cannot be."""

@@ -1,5 +1,5 @@
 """Warnings attached to a completed run: energy lost or added by its steps, cables too long for their tension, no limit in sight,
-points that nothing has moved.
+points that nothing has moved, obstacles that were not seen.
 
 A run with a warning is done all the same: a method that damps the motion is asked for by name, and a rest may be right that
 was reached by wrong damping. But a reader of its swing or its stretch must know. On the catalogue of hard cases
@@ -35,6 +35,7 @@ class Finding(Enum):
     EXCESS_LENGTH = "a cable longer than its tension can hold it"
     FAR_FROM_LIMIT = "two extrapolated runs that are far apart"
     STOOD_STILL = "points that are driven from outside, which nothing has moved"
+    THROUGH_AN_OBSTACLE = "cables that may have gone through an obstacle"
 
 
 def findings(run, adaptive=False):
@@ -56,6 +57,7 @@ def findings(run, adaptive=False):
         Finding.EXCESS_LENGTH: _excess_length(run, step),
         Finding.FAR_FROM_LIMIT: _far_from_limit(run, step),
         Finding.STOOD_STILL: _stood_still(run),
+        Finding.THROUGH_AN_OBSTACLE: _through_an_obstacle(run, step),
     }
     return {finding: text for finding, text in texts.items() if text}
 
@@ -93,6 +95,27 @@ def _taken_by_method(run, step, adaptive):
         f"{run.method}: its steps took {balance.lost_to_method:.3g} J, {balance.lost_to_method / balance.in_play:.1%} of the "
         f"energy in play, which no damper and no effect took; take {step}, or {other}."
     )
+
+
+def _through_an_obstacle(run, step):
+    """Steps, or segments, that are longer than half the smallest width of an obstacle: what meets it are nodes at ends of steps."""
+    narrowest = min((effect.narrowest for effect in run.scene.effects), default=np.inf)
+    if not np.isfinite(narrowest):
+        return ""
+    way = run.dt * float(np.linalg.norm(run.v, axis=2).max())
+    if way > narrowest:
+        return (
+            f"A node went {way:.2g} m in a step, and half of the smallest width of an obstacle is {narrowest:.2g} m, so that it "
+            f"may have gone through; take {step}."
+        )
+    for cable in run.scene.cables:
+        longest = float(np.linalg.norm(np.diff(run.shape(cable.name), axis=1), axis=2).max())
+        if longest > 2.0 * narrowest:
+            return (
+                f"A segment of cable {quoted(cable.name)} was stretched to {longest:.2g} m, more than the smallest width of an "
+                f"obstacle, {2.0 * narrowest:.2g} m, so that it may have gone through; take more segments."
+            )
+    return ""
 
 
 def _halving_step(run):

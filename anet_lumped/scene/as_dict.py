@@ -11,9 +11,11 @@ from functools import cache
 from typing import Any, Literal, get_args, get_origin
 
 from anet_lumped.checks import NAMED, SceneError, Vector, nearest, one_line, quoted, shown
+from anet_lumped.effects import shapes
 from anet_lumped.effects.flow import waves, wind
 from anet_lumped.effects.flow.waves import Wave
 from anet_lumped.effects.flow.wind import Wind
+from anet_lumped.effects.shapes import Shape
 from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
@@ -27,7 +29,8 @@ POINTS = {"fixed": Fixed, "driven": Driven, "free": Free}
 
 # What is written as a table with a `kind` inside another.
 PARTS: dict[Any, tuple[str, Mapping[str, Callable]]] = {
-    Path: ("path", paths.KINDS), Signal: ("signal", signals.KINDS), Wind: ("wind", wind.KINDS), Wave: ("wave", waves.KINDS)
+    Path: ("path", paths.KINDS), Signal: ("signal", signals.KINDS), Wind: ("wind", wind.KINDS), Wave: ("wave", waves.KINDS),
+    Shape: ("shape", shapes.KINDS),
 }  # fmt: skip
 
 
@@ -277,8 +280,8 @@ def _plain(thing: Any) -> dict[str, Any]:
 def _lists(value: Any) -> Any:
     if isinstance(value, Path | Signal):
         return {"kind": value.kind} | _lists(dict(value.parameters))
-    if isinstance(value, Wind | Wave):
-        names = {kind: name for kinds in (wind.KINDS, waves.KINDS) for name, kind in kinds.items()}
+    if isinstance(value, Wind | Wave | Shape):
+        names = {kind: name for kinds in (wind.KINDS, waves.KINDS, shapes.KINDS) for name, kind in kinds.items()}
         return {"kind": names[type(value)]} | _plain(value)
     if isinstance(value, dict):
         return {key: _lists(entry) for key, entry in value.items()}

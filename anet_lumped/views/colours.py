@@ -9,7 +9,7 @@ TENSION = ("#0d0887", "#43039e", "#6c00a8", "#920fa3", "#b32c8e", "#ce4b75", "#e
 SLACK = "#8b959b"
 POINTS = {"fixed": "#1d2428", "driven": "#0072B2", "free": "#D55E00"}
 BODY = "#5b6b75"
-GROUND, WATER, WIND, CURRENT = "#8a7a5c", "#56B4E9", "#009E73", "#0072B2"
+GROUND, WATER, WIND, CURRENT, OBSTACLE = "#8a7a5c", "#56B4E9", "#009E73", "#0072B2", "#9aa5ad"
 ENERGIES = {
     "kinetic": "#D55E00",
     "elastic": "#009E73",

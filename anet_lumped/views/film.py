@@ -13,6 +13,7 @@ from anet_lumped.regular_files import check_target
 from . import colours
 from .boxes import box_edges
 from .motion import Motion, kind_of, motion_of
+from .outlines import outline
 from .surroundings import surroundings
 
 GIF, MP4 = ".gif", ".mp4"
@@ -171,7 +172,7 @@ def _set_box(axes: Any, motion: Motion) -> tuple[np.ndarray, Any]:
 
 
 def _draw_surroundings(axes: Any, run: Any, motion: Motion, box: np.ndarray) -> None:
-    """Ground and still water where they cross the box, and arrows of winds."""
+    """Ground and still water where they cross the box, obstacles in it, and arrows of winds."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     around = surroundings(run.scene, np.zeros(3))
@@ -182,6 +183,9 @@ def _draw_surroundings(axes: Any, run: Any, motion: Motion, box: np.ndarray) -> 
         z = (plane.height - plane.normal[0] * corners[0] - plane.normal[1] * corners[1]) / plane.normal[2]
         if ((z >= box[0, 2] - 0.1 * np.ptp(box[:, 2])) & (z <= box[1, 2] + 0.1 * np.ptp(box[:, 2]))).all():
             axes.add_collection3d(Poly3DCollection([np.column_stack([*corners, z])], color=colour, alpha=0.25, zorder=1))
+    for solid in () if motion.drifts else around.obstacles:
+        for line in outline(solid, box):
+            axes.plot(*line.T, color=colours.OBSTACLE, lw=1, zorder=1)
     long = 0.25 * np.ptp(box, axis=0).max()
     for name, velocity, z in (("wind", around.wind, box[1, 2]), ("current", around.current, box[0, 2])):
         if velocity is not None:

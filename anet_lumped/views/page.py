@@ -20,7 +20,7 @@ from anet_lumped.regular_files import check_target
 from . import colours
 from .boxes import box_of, poses
 from .motion import Motion, kind_of, motion_of, thinned
-from .surroundings import Plane, Surroundings, surroundings
+from .surroundings import Plane, Solid, Surroundings, surroundings
 from .verdict import as_length, verdict
 
 MOST = 2_900_000  # bytes of a page
@@ -130,7 +130,7 @@ def _scene(run: Any, motion: Motion) -> dict[str, Any]:
         "full_scale": motion.full_scale,
         "around": _around(around),
         "colours": {"tension": colours.TENSION, "slack": colours.SLACK, "points": colours.POINTS, "body": colours.BODY,
-                    "ground": colours.GROUND,
+                    "ground": colours.GROUND, "obstacle": colours.OBSTACLE,
                     "water": colours.WATER, "wind": colours.WIND, "current": colours.CURRENT},
     }  # fmt: skip
 
@@ -139,6 +139,7 @@ def _around(around: Surroundings) -> dict[str, Any]:
     wave = around.wave
     return {
         "ground": _plane(around.ground),
+        "obstacles": [_solid(solid) for solid in around.obstacles],
         "water": _plane(around.water),
         "wave": None if wave is None else vars(wave) | {"direction": wave.direction.tolist()},
         "flows": [
@@ -151,6 +152,13 @@ def _around(around: Surroundings) -> dict[str, Any]:
 
 def _plane(plane: Plane | None) -> dict[str, Any] | None:
     return None if plane is None else {"normal": plane.normal.tolist(), "height": plane.height}
+
+
+def _solid(solid: Solid) -> dict[str, Any]:
+    """Kind, centre, quaternion (x, y, z, w) and widths, None for an infinite one, as three.js takes them."""
+    turn = np.roll(quaternions(solid.axes.T), -1)
+    widths = [float(width) if np.isfinite(width) else None for width in solid.widths]
+    return {"kind": solid.kind, "at": solid.at.tolist(), "turn": turn.tolist(), "widths": widths}
 
 
 def _states(run: Any, motion: Motion, rows: np.ndarray) -> dict[str, Any]:

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from anet_lumped import Cable, Driven, Fixed, Free, Scene, paths, waves, wind
-from anet_lumped.effects import REGISTRY, Air, Gravity, Ground, Water, node_force
+from anet_lumped import Cable, Driven, Fixed, Free, Scene, paths, shapes, waves, wind
+from anet_lumped.effects import REGISTRY, Air, Gravity, Ground, Obstacles, Water, node_force
 from anet_lumped.model.build import build
 from anet_lumped.scene.origin import FAR, near_origin
 
@@ -66,10 +66,11 @@ FLOWS = {
     "current": Water(level=-0.3, current=wind.Sampled([(-5.0, 0.1, 0.0), (5.0, 0.8, 0.2)])),
     "wave": Water(level=-0.3, wave=waves.Airy(0.4, 3.0, direction=(1.0, 2.0, 0.0), depth=8.0, phase=0.3)),
     "slope": Ground(height=31.6, normal=(0.1, 0.0, 1.0), friction=0.3),
+    "obstacles": Obstacles((shapes.Sphere((320.0, -640.0, -1.0), 3.0), shapes.Cylinder((320.0, -640.0, 1.0), 2.0)), friction=0.3),
 }
 
 
-@pytest.mark.parametrize("effect", [*REGISTRY.library, *FLOWS])
+@pytest.mark.parametrize("effect", dict.fromkeys([*REGISTRY.library, *FLOWS]))
 def test_effects_exert_the_same_forces_seen_from_elsewhere(effect):
     kind = FLOWS.get(effect) or REGISTRY[effect].example(scene())
     if not kind.kernels():

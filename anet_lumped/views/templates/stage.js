@@ -207,6 +207,21 @@ function makeStage(content, element) {
     lay(sea, water, middle);
     scene.add(sea);
   }
+  for (const solid of content.around.obstacles) {
+    const centre = new Vector3(...solid.at), turn = new THREE.Quaternion(...solid.turn), axis = new Vector3(0, 0, 1).applyQuaternion(turn);
+    let [x, y, z] = solid.widths, shape;
+    if (z === null) { // a cylinder without ends: the part of it that is near
+      z = 2 * half;
+      centre.addScaledVector(axis, middle.clone().sub(centre).dot(axis));
+    }
+    if (solid.kind === "sphere") shape = new THREE.SphereGeometry(x / 2, 40, 24);
+    else if (solid.kind === "cylinder") shape = new THREE.CylinderGeometry(x / 2, x / 2, z, 48).rotateX(Math.PI / 2);
+    else shape = new THREE.BoxGeometry(x, y, z);
+    const mesh = new THREE.Mesh(shape, new THREE.MeshLambertMaterial({ color: content.colours.obstacle, transparent: true, opacity: 0.55 }));
+    mesh.position.copy(centre);
+    mesh.quaternion.copy(turn);
+    scene.add(mesh);
+  }
   const length = wave ? (2 * Math.PI) / wave.k : 0;
   document.getElementById("grid").textContent = `${ground ? "ground" : "grid (no ground)"}: ${short(mesh)} m a square`;
 
