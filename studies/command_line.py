@@ -251,7 +251,7 @@ def sweep(
         list[str],
         typer.Option(
             metavar="NAME=SPEC",
-            help="What varies: EA (all cables), s0-p0.EA, p0.mass, p0.at.z, gravity.g, method, dt ...; "
+            help="What varies: EA (all cables), s0-p0.EA, p0.mass, p0.at.z, gravity.g, air.wind.1.seed, method, dt ...; "
             "over a:b:n (evenly), a:b:nlog (in the logarithm) or a,b,c. Again for a grid.",
         ),
     ],
@@ -260,6 +260,7 @@ def sweep(
     method: Method = None,
     dt: Step = None,
     start: Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")] = None,
+    since: Annotated[float | None, typer.Option("--from", help="From when on measures over time look at a run.", **TIME)] = None,
     change: Changes = (),
     effect: Added = (),
     out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=folder)] = None,
@@ -275,7 +276,7 @@ def sweep(
     from studies.sweeping.vary import parse_vary
 
     out = out or Path("results") / f"sweep-{Path(scene).stem}"
-    settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
+    settings = {"t_end": t_end, "method": method, "dt": dt, "start": start, "since": since}
     try:
         loaded = changed(load(scene, "simulate" if t_end else "equilibrium"), change, effect)
         table = sweep(loaded, parse_vary(vary), measure, **settings, out=out, resume=resume, workers=workers, label="sweep")
@@ -291,12 +292,13 @@ def sweep(
 
 @app.command()
 def measures():
-    """List what a sweep can measure."""
+    """List what a sweep can measure. Those over time look at a run from --from on; of several segments or ends the worst counts."""
     from studies.sweeping.measures import MEASURES
 
     rows = [{"measure": name} | measure._asdict() for name, measure in MEASURES.items()]
     for row in rows:
-        del row["function"]
+        del row["function"], row["of_ground"]
+        row["over_time"] = "yes" if row["over_time"] else ""
     give({"measures": rows})
 
 

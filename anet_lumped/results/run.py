@@ -16,7 +16,7 @@ from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
-from . import end_forces, error_estimate, run_file, tension_error
+from . import end_forces, error_estimate, run_file, tension_error, touchdown
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, Event
@@ -260,6 +260,10 @@ class Run:
     def reaction(self, name: str) -> np.ndarray:
         """(k, 3) force of a fixed or driven point, of a driven body or of the "ground" on the net [N], see `end_forces`."""
         return np.concatenate([end_forces.reaction(rows, self.scene, name) for rows in end_forces.rows_of_run(self)])
+
+    def touchdown_length(self, cable: str) -> np.ndarray:
+        """(k,) unstretched length of a cable that lies on the ground [m], known to half a segment; see `results.touchdown`."""
+        return touchdown.touchdown_lengths(self.model, end_forces.rows_of_run(self), cable, self.holds(cable))
 
     def length(self, cable: str) -> np.ndarray:
         """(k,) stretched length of a cable [m], without segments that broke."""

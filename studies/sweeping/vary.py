@@ -152,7 +152,7 @@ def _fields(entries):
 
 def _values_below(part, above=""):
     """Name, container and key of each value of a table, and of those within it."""
-    for key, value in part.items():
+    for key in part:
         if key not in (NOT_VARIED if not above else ("name", "kind")):
             yield from _values_of(part, key, above + key)
 
