@@ -69,6 +69,19 @@ def _about(
     """Elastic cables and nets as lumped masses: rest, motion, stability, and their distance from the catenary."""
 
 
+@app.command(epilog="Example: anet-lumped new mine.toml --like tether   (then: anet-lumped equilibrium mine.toml)")
+def new(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The file to write; one that is there is left alone.")],
+    like: Annotated[
+        str, typer.Option(help="The scene to begin from: net_held, net_flown, loose_cable, mooring, tether, ...")
+    ] = "net_held",
+):
+    """Write a commented scene to begin from. It is a copy of one that comes with this."""
+    from anet_lumped.files.new_scene import new_scene
+
+    print(new_scene(scene, like))
+
+
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
 def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False, effect: Added = ()):
     """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point.

@@ -19,10 +19,10 @@ def energy_names(run: Any) -> tuple[str, ...]:
 def dataset(run: Any) -> Any:
     """A run as an `xarray.Dataset` whose dimensions are names: ``ds.sel(point="bottle")``, ``ds.sel(cable="line1")``.
 
-    Variables: `position` and `velocity` (t, point, axis), `shape` (t, cable, node, axis), `tension` (t, cable, segment) and `energy`
-    (t, energy_of). Coordinates: `arc` (cable, node) and `arc_of_segment` (cable, segment), unstretched lengths from the start of each
-    cable as the scene has it. Nodes and segments are counted from the start of a cable. Where cables have fewer than others, NaN
-    follows.
+    Variables: `position` and `velocity` (t, point, axis), `shape` (t, cable, node, axis), `tension` (t, cable, segment) and
+    `energy` (t, energy_of). Coordinates: `arc` (cable, node) and `arc_of_segment` (cable, segment), unstretched lengths from the
+    start of each cable as the scene has it. Nodes and segments are counted from the start of a cable. Where cables have fewer than
+    others, NaN follows.
     """
     import xarray as xr
 
@@ -64,7 +64,7 @@ def frame(run: Any) -> Any:
     """
     import pandas
 
-    columns = {}
+    columns: dict[str, np.ndarray] = {}
     for point in run.scene.all_points:
         for symbol, unit, rows in (("", "m", run.position(point.name)), ("v", "m/s", run.velocity(point.name))):
             columns |= {f"{point.name} {symbol}{axis} [{unit}]": rows[:, i] for i, axis in enumerate(AXES)}
