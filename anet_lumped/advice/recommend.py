@@ -64,7 +64,7 @@ class Recommendation:
     scene : Scene, with the segments recommended
     best, runner_up : Candidate, Candidate or None
     points : tuple of str, whose places the error is of
-    t_end, start : float [s] and str, motion looked at
+    t_end, start : float [s] and str, simulated
     error : float [m], asked for
     segments_error, time_error : float [m], parts of the error, estimated
     checked_error : float [m], against a run with twice the segments and half the step
@@ -115,7 +115,7 @@ def recommend(
     at : str or None
         The free point that counts; None takes all, or the middles of the cables where there is none.
     t_end : float or None [s]
-        Motion looked at; None takes two swings after the last corner of a driven path.
+        How long to simulate; None takes two swings after the last corner of a driven path.
     start : "equilibrium" or "straight"
     realtime : float or None
         How many times faster than real time it must run.

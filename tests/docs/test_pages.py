@@ -51,7 +51,7 @@ def test_examples_print_what_the_page_says(page, tmp_path, monkeypatch):
 def test_the_example_of_the_readme_runs(tmp_path):
     (example,) = examples(text_of(ROOT / "README.md"))
     printed = run(example, {"__name__": "document"}, tmp_path, "README.md")
-    assert printed.startswith("done edmc: a second of motion costs") and len(printed.splitlines()) == 4
+    assert printed.startswith("done edmc: about ") and len(printed.splitlines()) == 4
 
 
 def test_alike_tells_numbers_and_words_apart():
