@@ -48,6 +48,13 @@ class Candidate:
     times_real_time: float
     extrapolate: bool = False
 
+    def __str__(self) -> str:
+        return (
+            f"{self.method} with "
+            + (f"dt={self.dt:.3g} s" if self.rtol is None else f"rtol={self.rtol:.2g}")
+            + (", extrapolated" if self.extrapolate else "")
+        )
+
     @property
     def stepping(self) -> dict[str, Any]:
         """Arguments of `simulate`."""
@@ -55,9 +62,9 @@ class Candidate:
         return found | ({"extrapolate": True} if self.extrapolate else {})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recommendation:
-    """What `recommend` found.
+    """What `recommend` found; ``str`` has all of it, ``repr`` a short line.
 
     Parameters
     ----------
@@ -88,6 +95,32 @@ class Recommendation:
     elasticity: float
     fast_enough: bool
     rigid: Candidate | None = None
+
+    def __repr__(self) -> str:
+        counts = sorted(set(self.segments.values()))
+        segments = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+        return (
+            f"<Recommendation: {segments} segments a cable, {self.best}, error {self.checked_error:.2g} m (asked {self.error:g} m), "
+            f"{self.best.times_real_time:.4g} times real time>"
+        )
+
+    def __str__(self) -> str:
+        named = {"best": self.best, "runner-up": self.runner_up, "with EA = inf": self.rigid}
+        lines = [
+            f"{name}: {one}, error in time {one.error:.3g} m, {one.times_real_time:.3g} times faster than real time"
+            for name, one in named.items()
+            if one
+        ]
+        return "\n".join(
+            [
+                *lines,
+                "segments: " + ", ".join(f"{name} {count}" for name, count in self.segments.items()),
+                f"error of {', '.join(self.points) or 'the middles of the cables'}: asked {self.error:g} m, of segments "
+                f"{self.segments_error:.3g} m, of time {self.time_error:.3g} m, checked {self.checked_error:.3g} m",
+                f"without stretch: {self.elasticity:.3g} m away",
+                f"simulated for {self.t_end:.4g} s from {self.start}" + ("" if self.fast_enough else "; slower than was asked for"),
+            ]
+        )
 
     @property
     def segments(self) -> dict[str, int]:
