@@ -305,13 +305,13 @@ def sweep(
 
 @app.command()
 def measures():
-    """List what a sweep can measure. Those over time look at a run from --from on; of several segments or ends the worst counts."""
+    """List what a sweep can measure. Those with "from" look at a run from the time --from on; of several segments or ends the worst counts."""
     from studies.sweeping.measures import MEASURES
 
     rows = [{"measure": name} | measure._asdict() for name, measure in MEASURES.items()]
     for row in rows:
         del row["function"], row["of_ground"]
-        row["over_time"] = "yes" if row["over_time"] else ""
+        row["source"] += ", from" if row.pop("over_time") else ""
     give({"measures": rows})
 
 

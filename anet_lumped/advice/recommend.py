@@ -100,8 +100,8 @@ class Recommendation:
         counts = sorted(set(self.segments.values()))
         segments = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
         return (
-            f"<Recommendation: {segments} segments a cable, {self.best}, error {self.checked_error:.2g} m (asked {self.error:g} m), "
-            f"{self.best.times_real_time:.4g} times real time>"
+            f"<Recommendation: {segments} segments a cable, {self.best}, "
+            f"error {self.checked_error:.2g} m (asked {self.error:g} m), {self.best.times_real_time:.4g} times real time>"
         )
 
     def __str__(self) -> str:
