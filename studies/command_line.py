@@ -305,7 +305,7 @@ def sweep(
 
 @app.command()
 def measures():
-    """List what a sweep can measure. Those with "from" look at a run from the time --from on; of several segments or ends the worst counts."""
+    """List what a sweep can measure. Those "from" look at a run from --from on; of several segments or ends the worst counts."""
     from studies.sweeping.measures import MEASURES
 
     rows = [{"measure": name} | measure._asdict() for name, measure in MEASURES.items()]
