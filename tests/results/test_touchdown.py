@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from anet_lumped import Cable, Fixed, Free, Scene, equilibrium, simulate
+from anet_lumped import Cable, Fixed, Free, Scene, State, equilibrium, simulate
 from anet_lumped.checks import InputError
 from anet_lumped.effects import Gravity, Ground, GroundMap, LineChange
 from anet_lumped.prescribed import signals
@@ -53,3 +53,12 @@ def test_without_a_ground_it_is_refused():
     )
     with pytest.raises(InputError, match='A cable lies on the ground of its scene, but the scene of cable "a-b" has none'):
         equilibrium(scene).touchdown_length("a-b")
+
+
+def test_a_cable_that_lies_from_support_to_support_lies_with_all_of_its_length():
+    cable = Cable("a", "b", length=4.0, mass_per_length=MU, EA=1e7, segments=4, diameter=0.02)
+    scene = Scene([Fixed("a", (0, 0, 0)), Fixed("b", (4, 0, 0))], [cable], [Gravity(G), Ground()])
+    pressed = [(x, 0.0, 0.0 if x in (0, 4) else -1e-4) for x in range(5)]
+    lifted = [(x, 0.0, 0.5 if x == 2 else z) for x, _, z in pressed]
+    found = [State.of(scene, shapes={"a-b": shape}).touchdown_length("a-b") for shape in (pressed, lifted)]
+    assert found == [4.0, 3.0]  # of the segments beside the node that is lifted half each is gone
