@@ -69,6 +69,19 @@ def _about(
     """Elastic cables and nets as lumped masses: rest, motion, stability, and their distance from the catenary."""
 
 
+@app.command(epilog="Example: anet-lumped new mine.toml --like tether   (then: anet-lumped equilibrium mine.toml)")
+def new(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The file to write; one that is there is left alone.")],
+    like: Annotated[
+        str, typer.Option(help="The scene to begin from: net_held, net_flown, loose_cable, mooring, tether, ...")
+    ] = "net_held",
+):
+    """Write a commented scene to begin from. It is a copy of one that comes with this."""
+    from anet_lumped.files.new_scene import new_scene
+
+    print(new_scene(scene, like))
+
+
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
 def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False, effect: Added = ()):
     """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point.
@@ -94,7 +107,7 @@ def simulate(
     method: Method = None,
     dt: Step = None,
     rtol: Annotated[float | None, typer.Option(help="Adaptive steps: error of a step over the largest coordinate.")] = None,
-    extrapolate: Annotated[bool, typer.Option(help="Half the step too, and their limit: order 4 of edmc.")] = False,
+    extrapolate: Annotated[bool, typer.Option(help="Combine with a half-step run (order 4).")] = False,
     start: Annotated[str, typer.Option(help="equilibrium, straight, or a CSV of places along cables.")] = "equilibrium",
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
@@ -185,7 +198,7 @@ def recommend(
     scene: Scene,
     error: Annotated[float, typer.Option(help="Largest error of a position, as in 1mm, 0.05cm or 0.001 (m).", **LENGTH)],
     at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
-    t_end: Annotated[float | None, typer.Option(help="Motion to look at; two swings if not given.", **TIME)] = None,
+    t_end: Annotated[float | None, typer.Option(help="How long to simulate; two swings if not given.", **TIME)] = None,
     start: Start = "equilibrium",
     realtime: Annotated[float | None, typer.Option(help="How many times faster than real time it must run.")] = None,
     change: Changes = (),
@@ -213,7 +226,7 @@ def effects(
     error: Annotated[str, typer.Option(help="Change that matters: of a position, as in 1mm; of a tension, as in 0.1N.")] = "1mm",
     at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
     tension: Annotated[str | None, typer.Option(metavar="CABLE", help="The cable whose tension counts instead.")] = None,
-    t_end: Annotated[float | None, typer.Option(help="Motion to look at; two swings if not given.", **TIME)] = None,
+    t_end: Annotated[float | None, typer.Option(help="How long to simulate; two swings if not given.", **TIME)] = None,
     start: Start = "equilibrium",
     water_level: Annotated[float | None, typer.Option(help="Height of still water, if there is any.", **LENGTH)] = None,
     change: Changes = (),
@@ -255,7 +268,7 @@ def sweep(
         list[str],
         typer.Option(
             metavar="NAME=SPEC",
-            help="What varies: EA (all cables), s0-p0.EA, p0.mass, p0.at.z, gravity.g, method, dt ...; "
+            help="What varies: EA (all cables), s0-p0.EA, p0.mass, p0.at.z, gravity.g, air.wind.1.seed, method, dt ...; "
             "over a:b:n (evenly), a:b:nlog (in the logarithm) or a,b,c. Again for a grid.",
         ),
     ],
@@ -264,6 +277,7 @@ def sweep(
     method: Method = None,
     dt: Step = None,
     start: Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")] = None,
+    since: Annotated[float | None, typer.Option("--from", help="From when on measures over time look at a run.", **TIME)] = None,
     change: Changes = (),
     effect: Added = (),
     out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=folder)] = None,
@@ -279,7 +293,7 @@ def sweep(
     from studies.sweeping.vary import parse_vary
 
     out = out or Path("results") / f"sweep-{Path(scene).stem}"
-    settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
+    settings = {"t_end": t_end, "method": method, "dt": dt, "start": start, "since": since}
     try:
         loaded = changed(load(scene, "simulate" if t_end else "equilibrium"), change, effect)
         table = sweep(loaded, parse_vary(vary), measure, **settings, out=out, resume=resume, workers=workers, label="sweep")
@@ -295,12 +309,13 @@ def sweep(
 
 @app.command()
 def measures():
-    """List what a sweep can measure."""
+    """List what a sweep can measure. Those "from" look at a run from --from on; of several segments or ends the worst counts."""
     from studies.sweeping.measures import MEASURES
 
     rows = [{"measure": name} | measure._asdict() for name, measure in MEASURES.items()]
     for row in rows:
-        del row["function"]
+        del row["function"], row["of_ground"]
+        row["source"] += ", from" if row.pop("over_time") else ""
     give({"measures": rows})
 
 

@@ -199,11 +199,19 @@ def _unloaded(scene: Scene) -> Scene:
     return replace(scene, points=points)
 
 
-def _lacking(sentence: str) -> Callable[[Scene, float | None], Scene]:
+class InputMissing(SceneError):
+    """What an effect would need and a scene does not say: a sentence, and the name of the `missing` input."""
+
+    def __init__(self, sentence: str, missing: str) -> None:
+        super().__init__(sentence)
+        self.missing = missing
+
+
+def _lacking(missing: str, sentence: str) -> Callable[[Scene, float | None], Scene]:
     """What raises the sentence: the data that an effect would need."""
 
     def refuse(scene: Scene, level: float | None) -> NoReturn:
-        raise SceneError(sentence)
+        raise InputMissing(sentence, missing)
 
     return refuse
 
@@ -214,7 +222,7 @@ def _in_air(scene: Scene, level: float | None) -> Scene:
 
 def _in_water(scene: Scene, level: float | None) -> Scene:
     if level is None:
-        raise SceneError("It needs the level of the water [m], as in water_level=0.0.")
+        raise InputMissing("It needs the level of the water [m], as in water_level=0.0.", "water level")
     if "water" not in REGISTRY:
         raise SceneError("There is no effect of water.")
     return _if_thick("water", scene, lambda: REGISTRY["water"](level=level))
@@ -223,13 +231,13 @@ def _in_water(scene: Scene, level: float | None) -> Scene:
 def _if_thick(name: str, scene: Scene, make: Callable[[], Effect]) -> Scene:
     thin = [cable.name for cable in scene.cables if cable.diameter is None]
     if thin:
-        raise SceneError(f"It needs the `diameter` [m] of every cable, but {quoted(thin[0])} has none.")
+        raise InputMissing(f"It needs the `diameter` [m] of every cable, but {quoted(thin[0])} has none.", "diameter")
     return _with(scene, make())
 
 
 def _bent(scene: Scene, level: float | None) -> Scene:
     if not any(cable.EI > 0.0 for cable in scene.cables):
-        raise SceneError("It needs cables with an `EI` [N·m²], but none has any.")
+        raise InputMissing("It needs cables with an `EI` [N·m²], but none has any.", "EI")
     return _with(scene, REGISTRY["bending"]())
 
 
@@ -257,29 +265,32 @@ AUDITED: dict[str, Audited] = {
     "elasticity": Audited(
         lambda scene: not all(cable.inextensible for cable in scene.cables),
         lambda scene: _changed_cables(scene, EA=math.inf, tension_strain=None, **WITHOUT_CREEP),
-        _lacking("It needs the `EA` [N] of the cables."),
+        _lacking("EA", "It needs the `EA` [N] of the cables."),
         _elastic_numbers,
         _axial_frequency,
     ),
     "axial damping": Audited(
         lambda scene: any(cable.axial_viscosity > 0.0 for cable in scene.cables),
         lambda scene: _changed_cables(scene, zeta=0.0, BA=None),
-        _lacking("It needs the `zeta` or `BA` of cables that stretch."),
+        _lacking("zeta", "It needs the `zeta` or `BA` of cables that stretch."),
         _slowest_damping,
     ),
     "payload": Audited(
-        lambda scene: any(_masses(scene)), _unloaded, _lacking("It needs the `mass` [kg] of a free point."), _payload_numbers
+        lambda scene: any(_masses(scene)),
+        _unloaded,
+        _lacking("mass", "It needs the `mass` [kg] of a free point."),
+        _payload_numbers,
     ),
     "gravity": _registered("gravity", lambda scene, level: _with(scene, REGISTRY["gravity"]()), _gravity_numbers),
     "air": _registered("air", _in_air, _air_numbers),
     "water": _registered("water", _in_water, _water_numbers),
     "bending": _registered("bending", _bent, _bending_numbers),
-    "ground": _registered("ground", _lacking("It needs the `height` [m] of the ground."), _ground_numbers),
-    "viscous_damping": _registered("viscous_damping", _lacking("It needs a `rate` [1/s]."), _damping_numbers),
+    "ground": _registered("ground", _lacking("height", "It needs the `height` [m] of the ground."), _ground_numbers),
+    "viscous_damping": _registered("viscous_damping", _lacking("rate", "It needs a `rate` [1/s]."), _damping_numbers),
 }
 
 
 def audited_in(scene: Scene) -> dict[str, Audited]:
     """How each effect is audited, by name: those above, and whatever else the scene has."""
     others = [name for effect in scene.effects if (name := REGISTRY.name_of(effect)) and name not in AUDITED]
-    return AUDITED | {name: _registered(name, _lacking(""), lambda scene, scales: {}) for name in others}
+    return AUDITED | {name: _registered(name, _lacking("", ""), lambda scene, scales: {}) for name in others}

@@ -19,7 +19,7 @@ from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Free, Scene, SceneError, check_scene
 from anet_lumped.statics.equilibrium import EquilibriumError
 
-from .audited_effects import Audited, Scales, audited_in, scales
+from .audited_effects import Audited, InputMissing, Scales, audited_in, scales
 from .recommend import scale_of_motion, two_swings
 
 SAVES = 40  # times at which runs are compared
@@ -28,8 +28,9 @@ DECIDES = 3.0  # times what the motion is known to: changes of a chaotic motion 
 HALVINGS = 6  # of the step, at most
 REPEATS = 9  # of a timing, whose shortest counts
 NEEDED, NEGLIGIBLE, STIFF, UNDECIDED, UNKNOWN = (
-    "needed", "negligible", "negligible, too stiff to keep", "undecided", "not known"
+    "needed", "negligible", "negligible; it makes steps short", "undecided", "not judged"
 )  # fmt: skip
+USE_RIGID = "negligible; use EA = inf"  # of elasticity that makes steps short
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,7 @@ class Verdict:
     stiffness : float, how many stable explicit steps it makes of one that the motion asks for; 0 if it has no frequency
     verdict : str, one of the capitals above
     reason : str, a sentence
+    missing : str, name of the input without which it was not judged; "" if there is none
     """
 
     effect: str
@@ -56,6 +58,7 @@ class Verdict:
     stiffness: float
     verdict: str
     reason: str
+    missing: str = ""
 
 
 @dataclass(frozen=True)
@@ -106,7 +109,7 @@ def audit_effects(
     tension : str or None
         The cable whose tension counts, in place of a place.
     t_end : float or None [s]
-        Motion looked at; None takes two swings after the last corner of a driven path.
+        How long to simulate; None takes two swings after the last corner of a driven path.
     start : "equilibrium", "straight" or State
     water_level : float or None [m]
         Height of still water, if it may matter.
@@ -210,7 +213,8 @@ def _verdict(
         other = audited.without(scene) if present else audited.with_it(scene, water_level)
         run, start = runs.beside(other, reference)
     except SceneError as lacking:
-        return Verdict(name, present, {}, math.nan, math.nan, 0.0, UNKNOWN, str(lacking))
+        missing = lacking.missing if isinstance(lacking, InputMissing) else ""
+        return Verdict(name, present, {}, math.nan, math.nan, 0.0, UNKNOWN, str(lacking), missing)
     having = scene if present else other
     numbers, stiffness = audited.numbers(having, sizes), 0.5 * runs.dt * audited.frequency(having)
     if not run.ok:
@@ -220,6 +224,7 @@ def _verdict(
     cost = runs.cost(having, other if present else scene, start)
     verdict, reason = _judged(change, known_to, runs.error, stiffness, "N" if runs.tension else "m")
     if name == "elasticity" and present and verdict in (STIFF, NEGLIGIBLE):
+        verdict = USE_RIGID if verdict == STIFF else verdict
         reason += ' EA=inf with method="links" takes the stiffness out.'
     return Verdict(name, present, numbers, change, cost, stiffness, verdict, reason)
 
@@ -228,7 +233,7 @@ def _judged(change: float, known_to: float, error: float, stiffness: float, unit
     """The verdict on a change, and a sentence."""
     changes = f"changes {change:.3g} {unit} where {error:g} {unit} matter"
     if known_to > KNOWN_TO * error and change <= DECIDES * known_to + error:
-        return UNDECIDED, f"The motion itself is known to {known_to:.3g} {unit} only; it {changes}."
+        return UNDECIDED, f"The numerical error of this comparison is {known_to:.3g} {unit}; it {changes}."
     if change > error:
         return NEEDED, f"It {changes}."
     if stiffness > 1.0:

@@ -48,6 +48,13 @@ class Candidate:
     times_real_time: float
     extrapolate: bool = False
 
+    def __str__(self) -> str:
+        return (
+            f"{self.method} with "
+            + (f"dt={self.dt:.3g} s" if self.rtol is None else f"rtol={self.rtol:.2g}")
+            + (", extrapolated" if self.extrapolate else "")
+        )
+
     @property
     def stepping(self) -> dict[str, Any]:
         """Arguments of `simulate`."""
@@ -55,16 +62,16 @@ class Candidate:
         return found | ({"extrapolate": True} if self.extrapolate else {})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recommendation:
-    """What `recommend` found.
+    """What `recommend` found; ``str`` has all of it, ``repr`` a short line.
 
     Parameters
     ----------
     scene : Scene, with the segments recommended
     best, runner_up : Candidate, Candidate or None
     points : tuple of str, whose places the error is of
-    t_end, start : float [s] and str, motion looked at
+    t_end, start : float [s] and str, simulated
     error : float [m], asked for
     segments_error, time_error : float [m], parts of the error, estimated
     checked_error : float [m], against a run with twice the segments and half the step
@@ -88,6 +95,32 @@ class Recommendation:
     elasticity: float
     fast_enough: bool
     rigid: Candidate | None = None
+
+    def __repr__(self) -> str:
+        counts = sorted(set(self.segments.values()))
+        segments = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+        return (
+            f"<Recommendation: {segments} segments a cable, {self.best}, "
+            f"error {self.checked_error:.2g} m (asked {self.error:g} m), {self.best.times_real_time:.4g} times real time>"
+        )
+
+    def __str__(self) -> str:
+        named = {"best": self.best, "runner-up": self.runner_up, "with EA = inf": self.rigid}
+        lines = [
+            f"{name}: {one}, error in time {one.error:.3g} m, {one.times_real_time:.3g} times faster than real time"
+            for name, one in named.items()
+            if one
+        ]
+        return "\n".join(
+            [
+                *lines,
+                "segments: " + ", ".join(f"{name} {count}" for name, count in self.segments.items()),
+                f"error of {', '.join(self.points) or 'the middles of the cables'}: asked {self.error:g} m, of segments "
+                f"{self.segments_error:.3g} m, of time {self.time_error:.3g} m, checked {self.checked_error:.3g} m",
+                f"without stretch: {self.elasticity:.3g} m away",
+                f"simulated for {self.t_end:.4g} s from {self.start}" + ("" if self.fast_enough else "; slower than was asked for"),
+            ]
+        )
 
     @property
     def segments(self) -> dict[str, int]:
@@ -115,7 +148,7 @@ def recommend(
     at : str or None
         The free point that counts; None takes all, or the middles of the cables where there is none.
     t_end : float or None [s]
-        Motion looked at; None takes two swings after the last corner of a driven path.
+        How long to simulate; None takes two swings after the last corner of a driven path.
     start : "equilibrium" or "straight"
     realtime : float or None
         How many times faster than real time it must run.

@@ -17,7 +17,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -69,6 +69,8 @@ class GroundMap(Effect):
     damping: float = 3e5
     friction: float = 0.0
     slip_speed: float = 1e-3
+
+    is_ground: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
         signs = {"stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative")}

@@ -170,10 +170,10 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
         explicit_cost = EXPLICIT_COST / explicit_step if explicit_step > 0 else math.inf
         implicit_cost = IMPLICIT_COST / motion
         method = DEFAULT_IMPLICIT if needs_implicit or explicit_cost > implicit_cost else DEFAULT_EXPLICIT
+        costs = {DEFAULT_EXPLICIT: explicit_cost, DEFAULT_IMPLICIT: implicit_cost}
         why = (
-            f"a second of motion costs {explicit_cost * 1e6:.3g} µs a node with {DEFAULT_EXPLICIT} at {explicit_step:.3g} s "
-            f"(stable to {limit:.3g} s) and {implicit_cost * 1e6:.3g} µs with {DEFAULT_IMPLICIT} at {motion:.3g} s "
-            f"(1/{1 / SHARE_OF_TIME_SCALE:.0f} of the motion's time scale)"
+            f"{_cheaper(method, costs)} ({DEFAULT_IMPLICIT} with steps of {motion:.3g} s, 1/{1 / SHARE_OF_TIME_SCALE:.0f} of the "
+            f"motion's time scale, {DEFAULT_EXPLICIT} with {explicit_step:.3g} s, stable to {limit:.3g} s)"
         )
     if undamped_slack_cable is not None and not chosen_by_user and rigid is None and creeping is None:
         why += f"; cable {quoted(undamped_slack_cable)} may go slack undamped, where an explicit step gains energy"
@@ -191,6 +191,19 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
         why += f"; dt={dt:.3g} s from the time scale of the motion"
     warning = "" if adaptive else prediction.warning(method, dt)
     return Choice(method, dt, f"{method}: {why}", limit, (warning,) if warning else ())
+
+
+def _cheaper(method, costs):
+    """How the cost of the method that is taken compares with that of the other, in words."""
+    ((other, cost),) = ((name, cost) for name, cost in costs.items() if name != method)
+    if math.isinf(cost):
+        return f"{other} has no stable step here"
+    ratio = cost / costs[method]
+    return (
+        f"about {ratio:.2g} times cheaper than {other} here"
+        if ratio >= 1.0
+        else f"{other} is about {1.0 / ratio:.2g} times cheaper here"
+    )
 
 
 def _check_creep(method, adaptive, creeping):

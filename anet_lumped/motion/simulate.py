@@ -155,7 +155,7 @@ def simulate(
     check_counts(scene, begin.t, begin.t + t_end, longest, save_every, adaptive)
     if dt is None and not adaptive:
         span = save_every or t_end
-        choice = replace(choice, dt=span / math.ceil(span / choice.dt))  # steps that end on what is saved
+        choice = _ending_on(choice, span, "t_end" if save_every is None else "save_every")
     for text in choice.warnings:
         _warn(text, StabilityWarning)
     if isinstance(start, str) and start == "straight":
@@ -308,6 +308,13 @@ def _check_external(scene: Scene, begin: State) -> None:
                     f"start from has {quoted(point.name)} at {tuple(begin.position(point.name).tolist())}; go on in a Session, or "
                     "give the point another path."
                 )
+
+
+def _ending_on(choice: Choice, span: float, called: str) -> Choice:
+    """The choice with steps that end on what is saved, which its reason says where it shows in three digits."""
+    dt = span / math.ceil(span / choice.dt)
+    shorter = f"; shortened to {1e3 * dt:.3g} ms to meet {called}" if f"{dt:.3g}" != f"{choice.dt:.3g}" else ""
+    return replace(choice, dt=dt, reason=choice.reason + shorter)
 
 
 def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: Any, rho_inf: Any, audit: Any, *errors: Any) -> None:

@@ -21,9 +21,9 @@ DISAGREE = 4.0  # times, or a quarter of, the error that the run tells of itself
 SLOWEST = 1.1  # times nearer, by which two finer runs must be: otherwise they tend to nothing
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Audit:
-    """What the audit of a run found.
+    """What the audit of a run found; ``str`` has all of it, ``repr`` a short line.
 
     Parameters
     ----------
@@ -52,6 +52,20 @@ class Audit:
     wall_time: float
     reason: str = ""
     tension_error: float = 0.0
+
+    def __repr__(self) -> str:
+        how = "passed" if self.passed else "failed"
+        return f"<Audit {how}: places to {self.error:.3g} m, peak tension to {self.tension_error:.2g} of it>"
+
+    def __str__(self) -> str:
+        lines = [self.reason or "The audit passed."]
+        lines += [
+            f"places: off by {self.error:.3g} m, {self.where} at t={self.t:.4g} s; {self.allowed:.3g} m are allowed",
+            f"largest tension: off by {self.tension_error:.2g} of it; {TENSION_ALLOWED:g} are allowed",
+            f"energy: {self.imbalance:.2g} of what was in play not accounted for; {IMBALANCE:g} are allowed",
+            f"the finer run took {self.wall_time:.3g} s",
+        ]
+        return "\n".join(lines)
 
     @property
     def passed(self) -> bool:

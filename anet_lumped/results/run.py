@@ -16,7 +16,7 @@ from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
-from . import end_forces, error_estimate, run_file, tension_error
+from . import end_forces, error_estimate, labelled, run_file, tension_error, touchdown
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, Event
@@ -261,6 +261,10 @@ class Run:
         """(k, 3) force of a fixed or driven point, of a driven body or of the "ground" on the net [N], see `end_forces`."""
         return np.concatenate([end_forces.reaction(rows, self.scene, name) for rows in end_forces.rows_of_run(self)])
 
+    def touchdown_length(self, cable: str) -> np.ndarray:
+        """(k,) unstretched length of a cable that lies on the ground [m], known to half a segment; see `results.touchdown`."""
+        return touchdown.touchdown_lengths(self.model, end_forces.rows_of_run(self), cable, self.holds(cable))
+
     def length(self, cable: str) -> np.ndarray:
         """(k,) stretched length of a cable [m], without segments that broke."""
         return (np.linalg.norm(np.diff(self.shape(cable), axis=1), axis=2) * self.holds(cable)).sum(axis=1)
@@ -276,6 +280,14 @@ class Run:
     def save(self, path: str | PathLike[str]) -> None:
         """Write the run, its scene and its account to one netCDF file."""
         run_file.write(self, path)
+
+    def to_xarray(self) -> Any:
+        """The run as a Dataset of xarray whose dimensions are names of points and cables; see `results.labelled.dataset`."""
+        return labelled.dataset(self)
+
+    def to_frame(self) -> Any:
+        """The run as a DataFrame of pandas, a row for each saved time, with units; see `results.labelled.frame`."""
+        return labelled.frame(self)
 
     def save_vtk(self, folder: str | PathLike[str]) -> Path:
         """Write `run.pvd` and a `.vtp` for each saved state into a folder, for ParaView; see `views.vtk_writer`."""

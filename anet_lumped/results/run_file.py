@@ -20,7 +20,9 @@ from anet_lumped.regular_files import check_target, read_bytes
 from anet_lumped.results.energy_balance import COLUMNS, UNDIVIDED
 from anet_lumped.scene.as_dict import scene_to_dict
 
-FORMAT = 1  # of the files that are written here
+from .labelled import LABELS, energy_names, labels
+
+FORMAT = 2  # of the files that are written here; the first had no labels
 WHAT = "A saved run"  # for messages
 AXES = ["x", "y", "z"]
 DIMENSIONS = {
@@ -38,7 +40,7 @@ def write(run: Any, path: str | PathLike[str]) -> None:
     import xarray as xr
 
     check_target(path, "A run")
-    columns = list(COLUMNS if run.energy.shape[1] == len(COLUMNS) else UNDIVIDED)
+    columns = list(energy_names(run))
     account = {
         "format": FORMAT,
         "scene": json.dumps(scene_to_dict(run.scene)),
@@ -70,14 +72,14 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         "v": {"units": "m/s", "long_name": "velocity"},
         "tension": {"units": "N"},
         "energy": {"units": "J"},
-        "rotation": {"long_name": "unit quaternion (w, x, y, z) of each body"},
+        "rotation": {"units": "1", "long_name": "unit quaternion (w, x, y, z) of each body"},
         "crept": {"units": "m", "long_name": "how far each segment has crept"},
         "error": {"units": "m", "long_name": "what the steps left out of places"},
     }
     variables: dict[str, Any] = {name: (DIMENSIONS[name], array, about[name]) for name, array in arrays.items()}
     xr.Dataset(
         {name: variable for name, variable in variables.items() if name != "t"},
-        coords={"t": variables["t"], "axis": AXES, "energy_of": columns},
+        coords={"t": variables["t"], "axis": AXES, "energy_of": columns} | labels(run.model),
         attrs=account | {"checksum": _checksum(arrays, account)},
     ).to_netcdf(path, engine="scipy")
 
@@ -108,6 +110,8 @@ def read(path: str | PathLike[str]) -> tuple[dict[str, np.ndarray], dict[str, An
     for name in ("t", "q", "v", "tension", "energy", "axis", "energy_of"):
         if name not in variables:
             raise DamagedError(f"it has no `{name}`")
+    for name in LABELS:
+        variables.pop(name, None)
     columns = _words(variables.pop("energy_of"))
     if _words(variables.pop("axis")) != AXES or columns not in (list(COLUMNS), list(UNDIVIDED)):
         raise DamagedError("its axes or kinds of energy are unknown")

@@ -55,7 +55,7 @@ def slack_times(run: Any) -> list[SlackTime]:
     """Times for which cables were slack, in the order of the scene's cables and of time."""
     found = []
     for cable in run.scene.cables:
-        for first, last in _stretches(_is_slack(run, cable.name)):
+        for first, last in _stretches(is_slack(run, cable.name)):
             found.append(SlackTime(cable.name, float(run.t[first]), float(run.t[last]), last == len(run.t) - 1))
     return found
 
@@ -68,7 +68,7 @@ def snaps(run: Any) -> list[Snap]:
     """
     found = []
     for cable in run.scene.cables:
-        slack, T = _is_slack(run, cable.name), run.tension(cable.name)
+        slack, T = is_slack(run, cable.name), run.tension(cable.name)
         stretches = _stretches(slack)
         for k, (first, last) in enumerate(stretches):
             until = stretches[k + 1][0] if k + 1 < len(stretches) else len(run.t)
@@ -80,7 +80,7 @@ def snaps(run: Any) -> list[Snap]:
     return sorted(found, key=lambda snap: -snap.tension)
 
 
-def _is_slack(run: Any, cable: str) -> np.ndarray:
+def is_slack(run: Any, cable: str) -> np.ndarray:
     """(k,) bool, whether a segment of a cable that has not broken carries nothing."""
     return ((run.tension(cable) <= CARRIES * run.segment_tension.max(initial=0.0)) & run.holds(cable)).any(axis=1)
 

@@ -12,7 +12,7 @@ from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_TWO_WAY_DAMPER
 from anet_lumped.scene.scene import Scene
 
-from . import end_forces, own_state
+from . import end_forces, own_state, touchdown
 from .events import Event, broken
 from .moved_body import moved
 
@@ -170,6 +170,12 @@ class State:
         from anet_lumped.views.state_figure import plot_state
 
         return plot_state(self)
+
+    def touchdown_length(self, cable: str) -> float:
+        """Unstretched length of a cable that lies on the ground [m], known to half a segment; see `results.touchdown`."""
+        holds = np.ones((1, self.scene.cable(cable).segments), bool)
+        holds[0, list(broken(self.events).get(cable, ()))] = False
+        return float(touchdown.touchdown_lengths(self.model, [end_forces.rows_of_state(self)], cable, holds)[0])
 
     def length(self, cable: str) -> float:
         """Stretched length of a cable [m], without segments that broke."""

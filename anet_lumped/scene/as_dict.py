@@ -6,6 +6,7 @@ by the classes themselves.
 
 import dataclasses
 import inspect
+from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any, Literal, get_args, get_origin
@@ -36,6 +37,7 @@ PARTS: dict[Any, tuple[str, Mapping[str, Callable]]] = {
 
 OWN = " An effect of your own is known in Python, once its module is imported, and not on the command line."
 DEEPEST = 32  # tables and arrays within each other; a wind that is sampled has 7
+NAMED_ENTRIES = {"points": "point", "bodies": "body", "cables": "cable", "rods": "rod"}
 SECTIONS = ("points", "bodies", "cables", "cable_defaults", "effects", "events")
 
 
@@ -267,8 +269,26 @@ def _tables(entries: dict[str, Any], section: str, source: str) -> list[tuple[di
     if not isinstance(found, list) or not found:
         given = "is missing" if found is None else f"is {shown(found)}"
         raise SceneError(f"{source}: `{section}` must be an array of at least one table, [[{section}]], but {given}.")
-    places = [f"{source}, {section}[{i}]" for i in range(len(found))]
+    places = [f"{source}, {called}" for called in _called(section, found)]
     return [(_table(entry, place), place) for entry, place in zip(found, places, strict=True)]
+
+
+def _called(section: str, entries: list[Any]) -> list[str]:
+    """What messages call the entries of a section: by the names that only one has, `point "bottle"`, else by their numbers."""
+    names = [_name(entry) if section in NAMED_ENTRIES and isinstance(entry, dict) else None for entry in entries]
+    times = Counter(names)
+    return [
+        f"{NAMED_ENTRIES[section]} {quoted(name)}" if name and times[name] == 1 else f"{section}[{i}]"
+        for i, name in enumerate(names)
+    ]
+
+
+def _name(entry: dict[str, Any]) -> str | None:
+    """The name of an entry, or that which a cable has by its ends."""
+    name, ends = entry.get("name"), (entry.get("start"), entry.get("end"))
+    if name is None and all(isinstance(end, str) for end in ends):
+        return f"{ends[0]}-{ends[1]}"
+    return name if isinstance(name, str) else None
 
 
 def _plain(thing: Any) -> dict[str, Any]:

@@ -105,9 +105,9 @@ def _rest(scene: Scene, tolerance: float, start: Start | None) -> State:
     closing, balance, noise, iterations = solve(net.address, load, EA, scale, tolerance, H, q)
     if not (closing <= 10 * tolerance and balance <= 1e-10 + noise):
         raise EquilibriumError(
-            f"No equilibrium was found in {iterations:.0f} iterations: forces balance to {balance:.1e} of the load and the "
-            f"cables close to {closing:.1e} of their lengths, which should be {tolerance:.0e}; "
-            "try a moderate EA or `simulate` with damping."
+            f"No equilibrium was found in {iterations:.0f} iterations: imbalance {balance:.1e} of the load, tolerance "
+            f"{1e-10 + noise:.0e}, and gaps of {closing:.1e} of the cables' lengths, tolerance {10 * tolerance:.0e}; "
+            'try a moderate EA, or `simulate` from start="straight".'
         )
     tension, stable = np.empty(model.n_segments), True  # of cables without effects the energy is convex
     unroll(net.address, load, EA, H, q, tension)
@@ -184,8 +184,7 @@ def _refuse(model: Model, found: Any, hanging: np.ndarray) -> None:
     if not found.balanced:
         law = name_law_that_is_not_finite(model, [(0.0, shape, np.zeros_like(q)) for shape in (hanging, q)])
         raise (NoRestError if law or impossible(model, q) else EquilibriumError)(
-            f"{law}No equilibrium was found with {effects}: forces balance to {found.residual:.1e} of the load, "
-            f"which should be 1e-9; {why}."
+            f"{law}No equilibrium was found with {effects}: imbalance {found.residual:.1e} of the load, tolerance 1e-9; {why}."
         )
     down = found.down.directions_down
     state = State(model, 0.0, q, np.zeros_like(q), tension, residual=found.residual, stable=False)
@@ -278,8 +277,8 @@ def _check_slack(model: Model, tension: np.ndarray, total: float, scale: float) 
         smallest = tension[model.segments(cable.name)].min()
         if total == 0.0 and smallest < 1e-9 * scale:
             raise NoRestError(
-                f"A cable needs a load or a tension to have a static shape, but cable {quoted(cable.name)} is slack and nothing "
-                "loads it: a mechanism; give `start` a state instead."
+                f"Nothing loads the cables: the scene has no gravity, so that the slack cable {quoted(cable.name)} has no shape at "
+                "rest; add gravity, or begin from a State."
             )
         pushes, law = cable.compression == "linear" or cable.EA_compression, cable.compression
         if pushes and smallest < 1e-9 * scale:

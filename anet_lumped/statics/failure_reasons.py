@@ -21,7 +21,9 @@ def reason(model: Model, q: np.ndarray) -> str:
     model : Model
     q : (n, 3) float64 [m], the shape that the search ended in
     """
-    return impossible(model, q) or _sharp_turn(model, q) or "try another `start`, or `simulate` with damping"
+    return (
+        impossible(model, q) or _sharp_turn(model, q) or 'try `simulate` from start="straight", or another `start` of `equilibrium`'
+    )
 
 
 def impossible(model: Model, q: np.ndarray) -> str:

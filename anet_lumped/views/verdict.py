@@ -9,7 +9,7 @@ def verdict(run: Any) -> str:
     if not run.ok:
         return f"{run.status.upper()} ({ran}): {run.message.removeprefix('The audit failed: ')}"
     if run.audit is None:
-        return f"done, not audited ({ran})"
+        return f"finished ({ran}); accuracy not checked (--audit)"
     audit = run.audit
     return (
         f"audit passed ({ran}): positions to {as_length(audit.error)} (estimate, at {audit.where}, t={audit.t:.3g} s; "

@@ -26,7 +26,7 @@ KVAERNO3 = Scheme(
     order=3,
     explicit=False,
     limit=NoLimit(),
-    note="linear statement (L-stable), adaptive; its explicit first stage pumps energy into a slackening cable",
+    note="stable for small motion (L-stable), adaptive; may gain energy when slack, from its explicit first stage",
     stepping=Stepping.ADAPTIVE,
     stops_at_events=False,
 )
@@ -38,7 +38,7 @@ KVAERNO5 = Scheme(
     order=5,
     explicit=False,
     limit=NoLimit(),
-    note="linear statement (L-stable), adaptive; its explicit first stage pumps energy into a slackening cable",
+    note="stable for small motion (L-stable), adaptive; may gain energy when slack, from its explicit first stage",
     stepping=Stepping.ADAPTIVE,
     stops_at_events=False,
 )

@@ -11,7 +11,7 @@ MIDPOINT = dirk_scheme(
     order=2,
     A=[[0.5]],
     b=[1.0],
-    note="linear statement only: energy can grow without bound in nonlinear motion",
+    note="stable for small motion; energy may grow without bound in large motion or when slack",
     keeps_angular_momentum=True,
     observes_mean_over_stages=True,
 )

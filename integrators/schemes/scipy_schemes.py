@@ -44,7 +44,7 @@ RADAU = Scheme(
     order=5,
     explicit=False,
     limit=NoLimit(),
-    note="linear statement (L-stable), adaptive",
+    note="stable for small motion (L-stable), adaptive",
     stepping=Stepping.ADAPTIVE,
 )
 BDF = Scheme(

@@ -14,6 +14,6 @@ SDIRK2 = dirk_scheme(
     order=2,
     A=[[GAMMA, 0.0], [1.0 - GAMMA, GAMMA]],
     b=[1.0 - GAMMA, GAMMA],
-    note="linear statement (L-stable); a slackening cable may gain some energy",
+    note="stable for small motion (L-stable); may gain some energy when slack",
     observes_mean_over_stages=True,
 )

@@ -14,5 +14,5 @@ TR_BDF2 = dirk_scheme(
     order=2,
     A=[[0.0, 0.0, 0.0], [D, D, 0.0], [W, W, D]],
     b=[W, W, D],
-    note="linear statement (L-stable); its explicit first stage pumps energy into a slackening cable",
+    note="stable for small motion (L-stable); may gain energy when slack, from its explicit first stage",
 )

@@ -115,7 +115,7 @@ def recommendation_summary(found, scene, change=(), added=()) -> dict:
                 "elasticity_mm": 1e3 * found.elasticity,
             }
         ],
-        "motion_looked_at": found.t_end,
+        "simulated_for_s": found.t_end,
         "command": f"anet-lumped simulate {scene} --t-end {found.t_end:.4g} --method {best.method} {stepping} "
         f"{'' if found.start == 'equilibrium' else f'--start {found.start} '}{sets}",
     }
@@ -128,8 +128,8 @@ def effects_summary(found) -> dict:
     return {
         "effects": _effects(found),
         "asked_for": f"{found.of} within {found.error:g} {found.unit}",
-        "motion_known_to": f"{found.known_to:.3g} {found.unit}",
-        "looked_at": f"{found.t_end:.4g} s of motion by edmc at dt={found.dt:.3g} s",
+        "numerical_error_of_this_comparison": f"{found.known_to:.3g} {found.unit}",
+        "simulated_for": f"{found.t_end:.4g} s by edmc at dt={found.dt:.3g} s",
         "notes": [f"{one.effect}: {one.reason}" for one in found.verdicts if one.verdict not in (NEEDED, NEGLIGIBLE)],
     }
 
@@ -144,7 +144,7 @@ def _effects(found):
             changes: size * one.change,
             "cost_percent": 100.0 * one.cost,
             "explicit_steps": one.stiffness or None,
-            "verdict": one.verdict,
+            "verdict": f"input missing: {one.missing}" if one.missing else one.verdict,
         }
         for one in found.verdicts
     ]

@@ -18,6 +18,7 @@ from anet_lumped.results.end_forces import GROUND
 from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.results.sag import sag
 from anet_lumped.scene.scene import Free, Scene
+from studies.sweeping import over_time
 
 
 class MeasureError(InputError):
@@ -46,11 +47,14 @@ class Measure(NamedTuple):
 
     Parameters
     ----------
-    function : of the state at rest or of the run, and of the target's name (None for all cables) unless there is no target
+    function : of the state at rest or of the run, of the target's name (None for all cables) unless there is no target, and of the
+        time [s] from which on it looks (None for all) if it is one over time
     source : Source
     target : Target
     unit : str, "-" for a number without one
     about : str, what it is
+    over_time : bool, whether it may look at a run from a time on
+    of_ground : bool, whether the scene must have a ground
     """
 
     function: Callable
@@ -58,6 +62,8 @@ class Measure(NamedTuple):
     target: Target
     unit: str
     about: str
+    over_time: bool = False
+    of_ground: bool = False
 
 
 def read_measure(text: str, scene: Scene) -> tuple[Measure, tuple]:
@@ -72,6 +78,8 @@ def read_measure(text: str, scene: Scene) -> tuple[Measure, tuple]:
         known = nearest(name, MEASURES, quote="`") or f"; known are {', '.join(MEASURES)}."
         raise MeasureError(f"There is no measure called `{name}`{known}")
     measure = MEASURES[name]
+    if measure.of_ground and not any(effect.is_ground for effect in scene.effects):
+        raise MeasureError(f"The measure `{name}` is of what lies on the ground, but this scene has no ground.")
     cables, points = [cable.name for cable in scene.cables], [point.name for point in scene.points]
     holders = [point.name for point in scene.all_points if not isinstance(point, Free)]
     holders += [GROUND] if any(effect.is_ground for effect in scene.effects) else []
@@ -90,12 +98,16 @@ def _cables(result, target):
     return [cable for cable in result.scene.cables if target in (None, cable.name)]
 
 
-def _stretch(result, target, choose=max):
-    return max(choose(np.atleast_1d(result.length(cable.name))) / cable.length - 1.0 for cable in _cables(result, target))
+def _stretch(result, target):
+    return max(np.max(result.length(cable.name)) / cable.length - 1.0 for cable in _cables(result, target))
 
 
-def _last(values):
-    return values[-1]
+def _end_stretch(run, target):
+    return max(run.length(cable.name)[-1] / cable.length - 1.0 for cable in _cables(run, target))
+
+
+def _touchdown(state, target):
+    return max(state.touchdown_length(cable.name) for cable in _cables(state, target))
 
 
 def _tension(result, target):
@@ -149,6 +161,45 @@ def _reached(run):
 
 _x, _y, _z = (partial(_coordinate, axis=axis) for axis in range(3))
 
+
+def _peak(of_result):
+    return partial(_of_window, of_result=of_result)
+
+
+def _of_window(run, target, since, of_result):
+    return of_result(over_time.window(run, since), target)
+
+
+def _over_time(function, target, unit, about, of_ground=False):
+    return Measure(function, Source.RUN, target, unit, about, over_time=True, of_ground=of_ground)
+
+
+def _statistics():
+    """Measures called `mean_tension`, `range_height`, ...: each statistic of each quantity."""
+    statistics = {
+        "least": (over_time.least, "least {} at a saved time"),
+        "peak": (over_time.largest, "largest {} at a saved time"),
+        "mean": (over_time.mean, "mean of the {} over time"),
+        "deviation": (over_time.deviation, "standard deviation of the {} over time"),
+        "range": (over_time.spread, "largest less least {}"),
+    }
+    quantities = {
+        "tension": (over_time.tension, Target.CABLE_OR_POINT, "N", "tension"),
+        **{
+            name: (partial(over_time.coordinate, axis=axis), Target.POINT, "m", f"{'xyz'[axis]} of a point")
+            for name, axis in over_time.AXES.items()
+        },
+        "touchdown": (over_time.touchdown, Target.CABLE, "m", "length on the ground"),
+    }
+    return {
+        f"{name}_{quantity}": _over_time(
+            partial(over_time.statistic, values=values, of=of), target, unit, about.format(what), of_ground=quantity == "touchdown"
+        )
+        for quantity, (values, target, unit, what) in quantities.items()
+        for name, (of, about) in statistics.items()
+    }
+
+
 MEASURES = {
     "stretch": Measure(_stretch, Source.REST, Target.CABLE, "-", "stretched length / length - 1 at rest"),
     "sag": Measure(_sag, Source.REST, Target.CABLE, "m", "largest distance below the chord, along gravity, at rest"),
@@ -162,12 +213,16 @@ MEASURES = {
     "x": Measure(_x, Source.REST, Target.POINT, "m", "x of a point at rest"),
     "y": Measure(_y, Source.REST, Target.POINT, "m", "y of a point at rest"),
     "height": Measure(_z, Source.REST, Target.POINT, "m", "z of a point at rest"),
-    "end_stretch": Measure(
-        partial(_stretch, choose=_last), Source.RUN, Target.CABLE, "-", "stretched length / length - 1 at the end"
+    "touchdown": Measure(
+        _touchdown, Source.REST, Target.CABLE, "m", "length on the ground at rest, to half a segment", of_ground=True
     ),
-    "peak_stretch": Measure(_stretch, Source.RUN, Target.CABLE, "-", "largest stretched length / length - 1"),
-    "peak_tension": Measure(_tension, Source.RUN, Target.CABLE_OR_POINT, "N", "largest tension at a saved time"),
-    "peak_reaction": Measure(_reaction, Source.RUN, Target.HOLDER, "N", "largest force of a support or the ground at a saved time"),
+    "end_stretch": Measure(_end_stretch, Source.RUN, Target.CABLE, "-", "stretched length / length - 1 at the end"),
+    "peak_stretch": _over_time(_peak(_stretch), Target.CABLE, "-", "largest stretched length / length - 1"),
+    **_statistics(),
+    "peak_reaction": _over_time(_peak(_reaction), Target.HOLDER, "N", "largest force of a support or the ground at a saved time"),
+    "peak_displacement": _over_time(over_time.displacement, Target.POINT, "m", "largest distance of a point from where it started"),
+    "slack_time": _over_time(over_time.slack_time, Target.CABLE, "s", "time for which a segment of a cable was slack"),
+    "snaps": _over_time(over_time.snaps, Target.CABLE, "-", "times that a slack cable was taut again with a peak"),
     "end_x": Measure(_x, Source.RUN, Target.POINT, "m", "x of a point at the end"),
     "end_y": Measure(_y, Source.RUN, Target.POINT, "m", "y of a point at the end"),
     "end_height": Measure(_z, Source.RUN, Target.POINT, "m", "z of a point at the end"),

@@ -1,6 +1,5 @@
 """One scene, many variants: vary any of its fields or the run's settings, measure each variant."""
 
-import contextlib
 from collections.abc import Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from anet_lumped.checks import check_number, nearest, shown
 from anet_lumped.scene.as_dict import scene_to_dict
 from anet_lumped.scene.scene import Scene
 from integrators import schemes
-from studies.sweeping.measures import Measure, Source, read_measure
+from studies.sweeping.measures import MEASURES, Measure, Source, read_measure
 from studies.sweeping.rows import run_rows
 from studies.sweeping.vary import SETTINGS, VaryError, apply, grid, read_values
 
@@ -27,6 +26,7 @@ def sweep(
     method: str | None = None,
     dt: float | None = None,
     start: str | None = None,
+    since: float | None = None,
     executor: Executor | None = None,
     workers: int | None = None,
     out: str | Path | None = None,
@@ -42,6 +42,7 @@ def sweep(
     measures : names, or "name:target" (see `measures.MEASURES`); a usual few by default
     t_end : float [s], how long each variant runs; it only rests without one
     method, dt, start : as in `simulate`
+    since : float or None [s], from when on measures over time look at each run; from its start on if None
     executor, workers, out, resume, label : as in `run_rows`
 
     Returns
@@ -66,14 +67,18 @@ def sweep(
     needing += [f"setting `{name}`" for name in (*values, *settings) if name in SETTINGS]
     if needing and not runs:
         raise VaryError(f"The time `t_end` [s] must be given for a run, which {needing[0]} needs, but it is not.")
+    identity = {"scene": scene_to_dict(scene), "vary": values, "measures": texts, "settings": settings}
+    if since is not None:
+        since = _check_since(since, found, values.get("t_end", [t_end]))
+        identity["since"] = since
     return run_rows(
-        Variant(scene, settings if runs else None, found),
+        Variant(scene, settings if runs else None, found, since),
         grid(values),
         executor=executor,
         workers=workers,
         out=out,
         resume=resume,
-        identity={"scene": scene_to_dict(scene), "vary": values, "measures": texts, "settings": settings},
+        identity=identity,
         columns=texts,
         label=label,
     )
@@ -91,6 +96,20 @@ def _check_settings(settings):
             raise VaryError(f"No run can have {name}={shown(given)}{near}")
 
 
+def _check_since(since, found, ends):
+    """The time from which on measures look, if one of them does, and every run goes on beyond it."""
+    since = check_number("since", since, "s", "the sweep", sign="non-negative")
+    if not any(measure.over_time for measure, _ in found.values()):
+        known = ", ".join(name for name, measure in MEASURES.items() if measure.over_time)
+        raise VaryError(f"The time `since` [s] is for measures over time, but none was asked for; they are {known}.")
+    for t_end in ends:
+        if isinstance(t_end, int | float) and not since < t_end:
+            raise VaryError(
+                f"The time `since` [s] must be before the end of every run, but it is {since:g} and one ends at {t_end:g}."
+            )
+    return since
+
+
 @dataclass(frozen=True)
 class Variant:
     """Function of a row: apply the row's inputs to the scene, find its rest or run it, and measure."""
@@ -98,6 +117,7 @@ class Variant:
     scene: Scene
     settings: dict | None
     measures: dict[str, tuple[Measure, tuple]]
+    since: float | None = None
 
     def __call__(self, inputs: dict) -> dict:
         """Measures, status and reason. Of a run that failed, those measures that its good part allows."""
@@ -115,6 +135,10 @@ class Variant:
             sources[Source.RUN] = run = simulate(scene, **settings)
             result = {"status": run.status, "reason": run.message}
         for text, (measure, target) in self.measures.items():
-            with contextlib.suppress(Exception) if result.get("status", "done") != "done" else contextlib.nullcontext():
-                result[text] = measure.function(sources[measure.source], *target)
+            arguments = (*target, self.since) if measure.over_time else target
+            try:
+                result[text] = measure.function(sources[measure.source], *arguments)
+            except Exception as error:  # the other measures are worth having
+                if result.get("status", "done") == "done":
+                    result |= {"status": "failed", "reason": f"measure {text}: {type(error).__name__}: {error}"}
         return result

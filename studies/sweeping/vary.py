@@ -11,7 +11,8 @@ from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 from anet_lumped.scene.scene import Scene
 
 SETTINGS = ("t_end", "method", "dt", "start", "rtol", "atol", "rho_inf")
-NOT_VARIED = ("name", "kind", "start", "end")
+NOT_VARIED = ("name", "kind", "start", "end")  # of points, cables and events: what they are, and not a number of them
+NUMBERED = re.compile(r"(?P<list>.+)\.(?P<index>[0-9]{1,9})")  # an entry of a list, `ground_map.heights.2.0`
 
 
 class VaryError(InputError):
@@ -64,8 +65,8 @@ def read_values(scene: Scene, vary: dict[str, str | Iterable]) -> dict[str, list
     ----------
     scene : Scene
     vary : name -> specification ("1e2:1e6:9log") or values; a name is a setting of the run (`dt`), a field of every
-        part that has it (`EA`: all cables), of one part by name (`s0-p0.EA`, `p0.mass`, `gravity.g`), or a coordinate
-        (`p0.at.z`)
+        part that has it (`EA`: all cables), of one part by name (`s0-p0.EA`, `p0.mass`, `gravity.g`), a coordinate
+        (`p0.at.z`), or an entry of a list, counted from 0 (`air.wind.1.seed`, `s0.path.xyz.2.0`, `events.0.mass`)
 
     Raises
     ------
@@ -76,9 +77,10 @@ def read_values(scene: Scene, vary: dict[str, str | Iterable]) -> dict[str, list
     fields = _fields(scene_to_dict(scene))
     values = {}
     for name, spec in vary.items():
-        if name not in fields and name not in SETTINGS:
+        found = _found(fields, name)
+        if not found and name not in SETTINGS:
             raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, fields, scene)}")
-        whole = name in fields and all(type(container[key]) is int for container, key in fields[name])
+        whole = bool(found) and all(type(container[key]) is int for container, key in found)
         values[name] = parse_values(spec, whole) if isinstance(spec, str) else _listed(name, spec)
     return values
 
@@ -109,9 +111,10 @@ def apply(scene: Scene, inputs: dict) -> tuple[Scene, dict]:
     for name in inputs:
         if name in settings:
             continue
-        if name not in fields:
+        found = _found(fields, name)
+        if not found:
             raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, fields, scene)}")
-        for container, key in fields[name]:
+        for container, key in found:
             container[key] = inputs[name]
             touched.add((id(container), key))
     if len(settings) == len(inputs):
@@ -141,25 +144,62 @@ def _fields(entries):
             for name in (path, f"{label}.{path}"):
                 if name not in SETTINGS:
                     fields.setdefault(name, []).append((container, key))
+    for i, event in enumerate(entries.get("events", ())):  # never by the field alone: `mass` is that of points
+        for path, container, key in _values_below(event):
+            fields[f"events.{i}.{path}"] = [(container, key)]
     return fields
 
 
 def _values_below(part, above=""):
-    for key, value in part.items():
-        if key in NOT_VARIED:
-            continue
-        if isinstance(value, dict):
-            yield from _values_below(value, f"{above}{key}.")
-        elif isinstance(value, list) and value and all(isinstance(entry, dict) for entry in value):
-            for i, entry in enumerate(value):  # the rods of a body; several winds or waves
-                yield from _values_below(entry, f"{above}{key}.{entry.get('name', i)}.")
-        else:
-            yield above + key, part, key
-        if isinstance(value, list) and len(value) == 3:
-            yield from ((f"{above}{key}.{axis}", value, i) for i, axis in enumerate("xyz"))
+    """Name, container and key of each value of a table, and of those within it."""
+    for key in part:
+        if key not in (NOT_VARIED if not above else ("name", "kind")):
+            yield from _values_of(part, key, above + key)
+
+
+def _values_of(container, key, name):
+    value = container[key]
+    if isinstance(value, dict):
+        yield from _values_below(value, f"{name}.")
+    elif _are_all(value, lambda entry: isinstance(entry, dict)):
+        for i, entry in enumerate(value):  # the rods of a body; several winds or waves
+            yield from _values_below(entry, f"{name}.{entry.get('name', i)}.")
+    elif _are_all(value, lambda entry: isinstance(entry, list) and len(entry) == 2 and isinstance(entry[0], str)):
+        for entry in value:  # forces by the names of points; lengths paid out by those of cables
+            yield from _values_of(entry, 1, f"{name}.{entry[0]}")
+    else:
+        yield name, container, key
+    if isinstance(value, list) and len(value) == 3 and not isinstance(value[0], dict | list):
+        yield from ((f"{name}.{axis}", value, i) for i, axis in enumerate("xyz"))
+
+
+def _are_all(value, condition):
+    return isinstance(value, list) and bool(value) and all(map(condition, value))
+
+
+def _found(fields, name):
+    """Container and key of each value that has a name: a field, or an entry of a list that is one."""
+    indices = []
+    while name not in fields:
+        numbered = NUMBERED.fullmatch(name)
+        if not numbered:
+            return []
+        name = numbered["list"]
+        indices.insert(0, int(numbered["index"]))
+    found = fields[name]
+    for i in indices:
+        lists = [container[key] for container, key in found]
+        if not all(isinstance(value, list) and i < len(value) for value in lists):
+            return []
+        found = [(value, i) for value in lists]
+    return found
 
 
 def _hint(name, fields, scene):
+    numbered = NUMBERED.fullmatch(name)
+    lists = [container[key] for container, key in (_found(fields, numbered["list"]) if numbered else ())]
+    if lists and all(isinstance(value, list) for value in lists):
+        return f": `{numbered['list']}` has {min(map(len, lists))} entries, counted from 0."
     label, _, key = re.sub(r"\.[xyz]$", "", name).rpartition(".")
     for part in (*scene.points, *scene.bodies, *scene.cables):
         if label in ("", part.name) and getattr(part, key, "") is None:

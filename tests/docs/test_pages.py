@@ -11,7 +11,7 @@ import typer.main
 from generated import filled
 
 import anet_lumped
-from anet_lumped import Scene
+from anet_lumped import Scene, simulate
 from anet_lumped.effects import REGISTRY
 from anet_lumped.scene.as_dict import scene_from_dict
 from examples import alike, examples, run, run_command, transcript
@@ -51,7 +51,17 @@ def test_examples_print_what_the_page_says(page, tmp_path, monkeypatch):
 def test_the_example_of_the_readme_runs(tmp_path):
     (example,) = examples(text_of(ROOT / "README.md"))
     printed = run(example, {"__name__": "document"}, tmp_path, "README.md")
-    assert printed.startswith("done edmc: a second of motion costs") and len(printed.splitlines()) == 4
+    assert printed.startswith("done edmc: about ") and len(printed.splitlines()) == 4
+
+
+def test_the_scene_of_the_readme_swings():
+    (text,) = re.findall(r"```toml\n(.*?)```", text_of(ROOT / "README.md"), re.DOTALL)
+    swung = simulate(scene_from_dict(tomllib.loads(text)), t_end=6.0, method="edmc", dt=0.01)
+    behind = swung.position("bottle")[:, 0] - swung.position("hook")[:, 0]
+    assert swung.ok and swung.position("hook")[-1, 0] == pytest.approx(8.25, rel=1e-9)  # 1.5 m/s, half of it in the first second
+    after = behind[swung.t > 1.0]
+    # a pendulum of omega^2 = g/L, whose hook gains v within a ramp: by less than v/omega to either side, and by as much to both
+    assert 0.3 < after.max() < 1.5 * (2.0 / 9.81) ** 0.5 and after.max() == pytest.approx(-after.min(), rel=0.02)
 
 
 def test_alike_tells_numbers_and_words_apart():

@@ -50,7 +50,7 @@ def test_a_changed_moordyn_file_is_a_scene_or_refused(tmp_path, data):
         ("a." * 10**5 + "b = 1", rf"must not nest deeper than {DEEPEST} tables, but .*it.toml has a key of more parts\."),
         ("['" + "'. 'a'.\"b\" . c.'" * 50 + "']", "has a key of more parts"),
         ("x = 1" + "0" * 5000, "A scene file must hold numbers, but .*it.toml has an integer of thousands of digits"),
-        (SCENE.replace("1.5\nmass", "1" + "0" * 400 + "\nmass"), r"cables\[0\]: key `length` has the wrong type: .* 1000"),
+        (SCENE.replace("1.5\nmass", "1" + "0" * 400 + "\nmass"), r"cable .a-p.: key `length` has the wrong type: .* 1000"),
         (SCENE.replace("[[0.01, 10.0]", "[[1e-300, 1e300]"), r"`tension_strain` must be pairs of a finite strain"),
         (SCENE.replace("[[0.01, 10.0], [0.02, 30.0]]", "[[1e-90, 1e20]]"), "`slope of tension_strain` must be positive"),
         (SCENE.replace('"nylon"', '"nylon"\ndiameter = 1' + "0" * 400), "`diameter` must be positive and finite"),

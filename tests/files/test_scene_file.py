@@ -158,34 +158,34 @@ def test_defaults_are_expanded_and_overruled(tmp_path):
             HEAD + CABLE * 2 + CABLE + "lenght = 1",
             r"^net.toml, cables\[2\]: unknown key `lenght`, did you mean `length`",
         ),
-        (HEAD + CABLE + "wind = 1", r"cables\[0\]: unknown key `wind`; known: `start`, `end`, `length`"),
+        (HEAD + CABLE + "wind = 1", r"cable .s0-p0.: unknown key `wind`; known: `start`, `end`, `length`"),
         (HEAD + "mas_per_length = 1\n" + CABLE, r"cable_defaults: unknown key .*, did you mean `mass_per_length`\?"),
         (HEAD + 'name = "x"\n' + CABLE, r"net.toml, cable_defaults: unknown key `name`"),
         (HEAD + "[[cable]]", r"net.toml: unknown key `cable`, did you mean `cables`\?"),
-        (HEAD + CABLE.replace("mass_per_length = 0.1", ""), r"cables\[0\]: key `mass_per_length` is missing\."),
-        (HEAD + CABLE + 'EA = "1e4"', r"cables\[0\]: key `EA` has the wrong type: .*number, but it is '1e4'"),
-        (HEAD + CABLE + "segments = 2.5", r"cables\[0\]: key `segments` has the wrong type: .*integer, but it is 2.5"),
-        (HEAD + CABLE + "EA = -inf", r"cables\[0\]: Argument `EA` must be positive and finite \[N\], .* has EA=-inf"),
-        (HEAD + CABLE + 'compression = "nome"', r"cables\[0\]: .*`compression` must be .* did you mean \"none\"\?"),
+        (HEAD + CABLE.replace("mass_per_length = 0.1", ""), r"cable .s0-p0.: key `mass_per_length` is missing\."),
+        (HEAD + CABLE + 'EA = "1e4"', r"cable .s0-p0.: key `EA` has the wrong type: .*number, but it is '1e4'"),
+        (HEAD + CABLE + "segments = 2.5", r"cable .s0-p0.: key `segments` has the wrong type: .*integer, but it is 2.5"),
+        (HEAD + CABLE + "EA = -inf", r"cable .s0-p0.: Argument `EA` must be positive and finite \[N\], .* has EA=-inf"),
+        (HEAD + CABLE + 'compression = "nome"', r"cable .s0-p0.: .*`compression` must be .* did you mean \"none\"\?"),
         (HEAD + CABLE.replace("p0", "p1"), r'net.toml: Argument `end` must name a point .* did you mean "p0"\?'),
         (HEAD + CABLE * 2, r'net.toml: Names of cables must be unique, but two cables are named "s0-p0"'),
         (HEAD, r"net.toml: `cables` must be an array of at least one table, \[\[cables\]\], but is missing"),
         ("points = 3", r"net.toml: `points` must be an array of at least one table, \[\[points\]\], but is 3"),
         ("points = [3]", r"net.toml, points\[0\]: must be a table of keys and values, but is 3"),
-        ('points = [{name = "a"}]', r'points\[0\]: key `kind` is missing; a point is one of "fixed", "driven", "free"'),
+        ('points = [{name = "a"}]', r'point .a.: key `kind` is missing; a point is one of "fixed", "driven", "free"'),
         ('points = [{kind = "fixd"}]', r"points\[0\]: unknown kind of point 'fixd', did you mean \"fixed\"\?"),
         ('points = [{kind = "bolted"}]', r"points\[0\]: unknown kind of point 'bolted'; known: \"fixed\", \"driven\""),
-        ('points = [{kind = "fixed", name = "a", at = [0, 0]}]', r"points\[0\]: Argument `at` must be three .* has at=\(0, 0\)"),
+        ('points = [{kind = "fixed", name = "a", at = [0, 0]}]', r"point .a.: Argument `at` must be three .* has at=\(0, 0\)"),
         (
             'points = [{kind = "fixed", name = "a", at = [0, 0, "1"]}]',
             r"`at\[2\]` has the wrong type: .* but it is '1'",
         ),
         (
             'points = [{kind = "fixed", name = "a", at = [0, 0, 1, 2]}]',
-            r"points\[0\]: Argument `at` must be three finite numbers \(x, y, z\) \[m\], .* has at=\(0, 0, 1, 2\)",
+            r"point .a.: Argument `at` must be three finite numbers \(x, y, z\) \[m\], .* has at=\(0, 0, 1, 2\)",
         ),
-        ('points = [{kind = "fixed", name = "a", at = [0, 0, nan]}]', r"points\[0\]: Argument `at` must be three"),
-        ('points = [{kind = "driven", name = "a"}]', r"points\[0\]: key `path` is missing"),
+        ('points = [{kind = "fixed", name = "a", at = [0, 0, nan]}]', r"point .a.: Argument `at` must be three"),
+        ('points = [{kind = "driven", name = "a"}]', r"point .a.: key `path` is missing"),
         ('points = [{kind = "driven", path = 3}]', r"points\[0\].path: must be a table of keys and values, but is 3"),
         (
             'points = [{kind = "driven", path = {kind = "lin"}}]',
@@ -236,7 +236,9 @@ def test_none_is_accepted_where_the_argument_may_be_none():
     scene = scene_from_dict(entries)
     assert scene.point("b").at is None and scene.effects[1].wind is None
     for key, kind in (("EA", "number"), ("name", "string")):  # their default None stands for what is found elsewhere
-        with pytest.raises(SceneError, match=rf"cables\[0\]: key `{key}` has the wrong type: .*{kind}, but it is None"):
+        with pytest.raises(
+            SceneError, match=rf"(cable .a-b.|cables\[0\]): key `{key}` has the wrong type: .*{kind}, but it is None"
+        ):
             scene_from_dict(entries | {"cables": [entries["cables"][0] | {key: None}]})
 
 

@@ -148,10 +148,10 @@ def test_a_scene_file_may_name_the_rope():
 @pytest.mark.parametrize(
     ("cable", "message"),
     [
-        ({"rope": "nylon"}, r"^scene, cables\[0\]: key `diameter` is missing; a rope needs its nominal diameter \[m\]"),
-        ({"rope": "nilon", "diameter": 0.012}, r"^scene, cables\[0\]: Unknown rope 'nilon', did you mean \"nylon\""),
-        ({"rope": "nylon", "diameter": "12mm"}, r"^scene, cables\[0\]: Argument `diameter` must be positive .* diameter='12mm'"),
-        ({"rope": "nylon", "diameter": 0.012, "mas": 1.0}, r"^scene, cables\[0\]: unknown key `mas`"),
+        ({"rope": "nylon"}, r"^scene, cable .a-b.: key `diameter` is missing; a rope needs its nominal diameter \[m\]"),
+        ({"rope": "nilon", "diameter": 0.012}, r"^scene, cable .a-b.: Unknown rope 'nilon', did you mean \"nylon\""),
+        ({"rope": "nylon", "diameter": "12mm"}, r"^scene, cable .a-b.: Argument `diameter` must be positive .* diameter='12mm'"),
+        ({"rope": "nylon", "diameter": 0.012, "mas": 1.0}, r"^scene, cable .a-b.: unknown key `mas`"),
     ],
 )
 def test_messages_of_a_scene_file(cable, message):

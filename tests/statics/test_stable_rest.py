@@ -270,4 +270,4 @@ def test_reasons_name_what_is_wrong():
     q[nodes[5]] = q[nodes[3]]
     assert 'finer than its segments, but cable "a-f" turns by 180 degrees at node 4' in reason(model, q)
     q[nodes] = np.linspace((-12.0, 0, 0), (0, 0, 0), model.n)
-    assert reason(model, q) == "try another `start`, or `simulate` with damping"
+    assert reason(model, q) == 'try `simulate` from start="straight", or another `start` of `equilibrium`'

@@ -121,7 +121,7 @@ def scenes():
 
     return {
         "nothing holds": scene(Free("a", at=(0, 0, 0)), loose, Gravity()),
-        "nothing loads": scene(held, near),
+        "Nothing loads": scene(held, near),
         "would push": scene(held, near, Gravity(), compression="linear", segments=5),
         "must be longer than": scene(held, far, Gravity(), EA=float("inf")),
     }

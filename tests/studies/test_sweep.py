@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import pytest
 
 from anet_lumped.checks import InputError
 from anet_lumped.files.scene_file import load_scene
+from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
 from studies.sweeping import measures
 from studies.sweeping.measures import MEASURES, Measure, MeasureError, read_measure
@@ -88,6 +90,71 @@ def test_a_coordinate_varies_alone(hanging):
     assert scene.point("top").at == (0.1, 0.0, 0.5)
 
 
+LISTED = """
+points = [
+    {name = "a", kind = "driven", path = {kind = "line", start = [0, 0, 0], velocity = [1, 0, 0], ramp = 1}},
+    {name = "b", kind = "free", mass = 1},
+]
+cables = [{start = "a", end = "b", length = 1, mass_per_length = 1, segments = 4, tension_strain = [[0.1, 100], [0.2, 400]]}]
+events = [{kind = "payload_change", point = "b", t = 1, mass = 2}]
+[effects.gravity]
+[effects.applied_forces]
+force = {b = [0, 0, 1]}
+[effects.air]
+wind = [
+    {kind = "power_law", speed = 6, height = 10, exponent = 0.1},
+    {kind = "dryden", sigma = 1, length = 10, carried = [1, 0, 0], seed = 1, modes = 20},
+]
+[effects.line_change.paid_out]
+a-b = {kind = "line", start = 0, rate = 0.1, ramp = 1}
+"""
+
+
+@pytest.fixture(scope="module")
+def listed():
+    return scene_from_dict(tomllib.loads(LISTED))
+
+
+@pytest.mark.parametrize(
+    "name, value, found",
+    [
+        ("air.wind.1.seed", 7, lambda scene: scene.effects[2].wind[1].seed),
+        ("a-b.tension_strain.1.0", 0.3, lambda scene: scene.cables[0].tension_strain[1][0]),
+        ("a-b.tension_strain.1.1", 500.0, lambda scene: scene.cables[0].tension_strain[1][1]),
+        ("events.0.mass", 3.0, lambda scene: scene.events[0].mass),
+        ("events.0.t", 0.5, lambda scene: scene.events[0].t),
+        ("applied_forces.force.b.z", 2.0, lambda scene: dict(scene.effects[1].force)["b"][2]),
+        ("applied_forces.force.b.2", 2.0, lambda scene: dict(scene.effects[1].force)["b"][2]),
+        ("a.path.start.x", 0.5, lambda scene: dict(scene.points[0].path.parameters)["start"][0]),
+        ("line_change.paid_out.a-b.rate", 0.2, lambda scene: dict(dict(scene.effects[3].paid_out)["a-b"].parameters)["rate"]),
+    ],
+)
+def test_an_entry_of_a_list_and_a_number_below_a_name_vary_alone(listed, name, value, found):
+    changed = apply(listed, {name: value})[0]
+    before, after = scene_to_dict(listed), scene_to_dict(changed)
+    assert found(changed) == value != found(listed)
+    assert apply(changed, {name: found(listed)})[0] == listed and before != after
+
+
+def test_seeds_of_a_range_are_whole_and_entries_of_a_list_are_not(listed):
+    assert read_values(listed, {"air.wind.1.seed": "1:500:500"})["air.wind.1.seed"] == list(range(1, 501))
+    assert read_values(listed, {"a-b.tension_strain.0.0": "0:1:3"})["a-b.tension_strain.0.0"] == [0.0, 0.5, 1.0]
+
+
+def test_the_mass_of_an_event_is_not_that_of_a_point(listed):
+    changed = apply(listed, {"mass": 5.0})[0]
+    assert (changed.point("b").mass, changed.events[0].mass) == (5.0, 2.0)
+
+
+def test_an_entry_beyond_a_list_says_how_many_there_are(listed):
+    with pytest.raises(
+        VaryError, match=r"`a-b.tension_strain.3` can be varied here: `a-b.tension_strain` has 2 entries, counted from 0"
+    ):
+        read_values(listed, {"a-b.tension_strain.3": "1"})
+    with pytest.raises(VaryError, match=r"Nothing called `air.density.0` can be varied here"):
+        read_values(listed, {"air.density.0": "1"})
+
+
 def test_axial_viscosity_takes_the_place_of_the_damping_ratio(net):
     cable = apply(net, {"BA": 3.0})[0].cables[0]
     assert (cable.BA, cable.zeta) == (3.0, 0.0)
@@ -115,6 +182,7 @@ def test_an_unknown_name_names_the_nearest(net):
         ("height", "target of measure `height` must be one of s0, s1, s2, s3, p0, as in height:p0, but `height` was"),
         ("sag:p0", "target of measure `sag` must be one of s0-p0, .* but `sag:p0` was given"),
         ("reaction:p0", "target of measure `reaction` must be one of s0, s1, s2, s3, as in reaction:s3, but `reaction:p0` was"),
+        ("mean_touchdown", "measure `mean_touchdown` is of what lies on the ground, but this scene has no ground"),
         ("steps:p0", "measure `steps` takes no target, but `steps:p0` was given"),
     ],
 )
@@ -155,7 +223,7 @@ def test_runs_are_measured_and_a_bad_value_is_a_row(net, tmp_path):
 
 def test_every_measure_of_a_run_gives_a_value(net):
     targets = {"point": ":p0", "support": ":s0"}
-    texts = [name + targets.get(measure.target, "") for name, measure in MEASURES.items()]
+    texts = [name + targets.get(measure.target, "") for name, measure in MEASURES.items() if not measure.of_ground]
     line = sweep(net, {"dt": [0.01]}, texts, t_end=0.05, method="edmc", workers=1).iloc[0]
     assert line["status"] == "done", line["reason"]
     assert line[[text for text in texts if text != "error_estimate"]].notna().all()
