@@ -12,7 +12,7 @@ def plot(rows):
     drawn = {
         "cost": Drawing(
             _plot_cost(rows["cost"]),
-            "Processor time over the error of the tension, a point for each setting: of this library and, where it is installed, of "
+            "Processor time over the error of the tension, a point for each setting: of this library and, where installed, of "
             "MoorDyn, each against a fine run of its own.",
         )
     }
