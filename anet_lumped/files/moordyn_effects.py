@@ -2,8 +2,8 @@
 
 `g` is Gravity, `rho` is Water (none for 0), `WtrDpth`, `kBot`, `cBot` and `FrictionCoefficient` are the bottom (none if `kBot` and
 `cBot` are 0), and an `EI` brings Bending, clamped at the ends of rods that are held. Waves and currents are those of
-`moordyn_flow`. Values that are left out are MoorDyn's. As in MoorDyn, no fixed or coupled point lies below the bottom: it is as deep as the deepest of them. A bottom that is not flat
-(`moordyn_seafloor`) is a `GroundMap`, as it is.
+`moordyn_flow`. Values that are left out are MoorDyn's. As in MoorDyn, no fixed or coupled point lies below the bottom: it is as
+deep as the deepest of them. A bottom that is not flat (`moordyn_seafloor`) is a `GroundMap`, as it is.
 
 Three things mean one thing to MoorDyn and another here: what the damper of the bottom does to a node that rises, how friction grows
 with the speed, and whether points float. `like_moordyn` takes MoorDyn's: `MoordynBottom` for `Ground`, and `points_float=False`.
@@ -89,8 +89,8 @@ def _clamps(places: Places, lines: Iterable[Line]) -> dict[str, Any]:
             point = places.points[end]
             if isinstance(point, OnMovingBody):
                 line.row.findings.remark(
-                    f"Line {line.row.line}: {quoted(line.cable.name)} turns freely about the end of a rod that moves, where MoorDyn "
-                    "clamps a line with an EI."
+                    f"Line {line.row.line}: {quoted(line.cable.name)} turns freely about the end of a rod that moves, where "
+                    "MoorDyn clamps a line with an EI."
                 )
             elif isinstance(point, Fixed | Driven):
                 if point.name in clamps:
@@ -98,8 +98,8 @@ def _clamps(places: Places, lines: Iterable[Line]) -> dict[str, Any]:
                 clamps[point.name] = places.leaves[end]
                 if isinstance(point, Driven):
                     line.row.findings.remark(
-                        f"Line {line.row.line}: {quoted(line.cable.name)} is clamped at the end of a rod, whose direction stays that "
-                        "of the file however a platform turns."
+                        f"Line {line.row.line}: {quoted(line.cable.name)} is clamped at the end of a rod, whose direction stays "
+                        "that of the file however a platform turns."
                     )
     return clamps
 

@@ -166,7 +166,7 @@ def test_a_line_with_an_EI_is_clamped_in_line_with_a_rod_that_is_held():
     scene = replace(scene, cables=[replace(scene.cables[0], compression="linear")])
     sag = 50.0 - equilibrium(scene).position("point3")[2]
     assert sag == pytest.approx(77.7 * 9.80665 * 10.0**4 / (8.0 * 1e7), rel=5e-3)  # 20 segments: 1/(2 n)^2, and the slope of 0.013
-    with pytest.raises(SceneError, match='Bending must clamp nothing to be written for MoorDyn, but it clamps point "rod1.b"'):
+    with pytest.raises(SceneError, match=r'Bending must clamp nothing to be written for MoorDyn, but it clamps point "rod1\.b"'):
         moordyn_text(scene)
 
 

@@ -107,6 +107,16 @@ def test_a_stiff_tail_that_must_push_rests_with_cables_that_push(tmp_path):
     assert np.linalg.norm(shape[0] - shape[-1]) == pytest.approx(4.5, abs=0.02)  # straight but for its sag
 
 
+def test_bodies_that_move_have_the_bottom_of_this_library(tmp_path):
+    """`MoordynBottom` holds up cables alone."""
+    body = "--- BODIES ---\nh\nh\n1 Free -10 0 -14 0 0 0 900 0 400 1 0 0\n--- POINTS"
+    (tmp_path / "body.txt").write_text(
+        STIFF.replace("2000", "0").replace("--- POINTS", body).replace("1 Free -10 0 -14.5", "1 Body1 0 0 0")
+    )
+    deck, laws = decks.read(tmp_path / "body.txt")
+    assert laws == "own" and "Ground" in [type(effect).__name__ for effect in deck.scene.effects]
+
+
 def test_a_folder_without_decks_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"The folder of MoorDyn files must hold files \*\.txt or \*\.dat, but .* has none"):
         decks.files(tmp_path, tmp_path)

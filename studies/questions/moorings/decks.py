@@ -8,6 +8,7 @@ from anet_lumped.checks import InputError
 from anet_lumped.effects import Gravity, Water
 from anet_lumped.effects.moordyn_bottom import MoordynBottom
 from anet_lumped.files.moordyn_writer import moordyn_text
+from anet_lumped.model.build import build
 
 CHAIN = {"mass_per_length": 113.0, "EA": 7.5e8, "zeta": 0.8, "diameter": 0.09, "compression": "damped"}
 COEFFICIENTS = {"Cdn": 1.6, "Cdt": 0.1, "Can": 1.0, "Cat": 0.0}
@@ -36,12 +37,14 @@ def read(file: str | Path):
     """A deck with MoorDyn's laws, or, of bodies that move by themselves, with this library's; and which laws those are."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
+        deck = read_moordyn(file, like_moordyn=True)
         try:
-            return read_moordyn(file, like_moordyn=True), "MoorDyn's"
+            build(deck.scene)
         except SceneError as error:
             if "MoordynBottom" not in str(error):
                 raise
             return read_moordyn(file), "own"
+        return deck, "MoorDyn's"
 
 
 def _written(name, folder):
