@@ -46,7 +46,6 @@ from .stability import transverse_frequency
 from .times import Leg
 
 NOTHING = (0.0, 0.0, 0.0)
-_NO_ADDRESSES = np.empty(0, np.int64)
 
 
 class Session:
@@ -404,7 +403,7 @@ class Session:
 
     def _arrays(self) -> Iterator[np.ndarray]:
         """Everything that a step changes, besides what the legs hold."""
-        net = self._net._replace(words=_NO_ADDRESSES, kernels=_NO_ADDRESSES)
+        net = self._net._replace(words=np.empty(0, np.int64), kernels=np.empty(0, np.int64))
         yield from (self._numbers, self._counts, self._motions.given, *self._state, *own_arrays(net, self._legs.left.model))
 
     def save(self) -> Mark:

@@ -24,6 +24,7 @@ from anet_lumped.results.state import segment_tensions
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from studies.catalogue.outcome import DEFAULT, FAILED, GAINED, HELD, REFUSED, bounded_work, compiled_methods
+from studies.catalogue.random_extras import with_extras
 
 TRIALS = 2000
 IMBALANCE = 1e-4  # of the energy in play, what the exact balance of edmc may miss: Newton's tolerance over some ten steps
@@ -90,7 +91,7 @@ class Trial:
 def draw(pick: Pick, surroundings: bool = True) -> Trial:
     """A random trial; scenes and arguments that the library does not take raise its own errors.
 
-    Without surroundings a scene has no air, water, ground, bending nor axial damping.
+    Without surroundings a scene has no air, water, ground, bending nor axial damping, and none of `random_extras`.
     """
     scene = _scene(pick, surroundings)
     method = pick.one_of((None, None, "edmc", "edmc", "backward_euler", *compiled_methods()))
@@ -119,7 +120,9 @@ def draw(pick: Pick, surroundings: bool = True) -> Trial:
     if error is not None and method is not None and schemes.scheme(method).embedded:
         error = None
     trial = Trial(scene, t_end, method, dt, rtol, start, speed, pick.integer(0, 10**6), error)
-    return _without_stretch(pick, trial) if pick.integer(0, 5) == 0 else trial
+    if pick.integer(0, 5) == 0:
+        trial = _without_stretch(pick, trial)
+    return with_extras(pick, trial) if surroundings else trial
 
 
 def _without_stretch(pick, trial):

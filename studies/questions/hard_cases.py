@@ -35,7 +35,7 @@ from studies.sweeping.rows import run_rows
 
 QUICK_CASES = ("swing, EA 1e+09 N", "span, near-taut by 1e-9", "yanked at 1 m/s", "cable in free flight")
 QUICK_METHODS = (DEFAULT, "explicit_euler", "verlet", "edmc", "backward_euler", "midpoint", "RK45")
-SEED, TRIALS, QUICK_TRIALS, BATCH = 7, 600, 100, 50  # random trials, and how many make a row
+SEED, TRIALS, QUICK_TRIALS, BATCH = 7, 600, 50, 25  # random trials, and how many make a row
 
 STUDY = Record(
     question=__doc__.splitlines()[0],

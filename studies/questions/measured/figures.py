@@ -62,15 +62,17 @@ def _plot_sensitivity(sensitivity, chain):
         for height, name in enumerate(names):
             errors = part.loc[part["number"] == name, "rms_N"].to_numpy()
             panel.plot([given, *errors], [height] * (1 + len(errors)), color=GREY, lw=1)
-            for k, (color, label) in enumerate(((BLUE, "first value"), (VERMILION, "second value"))):
-                panel.plot(errors[k : k + 1], [height][: len(errors[k:])], "os"[k], color=color, ms=5, label=label)
+            for k, error in enumerate(errors[:2]):
+                panel.plot(error, height, "os"[k], color=(BLUE, VERMILION)[k], ms=5, label=("first value", "second value")[k])
         panel.set(title=f"period {period:g} s", xlabel="rms error of the tension [N]")
         panel.spines[["top", "right"]].set_visible(False)
     values = sensitivity[sensitivity["period_s"] == lindahl.PERIODS[0]].groupby("number")["value"]
     named = {name: ", ".join(_short(value) for value in of_name) for name, of_name in values}
     panels[0].set_yticks(np.arange(len(names)), [f"{name.replace('_', ' ')}: {named[name]}" for name in names], fontsize=8)
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles[:2], labels[:2], loc="outside lower center", ncols=2, frameon=False, fontsize=9)
+    if "second value" in labels:
+        both = [labels.index("first value"), labels.index("second value")]
+        figure.legend([handles[k] for k in both], [labels[k] for k in both], loc="outside lower center", ncols=2, frameon=False)
     return figure
 
 
