@@ -324,7 +324,7 @@ def study(
     name: Annotated[str | None, typer.Argument(help="Name of the study; lists them and their questions if not given.")] = None,
     quick: Quick = False,
     out: Annotated[Path | None, typer.Option(help="Folder for rows and figures; results/NAME by default.", callback=folder)] = None,
-    data: Annotated[Path | None, typer.Option(help="Folder of measured data, which the study measured takes.")] = None,
+    data: Annotated[Path | None, typer.Option(help="Folder of data, which the studies measured and moorings take.")] = None,
 ):
     """Run one study. Writes its rows and figures, prints its answer."""
     from studies.study import NAMES, question_of, run_study

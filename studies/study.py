@@ -49,6 +49,7 @@ NAMES = [
     "hostile_input",
     "error_estimate",
     "measured",
+    "moorings",
 ]
 """Names of the studies in the order in which the report runs them: what is soon there and tells most comes first."""
 

@@ -1,9 +1,9 @@
 """The environment of a MoorDyn file as effects: gravity, water, bottom and bending, as far as it has them.
 
 `g` is Gravity, `rho` is Water (none for 0), `WtrDpth`, `kBot`, `cBot` and `FrictionCoefficient` are the bottom (none if `kBot` and
-`cBot` are 0), and an `EI` brings Bending. Waves and currents are those of `moordyn_flow`. Values that are left out are MoorDyn's.
-As in MoorDyn, no fixed or coupled point lies below the bottom: it is as deep as the deepest of them. A bottom that is not flat
-(`moordyn_seafloor`) is a `GroundMap`, as it is.
+`cBot` are 0), and an `EI` brings Bending, clamped at the ends of rods that are held. Waves and currents are those of
+`moordyn_flow`. Values that are left out are MoorDyn's. As in MoorDyn, no fixed or coupled point lies below the bottom: it is as
+deep as the deepest of them. A bottom that is not flat (`moordyn_seafloor`) is a `GroundMap`, as it is.
 
 Three things mean one thing to MoorDyn and another here: what the damper of the bottom does to a node that rises, how friction grows
 with the speed, and whether points float. `like_moordyn` takes MoorDyn's: `MoordynBottom` for `Ground`, and `points_float=False`.
@@ -13,13 +13,14 @@ import pathlib
 from collections.abc import Iterable
 from typing import Any
 
+from anet_lumped.checks import quoted
 from anet_lumped.scene.body import Body
 from anet_lumped.scene.scene import Driven, Fixed, Free
 
 from .moordyn_flow import read_flow
 from .moordyn_lines import Line
 from .moordyn_options import Options
-from .moordyn_points import Places
+from .moordyn_points import OnMovingBody, Places
 from .moordyn_rows import Row, made
 from .moordyn_seafloor import Seafloor
 
@@ -73,8 +74,34 @@ def read_effects(
             effects.append(_bottom(options, places, like_moordyn, seafloor))
     stiff = [line.row for line in lines if line.cable.EI]
     if stiff:
-        effects.append(_effect("bending", stiff[0]))
+        with findings.refusing():
+            effects.append(_effect("bending", stiff[0], clamped=_clamps(places, lines)))
     return effects
+
+
+def _clamps(places: Places, lines: Iterable[Line]) -> dict[str, Any]:
+    """Directions at the ends of rods of lines with an EI, which MoorDyn clamps there in line with the rod (Rod::addLine)."""
+    clamps: dict[str, Any] = {}
+    for line in lines:
+        for end in line.ends if line.cable.EI else ():
+            if end not in places.leaves:
+                continue
+            point = places.points[end]
+            if isinstance(point, OnMovingBody):
+                line.row.findings.remark(
+                    f"Line {line.row.line}: {quoted(line.cable.name)} turns freely about the end of a rod that moves, where "
+                    "MoorDyn clamps a line with an EI."
+                )
+            elif isinstance(point, Fixed | Driven):
+                if point.name in clamps:
+                    raise line.row.error("the end of a rod must clamp one line with an EI, but two of them end there.")
+                clamps[point.name] = places.leaves[end]
+                if isinstance(point, Driven):
+                    line.row.findings.remark(
+                        f"Line {line.row.line}: {quoted(line.cable.name)} is clamped at the end of a rod, whose direction stays "
+                        "that of the file however a platform turns."
+                    )
+    return clamps
 
 
 def _bottom(options: Options, places: Places, like_moordyn: bool, seafloor: Seafloor | None) -> Any:

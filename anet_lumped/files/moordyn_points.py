@@ -43,6 +43,7 @@ class Places(NamedTuple):
     without_number : lines of the rows whose number cannot be read
     frames : bodies by number, None of one that is refused
     attachments : name and place in its axes (3,) [m] of the attachments of each body that moves by itself, by its number
+    leaves : direction (3,) in which a line leaves the end of a rod in line with the rod, by a word such as "R1A"
     """
 
     points: dict[int | str, Point | OnMovingBody | None]
@@ -50,6 +51,7 @@ class Places(NamedTuple):
     without_number: list[int]
     frames: dict[int, Frame | None]
     attachments: dict[int, list[tuple[str, Vector]]]
+    leaves: dict[int | str, Vector]
 
 
 def read_points(rows: list[Row], bodies: list[Row], carrying: set[int], coupled: Mapping[int, Path], findings: Findings) -> Places:
@@ -65,7 +67,7 @@ def read_points(rows: list[Row], bodies: list[Row], carrying: set[int], coupled:
     findings : Findings
     """
     held: dict[int, Attachment] = {}
-    found = Places({}, {}, [], {}, {})
+    found = Places({}, {}, [], {}, {}, {})
     good: list[tuple[int, Row]] = []
     for row in rows:
         with findings.refusing():

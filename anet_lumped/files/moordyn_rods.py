@@ -8,6 +8,7 @@ bodies.
 MoorDyn's rods have no drag and no added mass along them but at their end caps (MoorDyn2.cpp: readRodProps).
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -145,6 +146,9 @@ def _read(number: int, row: Row, held: Attachment, types: Mapping[str, Row], own
 
 def _put(places: Places, end: str, point: Fixed | Driven | OnMovingBody, at: Mapping[str, Vector]) -> None:
     places.points[end], places.at[end] = point, at[end[-1]]
+    here, there = at[end[-1]], at["B" if end[-1] == "A" else "A"]
+    if math.dist(here, there) > 0.0:
+        places.leaves[end] = (here[0] - there[0], here[1] - there[1], here[2] - there[2])
 
 
 def _of(types: Mapping[str, Row], rod: Row) -> dict[str, Any]:

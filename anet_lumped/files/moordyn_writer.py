@@ -209,6 +209,9 @@ def _environment(scene: Scene, far: float) -> dict[str, float]:
     for name, effect in given.items():
         if name not in ("gravity", "water", "ground", "ground_map", "moordyn_bottom", "bending"):
             raise SceneError(f"A scene must have no {type(effect).__name__} to be written for MoorDyn, which has no such effect.")
+    clamps = dict(getattr(given.get("bending"), "clamped", ()))
+    if clamps:
+        raise SceneError(f"Bending must clamp nothing to be written for MoorDyn, but it clamps point {quoted(next(iter(clamps)))}.")
     x, y, z = scene.gravity.tolist()
     if x or y or z > 0.0:
         raise SceneError(f"Gravity must point along -z to be written for MoorDyn, but the scene's acceleration is {(x, y, z)}.")

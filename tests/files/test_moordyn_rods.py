@@ -1,9 +1,11 @@
 """Rods in MoorDyn files: read, written and read back."""
 
+from dataclasses import replace
+
 import pytest
 
-from anet_lumped import Cable, Driven, Fixed, Rod, Scene, SceneError, paths, rod_body
-from anet_lumped.effects import Gravity, Water
+from anet_lumped import Cable, Driven, Fixed, Rod, Scene, SceneError, equilibrium, paths, rod_body
+from anet_lumped.effects import Bending, Gravity, Water
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
 from anet_lumped.files.moordyn_writer import moordyn_text
@@ -146,3 +148,42 @@ def test_a_pinned_rod_is_written_and_read_back():
 def test_what_moordyns_rods_do_not_have(field):
     with pytest.raises(SceneError, match=r'A rod must have Cdt=0 and Cat=0 to be written .* but "rod" of body "spar" has Cdt='):
         moordyn_text(scene_of(**{field: 0.1}))
+
+
+STIFF = (
+    ("384.243E6 -0.3 0 ", "384.243E6 -0.3 1.0E7 "),
+    (ROD, "1 pole Fixed -20 0 50 -10 0 50 4 -"),
+    ("1 rope 1 R1A 450 4 -\n2 rope 2 Rod1b 450 4 -", "1 rope R1B 3 10 20 -"),
+    ("2 Fixed 450 0 0 0 0 0 0", "2 Fixed 450 0 0 0 0 0 0\n3 Free 0 0 50 0 0 0 0"),
+)
+
+
+def test_a_line_with_an_EI_is_clamped_in_line_with_a_rod_that_is_held():
+    """A level beam that sags under its weight by q L^4/(8 EI): 95.2 mm of 10 m."""
+    scene = read(*STIFF).scene
+    (bending,) = [effect for effect in scene.effects if isinstance(effect, Bending)]
+    assert dict(bending.clamped) == {"rod1.b": (10.0, 0.0, 0.0)}
+    scene = replace(scene, cables=[replace(scene.cables[0], compression="linear")])
+    sag = 50.0 - equilibrium(scene).position("point3")[2]
+    assert sag == pytest.approx(77.7 * 9.80665 * 10.0**4 / (8.0 * 1e7), rel=5e-3)  # 20 segments: 1/(2 n)^2, and the slope of 0.013
+    with pytest.raises(SceneError, match=r'Bending must clamp nothing to be written for MoorDyn, but it clamps point "rod1\.b"'):
+        moordyn_text(scene)
+
+
+def test_at_end_A_a_line_leaves_the_other_way():
+    scene = read(*STIFF[:2], (STIFF[2][0], STIFF[2][1].replace("R1B", "R1A")), STIFF[3]).scene
+    assert [dict(effect.clamped) for effect in scene.effects if isinstance(effect, Bending)] == [{"rod1.a": (-10.0, 0.0, 0.0)}]
+
+
+def test_clamps_that_differ_from_MoorDyn_are_told():
+    coupled = read(STIFF[0], (ROD, STIFF[1][1].replace("Fixed", "Coupled")), *STIFF[2:])
+    assert any('"line1" is clamped at the end of a rod, whose direction stays' in remark for remark in coupled.remarks)
+    free = read(STIFF[0])
+    assert any('"line1" turns freely about the end of a rod that moves, where MoorDyn clamps' in remark for remark in free.remarks)
+    assert all(not effect.clamped for effect in free.scene.effects if isinstance(effect, Bending))
+
+
+def test_two_lines_with_an_EI_at_an_end_are_refused():
+    two = (STIFF[2][0], STIFF[2][1] + "\n2 rope R1B 1 460 4 -")
+    with pytest.raises(DeckError, match="the end of a rod must clamp one line with an EI, but two of them end there"):
+        read(*STIFF[:2], two, STIFF[3])
