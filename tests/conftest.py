@@ -18,7 +18,7 @@ import pytest
 from integrators.schemes.record import Scheme
 
 COMPILED_FIRST = (
-    "from anet_lumped import effects; list(effects.REGISTRY.values())",
+    "from anet_lumped import effects; from anet_lumped.effects import fluid_on_bodies; list(effects.REGISTRY.values())",
     """if True:
     from anet_lumped import Cable, Driven, Fixed, Free, Scene, equilibrium, paths, simulate
     from anet_lumped.effects import Gravity

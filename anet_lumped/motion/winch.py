@@ -15,7 +15,6 @@ import math
 from dataclasses import replace
 
 from anet_lumped.checks import InputError, check_number, quoted
-from anet_lumped.effects.line_change import LineChange
 from anet_lumped.limits import STEPS, check_most
 from anet_lumped.model.rest_lengths import changes
 from anet_lumped.prescribed import signals
@@ -101,6 +100,8 @@ def _check(scene: Scene, cable: str) -> None:
 
 def _with_length(scene: Scene, cable: str, signal: Signal) -> Scene:
     """The scene with a signal as the length paid out of a cable."""
+    from anet_lumped.effects.line_change import LineChange  # scenes without a winch do not import it
+
     others = [effect for effect in scene.effects if not isinstance(effect, LineChange)]
     paid_out = [pair for effect in scene.effects if isinstance(effect, LineChange) for pair in dict(effect.paid_out).items()]
     return replace(scene, effects=(*others, LineChange((*paid_out, (cable, signal)))))

@@ -278,7 +278,8 @@ def _lists(value: Any) -> Any:
     if isinstance(value, Path | Signal):
         return {"kind": value.kind} | _lists(dict(value.parameters))
     if isinstance(value, Wind | Wave):
-        return {"kind": {kind: name for name, kind in (wind.KINDS | waves.KINDS).items()}[type(value)]} | _plain(value)
+        names = {kind: name for kinds in (wind.KINDS, waves.KINDS) for name, kind in kinds.items()}
+        return {"kind": names[type(value)]} | _plain(value)
     if isinstance(value, dict):
         return {key: _lists(entry) for key, entry in value.items()}
     return [_lists(entry) for entry in value] if isinstance(value, tuple) else value

@@ -15,7 +15,7 @@ from studies.questions.effects_cost import OWN, entries, memory, plain
 
 ROOT = Path(__file__).parents[2]
 SCENES = ((), ("Gravity",), ("Gravity", "Air"))  # each has the effects of the one before it and another one
-FEWER = {"QUICK_TURNS": 2, "QUICK_PROCESSES": 1, "TURNS_A_PROCESS": 2}
+FEWER = {"QUICK_TURNS": 2, "QUICK_PROCESSES": 1, "TURNS_A_PROCESS": 2, "TIMES": {"verlet": 200, "newton": 5}}
 CODE = f"""
 import json, sys
 import anet_lumped, anet_lumped.effects
@@ -72,8 +72,9 @@ def rows():
     return found
 
 
-def test_each_effect_alone_and_all_together(rows):
+def test_each_effect_alone_and_all_together(rows, monkeypatch):
     """Two turns of all effects, as what is timed is no matter here; the quick study has some effects."""
+    monkeypatch.setattr(effects_cost, "TIMES", FEWER["TIMES"])
     assert set(effects_cost.QUICK_EFFECTS) < set(rows["marginal"]["effect"])
     table = pd.DataFrame(effects_cost.marginal(2, REGISTRY.library)[0]).set_index("effect")
     assert list(table.index) == ["none", "gravity", OWN, *[name for name in REGISTRY.library if name != "gravity"], "all together"]
