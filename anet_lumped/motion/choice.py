@@ -198,6 +198,8 @@ def _cheaper(method, costs):
     ((other, cost),) = ((name, cost) for name, cost in costs.items() if name != method)
     if math.isinf(cost):
         return f"{other} has no stable step here"
+    if not (cost and costs[method]):
+        return "no node moves freely"
     ratio = cost / costs[method]
     return (
         f"about {ratio:.2g} times cheaper than {other} here"

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from test_bending import bent_net, matrix, random_places
 
 from anet_lumped import Cable, Fixed, Free, Scene, SceneError, equilibrium, simulate
 from anet_lumped.effects import Bending, Gravity, NaturalCurvature, natural_curvature
 from anet_lumped.model.build import build
-from tests.effects.test_bending import bent_net, matrix, random_places
 
 KAPPA, SEGMENTS = 1.5, 10
 

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from test_bending import arrays, random_places
 
 from anet_lumped import Cable, Fixed, Free, Scene, SceneError, load_scene, paths, save_scene, simulate
 from anet_lumped.effects import Bending, bending
 from anet_lumped.model.build import build
-from tests.effects.test_bending import arrays, random_places
 
 TURNING = paths.circle((2.0, 0, 0), (0, 0, 0), (0, 1.0, 0), 4.0, 0.5, ramp=0.5)
 SWINGING = paths.harmonic((0, 0, 1.0), (0.3, 0.2, 0), 0.7)

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from hanging import held_net, hung
 
 from anet_lumped import State
 from anet_lumped.checks import InputError
 from anet_lumped.files.start_file import read_start
 from studies.command_line import main
-from tests.hanging import held_net, hung
 
 
 def test_rows_are_places_along_a_cable_from_either_end(tmp_path):

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from hanging import G
 
 from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, load_scene, paths, save_scene, signals, simulate, winched
 from anet_lumped.checks import InputError
 from anet_lumped.effects import Gravity, LineChange
-from tests.hanging import G
 
 
 def lowered(**more):

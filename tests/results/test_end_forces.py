@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from hanging import MU, G, cable, held_net, hung
 
 from anet_lumped import Body, Cable, Driven, Fixed, Free, PayloadChange, Scene, Session, equilibrium, paths, signals, simulate
 from anet_lumped.checks import InputError
 from anet_lumped.effects import Bending, Gravity, Ground, LineChange, Water
-from tests.hanging import MU, G, cable, held_net, hung
 
 DOWN = np.array([0.0, 0.0, -G])
 GRAVITY = Gravity(G)

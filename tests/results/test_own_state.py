@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from hanging import cable, held_net
 
 from anet_lumped import Cable, Driven, Fixed, Free, Scene, State, equilibrium, paths, simulate
 from anet_lumped.checks import InputError
 from anet_lumped.effects import Gravity
-from tests.hanging import cable, held_net
 
 ANGLE = np.linspace(0.0, np.pi, 1001)
 HALF_CIRCLE = np.column_stack([-np.cos(ANGLE), np.zeros(1001), -np.sin(ANGLE)])

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from hanging import G
 
 from anet_lumped import Cable, Fixed, Free, Scene, SceneError, attach, equilibrium, signals
 from anet_lumped.effects import Bending, Gravity, LineChange, Load, Temperature, Water
-from tests.hanging import G
 
 
 def light(effects=None, **more):

@@ -4,12 +4,12 @@ import json
 
 import numpy as np
 import pytest
+from hanging import MU, G, held_net, hung
 
 from anet_lumped import Cable, EquilibriumError, Fixed, Free, Scene, equilibrium, tensioned
 from anet_lumped.checks import InputError
 from anet_lumped.results.sag import sag
 from studies.command_line import main
-from tests.hanging import MU, G, held_net, hung
 
 A, HALF = 1.0, 0.6
 LENGTH, SAG = 2.0 * A * np.sinh(HALF / A), A * (np.cosh(HALF / A) - 1.0)

@@ -277,7 +277,7 @@ def test_ctrl_c_ends_both_studies_in_order(monkeypatch, tmp_path):
 def test_a_study_that_looks_at_clocks_says_that_it_compares_times(name):
     module = QUESTIONS / name
     files = module.rglob("*.py") if module.is_dir() else [module.with_suffix(".py")]
-    clocks = re.compile(r"\bperf_counter\b|\bwall_time\b|\btake_turns\b|\btimes_real_time\b")
+    clocks = re.compile(r"\bperf_counter\b|\bprocess_time\b|\bwall_time\b|\btake_turns\b|\btimes_real_time\b")
     looks = any(clocks.search(file.read_text(encoding="utf-8")) for file in files)
     assert looks == module_of(name).STUDY.compares_times
 

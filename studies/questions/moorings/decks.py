@@ -5,8 +5,6 @@ from pathlib import Path
 
 from anet_lumped import Cable, Driven, Fixed, Free, Scene, SceneError, paths, read_moordyn
 from anet_lumped.checks import InputError
-from anet_lumped.effects import Gravity, Water
-from anet_lumped.effects.moordyn_bottom import MoordynBottom
 from anet_lumped.files.moordyn_writer import moordyn_text
 from anet_lumped.model.build import build
 
@@ -55,6 +53,8 @@ def _written(name, folder):
 
 def own_scene(name: str) -> Scene:
     """A mooring line that lies on the bottom, a taut one, or two lines that meet at a free point below a fairlead."""
+    from anet_lumped.effects import Gravity, MoordynBottom, Water  # a list of the studies does without their kernels
+
     effects = [Gravity(9.80665), Water(points_float=False), MoordynBottom(-DEPTH, 3e6, 3e5)]
     fairlead = Driven("fairlead", paths.external((0.0, 0.0, -10.0)))
     if name == "catenary":
