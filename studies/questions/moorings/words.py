@@ -57,11 +57,15 @@ def _cost(cost):
             least = min(known, key=known.get)
             told.append(
                 f"Within {percent(tolerance)} of the range of the tension this library takes "
-                f"{listed(f'{value:.2g} times less ({name})' for name, value in known.items())} processor time than MoorDyn; the "
-                f"least is {known[least]:.2g}."
+                f"{listed(f'{value:.2g} times less ({name})' for name, value in known.items())} processor time than MoorDyn"
+                + (f"; the least is {known[least]:.2g}." if len(known) > 1 else ".")
             )
         else:
             done = [cheapest(cost, name, "this library", tolerance) for name in names]
             times = [f"{line['cpu_s']:.2g} s ({line['setting']})" for line in done if line is not None]
-            told.append(f"Within {percent(tolerance)} of the range this library takes {listed(times) if times else 'more steps'}.")
+            told.append(
+                f"Within {percent(tolerance)} of the range this library takes {listed(times)}."
+                if times
+                else f"Within {percent(tolerance)} of the range is no run with the steps that were tried."
+            )
     return " ".join(told)
