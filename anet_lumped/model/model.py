@@ -144,7 +144,8 @@ class Model:
         springs = [cable.springs for cable in self.scene.cables]
         rows = np.zeros((max([len(own) for own in springs] + [1]) - 1, 2, len(springs)))
         for c, own in enumerate(springs):
-            rows[: len(own) - 1, :, c] = np.reshape(own[1:], (-1, 2))
+            more = np.reshape(own[1:], (-1, 2))
+            rows[: len(more), :, c] = more
         share = np.array([own[0][1] if own else 1.0 for own in springs])
         return share * self.axial[:, AXIAL_STIFFNESS], self.axial[:, AXIAL_PUSH_SHARE], self.axial[:, AXIAL_L0], rows, 0, len(rows)
 

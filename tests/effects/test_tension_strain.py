@@ -17,6 +17,7 @@ from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.model.build import build
 from anet_lumped.prescribed import signals
 from anet_lumped.results.energy_balance import error_of_steps
+from anet_lumped.results.state import segment_tensions
 from integrators import schemes
 
 jax.config.update("jax_enable_x64", True)
@@ -236,3 +237,20 @@ def test_no_elastic_catenary():
     with pytest.raises(ValueError, match='A cable with a tension-strain curve, such as "a-b", has no catenary in closed form'):
         compare(rest)
     assert compare(rest, elastic=False).cables[0].rmse < 0.02
+
+
+def test_a_curve_of_several_pieces_beside_a_cable_without_one():
+    """A weight on a rope with a curve, on a plain rope below it: each stretches by its own law."""
+    curve, load = ((0.01, 10.0), (0.03, 20.0), (0.05, 60.0)), 25.0
+    common = {"length": 1.0, "mass_per_length": 1e-6, "segments": 2}
+    cables = [Cable("a", "b", tension_strain=curve, **common), Cable("b", "c", EA=1e3, **common)]
+    scene = Scene([Fixed("a", (0, 0, 0)), Free("b"), Free("c", mass=load / 9.81)], cables, [Gravity(9.81)])
+    rest = equilibrium(scene)
+    assert rest.length("a-b") == pytest.approx(
+        1.0 + np.interp(load, (0, 10, 20, 60), (0, 0.01, 0.03, 0.05)), rel=1e-6
+    )  # its own weight
+    assert rest.length("b-c") == pytest.approx(1.025, rel=1e-6)
+    run = simulate(scene, 0.02, method="edmc", dt=1e-3, start=rest)
+    np.testing.assert_allclose(run.segment_tension, load, rtol=1e-5)
+    again = State(rest.model, 0.0, rest.q, rest.v, segment_tensions(rest.model, rest.q, rest.v))
+    np.testing.assert_allclose(again.segment_tension, rest.segment_tension, rtol=1e-9)
