@@ -5,7 +5,7 @@
 * NPZ (`numpy.savez`): an array `t` (k,), and one for each cable (k,) or marker (k, 3), by its name.
 * TRC, the text of motion capture: markers only, in the unit that its third line says; their axes are those of the scene.
 
-C3D files are refused: no reader of them is kept well enough to lean on; motion-capture programs write TRC or CSV as well.
+C3D files are refused: motion-capture programs write TRC or CSV as well.
 """
 
 import csv
