@@ -71,7 +71,7 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
         carried=_carried(model.scene, len(paths)),
         effects=effects,
         lengths=rest_lengths.of_a_run(model.lengths) if changing else model.lengths,
-        points=model.symbolic._replace(block=np.zeros_like(model.symbolic.block)),
+        points=model.symbolic.of_a_run(),
         bodies=model.bodies.of_a_run(),
         segment=np.zeros((segments, SEGMENT_COLUMNS)),
         tension=np.zeros(segments),

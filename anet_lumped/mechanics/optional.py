@@ -64,6 +64,7 @@ SIGNATURES = {
     "settle_effects": float64(STAGE, int64, _f2, _f2, _f2),
     "eliminate": types.void(int64),
     "substitute": float64(int64),
+    "solve_fronts": types.void(int64),
     "drive": types.void(float64, int64, _f2, _f2),
     "set_lengths": types.void(int64, float64, float64, float64),
     "power_of_lengths": float64(int64, float64, _f2, _f2, _f2),
@@ -85,7 +86,7 @@ SIGNATURES = {
 as_cable_force, as_cable_residual, as_finish, as_cable_settle, as_settle_effects = (
     callable_at(SIGNATURES[name]) for name in ("force", "residual", "finish", "settle", "settle_effects")
 )
-as_relinearise_creep = callable_at(SIGNATURES["relinearise_creep"])
+as_relinearise_creep, as_solve_fronts = (callable_at(SIGNATURES[name]) for name in ("relinearise_creep", "solve_fronts"))
 as_eliminate, as_substitute, as_drive = (callable_at(SIGNATURES[name]) for name in ("eliminate", "substitute", "drive"))
 as_set_lengths, as_power_of_lengths, as_work_of_lengths, as_energy_of_paid_out = (
     callable_at(SIGNATURES[name]) for name in ("set_lengths", "power_of_lengths", "work_of_lengths", "energy_of_paid_out")

@@ -22,6 +22,10 @@ def require(net, model, force=False, newton=False, links=False):
         from anet_lumped.mechanics import drive
 
         _write(net, "DRIVE", "drive", drive.drive)
+    if len(net.points.fronts.front):
+        from anet_lumped.mechanics.linear import fronts
+
+        _write(net, "SOLVE_FRONTS", "solve_fronts", fronts.solve_fronts)
     if len(net.lengths.cable):
         from anet_lumped.mechanics import changing_lengths
 

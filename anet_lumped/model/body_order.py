@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anet_lumped.model.elimination_order import minimum_degree, symbolic_elimination
+from anet_lumped.model.elimination_order import elimination, symbolic_elimination
 from anet_lumped.model.net import Bodies, Points
 from anet_lumped.model.tables import (
     BODY_COLUMNS,
@@ -108,8 +108,7 @@ def order_of_points(scene):
     links = [(u, w) for a, b in pairs for u in unknowns.get(a, ()) for w in unknowns.get(b, ()) if u != w]
     of_bodies = [name for both in heads.values() for name in both]
     names, links = [*joints, *of_bodies], [*links, *heads.values()]
-    numbered, _ = minimum_degree(names, links, last=of_bodies)
-    order, later = minimum_degree(names, links)
+    numbered, order, later = elimination(names, links, of_bodies)
     carried = [point.name for body in free_bodies for point in body.points[2:]]
     both_move = [(a, b) for a, b in pairs if a in unknowns and b in unknowns]
     own = dict.fromkeys((a, b) for a, b in both_move if len(unknowns[a]) + len(unknowns[b]) > 2)

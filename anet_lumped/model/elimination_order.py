@@ -4,7 +4,8 @@ from heapq import heapify, heappop, heappush
 
 import numpy as np
 
-from anet_lumped.model.net import Points
+from anet_lumped.model import fronts
+from anet_lumped.model.net import NO_FRONTS, Points
 
 
 def minimum_degree(names, links, last=()):
@@ -35,6 +36,23 @@ def minimum_degree(names, links, last=()):
     return order, later
 
 
+def elimination(names, links, last=()):
+    """The free points in the order of their numbers, in that of their elimination, by least fill, and each one's later neighbours.
+
+    Those in ``last`` are numbered behind all others. Neighbours include the fill if there are fewer than `fronts.MANY` points.
+    """
+    if len(names) < fronts.MANY:
+        numbered, _ = minimum_degree(names, links, last=last)
+        return numbered, *minimum_degree(names, links)
+    order = fronts.least_fill_order(names, links)
+    turn, last = {name: i for i, name in enumerate(order)}, set(last)
+    later = {name: set() for name in order}
+    for a, b in links:
+        if a in turn and b in turn and a != b:
+            later[min(a, b, key=turn.get)].add(max(a, b, key=turn.get))
+    return [*(name for name in order if name not in last), *(name for name in order if name in last)], order, later
+
+
 def symbolic_elimination(names, order, later, carried=0, more=0):
     """Symbolic block LU: arrays of `Points`, and the position of each block.
 
@@ -49,7 +67,8 @@ def symbolic_elimination(names, order, later, carried=0, more=0):
         for q in others:
             block_of[p, q], block_of[q, p] = behind, behind + 1
             behind += 2
-    target = [[block_of[i, j] for i in others for j in others] for others in ahead]
+    many = len(order) >= fronts.MANY
+    target = [[]] * len(order) if many else [[block_of[i, j] for i in others for j in others] for others in ahead]
 
     def flat(rows):
         return np.array([x for row in rows for x in row], np.int64)
@@ -66,5 +85,6 @@ def symbolic_elimination(names, order, later, carried=0, more=0):
         target_at=starts(target),
         target=flat(target),
         block=np.zeros((behind + more, 3, 3)),
+        fronts=fronts.symbolic_fronts(turns, ahead, block_of) if many else NO_FRONTS,
     )
     return points, block_of

@@ -100,6 +100,25 @@ class Carried(NamedTuple):
     values: np.ndarray  # (3, paths, 3) scratch of positions, velocities and accelerations; empty without such bodies
 
 
+class Fronts(NamedTuple):
+    """Elimination of many free points by dense matrices, see `model.fronts`; empty where there are few.
+
+    `tables` names the columns of ``front``.
+    """
+
+    front: np.ndarray  # (fronts, 7) those that are added to a front stand before it
+    entry: np.ndarray  # (blocks, 3) a block of the system, and its row and column among the points of the front
+    point: np.ndarray  # pivots and rows of each front
+    in_parent: np.ndarray  # where each row stands among the points of the front that this one is added to; -1 for pivots
+    factor: np.ndarray  # scratch: rows of U and of L
+    dense: np.ndarray  # scratch: the front at hand
+    waiting: np.ndarray  # scratch: what is left of fronts until it is added
+
+    def of_a_run(self):
+        """The same with scratch of its own."""
+        return self._replace(**{name: np.empty_like(getattr(self, name)) for name in self._fields[4:]})
+
+
 class Points(NamedTuple):
     """Block LU of the system over the free points: symbolic part (elimination order, fill) and the blocks themselves.
 
@@ -107,7 +126,8 @@ class Points(NamedTuple):
     are ``later[later_at[e]:later_at[e+1]]``; ``upper`` and ``lower`` are the positions of the blocks (p, j) and (j, p) in
     ``block``; the diagonal block of p is ``block[p]``. ``target`` holds, for each pair (i, j) of later neighbours in row order, the
     block that their product updates, from ``target_at[e]`` on. The first blocks are those of the free nodes from ``n_interior`` on,
-    also of nodes that bodies carry, which are not eliminated here.
+    also of nodes that bodies carry, which are not eliminated here. Many points are eliminated by ``fronts``; then later neighbours
+    are without fill, and ``target`` is empty.
     """
 
     order: np.ndarray
@@ -118,6 +138,11 @@ class Points(NamedTuple):
     target_at: np.ndarray
     target: np.ndarray
     block: np.ndarray
+    fronts: Fronts
+
+    def of_a_run(self):
+        """The same with numbers of its own."""
+        return self._replace(block=np.zeros_like(self.block), fronts=self.fronts.of_a_run())
 
 
 class Links(NamedTuple):
@@ -223,9 +248,17 @@ EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1, types.int64), Effects)
 LENGTHS = types.NamedTuple((_i1, _f2, TABLE, _f1, _i1, _i1, _f1, _f1, _i1, _i1, _f1, _f1, _f2, _f2, _f3), Lengths)
 CARRIED = types.NamedTuple((_i1, _f2, _f3), Carried)
 BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2, _i2, _i2, _i2, _f2, _f2, _f2, _f2), Bodies)
-POINTS = types.NamedTuple((_i1,) * 7 + (_f3,), Points)
+FRONTS = types.NamedTuple((_i2, _i2, _i1, _i1) + (_f1,) * 3, Fronts)
+POINTS = types.NamedTuple((_i1,) * 7 + (_f3, FRONTS), Points)
 LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f2, _f2, _f1), Links)
-NO_LINKS = Links(*(np.zeros((0,) * kind.ndim, np.int64 if kind.dtype == types.int64 else float) for kind in LINKS.types))
+
+
+def _empty(kind):
+    """The tuple of arrays of a type, without an entry."""
+    return kind.instance_class(*(np.zeros((0,) * of.ndim, np.int64 if of.dtype == types.int64 else float) for of in kind.types))
+
+
+NO_LINKS, NO_FRONTS = _empty(LINKS), _empty(FRONTS)
 NET = types.NamedTuple(
     (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, _f2, _f2, TABLE, types.int64)
     + (CARRIED, EFFECTS, LENGTHS, POINTS, BODIES)

@@ -92,8 +92,15 @@ KERNEL_SETTLE_EFFECTS = 19
 KERNEL_PLACE_BODIES, KERNEL_BALANCE_BODIES, KERNEL_REDUCE_BODIES, KERNEL_SPREAD_BODIES, KERNEL_FINISH_BODIES = 20, 21, 22, 23, 24
 KERNEL_TURN_BODIES, KERNEL_STIFFEN_BODIES, KERNEL_FORCE_BODIES = 25, 26, 27
 KERNEL_MOBILITY_BODIES, KERNEL_MEET_BODIES, KERNEL_PULL_BODIES, KERNEL_SHAPE_BODIES = 28, 29, 30, 31
-KERNEL_RELINEARISE_CREEP = 32
-KERNELS = 33
+KERNEL_RELINEARISE_CREEP, KERNEL_SOLVE_FRONTS = 32, 33
+KERNELS = 34
+
+# `Fronts.front`, one row a front: how many points are its pivots and its rows; where its points begin in `Fronts.point`, its
+# entries in `Fronts.entry` and its factors in `Fronts.factor`; the first front of those that are added to it, directly or not;
+# where the rest that it leaves begins in `Fronts.waiting`.
+FRONT_PIVOTS, FRONT_ROWS, FRONT_FIRST_POINT, FRONT_FIRST_ENTRY, FRONT_FIRST_FACTOR = range(5)
+FRONT_FIRST_IN_SUBTREE, FRONT_WAITING_AT = 5, 6
+FRONT_COLUMNS = 7
 
 # `Bodies.joined`, one row a cable that ends at a body and at another moving point: the nodes of its start and end, the bodies that
 # carry them or -1, the unknown (of the first of two, of a body) of each, the blocks of its nodes (start, end) and (end, start), and

@@ -13,7 +13,7 @@ from anet_lumped.mechanics import residual
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.mechanics.linear import solve
 from anet_lumped.mechanics.required_kernels import require_elimination
-from anet_lumped.model import tables
+from anet_lumped.model import fronts, tables
 from anet_lumped.model.build import build
 from integrators.stage import LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN, Stage
 
@@ -99,6 +99,43 @@ def test_solution(name, stiffness):
         check(model, random_system(model, np.random.default_rng(seed), stiffness), stiffness)
 
 
+def by_fronts(scene, monkeypatch):
+    """Model of a scene whose points are eliminated by fronts, however few they are."""
+    monkeypatch.setattr(fronts, "MANY", 1)
+    return build.__wrapped__(scene)
+
+
+@pytest.mark.parametrize("stiffness", [1e1, 1e10])
+@pytest.mark.parametrize("name", NETS)
+def test_solution_by_fronts(name, stiffness, monkeypatch):
+    model = by_fronts(NETS[name], monkeypatch)
+    for seed in range(1 if name == "mesh" else 10):
+        check(model, random_system(model, np.random.default_rng(seed), stiffness), stiffness)
+
+
+@pytest.mark.parametrize("couples", [1, 2])
+def test_solution_by_fronts_with_couplings(couples, monkeypatch):
+    model, rng = by_fronts(NETS["mesh"], monkeypatch), np.random.default_rng(0)
+    check(model, coupled(model, random_system(model, rng, 1e4), rng, couples), 1e4)
+
+
+def test_fronts_of_a_mesh_larger_than_a_panel(monkeypatch):
+    """A mesh of 30 x 30 points has fronts of more columns than are factored at once; blocks one by one are the second method."""
+    scene, steps = mesh(30, 30, 1), []
+    for many in (1, 10**9):
+        monkeypatch.setattr(fronts, "MANY", many)
+        model, rng = build.__wrapped__(scene), np.random.default_rng(0)
+        net = random_system(model, np.random.default_rng(1), 1e3)
+        right = dict(zip(sorted(model.node_of), rng.normal(size=(len(model.node_of), 3)), strict=True))
+        for name, node in model.node_of.items():
+            if node < model.n_free:
+                net.right_side[node], net.diagonal[node] = right[name], INERTIA * np.eye(3)
+        solve.solve(net.address)
+        steps.append(np.array([net.newton_step[model.node_of[name]] for name in sorted(model.node_of)]))
+    assert len(model.symbolic.fronts.front) == 0
+    np.testing.assert_allclose(steps[0], steps[1], atol=1e-12 * np.abs(steps[1]).max())  # condition of this system: some 1e2
+
+
 def test_all_segments_slack():
     """Nothing couples the nodes: d = D^-1 r."""
     model = build(NETS["wheel"])
@@ -131,9 +168,12 @@ def random_scenes(draw):
 @settings(deadline=None, max_examples=100)
 @given(random_scenes(), st.integers(0, 2**31), st.sampled_from([1.0, 1e3]))
 def test_solution_of_any_net(scene, seed, stiffness):
-    model = build(scene)
-    if model.n_free:
-        check(model, random_system(model, np.random.default_rng(seed), stiffness), stiffness)
+    for many in (fronts.MANY, 1):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(fronts, "MANY", many)
+            model = build.__wrapped__(scene)
+        if model.n_free:
+            check(model, random_system(model, np.random.default_rng(seed), stiffness), stiffness)
 
 
 def random_stage(model, law, rng):

@@ -1,7 +1,9 @@
 """The linear system over the free points: block elimination in an order of least fill."""
 
 from anet_lumped.compiled.jit import inlined, internal
+from anet_lumped.mechanics.optional import as_solve_fronts
 from anet_lumped.model.net import view_net
+from anet_lumped.model.tables import KERNEL_SOLVE_FRONTS
 
 
 @inlined
@@ -40,8 +42,12 @@ def solve_points(net_address):
 
     `model.net.Points` describes the blocks. They are factored and never inverted: where a stiff cable joins two points, the
     condition number of their block is the ratio of stiffness to inertia, and an inverse would lose three times as many digits.
+    Many points are eliminated by `fronts`.
     """
     net = view_net(net_address)
+    if net.points.fronts.front.shape[0] > 0:
+        as_solve_fronts(net.kernels[KERNEL_SOLVE_FRONTS])(net_address)
+        return
     points, right_side, step, base = net.points, net.right_side, net.newton_step, net.n_interior
     block, points_free = points.block, points.later_at.shape[0] - 1
     for e in range(points_free):
