@@ -143,7 +143,7 @@ def simulate(
             f"Solvers of other packages need a node that moves freely, but the scene has none and the method is {method}."
         )
     lightest_scene = lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end))
-    transverse = transverse_frequency(begin)
+    transverse = transverse_frequency(begin) if any(cable.inextensible for cable in scene.cables) else 0.0  # of links alone
     speed = float(np.ptp(begin.v, axis=0).max())
     choice = choose(lightest_scene, method, dt, adaptive, begin.least_tension, transverse, speed)
     scheme = schemes.scheme(choice.method)
