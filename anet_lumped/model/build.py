@@ -91,6 +91,8 @@ def refilled(known, scene):
     vars(model).update(vars(known))
     for name in OF_NUMBERS:
         vars(model).pop(name, None)
+    if scene.points != known.scene.points:
+        vars(model).pop("path_table", None)
     mass, axial = _numbers(scene, known.node_of, known.cable, known.n_free)
     vars(model).update(scene=scene, mass=mass, axial=axial)
     if (axial[:, ALIKE] != known.axial[:, ALIKE]).any():

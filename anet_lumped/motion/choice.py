@@ -155,7 +155,8 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
         method = schemes.scheme(method).with_given_steps or method
     limits = _limits(scene, (method,) if chosen_by_user else (DEFAULT_IMPLICIT, DEFAULT_EXPLICIT))
     limit = limits.get(DEFAULT_EXPLICIT, math.inf)
-    motion = SHARE_OF_TIME_SCALE * time_scale(scene, tension, speed)
+    step_given = dt is not None and chosen_by_user and not schemes.scheme(method).keeps_constraints
+    motion = math.inf if step_given else SHARE_OF_TIME_SCALE * time_scale(scene, tension, speed)
     explicit_step = SHARE_OF_LIMIT * limit
     undamped_slack_cable = next(
         (c.name for c in scene.cables if c.compression != "linear" and c.damping_ratio < CALM_DAMPING_RATIO), None
