@@ -125,10 +125,10 @@ class RunTable:
         coordinates = {name: values for name, values in coordinates.items() if name in used}
         about = {"step": "s", "end_time": "s"}
         of_runs = {"status": self.status} | self.texts | self.numbers | self.counts
-        values = {
-            name: ("run", of_name.astype(str) if of_name.dtype == object else of_name, {"units": about[name]} if name in about else {})
-            for name, of_name in of_runs.items()
-        }  # fmt: skip
+        values = {}
+        for name, column in of_runs.items():
+            units = {"units": about[name]} if name in about else {}
+            values[name] = ("run", column.astype(str) if column.dtype == object else column, units)
         return xr.Dataset(found | values, coordinates | {name: ("run", of_name) for name, of_name in varied.items()})
 
 

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
 from anet_lumped.checks import InputError, nearest
@@ -90,7 +90,7 @@ class Varied:
         if section == "cables":  # zeta and BA exclude each other
             given = [key for key in ("zeta", "BA") if key in changes]
             changes |= {"BA": None} if given == ["zeta"] else {"zeta": 0.0} if given == ["BA"] else {}
-        if all(field.container is table for _, field in held) and is_dataclass(part):
+        if all(field.container is table for _, field in held):
             own = {field.name for field in fields(part) if field.init}
             if set(changes) <= own and not any(isinstance(value, list | dict | str) for value in changes.values()):
                 return replace(part, **changes)
