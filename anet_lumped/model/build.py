@@ -15,7 +15,7 @@ from anet_lumped.limits import BYTES, check_most
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.body_order import order_of_points
 from anet_lumped.model.claims import check_claims
-from anet_lumped.model.model import Model
+from anet_lumped.model.model import Model, ends_of
 from anet_lumped.model.net import Effects
 from anet_lumped.model.tables import (
     AXIAL_COLUMNS,
@@ -31,6 +31,7 @@ from anet_lumped.model.tables import (
     CABLE_CURVE,
     CABLE_CURVE_END,
     CABLE_END,
+    CABLE_FIRST_SEGMENT,
     CABLE_JOINS_FREE_POINTS,
     CABLE_SEGMENTS,
 )
@@ -38,7 +39,9 @@ from anet_lumped.scene.scene import Free
 
 BYTES_OF_NODE = 1e3  # of a model and of what a computation needs, about
 ALIKE = [AXIAL_PUSH_SHARE, AXIAL_TWO_WAY_DAMPER, AXIAL_INEXTENSIBLE]  # what cables that are taken at once share
-OF_NUMBERS = ("forces", "creep", "breaking_tension", "links", "springs_of_cables")  # of a Model, made when they are asked for
+# Of a Model, made when they are asked for: what names and ends decide, and what numbers do.
+OF_TOPOLOGY = ("n_segments", "ends", "node_segments", "cable_of")
+OF_NUMBERS = ("forces", "creep", "breaking_tension", "links", "springs_of_cables", "path_table")
 TOPOLOGIES = 8  # that are kept
 _KNOWN = {}  # what scenes share, `_topology`: the model of one of them
 
@@ -88,12 +91,11 @@ def refilled(known, scene):
         The same as of `build`, to the last bit.
     """
     model = object.__new__(Model)
-    vars(model).update(vars(known))
-    for name in OF_NUMBERS:
-        vars(model).pop(name, None)
-    if scene.points != known.scene.points:
-        vars(model).pop("path_table", None)
-    mass, axial = _numbers(scene, known.node_of, known.cable, known.n_free)
+    shared = ("path_table",) if scene.points == known.scene.points else ()
+    for name in (*OF_TOPOLOGY, *shared):
+        getattr(known, name)
+    vars(model).update((name, value) for name, value in vars(known).items() if name not in OF_NUMBERS or name in shared)
+    mass, axial = _numbers(scene, known.node_of, known.cable, known.ends, known.n_free)
     vars(model).update(scene=scene, mass=mass, axial=axial)
     if (axial[:, ALIKE] != known.axial[:, ALIKE]).any():
         groups, single, kinds = _groups(known.cable, axial, np.array([one.creeps for one in scene.cables]))
@@ -124,7 +126,7 @@ def _cut(scene):
             cable[c, CABLE_BLOCK_START_END : CABLE_BLOCK_END_START + 1] = points.blocks_of_pair[start, end]
         segment += one.segments
         node += one.segments - 1
-    mass, axial = _numbers(scene, node_of, cable, n_free)
+    mass, axial = _numbers(scene, node_of, cable, ends_of(cable), n_free)
     springs = _curves(scene.cables, cable)
     groups, single, kinds = _groups(cable, axial, np.array([one.creeps for one in scene.cables]))
     model = Model(
@@ -151,8 +153,8 @@ def _cut(scene):
     return replace(model, lengths=rest_lengths.table(scene, model, _cut))
 
 
-def _numbers(scene, node_of, cable, n_free):
-    """Masses of the nodes (n,) [kg] and the table ``axial`` (n_cables, 9) of a `Net`, for the table of the cables.
+def _numbers(scene, node_of, cable, ends, n_free):
+    """Masses of the nodes (n,) [kg] and the table ``axial`` (n_cables, 9) of a `Net`, for the table and the nodes of the cables.
 
     Raises
     ------
@@ -163,29 +165,40 @@ def _numbers(scene, node_of, cable, n_free):
     for point in scene.all_points:
         if isinstance(point, Free):
             mass[node_of[point.name]] = point.mass
-    for row, one, (_, count, node, start, end) in zip(axial, scene.cables, cable[:, : CABLE_END + 1].tolist(), strict=True):
-        spring = (0.0, 0.0) if one.inextensible else (one.stiffness, one.dashpot)
-        without_damper = one.inextensible and one.compression == "damped"  # then nothing acts where it is slack
-        row[:AXIAL_OMEGA_SQUARED] = one.L0, *spring, *SWITCHES["none" if without_damper else one.compression]
-        row[AXIAL_PUSH_SHARE] = max(row[AXIAL_PUSH_SHARE], one.EA_compression / one.EA_first)
-        row[AXIAL_INEXTENSIBLE] = one.inextensible
-        row[AXIAL_L0_BEFORE] = one.L0
-        half = 0.5 * one.mass_per_length * one.L0
+    rows = {}
+    for c, (one, (_, count, node, start, end)) in enumerate(zip(scene.cables, cable[:, : CABLE_END + 1].tolist(), strict=True)):
+        numbers = (one.length, count, one.mass_per_length, one.EA, one.zeta, one.BA, one.EA_dynamic, one.EA_compression)
+        alike = (*numbers, one.compression, one.tension_strain)
+        if alike not in rows:
+            rows[alike] = _axial_row(one), 0.5 * one.mass_per_length * one.L0
+        axial[c], half = rows[alike]
         mass[node : node + count - 1] = 2.0 * half
         mass[start] += half
         mass[end] += half
     mobility = np.append(1.0 / mass[:n_free], np.zeros(len(mass) - n_free))
-    for c, (_, count, node, start, end) in enumerate(cable[:, : CABLE_END + 1].tolist()):
-        of = np.concatenate([mobility[[start]], mobility[node : node + count - 1], mobility[[end]]])
-        with np.errstate(over="ignore"):
-            axial[c, AXIAL_OMEGA_SQUARED] = axial[c, AXIAL_STIFFNESS] * (of[1:] + of[:-1]).max()
-        if not axial[c, AXIAL_OMEGA_SQUARED] <= LARGEST**2:
-            one = scene.cables[c]
-            raise SceneError(
-                f"The frequencies of a cable must be up to {LARGEST:g} rad/s, but cable {quoted(one.name)} has segments of "
-                f"{one.stiffness:g} N/m on nodes of {1.0 / of.max():g} kg."
-            )
+    of_segment = mobility[ends].sum(axis=1)
+    with np.errstate(over="ignore"):
+        axial[:, AXIAL_OMEGA_SQUARED] = axial[:, AXIAL_STIFFNESS] * np.maximum.reduceat(of_segment, cable[:, CABLE_FIRST_SEGMENT])
+    beyond = np.flatnonzero(~(axial[:, AXIAL_OMEGA_SQUARED] <= LARGEST**2))
+    if len(beyond):
+        one, first = scene.cables[beyond[0]], cable[beyond[0], CABLE_FIRST_SEGMENT]
+        raise SceneError(
+            f"The frequencies of a cable must be up to {LARGEST:g} rad/s, but cable {quoted(one.name)} has segments of "
+            f"{one.stiffness:g} N/m on nodes of {1.0 / mobility[ends[first : first + one.segments]].max():g} kg."
+        )
     return mass, axial
+
+
+def _axial_row(one):
+    """Row of ``axial`` of a cable, but for the frequency, which its nodes decide."""
+    row = np.zeros(AXIAL_COLUMNS)
+    spring = (0.0, 0.0) if one.inextensible else (one.stiffness, one.dashpot)
+    without_damper = one.inextensible and one.compression == "damped"  # then nothing acts where it is slack
+    row[:AXIAL_OMEGA_SQUARED] = one.L0, *spring, *SWITCHES["none" if without_damper else one.compression]
+    row[AXIAL_PUSH_SHARE] = max(row[AXIAL_PUSH_SHARE], one.EA_compression / one.EA_first)
+    row[AXIAL_INEXTENSIBLE] = one.inextensible
+    row[AXIAL_L0_BEFORE] = one.L0
+    return row
 
 
 def _curves(cables, table):

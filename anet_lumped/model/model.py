@@ -170,11 +170,7 @@ class Model:
     @cached_property
     def ends(self):
         """(n_segments, 2) int64: nodes at both ends of each segment."""
-        rows = []
-        for _, count, node, start, end in self.cable[:, : CABLE_END + 1]:
-            nodes = np.r_[start, node : node + count - 1, end]
-            rows.append(np.column_stack([nodes[:-1], nodes[1:]]))
-        return np.concatenate([*rows, np.empty((0, 2), np.int64)])
+        return ends_of(self.cable)
 
     def node(self, point):
         """Number of a point's node."""
@@ -210,3 +206,12 @@ class Model:
         if not self.flipped[c]:
             return slice(first, first + count)
         return slice(first + count - 1, first - 1 if first else None, -1)
+
+
+def ends_of(cable):
+    """(n_segments, 2) int64: nodes at both ends of each segment, for the table of the cables of a `Net`."""
+    rows = []
+    for _, count, node, start, end in cable[:, : CABLE_END + 1].tolist():
+        nodes = np.array([start, *range(node, node + count - 1), end], np.int64)
+        rows.append(np.column_stack([nodes[:-1], nodes[1:]]))
+    return np.concatenate([*rows, np.empty((0, 2), np.int64)])

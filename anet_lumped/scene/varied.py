@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from anet_lumped.checks import InputError, nearest
 from anet_lumped.scene.as_dict import part_from_dict, scene_to_dict
-from anet_lumped.scene.scene import Scene
+from anet_lumped.scene.scene import Cable, Scene
 
 SETTINGS = ("t_end", "method", "dt", "start", "rtol", "atol", "rho_inf")  # of a run, which may be varied beside fields of the scene
 NOT_VARIED = ("name", "kind", "start", "end")  # of points, cables and events: what they are, and not a number of them
@@ -62,7 +62,17 @@ class Varied:
         for name, of_name in self.found.items():
             for field in of_name:
                 touched.setdefault((field.section, field.entry), []).append((name, field))
-        self.touched = touched
+        self.touched, self.alike = touched, {}
+        first: dict[Any, tuple[str, Any]] = {}
+        for (section, entry), held in touched.items():
+            if section == "cables":  # those that differ in their names and ends alone stay so, if the same fields vary
+                numbers = {name: value for name, value in vars(scene.cables[entry]).items() if name not in NOT_VARIED}
+                varying = tuple((name, field.key) for name, field in held if field.container is self.entries[section][entry])
+                key = (*numbers.values(), varying, len(held))
+                if key in first:
+                    self.alike[section, entry] = first[key]
+                elif len(varying) == len(held):
+                    first[key] = section, entry
 
     def with_values(self, values: Mapping[str, Any]) -> Scene:
         """The scene with these values of all the fields that vary.
@@ -76,11 +86,15 @@ class Varied:
         for name, of_name in self.found.items():
             for field in of_name:
                 field.container[field.key] = values[name]
-        scene = self.scene
+        scene, made = self.scene, dict[Any, Any]()
         parts = {section: list(getattr(scene, section)) for section in {section for section, _ in self.touched}}
         for (section, entry), held in self.touched.items():
             number = list(self.entries["effects"]).index(entry) if section == "effects" else entry
-            parts[section][number] = self._part(parts[section][number], section, entry, held, values)
+            part, like = parts[section][number], self.alike.get((section, entry))
+            if like in made:
+                parts[section][number] = _renamed(made[like], part)
+            else:
+                parts[section][number] = made[section, entry] = self._part(part, section, entry, held, values)
         return replace(scene, **parts)
 
     def _part(self, part: Any, section: str, entry: Any, held: list[tuple[str, Field]], values: Mapping[str, Any]) -> Any:
@@ -95,6 +109,13 @@ class Varied:
             if set(changes) <= own and not any(isinstance(value, list | dict | str) for value in changes.values()):
                 return replace(part, **changes)
         return part_from_dict(section, entry, {key: value for key, value in table.items() if value is not None})
+
+
+def _renamed(made: Cable, other: Cable) -> Cable:
+    """A cable like one that was made, and so checked, with the name and the ends of another one."""
+    cable = object.__new__(Cable)
+    vars(cable).update(vars(made), name=other.name, start=other.start, end=other.end)
+    return cable
 
 
 def known_fields(entries: dict[str, Any]) -> dict[str, list[Field]]:
