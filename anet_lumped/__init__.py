@@ -33,6 +33,7 @@ from anet_lumped.files.motion_file import read_motions
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.motion.session import Session, SessionError
 from anet_lumped.motion.simulate import RunError, RunInterrupt, simulate
+from anet_lumped.motion.simulate_many import simulate_many
 from anet_lumped.motion.winch import winched
 from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.six_motions import SixMotions
@@ -92,6 +93,7 @@ __all__ = [
     "shapes",
     "signals",
     "simulate",
+    "simulate_many",
     "tensioned",
     "waves",
     "winched",

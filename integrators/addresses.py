@@ -5,6 +5,8 @@ it (`view_at`). The view costs no more than the integer, and reads a field only 
 and functions by value instead would cost as much as a step of eighty nodes.
 """
 
+import ctypes
+
 import numpy as np
 from llvmlite import ir
 from numba import types
@@ -22,7 +24,7 @@ def words_of(value):
     function: its address, and two zeros in place of Python's. Of a float: its bits. Of a tuple: the words of its fields, in turn.
     """
     if isinstance(value, np.ndarray):
-        return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
+        return [0, 0, value.size, value.itemsize, _address_of(value), *value.shape, *value.strides]
     if isinstance(value, types.WrapperAddressProtocol):
         return [value.__wrapper_address__(), 0, 0]
     if isinstance(value, float):
@@ -30,6 +32,15 @@ def words_of(value):
     if isinstance(value, tuple):
         return [word for part in value for word in words_of(part)]
     return [value]
+
+
+def _address_of(array):
+    """Address of the first item of an array; 0 if it has none. A net has some eighty, and `ndarray.ctypes` takes 3 us for each."""
+    if array.size == 0:
+        return 0
+    if array.flags.writeable and array.flags.c_contiguous:
+        return ctypes.addressof(ctypes.c_char.from_buffer(array))
+    return array.ctypes.data
 
 
 def count_words(kind):

@@ -48,9 +48,9 @@ def compile_for(function, signature):
     function : compiled by Numba
     signature : of Numba's, or the types of its arguments
     """
-    if not function.signatures:
+    if not function.overloads:  # `signatures` makes a list of them
         with compiling():
-            if not function.signatures:
+            if not function.overloads:
                 function.compile(signature)
                 function.disable_compile()
     return function

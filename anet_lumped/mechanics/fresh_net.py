@@ -22,11 +22,8 @@ from anet_lumped.model.tables import (
     LINEARISED_TAU,
     SEGMENT_COLUMNS,
 )
-from anet_lumped.prescribed.paths import line, pack
+from anet_lumped.prescribed.paths import PathTable
 from anet_lumped.prescribed.turning import matrix_of
-from anet_lumped.scene.scene import Driven
-
-NOWHERE = (0.0, 0.0, 0.0)
 
 
 def fresh_net(model, force=True, newton=True, links=False, crept=None):
@@ -51,13 +48,11 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
     has_added_mass = any("inertia" in effect.kernels() for effect in model.forces)
     changing = len(model.lengths.cable) > 0  # rest lengths change: then masses and laws belong to the run
     effects = model.effects._replace(params=model.effects.params.copy())
-    paths = [point.path for point in model.scene.points if isinstance(point, Driven)]
-    paths += [path for body in model.scene.bodies if body.is_driven for path in _paths_of(body)]
     net = Net(
         n_free=model.n_free,
         n_interior=model.n_interior,
         mass=model.mass.copy() if changing else model.mass,
-        node_segments=np.bincount(model.ends.ravel(), minlength=n).astype(float),
+        node_segments=model.node_segments,
         cable=model.cable,
         cable_groups=model.cable_groups,
         single_cables=model.single_cables,
@@ -66,9 +61,9 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
         springs=model.springs,
         creep=model.creep if creeps else np.zeros((0, CREEP_COLUMNS)),
         crept=np.column_stack([crept, np.zeros(segments)]) if creeps else np.zeros((0, CREPT_COLUMNS)),
-        paths=pack(paths),
+        paths=PathTable(*(numbers.copy() for numbers in model.path_table)),
         n_driven=model.n_driven,
-        carried=_carried(model.scene, len(paths)),
+        carried=_carried(model.scene, len(model.path_table.first) - 1),
         effects=effects,
         lengths=rest_lengths.of_a_run(model.lengths) if changing else model.lengths,
         points=model.symbolic.of_a_run(),
@@ -76,7 +71,7 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
         segment=np.zeros((segments, SEGMENT_COLUMNS)),
         tension=np.zeros(segments),
         mean_tension=np.zeros(segments),
-        linearised=_nothing_linearised(),
+        linearised=nothing_linearised(),
         law_force=np.zeros((n, 3)),
         predicted_force=np.zeros((n - model.n_interior, 3)),
         right_side=np.zeros((n, 3)),
@@ -105,12 +100,6 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
     return net
 
 
-def _paths_of(body):
-    """Paths of the origin and of the rotation vector of a driven body."""
-    origin, turning = body.motion
-    return origin, line(NOWHERE, NOWHERE, 0.0) if turning is None else turning
-
-
 def _carried(scene, paths):
     """`Carried` of a scene whose paths are ``paths`` in number."""
     driven = [body for body in scene.bodies if body.is_driven]
@@ -122,7 +111,7 @@ def _carried(scene, paths):
     )
 
 
-def _nothing_linearised():
+def nothing_linearised():
     """``Net.linearised`` before the first stage of a run."""
     linearised = np.zeros(LINEARISED_COLUMNS)
     linearised[LINEARISED_LAW], linearised[LINEARISED_TAU] = LINEARISED_NO_LAW, 1.0

@@ -7,6 +7,7 @@ import numpy as np
 
 from anet_lumped.checks import LARGEST, SceneError, quoted
 from anet_lumped.compiled.lanes import WIDTH
+from anet_lumped.effects import REGISTRY
 from anet_lumped.effects.kernel_checks import check_kernels
 from anet_lumped.effects.laws.axial import SWITCHES
 from anet_lumped.effects.signatures import SLOTS, addresses
@@ -14,7 +15,7 @@ from anet_lumped.limits import BYTES, check_most
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.body_order import order_of_points
 from anet_lumped.model.claims import check_claims
-from anet_lumped.model.model import Model
+from anet_lumped.model.model import Model, ends_of
 from anet_lumped.model.net import Effects
 from anet_lumped.model.tables import (
     AXIAL_COLUMNS,
@@ -30,32 +31,90 @@ from anet_lumped.model.tables import (
     CABLE_CURVE,
     CABLE_CURVE_END,
     CABLE_END,
+    CABLE_FIRST_SEGMENT,
     CABLE_JOINS_FREE_POINTS,
     CABLE_SEGMENTS,
 )
+from anet_lumped.scene.scene import Free
 
 BYTES_OF_NODE = 1e3  # of a model and of what a computation needs, about
+ALIKE = [AXIAL_PUSH_SHARE, AXIAL_TWO_WAY_DAMPER, AXIAL_INEXTENSIBLE]  # what cables that are taken at once share
+# Of a Model, made when they are asked for: what names and ends decide, and what numbers do.
+OF_TOPOLOGY = ("n_segments", "ends", "node_segments", "cable_of")
+OF_NUMBERS = ("forces", "creep", "breaking_tension", "links", "springs_of_cables", "path_table")
+TOPOLOGIES = 8  # that are kept
+_KNOWN = {}  # what scenes share, `_topology`: the model of one of them
 
 
 @lru_cache(maxsize=8)
 def build(scene):
     """Cut a scene into nodes and segments and choose the elimination order.
 
+    What only names and ends of the parts of a scene decide is kept for the next scene that has the same, see `refilled`.
+
     Returns
     -------
     Model
     """
+    key = _topology(scene)
+    known = None if key is None else _KNOWN.get(key)
+    if known is not None:
+        return refilled(known, scene)
+    model = _cut(scene)
+    if key is not None:
+        while len(_KNOWN) >= TOPOLOGIES:
+            _KNOWN.pop(next(iter(_KNOWN), None), None)
+        _KNOWN[key] = model
+    return model
+
+
+def _topology(scene):
+    """What two scenes share of which one is `refilled` from the model of the other; None for what is left of a scene."""
+    if not scene.whole:
+        return None
+    points = tuple((type(point), point.name) for point in scene.points)
+    cables = tuple(
+        (one.start, one.end, one.name, one.segments, one.compression, one.inextensible, one.creeps, one.tension_strain)
+        for one in scene.cables
+    )
+    return points, cables, scene.bodies, tuple(map(type, scene.effects))
+
+
+def refilled(known, scene):
+    """Model of a scene from that of another one with the same names, ends, segments and kinds of parts: the numbers alone are new.
+
+    What the effects of the library say of themselves holds whatever their numbers are, see `claims`; a user's own are checked anew.
+
+    Returns
+    -------
+    Model
+        The same as of `build`, to the last bit.
+    """
+    model = object.__new__(Model)
+    shared = ("path_table",) if scene.points == known.scene.points else ()
+    for name in (*OF_TOPOLOGY, *shared):
+        getattr(known, name)
+    vars(model).update((name, value) for name, value in vars(known).items() if name not in OF_NUMBERS or name in shared)
+    mass, axial = _numbers(scene, known.node_of, known.cable, known.ends, known.n_free)
+    vars(model).update(scene=scene, mass=mass, axial=axial)
+    if (axial[:, ALIKE] != known.axial[:, ALIKE]).any():
+        groups, single, kinds = _groups(known.cable, axial, np.array([one.creeps for one in scene.cables]))
+        vars(model).update(cable_groups=groups, single_cables=single, single_kinds=kinds)
+    vars(model).update(effects=_effect_tables(model.forces, model, checked=known.forces))
+    if rest_lengths.changes(scene) or len(known.lengths.cable):
+        vars(model).update(lengths=rest_lengths.table(scene, model, _cut))
+    return model
+
+
+def _cut(scene):
+    """`build` of a scene of which nothing is known."""
     n_interior = sum(cable.segments - 1 for cable in scene.cables)
     check_most(BYTES, BYTES_OF_NODE * n_interior, f"A scene of {n_interior + len(scene.cables)} segments")
     points = order_of_points(scene)
     free = set(points.free)
     node_of = {name: n_interior + i for i, name in enumerate([*points.free, *points.fixed, *points.driven])}
     n, n_free = n_interior + len(node_of), n_interior + len(free)
-    mass = np.zeros(n)
-    for name in points.free:
-        mass[node_of[name]] = scene.point(name).mass
     cable = np.full((len(scene.cables), CABLE_COLUMNS), -1, np.int64)
-    axial = np.zeros((len(scene.cables), AXIAL_COLUMNS))
     flipped = np.zeros(len(scene.cables), bool)
     segment = node = 0
     for c, one in enumerate(scene.cables):
@@ -65,28 +124,9 @@ def build(scene):
         cable[c, : CABLE_JOINS_FREE_POINTS + 1] = segment, one.segments, node, node_of[start], node_of[end], bordered
         if bordered:
             cable[c, CABLE_BLOCK_START_END : CABLE_BLOCK_END_START + 1] = points.blocks_of_pair[start, end]
-        spring = (0.0, 0.0) if one.inextensible else (one.stiffness, one.dashpot)
-        without_damper = one.inextensible and one.compression == "damped"  # then nothing acts where it is slack
-        axial[c, :AXIAL_OMEGA_SQUARED] = one.L0, *spring, *SWITCHES["none" if without_damper else one.compression]
-        axial[c, AXIAL_PUSH_SHARE] = max(axial[c, AXIAL_PUSH_SHARE], one.EA_compression / one.EA_first)
-        axial[c, AXIAL_INEXTENSIBLE] = one.inextensible
-        axial[c, AXIAL_L0_BEFORE] = one.L0
-        half = 0.5 * one.mass_per_length * one.L0
-        mass[node : node + one.segments - 1] = 2.0 * half
-        mass[[node_of[start], node_of[end]]] += half
         segment += one.segments
         node += one.segments - 1
-    mobility = np.append(1.0 / mass[:n_free], np.zeros(n - n_free))
-    for c, (_, count, node, start, end) in enumerate(cable[:, : CABLE_END + 1]):
-        of = mobility[np.r_[start, node : node + count - 1, end]]
-        with np.errstate(over="ignore"):
-            axial[c, AXIAL_OMEGA_SQUARED] = axial[c, AXIAL_STIFFNESS] * (of[1:] + of[:-1]).max()
-        if not axial[c, AXIAL_OMEGA_SQUARED] <= LARGEST**2:
-            one = scene.cables[c]
-            raise SceneError(
-                f"The frequencies of a cable must be up to {LARGEST:g} rad/s, but cable {quoted(one.name)} has segments of "
-                f"{one.stiffness:g} N/m on nodes of {1.0 / of.max():g} kg."
-            )
+    mass, axial = _numbers(scene, node_of, cable, ends_of(cable), n_free)
     springs = _curves(scene.cables, cable)
     groups, single, kinds = _groups(cable, axial, np.array([one.creeps for one in scene.cables]))
     model = Model(
@@ -110,7 +150,55 @@ def build(scene):
         lengths=None,
     )
     model = replace(model, effects=_effect_tables(model.forces, model))
-    return replace(model, lengths=rest_lengths.table(scene, model, build.__wrapped__))
+    return replace(model, lengths=rest_lengths.table(scene, model, _cut))
+
+
+def _numbers(scene, node_of, cable, ends, n_free):
+    """Masses of the nodes (n,) [kg] and the table ``axial`` (n_cables, 9) of a `Net`, for the table and the nodes of the cables.
+
+    Raises
+    ------
+    SceneError : a frequency that is beyond what numbers hold
+    """
+    mass = np.zeros(len(node_of) + sum(one.segments - 1 for one in scene.cables))
+    axial = np.zeros((len(scene.cables), AXIAL_COLUMNS))
+    for point in scene.all_points:
+        if isinstance(point, Free):
+            mass[node_of[point.name]] = point.mass
+    rows = {}
+    for c, (one, (_, count, node, start, end)) in enumerate(zip(scene.cables, cable[:, : CABLE_END + 1].tolist(), strict=True)):
+        numbers = (one.length, count, one.mass_per_length, one.EA, one.zeta, one.BA, one.EA_dynamic, one.EA_compression)
+        alike = (*numbers, one.compression, one.tension_strain)
+        if alike not in rows:
+            rows[alike] = _axial_row(one), 0.5 * one.mass_per_length * one.L0
+        axial[c], half = rows[alike]
+        mass[node : node + count - 1] = 2.0 * half
+        mass[start] += half
+        mass[end] += half
+    mobility = np.append(1.0 / mass[:n_free], np.zeros(len(mass) - n_free))
+    of_segment = mobility[ends].sum(axis=1)
+    with np.errstate(over="ignore"):
+        axial[:, AXIAL_OMEGA_SQUARED] = axial[:, AXIAL_STIFFNESS] * np.maximum.reduceat(of_segment, cable[:, CABLE_FIRST_SEGMENT])
+    beyond = np.flatnonzero(~(axial[:, AXIAL_OMEGA_SQUARED] <= LARGEST**2))
+    if len(beyond):
+        one, first = scene.cables[beyond[0]], cable[beyond[0], CABLE_FIRST_SEGMENT]
+        raise SceneError(
+            f"The frequencies of a cable must be up to {LARGEST:g} rad/s, but cable {quoted(one.name)} has segments of "
+            f"{one.stiffness:g} N/m on nodes of {1.0 / mobility[ends[first : first + one.segments]].max():g} kg."
+        )
+    return mass, axial
+
+
+def _axial_row(one):
+    """Row of ``axial`` of a cable, but for the frequency, which its nodes decide."""
+    row = np.zeros(AXIAL_COLUMNS)
+    spring = (0.0, 0.0) if one.inextensible else (one.stiffness, one.dashpot)
+    without_damper = one.inextensible and one.compression == "damped"  # then nothing acts where it is slack
+    row[:AXIAL_OMEGA_SQUARED] = one.L0, *spring, *SWITCHES["none" if without_damper else one.compression]
+    row[AXIAL_PUSH_SHARE] = max(row[AXIAL_PUSH_SHARE], one.EA_compression / one.EA_first)
+    row[AXIAL_INEXTENSIBLE] = one.inextensible
+    row[AXIAL_L0_BEFORE] = one.L0
+    return row
 
 
 def _curves(cables, table):
@@ -154,18 +242,26 @@ def _groups(cable, axial, creeps):
     return np.array(groups, np.int64).reshape(-1, WIDTH + 1), single, np.cumsum([len(kind) for kind in kinds[:2]]).astype(np.int64)
 
 
-def _effect_tables(effects, model):
-    """Tables and addresses of the compiled functions of the effects present; ``model`` is complete but for them."""
+def _effect_tables(effects, model, checked=()):
+    """Tables and addresses of the compiled functions of the effects present; ``model`` is complete but for them.
+
+    What effects say of themselves is compared with what they do, but for those among ``checked`` and those of the library whose
+    likes are.
+    """
     index, params = [], []
+    known = {type(effect) for effect in checked if REGISTRY.name_of(effect) in REGISTRY.library}
     for effect in effects:
-        check_kernels(effect)
+        of_known = type(effect) in known or effect in checked
+        if not of_known:
+            check_kernels(effect)
         own = [np.asarray(numbers, kind) for numbers, kind in zip(effect.table(model), (np.int64, float), strict=True)]
         if any(numbers.ndim != 1 for numbers in own):
             raise SceneError(
                 "The `table` of an effect must return two flat arrays, index and params, but of effect "
                 f"{type(effect).__name__} they have shapes {own[0].shape} and {own[1].shape}."
             )
-        check_claims(effect, model, *own)
+        if not of_known:
+            check_claims(effect, model, *own)
         index.append(own[0])
         params.append(own[1])
     return Effects(

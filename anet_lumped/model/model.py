@@ -18,10 +18,13 @@ from anet_lumped.model.tables import (
     CREEP_FAST,
     CREEP_STATIC,
 )
-from anet_lumped.scene.scene import Scene
+from anet_lumped.prescribed.paths import line, pack
+from anet_lumped.scene.scene import Driven, Scene
 
 from .link_order import link_tables
 from .net import Bodies, Effects, Lengths, Points
+
+NOWHERE = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +116,7 @@ class Model:
         axial[creeps, AXIAL_PUSH_SHARE] = 1.0  # as of springs for which `newton_step` looks for no slack segments
         return axial
 
-    @property
+    @cached_property
     def n_segments(self):
         """Number of segments of all cables."""
         return int(self.cable[:, CABLE_SEGMENTS].sum())
@@ -121,6 +124,21 @@ class Model:
     def _number(self, cable):
         self.scene.cable(cable)
         return self.scene.cable_numbers[cable]
+
+    @cached_property
+    def path_table(self):
+        """`PathTable` of the driven points, then of the origin and of the rotation vector of each driven body."""
+        paths = [point.path for point in self.scene.points if isinstance(point, Driven)]
+        for body in self.scene.bodies:
+            if body.is_driven:
+                origin, turning = body.motion
+                paths += [origin, line(NOWHERE, NOWHERE, 0.0) if turning is None else turning]
+        return pack(paths)
+
+    @cached_property
+    def node_segments(self):
+        """(n,) float64: how many segments each node has."""
+        return np.bincount(self.ends.ravel(), minlength=self.n).astype(float)
 
     @cached_property
     def cable_of(self):
@@ -152,11 +170,7 @@ class Model:
     @cached_property
     def ends(self):
         """(n_segments, 2) int64: nodes at both ends of each segment."""
-        rows = []
-        for _, count, node, start, end in self.cable[:, : CABLE_END + 1]:
-            nodes = np.r_[start, node : node + count - 1, end]
-            rows.append(np.column_stack([nodes[:-1], nodes[1:]]))
-        return np.concatenate([*rows, np.empty((0, 2), np.int64)])
+        return ends_of(self.cable)
 
     def node(self, point):
         """Number of a point's node."""
@@ -192,3 +206,12 @@ class Model:
         if not self.flipped[c]:
             return slice(first, first + count)
         return slice(first + count - 1, first - 1 if first else None, -1)
+
+
+def ends_of(cable):
+    """(n_segments, 2) int64: nodes at both ends of each segment, for the table of the cables of a `Net`."""
+    rows = []
+    for _, count, node, start, end in cable[:, : CABLE_END + 1].tolist():
+        nodes = np.array([start, *range(node, node + count - 1), end], np.int64)
+        rows.append(np.column_stack([nodes[:-1], nodes[1:]]))
+    return np.concatenate([*rows, np.empty((0, 2), np.int64)])

@@ -74,6 +74,8 @@ def remainder(whole, payloads, broken):
     -------
     Remainder
     """
+    if not (payloads or broken or whole.scene.events):
+        return Remainder(whole, np.arange(whole.n), np.arange(whole.n_segments))
     scene, stubs, loose, cables, pieces, nodes, segments = whole.scene, [], {}, [], {}, {}, {}
     all_segments = np.arange(whole.n_segments)
     for cable in scene.cables:

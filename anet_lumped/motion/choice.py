@@ -8,6 +8,7 @@ import numpy as np
 
 from anet_lumped.checks import InputError, nearest, number, quoted, shown
 from integrators import schemes
+from integrators.linear_stability import NoLimit
 from integrators.schemes.record import EnergyPromise
 
 from . import stability
@@ -113,6 +114,13 @@ def _predict(scene, schemes):
     return stability.predict(scene, schemes=schemes)
 
 
+def _limits(scene, wanted):
+    """Largest stable step of each scheme wanted [s]; only of those that have one are modes computed."""
+    limited = tuple(name for name in wanted if not isinstance(schemes.scheme(name).limit, NoLimit))
+    known = {name: limit.step for name, limit in _predict(scene, limited).limits.items()} if limited else {}
+    return {name: known.get(name, math.inf) for name in wanted}
+
+
 def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=0.0, speed=0.0):
     """Fill in what the user left open.
 
@@ -145,9 +153,10 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
     chosen_by_user = method is not None
     if method is not None and dt is not None and not adaptive:
         method = schemes.scheme(method).with_given_steps or method
-    prediction = _predict(scene, tuple(sorted({DEFAULT_EXPLICIT, method if chosen_by_user else DEFAULT_IMPLICIT})))
-    limit = prediction.limits[DEFAULT_EXPLICIT].step
-    motion = SHARE_OF_TIME_SCALE * time_scale(scene, tension, speed)
+    limits = _limits(scene, (method,) if chosen_by_user else (DEFAULT_IMPLICIT, DEFAULT_EXPLICIT))
+    limit = limits.get(DEFAULT_EXPLICIT, math.inf)
+    step_given = dt is not None and chosen_by_user and not schemes.scheme(method).keeps_constraints
+    motion = math.inf if step_given else SHARE_OF_TIME_SCALE * time_scale(scene, tension, speed)
     explicit_step = SHARE_OF_LIMIT * limit
     undamped_slack_cable = next(
         (c.name for c in scene.cables if c.compression != "linear" and c.damping_ratio < CALM_DAMPING_RATIO), None
@@ -179,7 +188,7 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
         why += f"; cable {quoted(undamped_slack_cable)} may go slack undamped, where an explicit step gains energy"
     if stiff_effect is not None and not chosen_by_user and rigid is None and creeping is None:
         why += f"; no limit of an explicit step is known before the run for the forces of {stiff_effect}"
-    scheme, limit = schemes.scheme(method), prediction.limits[method].step
+    scheme, limit = schemes.scheme(method), limits[method]
     if scheme.keeps_constraints:
         return _of_links(scheme, dt, motion, adaptive, transverse)
     if dt is None and scheme.explicit and scheme.own:
@@ -189,7 +198,7 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
     elif dt is None:
         dt = motion / FIRST_CHOSEN if adaptive else motion
         why += f"; dt={dt:.3g} s from the time scale of the motion"
-    warning = "" if adaptive else prediction.warning(method, dt)
+    warning = "" if adaptive or dt <= limit else _predict(scene, (method,)).warning(method, dt)
     return Choice(method, dt, f"{method}: {why}", limit, (warning,) if warning else ())
 
 

@@ -295,10 +295,15 @@ class Legs:
                 self.crept[segment] = 0.0
             self.events.append(Event(self.t, BREAK, cable.name, lost, segment=number, tension=tension))
 
+    def _adds_nothing_to(self, run):
+        """Whether the rows and the energies of a leg are those of the whole run."""
+        whole = len(self.rows[0].t) == len(run.t) and not self.carried[:WORK].any()
+        return whole and bool((self.carried[WORK:] == run.energy[-1, WORK:]).all())
+
     def joined(self):
         """All legs as one Run."""
         last = self.runs[-1]
-        if len(self.rows) == 1 and not self.events and last.model is self.model and not self.carried.any():
+        if len(self.rows) == 1 and not self.events and last.model is self.model and self._adds_nothing_to(last):
             return last
         t = np.concatenate([leg.t for leg in self.rows])
         q, v = np.empty((2, len(t), self.model.n, 3))

@@ -66,12 +66,33 @@ def march(model, choice, leg, start, settings):
     parameters = scheme.parameters(rho_inf=settings.rho_inf)
     observed = 2 * model.n_segments if model.creeps else model.n_segments
     out = march_system(scheme, bound, net.address, times, start.q, start.v, (saves, observed), parameters)
+    run = run_of(model, choice, out, settings)
+    if out.interrupted:
+        raise RunInterrupt(run)
+    return run
+
+
+def run_of(model, choice, out, settings):
+    """The Run of a leg with a scheme of this package; its arrays are those of the `Outcome`.
+
+    Parameters
+    ----------
+    model : Model
+    choice : Choice
+    out : Outcome
+    settings : Settings
+
+    Returns
+    -------
+    Run
+    """
+    scheme = schemes.scheme(choice.method)
     tensions, crept = np.split(out.saved.observed, [model.n_segments], axis=1)
     tolerances = settings.tolerances if settings.adaptive and scheme.embedded else None
     stiff = stiff_for(choice, tolerances, out.counts, out.held, out.held_for) if tolerances else ()
     if not scheme.books_its_losses:
         book_remainder(out.saved.energy)
-    run = Run(
+    return Run(
         model, out.saved.t, out.saved.q, out.saved.v, out.saved.energy, choice.method, choice.dt, choice.reason,
         status=STATUS[out.status],
         message=why_it_stopped(model, choice, out.status, out.t, out.node, tolerances, out.counts),
@@ -82,6 +103,3 @@ def march(model, choice, leg, start, settings):
         segment_tension=tensions,
         crept=crept if model.creeps else None,
     )  # fmt: skip
-    if out.interrupted:
-        raise RunInterrupt(run)
-    return run

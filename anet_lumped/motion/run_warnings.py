@@ -165,9 +165,11 @@ def _excess_length(run, step):
 
 def _far_from_limit(run, step):
     """Two extrapolated runs that are too far apart to tend to one limit, over the cables' length or over the path of a node."""
+    if not run.extrapolated:
+        return ""
     length = max(cable.length for cable in run.scene.cables)
     moved = float(np.linalg.norm(run.q - run.q[0], axis=2).max())
-    if not run.extrapolated or run.error_estimate <= min(SHARE * length, SHARE_OF_PATH * moved + 1e-3 * TOLERANCE * length):
+    if run.error_estimate <= min(SHARE * length, SHARE_OF_PATH * moved + 1e-3 * TOLERANCE * length):
         return ""
     return (
         f"The two runs that are extrapolated are {3.0 * run.error_estimate:.2g} m apart, which is far from a limit: the result "

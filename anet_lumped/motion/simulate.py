@@ -8,40 +8,31 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-import numpy as np
-
-from anet_lumped.checks import InputError, number, quoted, shown
-from anet_lumped.model import rest_lengths
+from anet_lumped.checks import InputError, number, quoted
 from anet_lumped.model.build import build
-from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
 from anet_lumped.results.near_origin import computed_near_origin
-from anet_lumped.results.run import STATUS, Run, RunInterrupt
+from anet_lumped.results.run import Run, RunInterrupt
 from anet_lumped.results.state import State
-from anet_lumped.scene.origin import largest_distance
-from anet_lumped.scene.scene import Driven, Scene, check_scene
+from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.equilibrium import equilibrium
 from anet_lumped.statics.starts import Start, start_state, straight
 from integrators import schemes
 from integrators.schemes.record import Origin, Scheme
-from integrators.system import DIVERGED, UNCONVERGED
 
 from .accuracy import TENSION_ERROR, Wanted, keep_error
-from .choice import LONGEST_CHOSEN, Choice, by_links, check_method, choose, links_are_cheaper
-from .energy_gain import GAINED, flag_energy_gain
+from .choice import Choice, by_links, links_are_cheaper
 from .extrapolation import extrapolated, method_to_extrapolate
-from .failure_messages import with_cause
 from .legs import Settings, march_legs
 from .link_legs import SLACK_ALLOWED, slack_time
-from .run_warnings import warnings_of
-from .stability import transverse_frequency
-from .times import check_counts
+from .plan import Asked, check_arguments, planned
 from .tolerance import keep_error_by_tolerance
+from .verdict import judged
 
 RUNS_INSTEAD = 4  # of links by default, in place of an implicit method: four powers of ten of the tolerance
 MEANT_STRAIN = 0.2  # of a straight start: cords break before
 DEFAULT_RTOL, DEFAULT_ATOL = 1e-6, 1e-9  # [m]; of the largest coordinate where no tolerance is given
-_audits = ContextVar("audits", default=False)  # whether this thread makes a run for an audit, which gives no warnings
+_quiet = ContextVar("quiet", default=False)  # whether runs of this thread give no warnings, as those for an audit
 __all__ = ["RunError", "RunInterrupt", "StabilityWarning", "simulate", "straight"]
 
 
@@ -111,7 +102,7 @@ def simulate(
     RunInterrupt : Ctrl-C; with what was done as its ``run``
     """
     check_scene(scene)
-    _check(t_end, method, dt, save_every, rtol, atol, rho_inf, audit, error, tension_error)
+    check_arguments(t_end, method, dt, save_every, rtol, atol, rho_inf, audit, error, tension_error)
     t_end, audit = number(t_end), audit if isinstance(audit, bool) else number(audit)
     dt, save_every, rtol, atol, rho_inf, error, tension_error = (
         None if value is None else number(value) for value in (dt, save_every, rtol, atol, rho_inf, error, tension_error)
@@ -124,38 +115,9 @@ def simulate(
         begin = equilibrium(scene)
     else:
         begin = start_state(build(scene), start, scheme is not None and scheme.keeps_constraints)
-    _check_external(scene, begin)
-    apart, most = float(np.ptp(begin.q, axis=0).max()), largest_distance(scene)
-    if not apart < most:
-        raise InputError(
-            f"Nodes must start within {most:.3g} m of each other, beyond which a motion counts as diverged, but they are "
-            f"{apart:.3g} m apart."
-        )
-    adaptive = rtol is not None or atol is not None or (scheme is not None and scheme.chooses_steps(dt))
-    if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
-        able = ", ".join(schemes.names(takes_changing_rest_lengths=True))
-        raise InputError(f"Lengths that change in time need a method of this package, {able}, but the method is {method}.")
-    if scheme is not None and not scheme.takes_rigid_bodies and begin.model.has_bodies:
-        able = ", ".join(schemes.names(takes_rigid_bodies=True))
-        raise InputError(f"Bodies that move need one of the methods {able}, but the method is {method}.")
-    if scheme is not None and not scheme.own and begin.model.n_free == 0:
-        raise InputError(
-            f"Solvers of other packages need a node that moves freely, but the scene has none and the method is {method}."
-        )
-    lightest_scene = lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end))
-    transverse = transverse_frequency(begin)
-    speed = float(np.ptp(begin.v, axis=0).max())
-    choice = choose(lightest_scene, method, dt, adaptive, begin.least_tension, transverse, speed)
+    plan = planned(scene, begin, Asked(t_end, method, dt, save_every, rtol, atol, extrapolate))
+    choice, adaptive, transverse = plan
     scheme = schemes.scheme(choice.method)
-    _check_breaks(scene, scheme, extrapolate)
-    if adaptive:
-        longest = LONGEST_CHOSEN * choice.dt if dt is None else None
-    else:
-        longest = choice.dt if dt is not None or save_every is None else min(choice.dt, save_every)
-    check_counts(scene, begin.t, begin.t + t_end, longest, save_every, adaptive)
-    if dt is None and not adaptive:
-        span = save_every or t_end
-        choice = _ending_on(choice, span, "t_end" if save_every is None else "save_every")
     for text in choice.warnings:
         _warn(text, StabilityWarning)
     if isinstance(start, str) and start == "straight":
@@ -213,28 +175,28 @@ def simulate(
             if adaptive:
                 finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), settings.tolerances, strict=True)}
             finer |= {"method": run.method, "rho_inf": rho_inf, "extrapolate": extrapolate, "save_every": every}
-            before = _audits.set(True)
+            before = _quiet.set(True)
             try:
                 return simulate(scene, t_end, start=start, **finer)
             finally:
-                _audits.reset(before)
+                _quiet.reset(before)
 
         order = None if adaptive else scheme.extrapolated_order if extrapolate else scheme.order
         run = audited(run, again, order, None if audit is True else audit)
-    if run.ok:
-        run = flag_energy_gain(run, choice.limit, adaptive)
-    if run.ok:
-        run = replace(run, warnings=run.warnings + warnings_of(run, adaptive))
-    if run.status in (STATUS[DIVERGED], STATUS[UNCONVERGED], GAINED):
-        run = with_cause(run)
+    run = judged(run, choice.limit, adaptive)
     if check and not run.ok:
         raise RunError(run)
     return run
 
 
+def quiet_in_this_thread() -> None:
+    """Give no warnings for runs of this thread; they are in the runs."""
+    _quiet.set(True)
+
+
 def _warn(text: str, category: type[Warning]) -> None:
     """Give a warning to whoever called `simulate`; the filters of `warnings` would silence it in other threads, too."""
-    if not _audits.get():
+    if not _quiet.get():
         warnings.warn(text, category, stacklevel=4)  # of the caller of `simulate`, beyond its decorator
 
 
@@ -274,18 +236,6 @@ def overstretched(begin: State) -> list[str]:
     ]
 
 
-def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:
-    """Cables that may break need a march that looks for it, and one motion."""
-    brittle = next((cable.name for cable in scene.cables if cable.breaking_tension is not None), None)
-    if brittle is not None and (extrapolate or not scheme.stops_at_events):
-        unable = ", ".join(schemes.names(stops_at_events=False))
-        given = "`extrapolate` is set" if extrapolate else f"the method is {scheme.name}"
-        raise InputError(
-            f"A cable with a `breaking_tension` needs a method other than {unable} and one run, but cable {quoted(brittle)} "
-            f"has one and {given}."
-        )
-
-
 def _check_keeps_error(scheme: Scheme, dt: float | None, adaptive: bool, extrapolate: bool) -> None:
     """An error is kept by the step, of a scheme whose own steps tell it."""
     given = "`dt`" if dt is not None else "`rtol` or `atol`" if adaptive else "`extrapolate`" if extrapolate else None
@@ -295,35 +245,3 @@ def _check_keeps_error(scheme: Scheme, dt: float | None, adaptive: bool, extrapo
             f"Arguments `error` and `tension_error` choose the step of one run with a method of this package, but {what}; "
             "leave it out, or take `audit`."
         )
-
-
-def _check_external(scene: Scene, begin: State) -> None:
-    """Points that a session drives stand at their start in a run of their own, so that it cannot begin with them elsewhere."""
-    for point in scene.all_points:
-        if isinstance(point, Driven) and point.path.kind == "external":
-            start = point.path.at(begin.t)[0]
-            if not np.allclose(begin.position(point.name), start, rtol=1e-12, atol=1e-12):
-                raise InputError(
-                    f"A point with the path paths.external stands at its start in a run, {tuple(start.tolist())}, but the state to "
-                    f"start from has {quoted(point.name)} at {tuple(begin.position(point.name).tolist())}; go on in a Session, or "
-                    "give the point another path."
-                )
-
-
-def _ending_on(choice: Choice, span: float, called: str) -> Choice:
-    """The choice with steps that end on what is saved, which its reason says where it shows in three digits."""
-    dt = span / math.ceil(span / choice.dt)
-    shorter = f"; shortened to {1e3 * dt:.3g} ms to meet {called}" if f"{dt:.3g}" != f"{choice.dt:.3g}" else ""
-    return replace(choice, dt=dt, reason=choice.reason + shorter)
-
-
-def _check(t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: Any, rho_inf: Any, audit: Any, *errors: Any) -> None:
-    sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=1.0 if isinstance(audit, bool) else audit)
-    sizes |= dict(zip(("error", "tension_error"), errors, strict=True))
-    for name, value in sizes.items():
-        if (value is not None or name in ("t_end", "audit")) and not (0 < number(value) < math.inf):
-            unit = "" if name in ("rtol", "tension_error") else " [m]" if name in ("atol", "audit", "error") else " [s]"
-            raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {shown(value)}.")
-    if dt is not None and number(dt) > number(t_end) * (1 + 1e-9):
-        raise InputError(f"Argument `dt` must not exceed t_end={number(t_end):g} s, but it is {number(dt):g} s.")
-    check_method(method, rho_inf)

@@ -7,6 +7,7 @@ path in plain Python; `pack` lays several out as the flat arrays that `path_kern
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -56,6 +57,11 @@ class Path:
 
     def __repr__(self) -> str:
         return f"{self.kind}({', '.join(f'{name}={value!r}' for name, value in self.parameters)})"
+
+    @cached_property
+    def start(self) -> Vector:
+        """Position at t = 0 [m]."""
+        return tuple(self.at(0.0)[0].tolist())
 
     def at(self, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return position [m], velocity [m/s] and acceleration [m/s²] at time `t` [s], each (3,).

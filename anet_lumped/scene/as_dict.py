@@ -100,6 +100,31 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
         raise SceneError(f"{source}: {error}") from None
 
 
+def part_from_dict(section: str, name: Any, entry: dict[str, Any], source: str = "scene") -> Any:
+    """Return the point, body, cable, effect or event that an entry of a section of a scene file describes.
+
+    Parameters
+    ----------
+    section : "points", "bodies", "cables", "effects" or "events"
+    name : of an effect; of others their number in the section
+    entry : its table
+    source : where it comes from, for messages
+
+    Raises
+    ------
+    SceneError : as of `scene_from_dict`
+    """
+    from anet_lumped.effects import REGISTRY
+
+    called = f"effects.{name}" if section == "effects" else _called(section, [entry])[0].replace("[0]", f"[{name}]")
+    place = f"{source}, {called}"
+    if section == "effects":
+        return _make(_choose(name, REGISTRY, "effect", place, OWN), entry, place)
+    if section == "cables":
+        return _make(Cable, entry, place)
+    return {"points": _point, "bodies": _body, "events": _event}[section](entry, place)
+
+
 def _point(entry: dict[str, Any], place: str) -> Fixed | Driven | Free:
     kind, entry = _take_kind(entry, POINTS, "point", place)
     return _make(kind, entry, place)

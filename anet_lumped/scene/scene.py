@@ -83,6 +83,16 @@ class Scene:
         self._check_effects()
         self._check_events()
 
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash((self.points, self.cables, self.effects, self.events, self.bodies))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if name != "_hash"}  # of words: another one in each process
+
     def __repr__(self) -> str:
         segments = sum(cable.segments for cable in self.cables)
         effects = ", ".join(type(effect).__name__ for effect in self.effects) or "no effects"
@@ -217,7 +227,7 @@ class Scene:
     def supports(self) -> list[Vector]:
         """Positions of the fixed points, and of the driven ones at t = 0 [m]."""
         fixed = [point.at for point in self.points if isinstance(point, Fixed)]
-        return fixed + [tuple(point.path.at(0.0)[0].tolist()) for point in self.all_points if isinstance(point, Driven)]
+        return fixed + [point.path.start for point in self.all_points if isinstance(point, Driven)]
 
     @property
     def motions(self) -> tuple[Path, ...]:

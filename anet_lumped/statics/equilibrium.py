@@ -20,13 +20,14 @@ from anet_lumped.scene.scene import Fixed, Free, Scene, check_scene
 from .equilibrium_error import EquilibriumError, NoRestError
 from .starts import Start, start_state
 
+TOLERANCE = 1e-12  # of the positions of cable ends, over the cables' lengths
 UNSTRETCHED = 1e13  # EA over the load, in place of a cable that does not stretch: a strain of 1e-13
 
 __all__ = ["EquilibriumError", "NoRestError", "equilibrium"]
 
 
 @computed_near_origin
-def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = None) -> State:
+def equilibrium(scene: Scene, tolerance: float = TOLERANCE, start: Start | None = None) -> State:
     """Static shape of a scene, with driven points where they are at t = 0.
 
     Parameters
@@ -68,8 +69,21 @@ def equilibrium(scene: Scene, tolerance: float = 1e-12, start: Start | None = No
         raise
 
 
-def _rest(scene: Scene, tolerance: float, start: Start | None) -> State:
-    """Static shape of a scene whose effects are `at_rest`."""
+def rest_on(net: Any, scene: Scene, tolerance: float = TOLERANCE) -> State | None:
+    """`equilibrium` of a scene near its origin on arrays that are there already, a fresh net of its model.
+
+    Returns
+    -------
+    State or None
+        None where effects rest in another way than they move, or where bodies do: then `equilibrium` makes arrays of its own.
+    """
+    if scene.bodies or any(effect.no_force_at_rest or effect.at_rest() != effect for effect in scene.effects):
+        return None
+    return _rest(scene, tolerance, None, net)
+
+
+def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) -> State:
+    """Static shape of a scene whose effects are `at_rest`; on the arrays of a fresh ``net`` of its model, if there is one."""
     from .hanging_chains import solve, unroll  # compiled when a first rest is asked for
 
     model = build(scene)
@@ -84,7 +98,7 @@ def _rest(scene: Scene, tolerance: float, start: Start | None) -> State:
     for point in scene.all_points:
         if isinstance(point, Fixed):
             q[model.node(point.name)] = point.at
-    net = fresh_net(model, force=False, newton=False)
+    net = fresh_net(model, force=False, newton=False) if net is None else net
     v = np.zeros_like(q)
     if model.n_driven < model.n:
         from anet_lumped.mechanics.drive import drive  # compiled for scenes with driven points

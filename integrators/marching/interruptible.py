@@ -10,7 +10,7 @@ from integrators.ctrl_c import ctrl_c_later
 TOLD_EVERY = 5.0  # [s]
 
 
-def interruptible(march, *arguments, tell=lambda: None):
+def interruptible(march, *arguments, tell=lambda: None, short=False):
     """Call ``march(*arguments, stop)``, which releases the interpreter's lock and ends soon after ``stop[0]`` is set.
 
     Python handles Ctrl-C in its main thread, between two lines of Python; a compiled march is one line. Therefore the march runs in
@@ -21,6 +21,9 @@ def interruptible(march, *arguments, tell=lambda: None):
     march : compiled function
     arguments : of it
     tell : called every `TOLD_EVERY` while it marches
+    short : bool
+        Whether it takes so little time that Ctrl-C may wait for its end: then it runs in this thread. A thread of its own takes as
+        long as twenty steps of eighty nodes.
 
     Returns
     -------
@@ -32,6 +35,15 @@ def interruptible(march, *arguments, tell=lambda: None):
     if threading.current_thread() is not threading.main_thread():
         return march(*arguments, stop), False
     outcome, ended = [], _thread.allocate_lock()
+    if short:
+        try:
+            with ctrl_c_later():
+                outcome.append(march(*arguments, stop))
+        except KeyboardInterrupt:
+            if not outcome:  # it came before the march began
+                raise
+            return outcome[0], True
+        return outcome[0], False
 
     def run():
         try:

@@ -32,6 +32,7 @@ from .interruptible import interruptible
 from .stepper import Stepper
 
 LOG = logging.getLogger(__name__)
+SHORT = 1e5  # nodes times steps of a march that Ctrl-C may wait for: some 10 ms, of the dearest forces 0.3 s
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,10 +65,8 @@ class Outcome:
     held_for: float = 0.0
 
 
-def march(
-    scheme: Scheme, system: System, data_address: int, times: FixedSteps | AdaptiveSteps, q, v, saves, parameters=None
-) -> Outcome:
-    """March a system from a state.
+class March:
+    """A march of a system with a scheme of this package: its arrays and its compiled loop. It may be marched again and again.
 
     Parameters
     ----------
@@ -75,52 +74,78 @@ def march(
     system : System
     data_address : int, of what the functions of the system work on
     times : FixedSteps or AdaptiveSteps
-    q, v : (n, 3) float64 [m], [m/s], at the start; not changed
+    n : number of nodes
     saves : (times, numbers observed)
         Times: increasing (k,) float64 [s] at which an adaptive march saves, from its start on; for a march with fixed steps, the
         number of rows that it may write. Numbers observed: how many numbers the system observes of a state.
     parameters : (k,) float64 or None
         From `Scheme.parameters`; None takes the defaults.
     """
-    step, words = first_class(compile_for(scheme.step, STEP)), words_in_memory(system)
-    adaptive, (times_or_rows, observed) = isinstance(times, AdaptiveSteps), saves
-    t = np.array(times_or_rows, float) if adaptive else np.empty(times_or_rows)
-    rows_saved, n = len(t), len(q)
-    saved = Saved(
-        t,
-        np.empty((rows_saved, n, 3)),
-        np.empty((rows_saved, n, 3)),
-        np.zeros((rows_saved, ENERGIES)),
-        np.empty((rows_saved, observed)),
-        np.full(rows_saved, np.nan),
-    )
-    state = StepState(
-        np.array(q, float, order="C"), np.array(v, float, order="C"), np.zeros((scheme.memory_rows, n, 3)), np.zeros(BALANCE)
-    )
-    counts = np.zeros(COUNTS, np.int64)
-    stepper = Stepper(step, words.ctypes.data, data_address, scheme.parameters() if parameters is None else parameters, counts)
-    if adaptive and scheme.embedded:
-        loop, loop_argument = compiled_embedded_steps(), PairLimits(scheme.order, embedded_steps.MOST_WORK, scheme.stiff_beyond)
-    elif adaptive:
-        loop, loop_argument = compiled_adaptive_steps(), scheme.order
-    else:
-        loop = compiled_fixed_steps()
-        explicit, steps = scheme.explicit and not scheme.keeps_constraints, (times.t_end - times.origin) / times.dt
-        unseen = unseen_steps(explicit, steps)
-        loop_argument = StepError(explicit, scheme.error_order or scheme.order, scheme.error_constant, unseen)
-    scratch = scratch_for(state, scheme.carried_rows, observed)
-    room = () if adaptive else (Growth(np.empty((n, 3)), np.zeros((n, 3))),)
-    started = time.perf_counter()
-    given = stepper, times, loop_argument, state, scratch, *room, saved
 
-    def tell():
-        if not adaptive and counts[STEPS]:
-            total, seconds = math.ceil((times.t_end - times.t0) / times.dt), time.perf_counter() - started
-            left = (total / counts[STEPS] - 1.0) * seconds
-            LOG.info("step %d of %d, %.0f s left if the others take as long", counts[STEPS], total, left)
+    def __init__(
+        self, scheme: Scheme, system: System, data_address: int, times: FixedSteps | AdaptiveSteps, n, saves, parameters=None
+    ) -> None:
+        self.scheme, self.system, self.times, self.words = scheme, system, times, words_in_memory(system)
+        self.adaptive, (times_or_rows, observed) = isinstance(times, AdaptiveSteps), saves
+        t = np.array(times_or_rows, float) if self.adaptive else np.empty(times_or_rows)
+        rows = len(t)
+        self.saved = Saved(
+            t, np.empty((rows, n, 3)), np.empty((rows, n, 3)), np.zeros((rows, ENERGIES)), np.empty((rows, observed)),
+            np.full(rows, np.nan),
+        )  # fmt: skip
+        self.state = StepState(np.empty((n, 3)), np.empty((n, 3)), np.zeros((scheme.memory_rows, n, 3)), np.zeros(BALANCE))
+        self.counts = np.zeros(COUNTS, np.int64)
+        step = first_class(compile_for(scheme.step, STEP))
+        parameters = scheme.parameters() if parameters is None else parameters
+        stepper = Stepper(step, self.words.ctypes.data, data_address, parameters, self.counts)
+        steps = 0.0
+        if self.adaptive and scheme.embedded:
+            loop, loop_argument = compiled_embedded_steps(), PairLimits(scheme.order, embedded_steps.MOST_WORK, scheme.stiff_beyond)
+        elif self.adaptive:
+            loop, loop_argument = compiled_adaptive_steps(), scheme.order
+        else:
+            loop = compiled_fixed_steps()
+            explicit, steps = scheme.explicit and not scheme.keeps_constraints, (times.t_end - times.origin) / times.dt
+            unseen = unseen_steps(explicit, steps)
+            loop_argument = StepError(explicit, scheme.error_order or scheme.order, scheme.error_constant, unseen)
+        self.scratch = scratch_for(self.state, scheme.carried_rows, observed)
+        room = () if self.adaptive else (Growth(np.empty((n, 3)), np.zeros((n, 3))),)
+        self.loop, self.short = entry_point(loop), not self.adaptive and steps * n < SHORT
+        self.given = stepper, times, loop_argument, self.state, self.scratch, *room, self.saved
 
-    (status, rows, t, node, *more), interrupted = interruptible(entry_point(loop), *given, tell=tell)
-    wall_time = time.perf_counter() - started
-    if scheme.error_shift and not adaptive:
-        saved.error[:rows] += scheme.error_shift * times.dt * np.maximum.accumulate(np.abs(saved.v[:rows]).max(axis=(1, 2)))
-    return Outcome(status, t, node, Saved(*(part[:rows] for part in saved)), counts, wall_time, interrupted, *more)
+    def renew(self, times: FixedSteps) -> None:
+        """Make ready to march once more, with other fixed steps, as many as before; what the last march saved is overwritten."""
+        self.times = times
+        stepper, _, *others, saved = self.given
+        self.given = stepper, times, *others, saved
+        for numbers in (self.state.memory, self.state.balance, self.counts, saved.energy):
+            numbers.fill(0)
+        saved.error.fill(np.nan)
+        self.words[-1:].view(np.float64)[0] = self.system.largest
+
+    def march(self, q, v) -> Outcome:
+        """March from the state q, v (n, 3) float64 [m], [m/s], which are not changed."""
+        times, counts, saved = self.times, self.counts, self.saved
+        self.state.q[:], self.state.v[:] = q, v
+        started = time.perf_counter()
+
+        def tell():
+            if not self.adaptive and counts[STEPS]:
+                total, seconds = math.ceil((times.t_end - times.t0) / times.dt), time.perf_counter() - started
+                left = (total / counts[STEPS] - 1.0) * seconds
+                LOG.info("step %d of %d, %.0f s left if the others take as long", counts[STEPS], total, left)
+
+        (status, rows, t, node, *more), interrupted = interruptible(self.loop, *self.given, tell=tell, short=self.short)
+        wall_time = time.perf_counter() - started
+        if self.scheme.error_shift and not self.adaptive:
+            saved.error[:rows] += (
+                self.scheme.error_shift * times.dt * np.maximum.accumulate(np.abs(saved.v[:rows]).max(axis=(1, 2)))
+            )
+        return Outcome(status, t, node, Saved(*(part[:rows] for part in saved)), counts, wall_time, interrupted, *more)
+
+
+def march(
+    scheme: Scheme, system: System, data_address: int, times: FixedSteps | AdaptiveSteps, q, v, saves, parameters=None
+) -> Outcome:
+    """March a system once, from the state q, v (n, 3) float64 [m], [m/s]; the rest is as of a `March`."""
+    return March(scheme, system, data_address, times, len(q), saves, parameters).march(q, v)

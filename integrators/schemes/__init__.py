@@ -38,6 +38,7 @@ def scheme(name: str) -> Scheme:
     return next(one for one in vars(module).values() if isinstance(one, Scheme) and one.name == name)
 
 
+@cache
 def names(**wanted: Any) -> tuple[str, ...]:
     """Names of the schemes, in the order of the registry, whose records have all the values wanted.
 

@@ -1,0 +1,72 @@
+"""The arrays of a run taken for another run: those of a scene that differs in its numbers alone."""
+
+import numpy as np
+
+from anet_lumped.mechanics.fresh_net import fresh_net, nothing_linearised
+
+SCRATCH = (
+    "segment", "tension", "mean_tension", "law_force", "predicted_force", "right_side", "diagonal", "factor", "border",
+    "far_factor", "border_work", "newton_step", "middle_q", "middle_v", "near_blocks", "far_blocks", "added_mass",
+)  # fmt: skip
+SCRATCH_OF_BODIES = ("arm_end", "arm_mean", "slowing", "state")
+
+
+def renewable_net(model, **needs):
+    """A `fresh_net` whose numbers are its own, so that it can be taken for other scenes with `renew`.
+
+    Parameters
+    ----------
+    model : Model, that `can_be_renewed`
+    needs : bool, `force`, `newton` and `links` of `fresh_net`
+    """
+    net = fresh_net(model, **needs)
+    effects = net.effects._replace(index=net.effects.index.copy())
+    return net._replace(mass=net.mass.copy(), axial=net.axial.copy(), springs=net.springs.copy(), effects=effects).addressed()
+
+
+def can_be_renewed(model):
+    """Whether a net of a model can be taken for others: no cable breaks or creeps, and none changes its length in time."""
+    return not (len(model.breaking_tension) or model.creeps or len(model.lengths.cable))
+
+
+def renew(net, model):
+    """Write the numbers of a model to a net of another one and clear its scratch space, as if it were fresh.
+
+    Parameters
+    ----------
+    net : Net, from `renewable_net`; overwritten
+    model : Model, that `can_be_renewed`
+
+    Returns
+    -------
+    bool
+        Whether that was possible: the arrays of both are of the same shapes, and the same functions are called. If not, some of the
+        numbers may be written.
+    """
+    pairs = [
+        (net.mass, model.mass), (net.axial, model.axial), (net.springs, model.springs),
+        (net.effects.index, model.effects.index), (net.effects.params, model.effects.params),
+        *zip(net.paths, model.path_table, strict=True),
+    ]  # fmt: skip
+    same = (
+        (net.cable, model.cable), (net.cable_groups, model.cable_groups), (net.single_cables, model.single_cables),
+        (net.effects.address, model.effects.address), (net.effects.params_at, model.effects.params_at),
+        (net.bodies.arm, model.bodies.arm),
+    )  # fmt: skip
+    if net.effects.linear_in_node_state != model.effects.linear_in_node_state:
+        return False
+    for ours, theirs in same:
+        if ours is not theirs and not np.array_equal(ours, theirs):
+            return False
+    for ours, theirs in pairs:
+        if ours.shape != theirs.shape:
+            return False
+        ours[...] = theirs
+    for name in SCRATCH:
+        getattr(net, name).fill(0.0)
+    for name in SCRATCH_OF_BODIES:
+        getattr(net.bodies, name).fill(0.0)
+    net.points.block.fill(0.0)
+    net.carried.values.fill(0.0)
+    net.linearised[:] = nothing_linearised()
+    return True

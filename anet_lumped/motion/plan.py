@@ -1,0 +1,148 @@
+"""What a run is to be: arguments that can be, a method that can move the scene, its step, and the times at which it saves."""
+
+import math
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from anet_lumped.checks import InputError, number, quoted, shown
+from anet_lumped.model import rest_lengths
+from anet_lumped.model.remainder import lightest
+from anet_lumped.results.state import State
+from anet_lumped.scene.origin import largest_distance
+from anet_lumped.scene.scene import Driven, Scene
+from integrators import schemes
+from integrators.schemes.record import Scheme
+
+from .choice import LONGEST_CHOSEN, Choice, check_method, choose
+from .stability import transverse_frequency
+from .times import check_counts
+
+
+class Asked(NamedTuple):
+    """What a run is asked for, in numbers that `check_arguments` has seen: arguments of `simulate`."""
+
+    t_end: float
+    method: str | None
+    dt: float | None
+    save_every: float | None
+    rtol: float | None
+    atol: float | None
+    extrapolate: bool = False
+
+
+class Plan(NamedTuple):
+    """How a run is marched.
+
+    Parameters
+    ----------
+    choice : Choice
+    adaptive : bool, whether its steps are chosen by a tolerance
+    transverse : float [rad/s], of the fastest transverse vibration at the start, where cables do not stretch; else 0
+    """
+
+    choice: Choice
+    adaptive: bool
+    transverse: float
+
+
+def planned(scene: Scene, begin: State, asked: Asked) -> Plan:
+    """Method, step and times of a run.
+
+    Parameters
+    ----------
+    scene : Scene
+    begin : State, that the run starts from
+    asked : Asked
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    InputError : what is asked for cannot be of this scene
+    """
+    t_end, method, dt, save_every, rtol, atol, extrapolate = asked
+    scheme = None if method is None else schemes.scheme(method)
+    _check_external(scene, begin)
+    apart, most = float(np.ptp(begin.q, axis=0).max()), largest_distance(scene)
+    if not apart < most:
+        raise InputError(
+            f"Nodes must start within {most:.3g} m of each other, beyond which a motion counts as diverged, but they are "
+            f"{apart:.3g} m apart."
+        )
+    adaptive = rtol is not None or atol is not None or (scheme is not None and scheme.chooses_steps(dt))
+    if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
+        able = ", ".join(schemes.names(takes_changing_rest_lengths=True))
+        raise InputError(f"Lengths that change in time need a method of this package, {able}, but the method is {method}.")
+    if scheme is not None and not scheme.takes_rigid_bodies and begin.model.has_bodies:
+        able = ", ".join(schemes.names(takes_rigid_bodies=True))
+        raise InputError(f"Bodies that move need one of the methods {able}, but the method is {method}.")
+    if scheme is not None and not scheme.own and begin.model.n_free == 0:
+        raise InputError(
+            f"Solvers of other packages need a node that moves freely, but the scene has none and the method is {method}."
+        )
+    lightest_scene = lightest(rest_lengths.at_shortest(scene, begin.t, begin.t + t_end))
+    transverse = transverse_frequency(begin) if any(cable.inextensible for cable in scene.cables) else 0.0  # of links alone
+    speed = float(np.ptp(begin.v, axis=0).max())
+    choice = choose(lightest_scene, method, dt, adaptive, begin.least_tension, transverse, speed)
+    scheme = schemes.scheme(choice.method)
+    _check_breaks(scene, scheme, extrapolate)
+    if adaptive:
+        longest = LONGEST_CHOSEN * choice.dt if dt is None else None
+    else:
+        longest = choice.dt if dt is not None or save_every is None else min(choice.dt, save_every)
+    check_counts(scene, begin.t, begin.t + t_end, longest, save_every, adaptive)
+    if dt is None and not adaptive:
+        span = save_every or t_end
+        choice = _ending_on(choice, span, "t_end" if save_every is None else "save_every")
+    return Plan(choice, adaptive, transverse)
+
+
+def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:
+    """Cables that may break need a march that looks for it, and one motion."""
+    brittle = next((cable.name for cable in scene.cables if cable.breaking_tension is not None), None)
+    if brittle is not None and (extrapolate or not scheme.stops_at_events):
+        unable = ", ".join(schemes.names(stops_at_events=False))
+        given = "`extrapolate` is set" if extrapolate else f"the method is {scheme.name}"
+        raise InputError(
+            f"A cable with a `breaking_tension` needs a method other than {unable} and one run, but cable {quoted(brittle)} "
+            f"has one and {given}."
+        )
+
+
+def _check_external(scene: Scene, begin: State) -> None:
+    """Points that a session drives stand at their start in a run of their own, so that it cannot begin with them elsewhere."""
+    for point in scene.all_points:
+        if isinstance(point, Driven) and point.path.kind == "external":
+            start = point.path.at(begin.t)[0]
+            if not np.allclose(begin.position(point.name), start, rtol=1e-12, atol=1e-12):
+                raise InputError(
+                    f"A point with the path paths.external stands at its start in a run, {tuple(start.tolist())}, but the state to "
+                    f"start from has {quoted(point.name)} at {tuple(begin.position(point.name).tolist())}; go on in a Session, or "
+                    "give the point another path."
+                )
+
+
+def _ending_on(choice: Choice, span: float, called: str) -> Choice:
+    """The choice with steps that end on what is saved, which its reason says where it shows in three digits."""
+    dt = span / math.ceil(span / choice.dt)
+    shorter = f"; shortened to {1e3 * dt:.3g} ms to meet {called}" if f"{dt:.3g}" != f"{choice.dt:.3g}" else ""
+    return replace(choice, dt=dt, reason=choice.reason + shorter)
+
+
+def check_arguments(
+    t_end: Any, method: Any, dt: Any, save_every: Any, rtol: Any, atol: Any, rho_inf: Any, audit: Any, *errors: Any
+) -> None:
+    """Refuse arguments of a run that no scene could have, see `simulate`; ``errors`` are `error` and `tension_error`."""
+    sizes = dict(t_end=t_end, dt=dt, save_every=save_every, rtol=rtol, atol=atol, audit=1.0 if isinstance(audit, bool) else audit)
+    sizes |= dict(zip(("error", "tension_error"), errors, strict=True))
+    for name, value in sizes.items():
+        if (value is not None or name in ("t_end", "audit")) and not (0 < number(value) < math.inf):
+            unit = "" if name in ("rtol", "tension_error") else " [m]" if name in ("atol", "audit", "error") else " [s]"
+            raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {shown(value)}.")
+    if dt is not None and number(dt) > number(t_end) * (1 + 1e-9):
+        raise InputError(f"Argument `dt` must not exceed t_end={number(t_end):g} s, but it is {number(dt):g} s.")
+    check_method(method, rho_inf)

@@ -1,0 +1,104 @@
+"""Runs of scenes that differ in their numbers alone, on arrays that are made once: what a run takes beside its march is little."""
+
+from typing import Any
+
+import numpy as np
+
+from anet_lumped.mechanics.renew_net import can_be_renewed, renew, renewable_net
+from anet_lumped.model.build import build
+from anet_lumped.model.model import Model
+from anet_lumped.results.run import Run
+from anet_lumped.results.state import State
+from anet_lumped.scene.origin import largest_distance, near_origin
+from anet_lumped.scene.scene import Scene
+from anet_lumped.statics.equilibrium import equilibrium, rest_on
+from anet_lumped.statics.starts import Start, start_state
+from integrators import schemes
+from integrators.marching.fixed_steps import FixedSteps
+from integrators.marching.march import March
+
+from .legs import Settings
+from .own_methods import net_and_system, run_of
+from .plan import Asked, Plan, planned
+from .times import Leg
+from .verdict import judged
+
+
+class Repeated:
+    """Runs of one scene after another; each gives what `simulate` gives, to the last bit.
+
+    It serves one thread at a time.
+
+    Parameters
+    ----------
+    asked : Asked
+    start : as of `simulate`
+    rho_inf : float or None
+    """
+
+    def __init__(self, asked: Asked, start: Start, rho_inf: float | None = None) -> None:
+        self.asked, self.start, self.rho_inf = asked, start, rho_inf
+        self.at_rest: Any = None
+        self.marches: dict[str, tuple[Any, March]] = {}  # a net, and a march of it, by the method
+
+    def serves(self, scene: Scene) -> bool:
+        """Whether runs of a scene can be made here, as far as it alone tells: fixed steps to its end, without events."""
+        given = self.asked.dt is not None and self.asked.rtol is None and self.asked.atol is None
+        able = self.asked.method is None or schemes.scheme(self.asked.method).own
+        return given and able and not scene.events and near_origin(scene).scene is scene and can_be_renewed(build(scene))
+
+    def run(self, scene: Scene) -> Run | None:
+        """Run of a scene, in arrays that the next run overwrites; None if it has to be marched in another way.
+
+        Raises
+        ------
+        InputError, EquilibriumError : as of `simulate`
+        """
+        if not self.serves(scene):
+            return None
+        begin = self.begin(scene)
+        plan = planned(scene, begin, self.asked)
+        scheme = schemes.scheme(plan.choice.method)
+        if plan.adaptive or scheme.keeps_constraints or not scheme.own or plan.choice.dt != self.asked.dt:
+            return None
+        march = self.march_of(begin, plan)
+        if march is None:
+            return None
+        out = march.march(begin.q, begin.v)
+        return judged(run_of(begin.model, plan.choice, out, Settings(False, (0.0, 0.0), self.rho_inf)), plan.choice.limit, False)
+
+    def begin(self, scene: Scene) -> State:
+        """State that a run of a scene starts from."""
+        if not (isinstance(self.start, str) and self.start == "equilibrium"):
+            return start_state(build(scene), self.start)
+        model, found = build(scene), None
+        if self.at_rest is None and can_be_renewed(model):
+            self.at_rest = renewable_net(model, force=False, newton=False)
+        if self.at_rest is not None and renew(self.at_rest, model):
+            found = rest_on(self.at_rest, scene)
+        return equilibrium(scene) if found is None else found
+
+    def march_of(self, begin: State, plan: Plan) -> March | None:
+        """A march that is ready for a scene; None if its arrays are of other shapes than those of the first one."""
+        model, choice = begin.model, plan.choice
+        leg = Leg(begin.t, begin.t + self.asked.t_end, begin.t, begin.t + self.asked.t_end, self.asked.save_every)
+        stride, rows = leg.stride(choice.dt)
+        times = FixedSteps(leg.begin, leg.end, choice.dt, leg.run_begin, stride)
+        if choice.method not in self.marches:
+            self.marches[choice.method] = self._made(model, choice.method, times, rows)
+        net, march = self.marches[choice.method]
+        if not (net.mass.shape == model.mass.shape and renew(net, model)):
+            return None
+        net.tension[:] = begin.segment_tension
+        inverse = np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(-1, 3)
+        march.system.per_mass[:] = inverse
+        march.system = march.system._replace(largest=largest_distance(model.scene))
+        march.renew(times)
+        return march
+
+    def _made(self, model: Model, method: str, times: FixedSteps, rows: int) -> tuple[Any, March]:
+        scheme = schemes.scheme(method)
+        needs = {"force": scheme.evaluates_force, "newton": not scheme.explicit}
+        net, (_, bound) = renewable_net(model, **needs), net_and_system(model, scheme, np.zeros(model.n_segments))
+        parameters = scheme.parameters(rho_inf=self.rho_inf)
+        return net, March(scheme, bound, net.address, times, model.n, (rows, model.n_segments), parameters)

@@ -1,0 +1,137 @@
+"""What is kept of many runs of scenes with the same points and cables, as one Dataset of xarray over the runs."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from anet_lumped.checks import InputError, nearest, shown
+from anet_lumped.limits import BYTES, check_most
+from anet_lumped.model.build import build
+from anet_lumped.results.labelled import AXES
+from anet_lumped.scene.scene import Scene
+
+from .energy_balance import COLUMNS
+from .run import Run
+
+KEPT = ("position", "velocity", "tension", "energy")  # by default
+KNOWN = {  # what may be kept: its dimensions after `run` and `t`, its unit
+    "position": (("point", "axis"), "m"),
+    "velocity": (("point", "axis"), "m/s"),
+    "tension": (("cable", "segment"), "N"),
+    "shape": (("cable", "node", "axis"), "m"),
+    "energy": (("energy_of",), "J"),
+}
+SAME_TIME = 1e-6  # of the time between two saved states
+FAILED = "failed"  # status of a run that ended in an exception
+
+
+class RunTable:
+    """Rows of many runs, each written when its run ends, by any thread.
+
+    Parameters
+    ----------
+    scene : Scene, of any of the runs
+    count : int, number of runs
+    t : increasing (k,) float64 [s], times at which runs save
+    keep : sequence of names in `KNOWN`
+
+    Raises
+    ------
+    InputError : a name that is not known; more than memory holds
+    """
+
+    def __init__(self, scene: Scene, count: int, t: np.ndarray, keep: Sequence[str] = KEPT) -> None:
+        for name in [keep] if isinstance(keep, str) else keep:
+            if name not in KNOWN or isinstance(keep, str):
+                near = nearest(name, KNOWN) or f"; known are {', '.join(KNOWN)}."
+                raise InputError(f"Argument `keep` must list what is kept of a run, but it has {shown(name)}{near}")
+        model, most = build(scene), max(cable.segments for cable in scene.cables)
+        self.scene, self.count, self.t = scene, count, t
+        sizes = {
+            "point": len(scene.all_points), "axis": 3, "cable": len(scene.cables), "segment": most, "node": most + 1,
+            "energy_of": len(COLUMNS),
+        }  # fmt: skip
+        shapes = {name: (count, len(t), *(sizes[axis] for axis in KNOWN[name][0])) for name in keep}
+        numbers = sum(float(np.prod([float(size) for size in shape])) for shape in shapes.values())
+        check_most(BYTES, 8.0 * numbers, f"What is kept of {count} runs at {len(t)} times")
+        self.kept = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
+        self.points = [model.node(point.name) for point in scene.all_points]
+        nodes, segments = [model.nodes(cable.name) for cable in scene.cables], np.arange(model.n_segments)
+        self.nodes = np.concatenate(nodes)
+        self.at_node = _places([len(own) for own in nodes])
+        self.segments = np.concatenate([segments[model.segments(cable.name)] for cable in scene.cables])
+        self.at_segment = _places([cable.segments for cable in scene.cables])
+        self.status = np.full(count, "", object)
+        self.texts = {name: np.full(count, "", object) for name in ("reason", "warnings", "method")}
+        self.numbers = {name: np.full(count, np.nan) for name in ("step", "end_time")}
+        self.counts = {name: np.zeros(count, np.int64) for name in ("steps", "newton_iterations")}
+
+    def take(self, k: int, run: Run) -> None:
+        """Write the k-th run."""
+        rows, of_run = self._rows(run.t)
+        for name, kept in self.kept.items():
+            own = kept[k]
+            if name in ("position", "velocity"):
+                own[rows] = (run.q if name == "position" else run.v)[:, self.points][of_run]
+            elif name == "tension":
+                own[(rows, *self.at_segment)] = run.segment_tension[:, self.segments][of_run]
+            elif name == "shape":
+                own[(rows, *self.at_node)] = run.q[:, self.nodes][of_run]
+            else:
+                own[rows] = run.energy[of_run]
+        texts = run.message, "\n".join(run.warnings), run.method
+        for name, text in zip(self.texts, texts, strict=True):
+            self.texts[name][k] = text
+        self.numbers["step"][k], self.numbers["end_time"][k] = run.dt, run.t[-1]
+        self.counts["steps"][k], self.counts["newton_iterations"][k] = run.work.steps, run.work.newton_iterations
+        self.status[k] = run.status
+
+    def fail(self, k: int, error: Exception) -> None:
+        """Write that the k-th run ended in an exception."""
+        self.texts["reason"][k] = f"{type(error).__name__}: {error}"
+        self.status[k] = FAILED
+
+    def _rows(self, t: np.ndarray) -> tuple[Any, Any]:
+        """Rows of this table for rows of a run; the state in which a run failed may be at a time that the others do not save."""
+        tolerance = SAME_TIME * (self.t[1] - self.t[0])
+        if len(t) <= len(self.t) and np.abs(self.t[: len(t)] - t).max() <= tolerance:
+            return slice(len(t)), slice(None)
+        rows = np.minimum(np.searchsorted(self.t, t - tolerance), len(self.t) - 1)
+        of_run = np.flatnonzero(np.abs(self.t[rows] - t) <= tolerance)
+        if len(of_run) == 0 or len(set(rows[of_run].tolist())) < len(of_run):
+            raise ValueError("A run saved other times than those that are kept.")
+        first, last = int(rows[of_run[0]]), int(rows[of_run[-1]])
+        if last - first + 1 != len(of_run):
+            raise ValueError("A run lacks times that are kept.")
+        return slice(first, last + 1), of_run
+
+    def dataset(self, varied: dict[str, np.ndarray]) -> Any:
+        """An `xarray.Dataset` of all runs.
+
+        Parameters
+        ----------
+        varied : name -> values (runs,), of the fields that vary, which become coordinates
+        """
+        import xarray as xr
+
+        scene, cables = self.scene, [cable.name for cable in self.scene.cables]
+        found = {
+            name: (("run", "t", *KNOWN[name][0]), kept, {"units": KNOWN[name][1]}) for name, kept in self.kept.items()
+        }  # fmt: skip
+        coordinates: dict[str, Any] = {"run": np.arange(self.count), "t": ("t", self.t, {"units": "s"}), "cable": cables}
+        coordinates |= {"point": [point.name for point in scene.all_points], "axis": list(AXES), "energy_of": list(COLUMNS)}
+        used = {axis for axes, *_ in found.values() for axis in axes} | {"run", "t"}
+        coordinates = {name: values for name, values in coordinates.items() if name in used}
+        about = {"step": "s", "end_time": "s"}
+        of_runs = {"status": self.status} | self.texts | self.numbers | self.counts
+        values = {}
+        for name, column in of_runs.items():
+            units = {"units": about[name]} if name in about else {}
+            values[name] = ("run", column.astype(str) if column.dtype == object else column, units)
+        return xr.Dataset(found | values, coordinates | {name: ("run", of_name) for name, of_name in varied.items()})
+
+
+def _places(counts: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Number of the cable and number within it of nodes or segments that follow each other cable by cable."""
+    return np.repeat(np.arange(len(counts)), counts), np.concatenate([np.arange(count) for count in counts])

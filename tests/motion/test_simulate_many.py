@@ -1,0 +1,173 @@
+"""`simulate_many` gives what `simulate` gives, to the last bit, whatever the scenes have; a run that fails, fails alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hanging import CORNERS, cable, held_net
+
+from anet_lumped import (
+    CableCut,
+    Driven,
+    Fixed,
+    Free,
+    InputError,
+    PayloadChange,
+    Scene,
+    SceneError,
+    equilibrium,
+    paths,
+    simulate,
+    simulate_many,
+    wind,
+)  # fmt: skip
+from anet_lumped.effects import Air, Gravity, ViscousDamping
+from anet_lumped.limits import BYTES
+
+DT, T_END = 0.01, 0.3
+WEIGHT = (Gravity(),)
+
+
+def net(EA=1e4, mass=0.036, effects=WEIGHT, events=(), driven=True, **kwargs):
+    """A small net, carried or held."""
+    places = [paths.line((x, y, z), (0.3, 0.0, 0.0), 0.1) if driven else (x, y, z) for x, y, z in CORNERS]
+    points = [(Driven if driven else Fixed)(f"s{i}", place) for i, place in enumerate(places)]
+    cables = [cable(f"s{i}", "p0", EA=EA, segments=4, diameter=0.01, **kwargs) for i in range(4)]
+    return Scene([*points, Free("p0", mass)], cables, effects, events)
+
+
+def blown(speed):
+    return Air(wind=wind.Uniform((speed, 0.0, 0.0)))
+
+
+KINDS = {
+    "driven": [net(1e3), net(2e4), net(1e4, mass=0.1)],
+    "loads and drag": [net(effects=[Gravity(g), blown(w), ViscousDamping(0.3)]) for g, w in ((9.81, 2.0), (5.0, 3.0))],
+    "payload changes": [net(events=[PayloadChange("p0", t=0.1, mass=m)]) for m in (0.2, 0.01)],
+    "cables break": [net(breaking_tension=T, mass=0.5, zeta=0.05) for T in (1.5, 1.9, 1e3)],
+    "cut": [net(EA, events=[CableCut("s1-p0", t=0.1, segment=1)]) for EA in (1e3, 1e4)],
+    "curves": [net(None, tension_strain=((0.01, 100.0), (0.02, T))) for T in (250.0, 400.0)],
+    "one goes its own way": [net(1e3), net(1e4, breaking_tension=1e6), net(2e3)],
+}
+
+
+def assert_same(found, k, run):
+    """The k-th run of a Dataset is a run, to the last bit."""
+    alone, rows = run.to_xarray(), len(run.t)
+    assert found.status.values[k] == run.status and found.reason.values[k] == run.message
+    for name in ("position", "velocity", "tension", "shape", "energy"):
+        of_run = found[name].values[k]
+        assert np.array_equal(of_run[:rows], alone[name].values, equal_nan=True) and np.isnan(of_run[rows:]).all(), name
+    assert np.array_equal(found.t.values[:rows], run.t)
+    assert found.steps.values[k] == run.work.steps and found.step.values[k] == run.dt
+    assert found.newton_iterations.values[k] == run.work.newton_iterations
+    assert found.warnings.values[k] == "\n".join(run.warnings)
+
+
+KEEP = ("position", "velocity", "tension", "shape", "energy")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_run_is_that_of_simulate(kind):
+    scenes = KINDS[kind]
+    found = simulate_many(scenes, T_END, method="edmc", dt=DT, keep=KEEP, workers=2)
+    for k, scene in enumerate(scenes):
+        assert_same(found, k, simulate(scene, T_END, method="edmc", dt=DT))
+
+
+def test_breaks_happen_in_the_runs_compared():
+    counts = [len(simulate(scene, T_END, method="edmc", dt=DT).events) for scene in KINDS["cables break"]]
+    assert counts[0] > 0 and counts[-1] == 0
+
+
+@pytest.mark.parametrize(
+    "asked", [{"method": "verlet", "dt": 2e-4, "save_every": 0.1}, {"dt": DT}, {"rtol": 1e-4}, {"save_every": 0.1}]
+)
+def test_each_method_and_choice_of_steps_gives_the_run_of_simulate(asked):
+    scenes = [net(1e3, zeta=0.1), net(1e4, zeta=0.1)]
+    found = simulate_many(scenes, 0.2, start="equilibrium", keep=KEEP, **asked)
+    for k, scene in enumerate(scenes):
+        run = simulate(scene, 0.2, **asked)
+        alone = run.to_xarray()
+        assert found.status.values[k] == "done" and found.method.values[k] == run.method
+        for name in KEEP:
+            assert np.array_equal(found[name].values[k], alone[name].values, equal_nan=True), name
+        assert np.allclose(found.t, run.t, rtol=0, atol=1e-12)  # multiples of each run's own step
+
+
+def test_runs_from_a_state_and_from_shapes_start_where_it_is():
+    scenes = [net(1e3), net(1e4)]
+    begin = equilibrium(scenes[0])
+    for start in (begin, {one.name: begin.shape(one.name) for one in scenes[0].cables}):
+        found = simulate_many(scenes, T_END, method="edmc", dt=DT, start=start, keep=KEEP)
+        for k, scene in enumerate(scenes):
+            assert_same(found, k, simulate(scene, T_END, method="edmc", dt=DT, start=start))
+
+
+def test_one_scene_with_other_numbers_is_the_scene_made_with_them():
+    scene = net(effects=[Gravity(), blown(1.0)])
+    EA, mass, g, speed = [1e3, 1e4], [0.02, 0.05], [9.81, 1.6], [0.1, 0.4]
+    vary = {"EA": EA, "p0.mass": mass, "gravity.g": g, "s0.path.velocity.x": speed, "air.wind.velocity.x": [0.0, 5.0]}
+    found = simulate_many(scene, T_END, vary=vary, method="edmc", dt=DT, keep=KEEP)
+    for k in range(2):
+        points = [replace(p, path=paths.line(CORNERS[0], (speed[k], 0, 0), 0.1)) if p.name == "s0" else p for p in scene.points[:4]]
+        cables = [replace(one, EA=EA[k]) for one in scene.cables]
+        alone = Scene([*points, Free("p0", mass[k])], cables, [Gravity(g[k]), blown((0.0, 5.0)[k])])
+        assert_same(found, k, simulate(alone, T_END, method="edmc", dt=DT))
+    assert list(found.EA.values) == EA and list(found["gravity.g"].values) == g
+    assert (
+        found.position.sel(point="p0").dims == ("run", "t", "axis") and list(found.tension.sel(cable="s0-p0").dims)[-1] == "segment"
+    )
+
+
+def test_a_run_that_fails_fails_alone():
+    found = simulate_many(net(), T_END, vary={"EA": [1e3, -1.0, 1e4]}, method="edmc", dt=DT)
+    assert list(found.status.values) == ["done", "failed", "done"]
+    assert "must be positive and finite [N]" in found.reason.values[1] and np.isnan(found.position.values[1]).all()
+    whole = simulate_many(net(), T_END, vary={"EA": [1e3, 1e4]}, method="edmc", dt=DT)
+    assert np.array_equal(found.position.values[[0, 2]], whole.position.values)
+
+
+def test_a_run_that_diverges_keeps_what_it_did_and_says_why():
+    scenes = [net(EA, zeta=0.1) for EA in (1e3, 1e9)]
+    found = simulate_many(scenes, 0.2, method="verlet", dt=1e-3, save_every=0.01)
+    assert list(found.status.values) == ["done", "diverged"] and "diverged" in found.reason.values[1]
+    with pytest.warns(UserWarning, match="beyond the largest stable step"):
+        run = simulate(scenes[1], 0.2, method="verlet", dt=1e-3, save_every=0.01)
+    assert found.end_time.values[1] == run.t[-1] < 0.2 and found.warnings.values[1] == "\n".join(run.warnings)
+
+
+def test_a_scene_without_a_rest_has_a_reason():
+    scenes = [net(), replace(net(), effects=())]
+    scenes[1] = replace(net(driven=True), effects=[Gravity(0.0)])
+    found = simulate_many(scenes, T_END, method="edmc", dt=DT)
+    assert list(found.status.values) == ["done", "failed"] and "NoRestError" in found.reason.values[1]
+
+
+@pytest.mark.parametrize(
+    ("scenes", "asked", "message"),
+    [
+        (net(), {}, "One scene needs `vary`"),
+        ([net()], {"vary": {"EA": [1.0]}}, "`vary` is given beside several"),
+        ([], {}, "none is given"),
+        ([net(), held_net()], {}, "those of scenes\\[1\\] differ"),
+        ([net(), 3], {}, "A scene must be a Scene"),
+        (3, {}, "A scene must be a Scene"),
+        (net(), {"vary": {"EB": [1.0]}}, "Nothing called `EB` can be varied here"),
+        (net(), {"vary": {"dt": [1.0]}}, "`dt` is an argument of all runs"),
+        (net(), {"vary": {"EA": [1e3, 1e4], "zeta": [0.1]}}, "a value for every run"),
+        ([net()], {"keep": ("tensions",)}, "did you mean `tension`|has 'tensions'|tension"),
+        ([net()], {"dt": None}, "neither `save_every` nor `dt` is given"),
+        ([net()], {"workers": 0}, "`workers` must be an integer from 1"),
+        ([net()], {"method": "edmcc"}, "Argument `method` must be one of"),
+    ],
+)
+def test_what_cannot_be_is_refused(scenes, asked, message):
+    with pytest.raises((InputError, SceneError), match=message):
+        simulate_many(scenes, T_END, **({"method": "edmc", "dt": DT} | asked))
+
+
+def test_more_than_memory_holds_is_refused(monkeypatch):
+    monkeypatch.setenv(BYTES.variable, "1e4")
+    with pytest.raises(InputError, match="What is kept of 100 runs"):
+        simulate_many(net(), T_END, vary={"EA": np.geomspace(1e3, 1e4, 100)}, method="edmc", dt=DT)
