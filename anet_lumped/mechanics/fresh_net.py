@@ -73,6 +73,7 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
         lengths=rest_lengths.of_a_run(model.lengths) if changing else model.lengths,
         points=model.symbolic._replace(block=np.zeros_like(model.symbolic.block)),
         bodies=model.bodies.of_a_run(),
+        joints=model.joints._replace(block=np.zeros_like(model.joints.block)),
         segment=np.zeros((segments, SEGMENT_COLUMNS)),
         tension=np.zeros(segments),
         mean_tension=np.zeros(segments),

@@ -89,6 +89,7 @@ def build(scene):
             )
     springs = _curves(scene.cables, cable)
     groups, single, kinds = _groups(cable, axial, np.array([one.creeps for one in scene.cables]))
+    bodies, joints = points.bodies(node_of, n_interior)
     model = Model(
         scene=scene,
         n=n,
@@ -105,7 +106,8 @@ def build(scene):
         flipped=flipped,
         node_of=node_of,
         symbolic=points.symbolic,
-        bodies=points.bodies(node_of, n_interior, cable),
+        bodies=bodies,
+        joints=joints,
         effects=None,
         lengths=None,
     )

@@ -7,10 +7,10 @@ import numpy as np
 from anet_lumped.model.net import Points
 
 
-def minimum_degree(names, links, last=()):
+def minimum_degree(names, links, last=(), after=()):
     """Elimination order of the free points by least fill, and each one's later neighbours (fill included).
 
-    Those in ``last`` come after all others. Of points with equally many neighbours the first of ``names`` comes first. A heap holds
+    Those in ``last`` come after all others, and each in the dict ``after`` behind the neighbour that this names. Of points with equally many neighbours the first of ``names`` comes first. A heap holds
     for each point how many neighbours it had at any time; entries that have been overtaken are passed over.
     """
     neighbours = {name: set() for name in names}
@@ -18,14 +18,14 @@ def minimum_degree(names, links, last=()):
         if a in neighbours and b in neighbours:
             neighbours[a].add(b)
             neighbours[b].add(a)
-    rank, last = {name: i for i, name in enumerate(neighbours)}, set(last)
+    rank, last, after = {name: i for i, name in enumerate(neighbours)}, set(last), dict(after)
     entries = [(name in last, len(others), rank[name], name) for name, others in neighbours.items()]
     heapify(entries)
     order, later = [], {}
     while neighbours:
         _, degree, _, name = heappop(entries)
-        if name not in neighbours or len(neighbours[name]) != degree:
-            continue
+        if name not in neighbours or len(neighbours[name]) != degree or after.get(name) in neighbours:
+            continue  # one that waits for a neighbour has a new entry when that is eliminated
         later[name] = neighbours.pop(name)
         for p in later[name]:
             neighbours[p] |= later[name]
