@@ -70,6 +70,17 @@ def placed(bodies: Sequence[Body], points: Sequence[Point]) -> tuple[Body, ...]:
     return tuple(found[body.name] for body in bodies)
 
 
+def joined_to(bodies: Sequence[Body], name: str) -> list[Body]:
+    """The body called ``name`` and all that move freely and are joined to it, by joints to one another, each behind its first one."""
+    free = [body for body in parents_first(bodies) if not body.is_driven]
+    owner = {name: body.name for body in free for name in _names(body)}
+    joints = [(body.name, owner[body.pinned_to]) for body in free if body.pinned_to is not None and body.pinned_to in owner]
+    found = {name}
+    for _ in free:
+        found |= {one for pair in joints for one in pair if found & set(pair)}
+    return [body for body in free if body.name in found]
+
+
 def _names(body: Body) -> set[str]:
     """Names of the points of a body that may be pinned to."""
     return {body.name, *(f"{body.name}.{name}" for name, _ in body.places)}
