@@ -55,7 +55,7 @@ def system(model, force=True, newton=True, mean=True, links=False):
         observe=own.get("observe") or first_class(observe.observe),
         energy=first_class(observe.energies),
         margin=own.get("margin") or (_margin() if events else first_class(observe.no_margin)),
-        project=own.get("project") or (_keep_bodies() if model.has_bodies else first_class(prescribe.keep)),
+        project=own.get("project") or (_keep_bodies(model) if model.has_bodies else first_class(prescribe.keep)),
         per_mass=np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(
             -1, 3
         ),  # a point without a cable has no mass
@@ -93,7 +93,11 @@ def _of_links():
     return {name: first_class(function) for name, function in functions.items()}
 
 
-def _keep_bodies():
+def _keep_bodies(model):
+    if len(model.bodies.joint):
+        from anet_lumped.mechanics.bodies.joints import keep_joints
+
+        return first_class(keep_joints)
     from anet_lumped.mechanics.bodies.shape import keep_bodies
 
     return first_class(keep_bodies)

@@ -68,6 +68,7 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
         lengths=rest_lengths.of_a_run(model.lengths) if changing else model.lengths,
         points=model.symbolic.of_a_run(),
         bodies=model.bodies.of_a_run(),
+        joints=model.joints.of_a_run(),
         segment=np.zeros((segments, SEGMENT_COLUMNS)),
         tension=np.zeros(segments),
         mean_tension=np.zeros(segments),

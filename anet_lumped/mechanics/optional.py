@@ -82,6 +82,7 @@ SIGNATURES = {
     "meet_bodies": types.void(int64),
     "pull_bodies": types.void(int64, _f2),
     "shape_bodies": types.void(int64, _f2),
+    "settle_joints": types.UniTuple(float64, 2)(STAGE, int64, _f2, _f2, _f2),
 }
 as_cable_force, as_cable_residual, as_finish, as_cable_settle, as_settle_effects = (
     callable_at(SIGNATURES[name]) for name in ("force", "residual", "finish", "settle", "settle_effects")
@@ -100,3 +101,4 @@ as_turn_bodies, as_stiffen_bodies, as_force_bodies = (
 as_mobility_bodies, as_meet_bodies, as_pull_bodies, as_shape_bodies = (
     callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("mobility", "meet", "pull", "shape")
 )
+as_settle_joints = callable_at(SIGNATURES["settle_joints"])

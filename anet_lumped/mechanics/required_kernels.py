@@ -98,6 +98,13 @@ def _require_bodies(net, force, newton, links):
         modules |= dict.fromkeys(("mobility", "meet", "pull", "shape"), bodies)
     for name, module in modules.items():
         _write(net, f"{name.upper()}_BODIES", f"{name}_bodies", getattr(module, f"{name}_bodies"))
+    if len(net.bodies.joint):
+        from anet_lumped.mechanics.bodies import joints
+
+        if force:
+            _write(net, "FORCE_BODIES", "force_bodies", joints.force_jointed)
+        if newton:
+            _write(net, "SETTLE_JOINTS", "settle_joints", joints.settle_joints)
 
 
 def _write_both(net, name, of_singles, of_groups):

@@ -16,6 +16,7 @@ from anet_lumped.mechanics.optional import (
     as_cable_settle,
     as_energy_of_paid_out,
     as_settle_effects,
+    as_settle_joints,
     as_stiffen_bodies,
     as_turn_bodies,
     as_work_of_lengths,
@@ -38,6 +39,7 @@ from anet_lumped.model.tables import (
     CREPT_STRETCH,
     KERNEL_ENERGY_OF_PAID_OUT,
     KERNEL_SETTLE_EFFECTS,
+    KERNEL_SETTLE_JOINTS,
     KERNEL_SETTLE_GROUPS,
     KERNEL_SETTLE_SINGLES,
     KERNEL_STIFFEN_BODIES,
@@ -321,6 +323,9 @@ def settle(stage, base, q, v, net_address, energy):
         by_method += as_settle_effects(net.kernels[KERNEL_SETTLE_EFFECTS])(stage, net_address, base, q, v)
     if has_bodies:
         by_method += as_stiffen_bodies(net.kernels[KERNEL_STIFFEN_BODIES])(net_address, q, v)
+    if net.kernels[KERNEL_SETTLE_JOINTS] != 0:
+        of_joints, taken = as_settle_joints(net.kernels[KERNEL_SETTLE_JOINTS])(stage, net_address, base, q, v)
+        put_in, by_method = put_in + of_joints, by_method + taken
     net.linearised[LINEARISED_LEAST_DAMPER] = min(1.0, MOST_SPENT * kinetic / max(account.by_full_damper, TINY))
     net.linearised[LINEARISED_BEGINNING] = LINEARISED_NEXT_STEP
     if lengths_change:

@@ -129,6 +129,7 @@ def _cut(scene):
     mass, axial = _numbers(scene, node_of, cable, ends_of(cable), n_free)
     springs = _curves(scene.cables, cable)
     groups, single, kinds = _groups(cable, axial, np.array([one.creeps for one in scene.cables]))
+    bodies, joints = points.bodies(node_of, n_interior)
     model = Model(
         scene=scene,
         n=n,
@@ -145,7 +146,8 @@ def _cut(scene):
         flipped=flipped,
         node_of=node_of,
         symbolic=points.symbolic,
-        bodies=points.bodies(node_of, n_interior, cable),
+        bodies=bodies,
+        joints=joints,
         effects=None,
         lengths=None,
     )

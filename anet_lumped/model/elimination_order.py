@@ -8,25 +8,26 @@ from anet_lumped.model import fronts
 from anet_lumped.model.net import NO_FRONTS, Points
 
 
-def minimum_degree(names, links, last=()):
+def minimum_degree(names, links, last=(), after=()):
     """Elimination order of the free points by least fill, and each one's later neighbours (fill included).
 
-    Those in ``last`` come after all others. Of points with equally many neighbours the first of ``names`` comes first. A heap holds
-    for each point how many neighbours it had at any time; entries that have been overtaken are passed over.
+    Those in ``last`` come after all others, and each in the dict ``after`` behind the neighbour that this names. Of points with
+    equally many neighbours the first of ``names`` comes first. A heap holds for each point how many neighbours it had at any time;
+    entries that have been overtaken are passed over.
     """
     neighbours = {name: set() for name in names}
     for a, b in links:
         if a in neighbours and b in neighbours:
             neighbours[a].add(b)
             neighbours[b].add(a)
-    rank, last = {name: i for i, name in enumerate(neighbours)}, set(last)
+    rank, last, after = {name: i for i, name in enumerate(neighbours)}, set(last), dict(after)
     entries = [(name in last, len(others), rank[name], name) for name, others in neighbours.items()]
     heapify(entries)
     order, later = [], {}
     while neighbours:
         _, degree, _, name = heappop(entries)
-        if name not in neighbours or len(neighbours[name]) != degree:
-            continue
+        if name not in neighbours or len(neighbours[name]) != degree or after.get(name) in neighbours:
+            continue  # one that waits for a neighbour has a new entry when that is eliminated
         later[name] = neighbours.pop(name)
         for p in later[name]:
             neighbours[p] |= later[name]
@@ -36,28 +37,30 @@ def minimum_degree(names, links, last=()):
     return order, later
 
 
-def elimination(names, links, last=()):
+def elimination(names, links, last, after, by_fronts):
     """The free points in the order of their numbers, in that of their elimination, by least fill, and each one's later neighbours.
 
-    Those in ``last`` are numbered behind all others. Neighbours include the fill if there are fewer than `fronts.MANY` points.
+    Those in ``last`` are numbered behind all others, and each in the dict ``after`` is eliminated behind the neighbour that this
+    names. Neighbours include the fill but for points that are eliminated ``by_fronts``.
     """
-    if len(names) < fronts.MANY:
+    if not by_fronts:
         numbered, _ = minimum_degree(names, links, last=last)
-        return numbered, *minimum_degree(names, links)
+        return numbered, *minimum_degree(names, links, after=after)
     order = fronts.least_fill_order(names, links)
     turn, last = {name: i for i, name in enumerate(order)}, set(last)
-    later = {name: set() for name in order}
+    order.sort(key=lambda name: (max(turn[name], turn[after.get(name, name)]), turn[name] < turn[after.get(name, name)]))
+    turn, later = {name: i for i, name in enumerate(order)}, {name: set() for name in order}
     for a, b in links:
         if a in turn and b in turn and a != b:
             later[min(a, b, key=turn.get)].add(max(a, b, key=turn.get))
     return [*(name for name in order if name not in last), *(name for name in order if name in last)], order, later
 
 
-def symbolic_elimination(names, order, later, carried=0, more=0):
+def symbolic_elimination(names, order, later, carried=0, more=0, by_fronts=False):
     """Symbolic block LU: arrays of `Points`, and the position of each block.
 
     The points are numbered as in ``names`` and eliminated in ``order``. Room is left for the blocks of ``carried`` nodes behind
-    those of the points, and for ``more`` blocks at the end.
+    those of the points, and for ``more`` blocks at the end. ``later`` is without fill for points that are eliminated ``by_fronts``.
     """
     rank = {name: i for i, name in enumerate(names)}
     block_of, behind = {(p, p): p for p in range(len(order))}, len(order) + carried
@@ -67,8 +70,7 @@ def symbolic_elimination(names, order, later, carried=0, more=0):
         for q in others:
             block_of[p, q], block_of[q, p] = behind, behind + 1
             behind += 2
-    many = len(order) >= fronts.MANY
-    target = [[]] * len(order) if many else [[block_of[i, j] for i in others for j in others] for others in ahead]
+    target = [[]] * len(order) if by_fronts else [[block_of[i, j] for i in others for j in others] for others in ahead]
 
     def flat(rows):
         return np.array([x for row in rows for x in row], np.int64)
@@ -85,6 +87,6 @@ def symbolic_elimination(names, order, later, carried=0, more=0):
         target_at=starts(target),
         target=flat(target),
         block=np.zeros((behind + more, 3, 3)),
-        fronts=fronts.symbolic_fronts(turns, ahead, block_of) if many else NO_FRONTS,
+        fronts=fronts.symbolic_fronts(turns, ahead, block_of) if by_fronts else NO_FRONTS,
     )
     return points, block_of

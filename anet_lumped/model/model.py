@@ -68,6 +68,7 @@ class Model:
     node_of: dict
     symbolic: Points
     bodies: Bodies
+    joints: Points
     effects: Effects
     lengths: Lengths
 

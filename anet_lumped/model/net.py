@@ -68,25 +68,31 @@ class Bodies(NamedTuple):
     """Rigid bodies that move freely or are pinned; the nodes of body b are ``node[node_at[b]:node_at[b + 1]]``.
 
     The first two nodes of each body lend their rows to its unknowns in the system over the free points: how far its centre of mass
-    shifts, and how far it turns. `tables` names the columns of ``joined`` and ``state``.
+    shifts, and how far it turns; where it is pinned to another body, the third one lends its row to the force of the joint. `tables`
+    names the columns of ``joined``, ``joint``, ``joint_pairs``, ``state`` and ``jointed``.
     """
 
     first: int  # first node that a body carries; ``n_free`` if there are none
     node_at: np.ndarray
     node: np.ndarray
-    pivot: np.ndarray  # (bodies,) node about which a body is pinned, -1 for a free body
+    pivot: np.ndarray  # (bodies,) node about which a body is pinned at a place of the world, -1 for any other
     arm: np.ndarray  # (nodes, 3) [m] place of each node in the axes of its body
     blocks: np.ndarray  # (bodies, 2) blocks (shift, turn) and (turn, shift)
     joined: np.ndarray  # (pairs, 12) cables that end at a body and at another one, or at a free point
     pairs: np.ndarray  # (pairs, 3) body, and two of its nodes, by their places in ``node``, of which effects may join the forces
+    joint: np.ndarray  # (joints, 14) bodies that are pinned to another body, or to a point that moves
+    joint_pairs: np.ndarray  # (pairs, 4) joints at one body
     arm_end: np.ndarray  # (nodes, 3) [m] scratch: place from the centre of mass, or from the pivot, in the stage
     arm_mean: np.ndarray  # (nodes, 3) [m] scratch: where forces act from there, in the mean over a step
     slowing: np.ndarray  # (nodes, 3) [m/s2] scratch: opposite of the mean acceleration of each node in the stage, from ``first`` on
     state: np.ndarray  # (bodies, columns) scratch
+    jointed: np.ndarray  # (bodies, columns) scratch; empty without joints
+    joint_gap: np.ndarray  # (joints, 3) scratch: what is to change at each joint, a place, a velocity or an acceleration
+    joint_force: np.ndarray  # (joints, 3) scratch: what changes it, on the body that is pinned
 
     def of_a_run(self):
         """The same with scratch of its own."""
-        return self._replace(**{name: getattr(self, name).copy() for name in self._fields[8:]})
+        return self._replace(**{name: getattr(self, name).copy() for name in self._fields[self._fields.index("arm_end") :]})
 
 
 class Carried(NamedTuple):
@@ -210,6 +216,7 @@ class Net(NamedTuple):
     lengths: Lengths
     points: Points
     bodies: Bodies
+    joints: Points  # the same system over the forces of the joints of bodies
     segment: np.ndarray  # (n_segments, 14) scratch: the linearised law of each segment, columns in `tables`
     tension: np.ndarray  # (n_segments,) tension that the last Newton step predicted
     mean_tension: np.ndarray  # (n_segments,) tension, averaged over the stages of a step
@@ -247,7 +254,7 @@ class Net(NamedTuple):
 EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1, types.int64), Effects)
 LENGTHS = types.NamedTuple((_i1, _f2, TABLE, _f1, _i1, _i1, _f1, _f1, _i1, _i1, _f1, _f1, _f2, _f2, _f3), Lengths)
 CARRIED = types.NamedTuple((_i1, _f2, _f3), Carried)
-BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2, _i2, _i2, _i2, _f2, _f2, _f2, _f2), Bodies)
+BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2) + (_i2,) * 5 + (_f2,) * 7, Bodies)
 FRONTS = types.NamedTuple((_i2, _i2, _i1, _i1) + (_f1,) * 3, Fronts)
 POINTS = types.NamedTuple((_i1,) * 7 + (_f3, FRONTS), Points)
 LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f2, _f2, _f1), Links)
@@ -261,7 +268,7 @@ def _empty(kind):
 NO_LINKS, NO_FRONTS = _empty(LINKS), _empty(FRONTS)
 NET = types.NamedTuple(
     (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, _f2, _f2, TABLE, types.int64)
-    + (CARRIED, EFFECTS, LENGTHS, POINTS, BODIES)
+    + (CARRIED, EFFECTS, LENGTHS, POINTS, BODIES, POINTS)
     + (_f2, _f1, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f2, _f3)
     + (_f2,) * 3
     + (_f4, _f4, _f3)

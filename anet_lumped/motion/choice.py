@@ -147,6 +147,12 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
             f'Method "{method}" needs cables that do not stretch, EA=inf, but cable {quoted(elastic)} has '
             f"EA={scene.cable(elastic).EA:g} N."
         )
+    jointed = next((body for body in scene.bodies if body.is_jointed), None)
+    if jointed is not None and method is not None and schemes.scheme(method).keeps_constraints:
+        raise InputError(
+            f'Method "{method}" takes no body that is pinned to a point which may move, but {quoted(jointed.name)} is pinned to '
+            f"{quoted(jointed.pinned_to)}; edmc and the explicit methods take it."
+        )
     creeping = next((cable.name for cable in scene.cables if cable.creeps), None)
     if creeping is not None:
         _check_creep(method, adaptive, creeping)

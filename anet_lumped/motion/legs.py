@@ -23,6 +23,7 @@ from anet_lumped.scene.payload_change import carried_from
 from integrators import schemes
 from integrators.system import BALANCE, DONE, ENERGIES, EVENT, SAME_TIME, UNCONVERGED
 
+from .joint_blow import blow_at_joints
 from .link_catch import blow
 from .link_legs import Handover
 from .times import Leg
@@ -201,8 +202,14 @@ class Legs:
         return energy[:ENERGIES] + self.carried
 
     def take_blow(self):
-        """Give the velocities the impulse that cables which do not stretch need, see `link_catch.blow`."""
+        """Give the velocities the impulse that joints of bodies need, or cables which do not stretch, see `link_catch.blow`."""
         own = self.left
+        if len(own.model.bodies.joint):
+            struck = blow_at_joints(own.model, self.t, self.q[own.node], self.v[own.node])
+            if struck is not None:
+                self.v[own.node] = struck[0]
+                self.book(*struck[1:])
+            return
         caught = blow(own.model, self.t, self.q[own.node], self.v[own.node])
         if caught is not None:
             self.v[own.node] = caught.v

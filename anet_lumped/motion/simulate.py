@@ -155,7 +155,8 @@ def simulate(
         def march(choice: Choice, duration: float) -> Run:
             return whole(choice, save_every=save_every, t_end=begin.t + duration)
 
-        rigid = by_default and all(cable.inextensible for cable in scene.cables)
+        jointed = any(body.is_jointed for body in scene.bodies)  # links take none
+        rigid = by_default and not jointed and all(cable.inextensible for cable in scene.cables)
         run = keep_error(march, choice, wanted, t_end, save_every or t_end, by_links_instead if rigid else None)
         if rigid and run.ok and not run.kept:  # what multiplies errors leaves less of those of order 8
             run = by_links_instead(run, math.inf) or run

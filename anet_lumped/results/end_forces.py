@@ -6,7 +6,8 @@ of the node, the cable pulls at its point by
 
     F = T n + f - (m I + A) a .
 
-The end tension is the size of F. A support acts on the net by R = -sum F over the cables that end there. Of a state at rest a = 0.
+The end tension is the size of F. A support acts on the net by R = -sum F over the cables that end there, and on bodies that are pinned
+to it. What drives a body acts against what else acts on that, too (`driven_loads`). Of a state at rest a = 0.
 A fixed point has none, a driven point that of its path; a free point that of all forces on it, (M I + A) a = sum T n + f; and the
 points of a body that of the body (`body_accelerations`).
 """
@@ -23,10 +24,12 @@ from anet_lumped.model.model import Model
 from anet_lumped.model.remainder import Pieces, Remainder, remainder
 from anet_lumped.model.rest_lengths import numbers_at
 from anet_lumped.prescribed.paths import pack
+from anet_lumped.scene.joints import joined_to
 from anet_lumped.scene.payload_change import carried_from
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, OnBody, Scene
 
-from .body_accelerations import of_body_point
+from .body_accelerations import Joined, of_joined
+from .driven_loads import force_to_drive, has_loads, on_it
 from .events import PAYLOAD, Event, broken
 
 GROUND = "ground"
@@ -129,37 +132,45 @@ def end_force(now: Rows, whole: Scene, cable: str, point: str, inertia: bool = T
 
 
 def reaction(now: Rows, whole: Scene, name: str) -> np.ndarray:
-    """Force with which a fixed or driven point, a driven body or the ground acts on the net, (k, 3) [N].
+    """Force with which a fixed or driven point, a driven body, the pin of a body or the ground acts on the net, (k, 3) [N].
 
     Parameters
     ----------
     now : Rows
     whole : Scene that was cut, of which a part may be left
-    name : of the point or body, or "ground"
+    name : of the point; of the body, which is driven, and then takes what acts on itself too, or pinned; or "ground"
 
     Raises
     ------
-    InputError : a point that moves freely, or no ground
+    InputError : what moves freely, no ground, or an acceleration that is not known
     """
     bodies = {body.name: body for body in whole.bodies}
     points = {point.name: point for point in whole.all_points}
     if name == GROUND and name not in points:
         return _reaction_of_ground(now, whole)
-    names = [name]
-    if name in bodies and bodies[name].is_driven:
-        names = [point.name for point in bodies[name].points]
+    body, names, total = bodies.get(name), [name], np.zeros((len(now.t), 3))
+    if body is not None and body.is_driven:
+        names = [point.name for point in body.points]
+        if has_loads(body):
+            _refuse_unknown(now, body.points[0])
+            total = total + force_to_drive(now, name, effect_forces, added_masses)
+    elif body is not None and body.pinned is not None:
+        return np.array([one.joint[name] for one in _joined(now, name)])
     elif not isinstance(whole.point(name), Fixed | Driven):
         raise InputError(
-            "A reaction is the force of a fixed or driven point, of a driven body or of the ground, but "
+            "A reaction is the force of a fixed or driven point, of a driven body, of the pin of a body or of the ground, but "
             f"{quoted(name)} moves freely."
         )
+    for one in whole.bodies:
+        if one.pinned_to in names:
+            total = total + np.array([found.joint[one.name] for found in _joined(now, one.name)])
     ends = [(cable.name, end) for cable in whole.cables for end in (cable.start, cable.end) if end in names]
-    return -sum((end_force(now, whole, *one) for one in ends), np.zeros((len(now.t), 3)))
+    return total - sum((end_force(now, whole, *one) for one in ends), np.zeros((len(now.t), 3)))
 
 
 def effect_forces(model: Model, now: Rows, only_ground: bool = False) -> np.ndarray:
     """Force of the effects of a model, or of the ground alone, on each of its nodes, (k, n, 3) [N]."""
-    total = np.zeros_like(now.q)
+    total = np.zeros_like(now.q, order="C")
     for e, effect in enumerate(model.forces):
         if effect.is_ground or not only_ground:
             force = effect.kernels()["force"]
@@ -256,31 +267,63 @@ def _acceleration(now: Rows, name: str) -> np.ndarray:
     if isinstance(point, Fixed):
         return np.zeros((len(now.t), 3))
     if isinstance(point, Driven):
-        if "external" in _kinds(point.path):
-            if len(now.t) > 1 and not now.v[:, node].any() and not np.ptp(now.q[:, node], axis=0).any():
-                return np.zeros((len(now.t), 3))  # nobody drove it
-            raise InputError(
-                f"A force at an end needs the acceleration there, but {quoted(name)} is driven from outside, by a Session."
-            )
-        return _of_path(point.path, now.t)
+        return _of_path(point.path, now.t) if _refuse_unknown(now, point) else np.zeros((len(now.t), 3))
+    _refuse_pushed(now, name)
+    if isinstance(point, OnBody):
+        return np.array([one.point[name] for one in _joined(now, point.body)])
+    total, mass, added = _forces(now, [node]), masses(model, now), added_masses(model, now)
+    return np.linalg.solve(mass[:, node, None, None] * np.eye(3) + added[:, node], total[:, node, :, None])[..., 0]
+
+
+def _refuse_pushed(now: Rows, name: str) -> None:
+    """Refuse what moves freely under forces that the scene does not have."""
     if now.pushed:
         raise InputError(
             f"A force at an end needs all forces there, but {quoted(name)} moves freely, and forces from outside act that the "
             "scene does not have."
         )
+
+
+def _refuse_unknown(now: Rows, point: Any) -> bool:
+    """Refuse a driven point whose acceleration is not known; return whether it may have one."""
+    if not now.moves:
+        return False
+    if "external" not in _kinds(point.path):
+        return True
+    node = now.left.model.node_of[point.name]
+    if len(now.t) > 1 and not now.v[:, node].any() and not np.ptp(now.q[:, node], axis=0).any():
+        return False  # nobody drove it
+    raise InputError(
+        f"A force at an end needs the acceleration there, but {quoted(point.name)} is driven from outside, by a Session."
+    )
+
+
+def _forces(now: Rows, nodes: list[int]) -> np.ndarray:
+    """Forces of effects on all nodes, and of cables on some of them, (k, n, 3) [N]."""
+    model = now.left.model
     total = effect_forces(model, now)
-    nodes = [node] if not isinstance(point, OnBody) else [model.node_of[one.name] for one in model.scene.body(point.body).points]
     ends = [
         (s, i, sign) for column, sign in ((0, 1.0), (1, -1.0)) for i in nodes for s in np.flatnonzero(model.ends[:, column] == i)
     ]
-    pulls = _pulls(now, np.array([s for s, _, _ in ends]))
+    pulls = _pulls(now, np.array([s for s, _, _ in ends], np.int64))
     for k, (_, i, sign) in enumerate(ends):
         total[:, i] += sign * pulls[:, k]
-    mass, added = masses(model, now), added_masses(model, now)
-    if isinstance(point, OnBody):
-        rows = zip(now.q, now.v, total, mass, added, strict=True)
-        return np.array([of_body_point(model, name, (q, v), f, (m, A)) for q, v, f, m, A in rows])
-    return np.linalg.solve(mass[:, node, None, None] * np.eye(3) + added[:, node], total[:, node, :, None])[..., 0]
+    return total
+
+
+def _joined(now: Rows, body: str) -> list[Joined]:
+    """`Joined` of a body at each time."""
+    _refuse_pushed(now, body)
+    model = now.left.model
+    bodies = joined_to(model.scene.bodies, body)
+    total = _forces(now, [model.node_of[point.name] for one in bodies for point in one.points])
+    held = [one.pinned_to for one in bodies if one.pinned_to is not None]
+    points = {name: _acceleration(now, name) for name in held if not isinstance(model.scene.point(name), OnBody)}
+    found = []
+    for k, (q, v, f, m, A) in enumerate(zip(now.q, now.v, total, masses(model, now), added_masses(model, now), strict=True)):
+        driven = {name: a[k] for name, a in points.items()}
+        found.append(of_joined(model, body, (q, v), f, (m, A), driven))
+    return found
 
 
 def _of_path(path: Any, t: np.ndarray) -> np.ndarray:
@@ -301,7 +344,7 @@ def _kinds(path: Any) -> set[str]:
 
 
 def _reaction_of_ground(now: Rows, whole: Scene) -> np.ndarray:
-    """Force of the ground on all moving nodes, and on the half segments at supports, (k, 3) [N]."""
+    """Force of the ground on all moving nodes, on the half segments at supports and on driven bodies, (k, 3) [N]."""
     if not any(effect.is_ground for effect in whole.effects):
         raise InputError(f"There is no ground that could have a reaction, and no point {quoted(GROUND)}, in this scene.")
     model = now.left.model
@@ -311,4 +354,8 @@ def _reaction_of_ground(now: Rows, whole: Scene) -> np.ndarray:
             if model.node_of[end] >= model.n_free:
                 alone, rows = _half(now, cable)
                 total = total + effect_forces(alone, rows, only_ground=True)[:, alone.node_of[end]]
+    for body in model.scene.bodies:
+        if body.is_driven and has_loads(body):
+            alone, rows = on_it(now, body.name)
+            total = total + effect_forces(alone, rows, only_ground=True)[:, alone.bodies.node].sum(axis=1)
     return total

@@ -140,7 +140,8 @@ def _body(entry: dict[str, Any], place: str) -> Body:
 def _of_body(body: Body) -> dict[str, Any]:
     """`_plain` of a body, with its attachments by name and its rods as tables."""
     plain = _plain(body) | {"attachments": dict(body.attachments), "rods": [_plain(rod) for rod in body.rods]}
-    return plain if body.rods else {key: value for key, value in plain.items() if key != "rods"}
+    left_out = ({"at"} if body.is_jointed else set()) | (set() if body.rods else {"rods"})
+    return {key: value for key, value in plain.items() if key not in left_out}
 
 
 def _event(entry: dict[str, Any], place: str) -> Happening:

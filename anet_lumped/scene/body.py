@@ -58,16 +58,20 @@ class Body:
     It moves freely, unless it is `pinned` or its motion is prescribed by `path` and `turning`. Lengths within the body are measured
     from its origin, along its own axes. Air, water and ground do not act on a body whose motion is prescribed.
 
+    A ball joint holds two bodies together where one is pinned to the other: ``pinned="root", pinned_to="platform.hinge"``.
+
     Parameters
     ----------
     name : name of the body, unique among bodies and points
     mass : float [kg]; not needed where the motion is prescribed
     inertia : (3,) or (3, 3) array_like [kg m2], principal moments along its axes, or the tensor, about its centre of mass; likewise
-    at : (3,) array_like [m], where its origin starts; not needed with a `path`
+    at : (3,) array_like [m], where its origin starts; not needed with a `path`, nor with `pinned_to`, from which it follows
     rotation : (3,) array_like [rad], how its axes start: turned from those of the world about this vector, by its length
     attachments : dict of name to (3,) array_like [m]
     centre_of_mass : (3,) array_like [m]
     pinned : name of an attachment, or "" for the origin, that stays where it is while the body turns about it; None for a free body
+    pinned_to : name of the point at which that attachment stays, where it is not a place of the world: "platform.hinge" of another
+        body, or a driven or fixed point
     path : prescribed motion of the origin, made by a function of `anet_lumped.paths`
     turning : prescribed rotation [rad], made likewise: at each time the axes are those at the start, turned about this vector
     CdA : (3,) array_like [m2], drag coefficients times areas along its axes; the drag acts at the origin
@@ -92,6 +96,7 @@ class Body:
     attachments: Mapping[str, Vector] | Sequence[tuple[str, Vector]] = field(default=(), kw_only=True)
     centre_of_mass: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
     pinned: str | None = field(default=None, kw_only=True)
+    pinned_to: str | None = field(default=None, kw_only=True)
     path: Path | None = field(default=None, kw_only=True)
     turning: Path | None = field(default=None, kw_only=True)
     CdA: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
@@ -121,7 +126,14 @@ class Body:
                 )
         if self.path is not None and self.at is not None:
             raise SceneError(f"Only one of `at` and `path` may be given, but {owner} has both.")
-        if self.path is None:
+        if self.pinned_to is not None:
+            check_name(self.pinned_to, "point that a body is pinned to")
+            if self.pinned is None:
+                raise SceneError(
+                    'Argument `pinned_to` needs `pinned`, an attachment of the body or "" for its origin, which stays there, but '
+                    f"{owner} has pinned_to={shown(self.pinned_to)} alone."
+                )
+        if self.path is None and (self.pinned_to is None or self.at is not None):
             checked["at"] = check_vector("at", self.at, "m", owner)
         if self.is_driven and self.pinned is not None:
             raise SceneError(f"A body may be pinned or have a prescribed motion, but {owner} has both.")
@@ -144,6 +156,22 @@ class Body:
     def is_driven(self) -> bool:
         """Whether its motion is prescribed."""
         return self.path is not None or self.turning is not None
+
+    @property
+    def is_jointed(self) -> bool:
+        """Whether it is pinned to a point that may move, by a ball joint."""
+        return self.pinned_to is not None
+
+    @property
+    def pivot(self) -> str | None:
+        """Name of its point about which it turns, None of a free body."""
+        return None if self.pinned is None else f"{self.name}.{self.pinned}" if self.pinned else self.name
+
+    def origin_at_joint(self, joint: Vector) -> Vector:
+        """Place of its origin [m] where the point about which it turns is at ``joint`` (3,) [m]."""
+        arm = dict(self.places).get(self.pinned or "", (0.0, 0.0, 0.0))
+        x, y, z = (np.array(joint) - matrix_of(self.rotation) @ arm).tolist()
+        return x, y, z
 
     @property
     def motion(self) -> tuple[Path, Path | None]:

@@ -80,7 +80,11 @@ def _moved(scene: Scene, origin: Vector, effects: list[Effect]) -> Scene:
         else:
             points.append(replace(point, at=about(point.at)))
     bodies = [
-        replace(body, at=about(body.at), path=None if body.path is None else paths.seen_from(body.path, origin))
+        replace(
+            body,
+            at=None if body.is_jointed else about(body.at),
+            path=None if body.path is None else paths.seen_from(body.path, origin),
+        )
         for body in scene.bodies
     ]
     return replace(scene, points=points, effects=effects, bodies=bodies)

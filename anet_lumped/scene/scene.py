@@ -15,6 +15,7 @@ from anet_lumped.scene.payload_change import PayloadChange
 
 from .body import Body, OnBody, OnDrivenBody
 from .cable import COMPRESSION, Cable
+from .joints import placed
 from .point import Driven, Fixed, Free, Point
 from .rod import Rod
 
@@ -79,6 +80,7 @@ class Scene:
         for body in self.bodies:
             if not isinstance(body, Body):
                 raise SceneError(f"Argument `bodies` of a scene must hold Body, but holds {shown(body)}.")
+        object.__setattr__(self, "bodies", placed(self.bodies, self.points))
         self._check_names()
         self._check_effects()
         self._check_events()

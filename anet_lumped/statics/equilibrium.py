@@ -259,7 +259,10 @@ def _check_supports(scene: Scene) -> None:
         for name in names[1:]:
             neighbours[names[0]].append(name)
             neighbours[name].append(names[0])
-        if body.pinned is not None:
+        if body.pinned_to is not None:
+            neighbours[names[0]].append(body.pinned_to)
+            neighbours[body.pinned_to].append(names[0])
+        elif body.pinned is not None:
             pinned.append(names[0])
     reached = _connected(neighbours, [point.name for point in scene.all_points if not isinstance(point, Free)] + pinned)
     for name in neighbours:

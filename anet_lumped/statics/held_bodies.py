@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from anet_lumped.model.model import Model
+from anet_lumped.model.tables import JOINT_BODY, JOINT_OTHER_NODE, JOINT_POSITION
 from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Fixed, Scene
 
@@ -63,7 +64,7 @@ def straight_around(model: Model) -> np.ndarray:
 def keep_shapes(model: Model, q: np.ndarray) -> None:
     """Move the nodes of each body that moves, in q (n, 3) [m], to the nearest place where it has its shape (Kabsch).
 
-    A displacement along turns is that of a body to first order only.
+    A displacement along turns is that of a body to first order only. Joints are closed by shifts.
     """
     bodies = model.bodies
     for b, pivot in enumerate(bodies.pivot):
@@ -74,3 +75,6 @@ def keep_shapes(model: Model, q: np.ndarray) -> None:
         U, _, Vt = np.linalg.svd((q[nodes] - centre).T @ (arms - middle))
         U[:, 2] *= np.linalg.det(U @ Vt)
         q[nodes] = centre + (arms - middle) @ (U @ Vt).T
+    for row in bodies.joint:
+        b = row[JOINT_BODY]
+        q[bodies.node[bodies.node_at[b] : bodies.node_at[b + 1]]] += q[row[JOINT_OTHER_NODE]] - q[bodies.node[row[JOINT_POSITION]]]

@@ -117,6 +117,12 @@ class _OfNodes(_Own):
         """A law that asks for what a node has of its cables is spread over these; any other acts on the node itself."""
         return self if self.points is None and self.law.fills else None
 
+    def without_bodies(self, held: Sequence[str]) -> Effect | None:
+        if self.points is None:
+            return self
+        names = tuple(name for name in self.points if name not in held)
+        return replace(self, points=names) if names else None  # type: ignore[type-var]  # as below
+
     def _elements(self, model: Any) -> tuple[np.ndarray, dict[str, Any]]:
         """Nodes that it acts on, and the arguments that are filled in for each."""
         held = [name for name in self.points or () if model.node(name) >= model.n_free]

@@ -28,12 +28,20 @@ from anet_lumped.model.tables import (
     JOINED_START_BODY,
     JOINED_START_END,
     JOINED_TARGETS,
+    JOINT_BLOCKS,
+    JOINT_BODY,
+    JOINT_OTHER_NODE,
+    JOINT_POSITION,
+    JOINT_UNKNOWN,
     LINEARISED_LAW,
 )
+from integrators.newton import UNKNOWN_FORCE
 from integrators.stage import LAW_BETWEEN
 
 from .stage import MOMENT_WEIGHT
-from .vectors import cross, cross_matrix, dot, matrix_product, plus, put, row, scaled, three, turned_by
+from .vectors import cross, cross_matrix, dot, matrix_product, minus, plus, put, row, scaled, three, turned_by
+
+ONE = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 @inlined
@@ -116,9 +124,32 @@ def reduce_bodies(net_address):
             _reduce_coupling(net, between, bodies.pairs[p], net.near_blocks[before + p])
     for j in range(bodies.joined.shape[0]):
         _reduce_pair(net, between, bodies.joined[j])
+    for j in range(bodies.joint.shape[0]):
+        _join(net, between, bodies.joint[j])
     for b in range(bodies.pivot.shape[0]):
         if bodies.pivot[b] >= 0:
             _hold_pivot(net, b)
+
+
+@inlined
+def _join(net, between, joint):
+    """Add the force f of a joint and the condition that both of its points move alike, with the arms b and s of each,
+
+    m W dr - ... = +-f ,    T dphi - ... = +-s x f ,    dr_1 + dphi_1 x b_1 = dr_2 + dphi_2 x b_2 .
+    """
+    blocks, base, unknown = net.points.block, net.n_interior, joint[JOINT_UNKNOWN]
+    put(net.right_side, unknown, (0.0, 0.0, 0.0))
+    for x in range(3):
+        for y in range(3):
+            blocks[unknown - base, x, y] = 0.0
+    for side in range(2):
+        if joint[JOINT_BODY + side] >= 0:
+            s, arm = _arms(net, between, joint[JOINT_POSITION + side])
+            at, sign = JOINT_BLOCKS + 4 * side, -1.0 if side == 0 else 1.0
+            _add(blocks[joint[at]], ONE, sign)
+            _add(blocks[joint[at + 1]], ONE, sign)
+            _add(blocks[joint[at + 2]], arm, -sign)
+            _add(blocks[joint[at + 3]], s, sign)
 
 
 @inlined
@@ -182,18 +213,22 @@ def _hold_pivot(net, b):
 
 @on_demand
 def spread_bodies(net_address):
-    """Write the displacements of the nodes of bodies to ``net.newton_step``: exactly those of one piece.
+    """Write the displacements of the nodes of bodies to ``net.newton_step``: exactly those of one piece, that keep joints closed.
 
     Of the turn dphi that the system gives, the Cayley vector of the rotation is taken.
     """
     net = view_net(net_address)
-    bodies, step = net.bodies, net.newton_step
+    bodies, step, joint = net.bodies, net.newton_step, 0
     for b in range(bodies.pivot.shape[0]):
         first = bodies.node_at[b]
         shift, turn = row(step, bodies.node[first]), row(step, bodies.node[first + 1])
         square = dot(turn, turn)
         if square > 1.0:  # a first guess far from the solution: a turn by more than a radian says nothing
             turn = scaled(1.0 / math.sqrt(square), turn)
+        if joint < bodies.joint.shape[0] and bodies.joint[joint, JOINT_BODY] == b:
+            by_turn = turned_by(turn, row(bodies.arm_end, bodies.joint[joint, JOINT_POSITION]))
+            shift = minus(row(step, bodies.joint[joint, JOINT_OTHER_NODE]), by_turn)
+            joint += 1
         for k in range(first, bodies.node_at[b + 1]):
             arm = row(bodies.arm_end, k)
             put(step, bodies.node[k], plus(shift, turned_by(turn, arm)))
@@ -206,9 +241,11 @@ def finish_bodies(net_address):
     """Bound on the force that a whole Newton step leaves out of balance on bodies, by the second order of its turns [N].
 
     A node is off its linearised place by |dphi|^2 |b|/2, where the block S at it takes a force; its arm and the force on it turn
-    together; the inertia turns with the body.
+    together; the inertia turns with the body. Of bodies with joints no bound is known: turns shift the next bodies, too.
     """
     net, bound = view_net(net_address), 0.0
+    if net.bodies.joint.shape[0] > 0:
+        return UNKNOWN_FORCE
     for b in range(net.bodies.pivot.shape[0]):
         of = net.bodies.state[b]
         shift, turn, radius = of[BODY_SECOND_ORDER + 3], of[BODY_SECOND_ORDER + 4], of[BODY_RADIUS]

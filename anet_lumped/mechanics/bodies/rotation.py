@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from anet_lumped.compiled.jit import inlined
+from anet_lumped.model.tables import JOINT_OTHER_NODE, JOINT_POSITION
 
 from .vectors import added, cross, inertia_of, minus, plus, put, row, scaled, solved, turned
 
@@ -75,6 +76,15 @@ def group_of(net, b, base, q):
     if pivot >= 0:
         return Group(mass, row(base, pivot), row(base, pivot))
     return Group(mass, before, plus(before, moved_mean(net, b, base, q)))
+
+
+@inlined
+def hung_at_joint(net, j, group, theta, base, q):
+    """`Group` of the body of joint j, turned by theta from base, with its point at the joint where that to which it is pinned is."""
+    joint = net.bodies.joint[j]
+    pivot = net.bodies.node[joint[JOINT_POSITION]]
+    arm = turned(theta, minus(row(base, pivot), group.before))
+    return Group(group.mass, group.before, minus(row(q, joint[JOINT_OTHER_NODE]), arm))
 
 
 @inlined

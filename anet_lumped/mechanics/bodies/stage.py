@@ -17,7 +17,9 @@ from anet_lumped.mechanics.optional import CableBalance
 from anet_lumped.mechanics.residual import FORCE_ROUNDING
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
+    BODY_AS_PREDICTED,
     BODY_BEFORE,
+    BODY_BY_LAW,
     BODY_COORDINATE,
     BODY_FORCE,
     BODY_INERTIA,
@@ -26,11 +28,15 @@ from anet_lumped.model.tables import (
     BODY_SECOND_ORDER,
     BODY_SPIN_BEFORE,
     BODY_TURNING,
+    JOINT_BODY,
+    JOINT_OTHER,
+    JOINT_OTHER_POSITION,
+    JOINT_POSITION,
 )
 from integrators.stage import LAW_BETWEEN
 
 from .inertia import NO_MATRIX
-from .rotation import group_of, moved_mean, place, rotation_between
+from .rotation import group_of, hung_at_joint, moved_mean, place, rotation_between
 from .vectors import (
     added,
     applied,
@@ -44,6 +50,7 @@ from .vectors import (
     minus,
     plus,
     put,
+    put_three,
     row,
     scaled,
     solved,
@@ -104,10 +111,13 @@ def _slow_backward(stage, net, b, group, base, target, q, J):
 def place_bodies(stage, net_address, base, target, q):
     """Move the rows of each body in q to the nearest place that keeps its shape, and write ``bodies.state``."""
     net = view_net(net_address)
-    bodies, per_h, has_fluid = net.bodies, 1.0 / stage.tau, net.added_mass.shape[0] > 0
+    bodies, per_h, has_fluid, joint = net.bodies, 1.0 / stage.tau, net.added_mass.shape[0] > 0, 0
     for b in range(bodies.pivot.shape[0]):
         group = group_of(net, b, base, q)
         theta = rotation_between(net, b, group, base, q)
+        if joint < bodies.joint.shape[0] and bodies.joint[joint, JOINT_BODY] == b:
+            group = hung_at_joint(net, joint, group, theta, base, q)
+            joint += 1
         J = place(net, b, group, theta, base, q)
         of, shift, moment, stiffness, coordinate = bodies.state[b], NO_VECTOR, NO_VECTOR, times_scalar(stage.W, J), 0.0
         for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
@@ -164,6 +174,46 @@ def _total(net, b, forces, first, between):
 
 
 @inlined
+def out_of_balance(net, b, forces, first, between):
+    """Force and moment of the forces on the nodes of a body, whose rows begin with node ``first``, less its inertia."""
+    of = net.bodies.state[b]
+    force, moment = _total(net, b, forces, first, between)
+    return plus(force, three(of, BODY_FORCE)), plus(moment, three(of, BODY_MOMENT))
+
+
+@inlined
+def pass_to_other(net, j, column, between):
+    """Give the force of joint j to the other body: what is out of balance on the one that is pinned; returns it.
+
+    That body is left with its moment about the joint. ``column`` is where ``bodies.state`` has force and moment.
+    """
+    bodies, joint = net.bodies, net.bodies.joint[j]
+    of, other, arm = bodies.state[joint[JOINT_BODY]], joint[JOINT_OTHER], bodies.arm_mean if between else bodies.arm_end
+    force = three(of, column)
+    put_three(of, column, NO_VECTOR)
+    put_three(of, column + 3, minus(three(of, column + 3), cross(row(arm, joint[JOINT_POSITION]), force)))
+    if other >= 0:
+        of = bodies.state[other]
+        put_three(of, column, plus(three(of, column), force))
+        put_three(of, column + 3, plus(three(of, column + 3), cross(row(arm, joint[JOINT_OTHER_POSITION]), force)))
+    return force
+
+
+@inlined
+def _turning_of_joint(net, j, force, share):
+    """Add what the force of a joint, on the other body, does to the turning of its arms there and on the body that is pinned."""
+    bodies, joint = net.bodies, net.bodies.joint[j]
+    of, pinned = bodies.state[joint[JOINT_BODY]], cross_twice(scaled(-share, force), row(bodies.arm_end, joint[JOINT_POSITION]))
+    for x in range(9):
+        of[BODY_TURNING + x] += pinned[x]
+    if joint[JOINT_OTHER] >= 0:
+        of = bodies.state[joint[JOINT_OTHER]]
+        other = cross_twice(scaled(share, force), row(bodies.arm_end, joint[JOINT_OTHER_POSITION]))
+        for x in range(9):
+            of[BODY_TURNING + x] += other[x]
+
+
+@inlined
 def _weighted(moment, radius, noise, weight):
     """A moment as a force that counts ``weight`` times, but for what rounding leaves."""
     force = largest(moment) / radius
@@ -190,26 +240,36 @@ def balance_bodies(stage, net_address, largest_coordinate, cable_noise, predicte
     The last two arguments are what rounding leaves of the forces of cables, by their law and as predicted [N].
     """
     net, between = view_net(net_address), stage.law == LAW_BETWEEN
-    bodies, weight = net.bodies, MOMENT_WEIGHT if between else 1.0
+    bodies, weight, share = net.bodies, MOMENT_WEIGHT if between else 1.0, -0.5 if between else -1.0
     norm, scale, predicted, noise, sum_of_forces = 0.0, 0.0, 0.0, 0.0, 0.0
+    for b in range(bodies.pivot.shape[0]):
+        of = bodies.state[b]
+        force, moment = out_of_balance(net, b, net.law_force, 0, between)
+        put_three(of, BODY_BY_LAW, force)
+        put_three(of, BODY_BY_LAW + 3, moment)
+        force, moment = out_of_balance(net, b, net.predicted_force, net.n_interior, between)
+        put_three(of, BODY_AS_PREDICTED, force)
+        put_three(of, BODY_AS_PREDICTED + 3, moment)
+    for j in range(bodies.joint.shape[0] - 1, -1, -1):
+        pass_to_other(net, j, BODY_BY_LAW, between)
+        _turning_of_joint(net, j, pass_to_other(net, j, BODY_AS_PREDICTED, between), share)
     for b in range(bodies.pivot.shape[0]):
         of, pinned = bodies.state[b], bodies.pivot[b] >= 0
         shift, moment = three(of, BODY_FORCE), three(of, BODY_MOMENT)
         radius = of[BODY_RADIUS]
-        force_by_law, moment_by_law = _total(net, b, net.law_force, 0, between)
-        force_predicted, moment_predicted = _total(net, b, net.predicted_force, net.n_interior, between)
+        force_by_law, moment_by_law = three(of, BODY_BY_LAW), three(of, BODY_BY_LAW + 3)
         load, load_moment = _total(net, b, net.right_side, 0, between)
         held = 0.0 if pinned else 1.0
         of_inertia = FORCE_ROUNDING * of[BODY_INERTIA] * largest_coordinate
         of_places = of_inertia + FORCE_ROUNDING * _stiffness(net, b) * of[BODY_COORDINATE]
-        by_law = _weighted(plus(moment_by_law, moment), radius, cable_noise + of_places, weight)
-        norm = max(norm, held * largest(plus(force_by_law, shift)), by_law)
-        as_predicted = _weighted(plus(moment_predicted, moment), radius, predicted_noise + of_places, weight)
-        predicted = max(predicted, held * largest(plus(force_predicted, shift)), as_predicted)
+        by_law = _weighted(moment_by_law, radius, cable_noise + of_places, weight)
+        norm = max(norm, held * largest(force_by_law), by_law)
+        as_predicted = _weighted(three(of, BODY_AS_PREDICTED + 3), radius, predicted_noise + of_places, weight)
+        predicted = max(predicted, held * largest(three(of, BODY_AS_PREDICTED)), as_predicted)
         scale = max(scale, largest(load), largest(shift), largest(load_moment) / radius, largest(moment) / radius)
         noise = max(noise, of_places)
         sum_of_forces += dot(force_by_law, (1.0, 1.0, 1.0)) + dot(moment_by_law, (1.0, 1.0, 1.0))
-        turning, share = NO_MATRIX, -0.5 if between else -1.0
+        turning = NO_MATRIX
         for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
             f = row(net.predicted_force, bodies.node[k] - net.n_interior)
             turning = added(turning, cross_twice(scaled(share, f), row(bodies.arm_end, k)))

@@ -16,6 +16,12 @@ def three(numbers, i):
 
 
 @inlined
+def put_three(numbers, i, x):
+    """Write three numbers of a flat array from the i-th on."""
+    numbers[i], numbers[i + 1], numbers[i + 2] = x[0], x[1], x[2]
+
+
+@inlined
 def put(array, i, x):
     """Write row i of an (n, 3) array."""
     array[i, 0], array[i, 1], array[i, 2] = x[0], x[1], x[2]

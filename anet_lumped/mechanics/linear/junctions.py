@@ -38,17 +38,21 @@ def _solved(M, x, y, z):
 
 @internal
 def solve_points(net_address):
-    """Solve the system over the free points by block LU in their elimination order; write ``net.newton_step``.
-
-    `model.net.Points` describes the blocks. They are factored and never inverted: where a stiff cable joins two points, the
-    condition number of their block is the ratio of stiffness to inertia, and an inverse would lose three times as many digits.
-    Many points are eliminated by `fronts`.
-    """
+    """Solve the system over the free points, many of them by `fronts`; write ``net.newton_step``."""
     net = view_net(net_address)
     if net.points.fronts.front.shape[0] > 0:
         as_solve_fronts(net.kernels[KERNEL_SOLVE_FRONTS])(net_address)
         return
-    points, right_side, step, base = net.points, net.right_side, net.newton_step, net.n_interior
+    solve_blocks(net.points, net.right_side, net.newton_step, net.n_interior)
+
+
+@inlined
+def solve_blocks(points, right_side, step, base):
+    """Solve a system by block LU in its elimination order; the rows of ``right_side`` and ``step`` begin at ``base``.
+
+    `model.net.Points` describes the blocks. They are factored and never inverted: where a stiff cable joins two points, the
+    condition number of their block is the ratio of stiffness to inertia, and an inverse would lose three times as many digits.
+    """
     block, points_free = points.block, points.later_at.shape[0] - 1
     for e in range(points_free):
         p = points.order[e]
