@@ -6,6 +6,10 @@ two runs to compare: what they differ by is the error of the coarser one, and wh
 the finer one tells. Where it is many times as much, the motion has multiplied errors: past a whip, or in chaos, no step keeps an
 error, and the run says from when on. Nodes of a loose cable fly until it is taut again, and where they are then changes at once
 with the step: two runs whose steps are far apart say little of how the error falls, and a third one between them is asked.
+
+A motion that asks for far shorter steps than those it began with would take minutes or hours. What all runs cost is counted in
+Newton iterations times moving nodes, which are the same on every machine. Where the next run would cost more than the budget, the
+last one is returned and says so.
 """
 
 import logging
@@ -22,7 +26,7 @@ from anet_lumped.results.free_flight import goes_loose
 from anet_lumped.results.run import Run
 from integrators import schemes
 
-from .choice import Choice
+from .choice import EXPLICIT_COST, IMPLICIT_COST, Choice
 from .run_warnings import ALLOWED_LOSS
 
 LOG = logging.getLogger(__name__)
@@ -40,6 +44,8 @@ AMPLIFIED = 4.0  # times the error that a run tells of itself: from there on the
 NEARER, NEARER_TENSION = 0.7, 0.8  # of an error of places, and of a tension: what shorter steps must leave at most, or are in vain
 LEAST_OF_TOLD = 0.05  # of the error that a run tells of itself, which is left of it by a comparison
 LEAST_OF_TENSION = 0.5  # the same of the largest tension, of which two runs may agree by chance
+BUDGET = 5e7  # Newton iterations times moving nodes of all runs: some 15 s on one core, a minute in waves; or, if that is more,
+BUDGET_OF_FIRST = 8.0  # times those of a run with the steps of the first choice
 
 
 class Wanted(NamedTuple):
@@ -82,6 +88,43 @@ class Known(NamedTuple):
     apart: float = math.inf
 
 
+class Budget:
+    """What all runs together may cost, in Newton iterations times moving nodes; see `cost`.
+
+    Parameters
+    ----------
+    limited : bool, whether there is such a limit
+    """
+
+    def __init__(self, limited: bool) -> None:
+        self.limited, self.most, self.spent = limited, math.inf, 0.0
+
+    def spend(self, run: Run, of_first: float, share: float = 1.0) -> Run:
+        """Count a run over a ``share`` of the whole time, whose steps are ``of_first`` of those of the first choice; return it."""
+        self.spent += cost(run)
+        if self.limited and self.most == math.inf:
+            self.most = max(BUDGET, BUDGET_OF_FIRST * of_first * cost(run) / share)
+        return run
+
+    def parts(self, run: Run, wished: int, share: float = 1.0) -> int:
+        """Number of steps, ``wished`` at most and 1 at least, in which each step of such a run may be taken in another run."""
+        left = (self.most - self.spent) * share / max(cost(run), 1.0)
+        return max(min(wished, math.floor(min(left, 1e9))), 1)
+
+
+class Beyond(NamedTuple):
+    """Steps that the budget does not allow: the ``parts`` in which they take those of the last run, and the ``budget``."""
+
+    parts: int
+    budget: float
+
+
+def cost(run: Run) -> float:
+    """Newton iterations of a run times its moving nodes; a step of an explicit method counts as much less as it costs less."""
+    work = run.work.newton_iterations or run.work.steps * EXPLICIT_COST / IMPLICIT_COST
+    return float(work * run.model.n_free)
+
+
 def keep_error(
     march: Callable[[Choice, float], Run],
     choice: Choice,
@@ -89,6 +132,7 @@ def keep_error(
     duration: float,
     span: float,
     instead: Callable[[Run, float], Run | None] | None = None,
+    limited: bool = True,
 ) -> Run:
     """March with steps short enough for the errors that are wanted.
 
@@ -103,13 +147,15 @@ def keep_error(
     instead : callable(run, parts) -> Run or None
         Asked before steps are taken in ``parts``, of which a run over some time says that they are needed: a run by another method,
         if that is cheaper and keeps the error.
+    limited : bool
+        Whether no run is begun with which all runs would cost more than `BUDGET`, or `BUDGET_OF_FIRST` times the first choice.
 
     Returns
     -------
     Run
         The last one; `Run.reason` says what was kept. If it is not "done", nothing more was tried.
     """
-    first = choice.dt
+    first, budget = choice.dt, Budget(limited)
     if duration > FEWEST_STEPS * first:
         pilot = march(choice, span * max(1.0, math.floor(PILOT * duration / span)) if span < duration else PILOT * duration)
         if pilot.ok:
@@ -117,8 +163,9 @@ def keep_error(
             other = instead(pilot, _wish(pilot, wanted, share)) if instead is not None else None
             if other is not None:
                 return other
-            choice = _finer(choice, _parts(pilot, wanted, _alone(pilot), share), span)
-    run, in_vain, as_far_before = march(choice, duration), (False, False), False
+            budget.spend(pilot, 1.0, share)
+            choice = _finer(choice, budget.parts(pilot, _parts(pilot, wanted, _alone(pilot), share), share), span)
+    run, in_vain, as_far_before = budget.spend(march(choice, duration), choice.dt / first), (False, False), False
     known = _alone(run)
     while run.ok:
         parts = _parts(run, wanted, known, 1.0, choice.dt / first, in_vain)
@@ -128,18 +175,21 @@ def keep_error(
         other = instead(run, _wish(run, wanted, 1.0, known.of_told)) if instead is not None and known.apart == math.inf else None
         if other is not None:
             return other
+        wished, parts = parts, budget.parts(run, parts)
+        if parts < 2:
+            return told(run, known, wanted, beyond=Beyond(wished, budget.most))
         coarser, before, before_choice, choice = run, known, choice, _finer(choice, parts, span)
         took = parts * run.wall_time
         LOG.info("with dt=%.3g s places are known to %.2g m, the largest tension to %.2g", run.dt, known.error, known.tension_error)
         LOG.info("again with dt=%.3g s, which takes about %.2g s", choice.dt, took)
-        run = march(choice, duration)
+        run = budget.spend(march(choice, duration), choice.dt / first)
         if not run.ok:
             return run
         if (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0) and run.tension_error > before.tension_error:
             return told(coarser, before, wanted, too_short=run.dt)
         known = _compared(run, coarser, wanted, before.apart)
         if parts > TRUSTED_PARTS and _kept(run, known, wanted) and goes_loose(run):
-            between = march(_finer(before_choice, (parts + 1) // 2, span), duration)
+            between = budget.spend(march(_finer(before_choice, (parts + 1) // 2, span), duration), 1.0)
             if between.ok:
                 known = known._replace(error=max(known.error, _left_of(run, between)))
         # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
@@ -237,10 +287,13 @@ def _kept(run: Run, known: Known, wanted: Wanted) -> bool:
     return known.error <= wanted.of_places(run) and known.tension_error <= wanted.tension_error
 
 
-def told(run: Run, known: Known, wanted: Wanted, how: str = "", too_short: float | None = None) -> Run:
+def told(
+    run: Run, known: Known, wanted: Wanted, how: str = "", too_short: float | None = None, beyond: Beyond | None = None
+) -> Run:
     """The run with what was kept in its reason, and what was not in its warnings.
 
-    ``how`` says with which step or tolerance. Steps of ``too_short`` [s] have told larger errors than those of the run.
+    ``how`` says with which step or tolerance. Steps of ``too_short`` [s] have told larger errors than those of the run. What it
+    does not keep may take steps ``beyond`` the budget.
     """
     how = how or f"dt={run.dt:.3g} s"
     allowed = wanted.of_places(run)
@@ -267,6 +320,12 @@ def told(run: Run, known: Known, wanted: Wanted, how: str = "", too_short: float
         )
     if too_short is not None:
         found.append(f"dt={too_short:.3g} s was tried too, and told larger errors, of rounding and of Newton's tolerance")
+    if beyond is not None:
+        wish = f"error={allowed:.2g}" if known.error > allowed else f"tension_error={wanted.tension_error:.2g}"
+        found.append(
+            f"shorter steps may keep it, beyond the default's budget, {beyond.budget:.2g} Newton iterations times nodes; "
+            f"{wish} has none and goes on, next with dt={run.dt / beyond.parts:.2g} s in about {beyond.parts} times this run's time"
+        )
     said = "; ".join(found)
     text = f"{run.method} with {how}: {said}."
     return replace(run, reason=f"{run.reason}; with {how} {said}", warnings=(*run.warnings, text), kept=False)

@@ -82,8 +82,9 @@ def simulate(
     error, tension_error : float or None [m], 1
         Errors to keep, of places and of the largest tension over that tension: the step is made shorter until the run's own
         estimates are within them (`Run.error_estimate`, `Run.tension_error`). None, and neither method nor step given, keeps 1 mm
-        in a metre of the longest cable, 5 % of the motion, and 2 % of the largest tension. What cannot be kept, past a whip or
-        in chaos, ``Run.reason`` and a warning say, and from when on.
+        in a metre of the longest cable, 5 % of the motion, and 2 % of the largest tension, as far as that costs no more than some
+        15 s of one core or 8 times the first step (`motion.accuracy`). What is not kept, past a whip, in chaos or beyond that
+        budget, ``Run.reason`` and a warning say, from when on, and how to go further.
     audit : bool or float [m]
         Run again with half the step or a tenth of the tolerance, and compare: ``Run.audit`` estimates the error of the run, and
         its status is "audit failed" if that is above the number given (True: 1 % of the longest cable) or if the energy
@@ -157,7 +158,7 @@ def simulate(
 
         jointed = any(body.is_jointed for body in scene.bodies)  # links take none
         rigid = by_default and not jointed and all(cable.inextensible for cable in scene.cables)
-        run = keep_error(march, choice, wanted, t_end, save_every or t_end, by_links_instead if rigid else None)
+        run = keep_error(march, choice, wanted, t_end, save_every or t_end, by_links_instead if rigid else None, limited=not asked)
         if rigid and run.ok and not run.kept:  # what multiplies errors leaves less of those of order 8
             run = by_links_instead(run, math.inf) or run
     else:

@@ -8,8 +8,10 @@ import pytest
 
 from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, equilibrium, paths, simulate
 from anet_lumped.effects import Gravity
-from anet_lumped.motion.accuracy import ERROR_OF_LENGTH, PILOT, Wanted, _compared, keep_error
-from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE, Choice, time_scale
+from anet_lumped.motion import accuracy
+from anet_lumped.motion import simulate as simulate_module
+from anet_lumped.motion.accuracy import ERROR_OF_LENGTH, PILOT, Budget, Wanted, _compared, cost, keep_error
+from anet_lumped.motion.choice import EXPLICIT_COST, IMPLICIT_COST, SHARE_OF_TIME_SCALE, Choice, time_scale
 from anet_lumped.results.energy_balance import BY_METHOD
 
 
@@ -93,9 +95,8 @@ def test_a_scene_that_is_right_at_its_first_step_costs_a_pilot_more():
     points = [Driven(f"s{i}", paths.line(at, (0.2, 0.0, 0.0), ramp=1.0)) for i, at in enumerate(corners)] + [Free("p0", mass=0.036)]
     cables = [Cable(f"s{i}", "p0", length=1.0, mass_per_length=0.1, EA=1e4, zeta=0.05, segments=10) for i in range(4)]
     scene, steps = Scene(points, cables, [Gravity(9.81)]), []
-    import anet_lumped.motion.simulate as module
 
-    whole = module.march_legs
+    whole = simulate_module.march_legs
 
     def counted(*arguments, **more):
         run = whole(*arguments, **more)
@@ -103,7 +104,7 @@ def test_a_scene_that_is_right_at_its_first_step_costs_a_pilot_more():
         return run
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "march_legs", counted)
+        patch.setattr(simulate_module, "march_legs", counted)
         run = simulate(scene, 6.0)
     assert run.dt == pytest.approx(SHARE_OF_TIME_SCALE * time_scale(scene), rel=0.01)
     assert len(steps) == 2 and steps[0] <= (PILOT + 0.01) * steps[1] and steps[1] == run.work.steps
@@ -142,6 +143,38 @@ def test_past_a_whip_no_step_keeps_an_error_and_the_run_says_so():
     there = np.searchsorted(fine.t, run.t[own] - 1e-9).clip(max=len(fine.t) - 1)
     near = np.abs(fine.t[there] - run.t[own]) < 1e-9
     assert np.linalg.norm(run.q[own][near] - fine.q[there][near], axis=2).max() < 4e-3  # a millimetre, by an estimate
+
+
+def test_the_default_stops_at_its_budget_and_an_error_that_is_asked_for_goes_on(monkeypatch):
+    """All runs together cost no more than the budget; the last one says what it is worth, and how to go further."""
+    marched, whole = [], simulate_module.march_legs
+
+    def counted(*arguments, **more):
+        marched.append(whole(*arguments, **more))
+        return marched[-1]
+
+    monkeypatch.setattr(simulate_module, "march_legs", counted)
+    monkeypatch.setattr(accuracy, "BUDGET", 100e3)
+    run = simulate(loose(), 1.0, start="straight")
+    assert len(marched) > 1 and run is not marched[0] and sum(map(cost, marched)) <= 100e3
+    assert run.ok and run.kept is False and run.dt == min(one.dt for one in marched)
+    (said,) = [text for text in run.warnings if "places are known" in text]
+    assert "beyond the default's budget, 1e+05 Newton iterations times nodes; error=0.001 has none and goes on" in said
+    assert said.split(" s: ", 1)[1].rstrip(".") in run.reason
+    asked = simulate(loose(), 1.0, start="straight", error=1e-3)
+    assert asked.dt < run.dt and "budget" not in asked.reason
+
+
+def test_a_run_whose_first_steps_cost_much_may_cost_eight_times_as_much():
+    coarse = simulate(swing(), 1.0, start="straight", method="edmc", dt=0.02)
+    budget = Budget(limited=True)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(accuracy, "BUDGET", 1.0)
+        budget.spend(coarse, 0.5)  # with half the steps of the first choice: the budget is of that choice
+    assert budget.most == 4.0 * cost(coarse) and budget.parts(coarse, 8) == 3 and budget.parts(coarse, 2) == 2
+    assert Budget(limited=False).parts(coarse, 8) == 8
+    verlet = simulate(swing(), 0.1, start="straight", method="verlet")
+    assert cost(verlet) == pytest.approx(verlet.work.steps * verlet.model.n_free * EXPLICIT_COST / IMPLICIT_COST)
 
 
 def test_at_rest_nothing_is_refined():
