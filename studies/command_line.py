@@ -108,7 +108,9 @@ def simulate(
     dt: Step = None,
     rtol: Annotated[float | None, typer.Option(help="Adaptive steps: error of a step over the largest coordinate.")] = None,
     extrapolate: Annotated[bool, typer.Option(help="Combine with a half-step run (order 4).")] = False,
-    start: Annotated[str, typer.Option(help="equilibrium, straight, or a CSV of places along cables.")] = "equilibrium",
+    start: Annotated[
+        str, typer.Option(help="equilibrium, calm (without turbulence and waves), straight, or a CSV of places along cables.")
+    ] = "equilibrium",
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
     effect: Added = (),
@@ -276,7 +278,7 @@ def sweep(
     t_end: Annotated[float | None, typer.Option(help="How long each variant runs; without, it only rests.", **TIME)] = None,
     method: Method = None,
     dt: Step = None,
-    start: Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")] = None,
+    start: Annotated[str | None, typer.Option(help="equilibrium (default), calm or straight.")] = None,
     since: Annotated[float | None, typer.Option("--from", help="From when on measures over time look at a run.", **TIME)] = None,
     change: Changes = (),
     effect: Added = (),

@@ -33,7 +33,7 @@ PLACE = {"parser": vector_in_metres, "metavar": "X,Y,Z"}
 DAMPER = {"parser": newton_metre_seconds, "metavar": "DAMPER"}
 Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for you if not given.")]
 Step = Annotated[float | None, typer.Option(help="Step, as in 10ms or 0.01 (s); chosen for you if not given.", **TIME)]
-Start = Annotated[str, typer.Option(help="equilibrium or straight.")]
+Start = Annotated[str, typer.Option(help="equilibrium, calm (a rest without turbulence and waves) or straight.")]
 Changes = Annotated[
     list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first: p0.mass=0.05, a.length=sag:1cm.")
 ]

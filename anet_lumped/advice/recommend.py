@@ -21,7 +21,8 @@ from anet_lumped.motion.times import stops
 from anet_lumped.results.state import State
 from anet_lumped.scene.creep import WITHOUT_CREEP
 from anet_lumped.scene.scene import Free, Scene, SceneError, check_scene
-from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium
+from anet_lumped.statics.equilibrium import EquilibriumError
+from anet_lumped.statics.first_state import first_state
 from integrators import schemes
 
 LOG = logging.getLogger(__name__)
@@ -149,7 +150,7 @@ def recommend(
         The free point that counts; None takes all, or the middles of the cables where there is none.
     t_end : float or None [s]
         How long to simulate; None takes two swings after the last corner of a driven path.
-    start : "equilibrium" or "straight"
+    start : "equilibrium", "calm" or "straight"
     realtime : float or None
         How many times faster than real time it must run.
 
@@ -207,8 +208,8 @@ def recommend(
 
 def scale_of_motion(scene: Scene, start: str | State) -> float:
     """Time in which a motion changes that starts so, with the tension that its cables have there [s]."""
-    rest = equilibrium(scene) if start == "equilibrium" else start
-    return time_scale(scene, rest.least_tension if isinstance(rest, State) else 0.0)
+    rests = isinstance(start, State) or start in ("equilibrium", "calm")
+    return time_scale(scene, first_state(scene, start).least_tension if rests else 0.0)
 
 
 def two_swings(scene: Scene, scale: float) -> float:

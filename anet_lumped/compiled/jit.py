@@ -1,4 +1,4 @@
-"""How functions are compiled: `njit`, and six decorators, one for each way in which a function is called.
+"""How functions are compiled: `njit`, and seven decorators, one for each way in which a function is called.
 
 Only those of laws count references to arrays. The others allocate nothing, and their callers hold the arrays that they read and
 write. Without reference counts, and without a wrapper for Python, a function compiles in half the time.
@@ -6,7 +6,7 @@ write. Without reference counts, and without a wrapper for Python, a function co
 
 from integrators.jit import SHARED, WITHOUT_ADDRESS, WITHOUT_PYTHON, njit
 
-__all__ = ["inlined", "inlined_law", "internal", "kernel", "law", "njit", "on_demand"]
+__all__ = ["inlined", "inlined_law", "internal", "kernel", "law", "njit", "on_demand", "sum_on_demand"]
 
 _SHARED = SHARED | {"fastmath": {"contract"}}
 
@@ -18,6 +18,9 @@ internal = njit(**_SHARED, **WITHOUT_PYTHON, **WITHOUT_ADDRESS)
 
 on_demand = njit(**_SHARED, **WITHOUT_PYTHON)
 """A kernel that other kernels call by its address, compiled when a scene first needs it, see `addresses.address_of`."""
+
+sum_on_demand = njit(**(_SHARED | {"fastmath": {"contract", "reassoc", "nsz"}}), **WITHOUT_PYTHON)
+"""As `on_demand`, for long sums: terms are added in any order, so that a processor works on several at once; NaN stays NaN."""
 
 
 def kernel(signature):

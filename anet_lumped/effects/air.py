@@ -1,7 +1,7 @@
 """Drag of the air, at rest or in wind, on cables, on what free points carry, and on bodies."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from anet_lumped.checks import SceneError, Vector, check_number, quoted
 from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.flow.wind import Wind
-from anet_lumped.effects.flow.wind.base import check_winds, same_at_each_height
+from anet_lumped.effects.flow.wind.base import check_winds, same_at_each_height, steady
 from anet_lumped.effects.flow.wind.kernel import pack, wind_at
 from anet_lumped.effects.laws.drag import (
     point_coefficient,
@@ -62,6 +62,10 @@ class Air(Effect):
     def no_force_at_rest(self) -> bool:
         """Without wind."""
         return self.wind is None
+
+    def steady(self) -> Effect:
+        left = steady(self.wind)
+        return self if left is self.wind else replace(self, wind=left)
 
     def seen_from(self, origin: Vector, scene: Any) -> Effect | None:
         return self if origin[2] == 0.0 and same_at_each_height(self.wind) else None

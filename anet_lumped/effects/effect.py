@@ -44,7 +44,8 @@ class Effect:
     5. If its parameters name cables, `after_break` returns the same effect on what is left of broken cables; if they name bodies
        or points of theirs, `without_bodies` returns it for a scene in which those are held. If it acts at points that it names,
        `of_cables` returns it without these.
-    6. `seen_from` returns the same effect in coordinates with another origin, if it can; `at_rest` the effect without its friction.
+    6. `seen_from` returns the same effect in coordinates with another origin, if it can; `at_rest` the effect without its friction;
+       `steady` the effect without turbulence and waves.
     7. `example` returns an instance that acts on a given scene, for studies and documentation.
 
     It knows neither the scene's other effects nor the integrator, and an effect that a scene lacks costs that scene nothing.
@@ -182,6 +183,10 @@ class Effect:
 
     def at_rest(self) -> "Effect":
         """The effect for the search for a rest: without friction, which holds nodes that creep wherever they are."""
+        return self
+
+    def steady(self) -> "Effect":
+        """The effect without what fluctuates about a mean, turbulence and waves, in which a rest is easier to find."""
         return self
 
     def seen_from(self, origin: Vector, scene: Any) -> "Effect | None":

@@ -36,7 +36,7 @@ from anet_lumped.effects.flow.surface import flow_at, height_at
 from anet_lumped.effects.flow.waves.base import Wave, check_waves
 from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
 from anet_lumped.effects.flow.wind import Wind
-from anet_lumped.effects.flow.wind.base import check_winds, same_at_each_height
+from anet_lumped.effects.flow.wind.base import check_winds, same_at_each_height, steady
 from anet_lumped.effects.flow.wind.kernel import pack
 from anet_lumped.effects.laws.drag import (
     point_coefficient,
@@ -121,6 +121,11 @@ class Water(Effect):
         """2/omega of the shortest wave, as for a point that is shaken."""
         highest = max((wave.highest_frequency for wave in self.all_waves), default=0.0)
         return (2.0 / highest,) if highest > 0.0 else ()
+
+    def steady(self) -> Effect:
+        left = steady(self.current)
+        still = left is self.current and not self.all_waves
+        return self if still else replace(self, current=left, wave=None, waves=None)
 
     def seen_from(self, origin: Vector, scene: Any) -> Effect | None:
         if origin[2] != 0.0 or not same_at_each_height(self.current):

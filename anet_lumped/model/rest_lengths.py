@@ -76,7 +76,7 @@ def table(scene, model, cut):
     SceneError : an effect whose numbers are not linear in a length that is paid out, no length left to begin with, or a cable that
         creeps
     """
-    at_shortest(scene, 0.0, 0.0)
+    shortest(scene, 0.0, 0.0)
     found = changes(scene)
     creeping = next((name for name in found if scene.cable(name).creeps), None)
     if creeping is not None:
@@ -161,29 +161,41 @@ def at_time(scene, t):
     return lengths
 
 
-def at_shortest(scene, t0, t_end):
-    """The scene with every cable as short as it will be in a run, which is what bounds its steps.
+def shortest(scene, t0, t_end):
+    """Smallest length of each cable that changes, from a time to another, by its name [m].
 
     Raises
     ------
     SceneError : a cable that would be reeled in to less than `SHORTEST` of its length
     """
-    found, shortest = changes(scene), {}
-    for name, (paid, strain) in found.items():
+    smallest = {}
+    for name, (paid, strain) in changes(scene).items():
         length = scene.cable(name).length
         terms = _path(paid), _path(strain)
         inside = [path.breaks[(path.breaks > t0) & (path.breaks < t_end)] for path in terms]
         times = np.unique(np.concatenate([np.linspace(t0, t_end, LOOKS if t_end > t0 else 1), *inside]))
-        left = np.array([(length + terms[0].at(t)[0][0]) * (1.0 + terms[1].at(t)[0][0]) for t in times])
+        paid_out, strained = (path.places(times)[:, 0] for path in terms)
+        left = (length + paid_out) * (1.0 + strained)
         if not left.min() > SHORTEST * length:
             raise SceneError(
                 f"A cable must keep at least {SHORTEST:g} of its length, but of cable {quoted(name)} with length={length:g} m "
                 f"{left.min():.3g} m are left at t={times[left.argmin()]:.4g} s."
             )
-        shortest[name] = min(length, float(left.min()))
-    if not shortest:
+        smallest[name] = float(left.min())
+    return smallest
+
+
+def at_shortest(scene, t0, t_end):
+    """The scene with every cable as short as it will be in a run, which is what bounds its steps.
+
+    Raises
+    ------
+    SceneError : as `shortest`
+    """
+    smallest = shortest(scene, t0, t_end)
+    if not smallest:
         return scene
-    cables = [dataclasses.replace(c, length=shortest.get(c.name, c.length)) for c in scene.cables]
+    cables = [dataclasses.replace(c, length=min(c.length, smallest.get(c.name, c.length))) for c in scene.cables]
     return dataclasses.replace(scene, cables=cables)
 
 

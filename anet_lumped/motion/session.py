@@ -62,7 +62,7 @@ class Session:
     dt : float [s]
     method : str or None
         A method of this package with fixed steps; None picks one, as `simulate` does with a step.
-    start : "equilibrium", "straight", State or dict
+    start : "equilibrium", "calm", "straight", State or dict
         As `simulate` takes it.
     rho_inf : float or None
         As `simulate` takes it.
@@ -215,7 +215,7 @@ class Session:
         """
         goal = self._goal
         if len(self._net.lengths.cable):
-            rest_lengths.at_shortest(self._legs.scene, goal, goal)
+            rest_lengths.shortest(self._legs.scene, goal, goal)
         if self._motions.tracks:
             self._lead()
         forces = self._forces

@@ -9,14 +9,13 @@ from functools import partial
 from typing import Any
 
 from anet_lumped.checks import InputError, number, quoted
-from anet_lumped.model.build import build
 from anet_lumped.results.audit import audited
 from anet_lumped.results.near_origin import computed_near_origin
 from anet_lumped.results.run import Run, RunInterrupt
 from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Scene, check_scene
-from anet_lumped.statics.equilibrium import equilibrium
-from anet_lumped.statics.starts import Start, start_state, straight
+from anet_lumped.statics.first_state import first_state
+from anet_lumped.statics.starts import Start, straight
 from integrators import schemes
 from integrators.schemes.record import Origin, Scheme
 
@@ -66,7 +65,8 @@ def simulate(
     dt : float or None [s]
         Step; None picks it. With rtol or atol, the first step of an adaptive march; `dop853` without dt is adaptive at
         rtol=1e-6, as the solvers of other packages are.
-    start : "equilibrium", "straight", State or dict
+    start : "equilibrium", "calm", "straight", State or dict
+        "calm" is the rest without turbulence and waves, which a scene may have where it has none with those of the first moment.
         "straight" has the nodes evenly spaced between the places of the points, at rest; a dict holds the places of each cable's
         nodes by the cable's name, (segments + 1, 3) [m], at rest.
     save_every : float or None [s]
@@ -112,10 +112,7 @@ def simulate(
     if extrapolate:
         method = method_to_extrapolate(method, rtol, atol)
     scheme = None if method is None else schemes.scheme(method)
-    if isinstance(start, str) and start == "equilibrium":
-        begin = equilibrium(scene)
-    else:
-        begin = start_state(build(scene), start, scheme is not None and scheme.keeps_constraints)
+    begin = first_state(scene, start, scheme is not None and scheme.keeps_constraints)
     plan = planned(scene, begin, Asked(t_end, method, dt, save_every, rtol, atol, extrapolate))
     choice, adaptive, transverse = plan
     scheme = schemes.scheme(choice.method)

@@ -138,7 +138,7 @@ def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) 
             None if given is None else Shape(np.concatenate([given.q[: model.n_free], q[model.n_free :]]), given.segment_tension)
         )
         try:
-            found = stable_rest(model, net, Shape(q.copy(), tension), guess, scale)
+            found = stable_rest(model, net, Shape(q.copy(), tension), guess, scale, _calm_shape(scene, tolerance))
         except RuntimeError as error:  # a tangent that is not finite cannot be judged
             law = name_law_that_is_not_finite(model, [(0.0, q, v)])
             kind = NoRestError if law else EquilibriumError
@@ -154,6 +154,26 @@ def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) 
             "scene differ by more than numbers can hold."
         )
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance, stable=stable)
+
+
+def calm(scene: Scene) -> Scene:
+    """The scene without what fluctuates about a mean, turbulence and waves; the same one if nothing does."""
+    effects = tuple(effect.steady() for effect in scene.effects)
+    return scene if effects == scene.effects else replace(scene, effects=effects)
+
+
+def _calm_shape(scene: Scene, tolerance: float) -> Any:
+    """`Shape` of the rest without turbulence and waves, near which that with them is; None if there are none, or it has no rest."""
+    from .search import Shape
+
+    still = calm(scene)
+    if still is scene:
+        return None
+    try:
+        found = _rest(still, tolerance, None)
+    except EquilibriumError:
+        return None
+    return Shape(found.q, found.segment_tension)
 
 
 def _rest_of_bodies(model: Model, tolerance: float, given: State | None) -> State:

@@ -22,8 +22,17 @@ def reason(model: Model, q: np.ndarray) -> str:
     q : (n, 3) float64 [m], the shape that the search ended in
     """
     return (
-        impossible(model, q) or _sharp_turn(model, q) or 'try `simulate` from start="straight", or another `start` of `equilibrium`'
+        impossible(model, q)
+        or _fluctuations(model)
+        or _sharp_turn(model, q)
+        or 'try `simulate` from start="straight", or another `start` of `equilibrium`'
     )
+
+
+def _fluctuations(model):
+    if all(effect.steady() == effect for effect in model.scene.effects):
+        return ""
+    return 'turbulence or waves may leave no rest at a time; begin with start="calm", the rest without them'
 
 
 def impossible(model: Model, q: np.ndarray) -> str:

@@ -77,7 +77,7 @@ class _Attempt(NamedTuple):
         return self.descends or self.pace is SLOW
 
 
-def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, load: float) -> Found:
+def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, load: float, calm: Shape | None = None) -> Found:
     """The first stable rest that a start leads to; if none does, the shape whose forces balance best.
 
     Parameters
@@ -88,13 +88,14 @@ def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, loa
     given : Shape or None, first guess of the user
     load : float [N]
         Load that tolerances are relative to.
+    calm : Shape or None, rest without turbulence and waves
 
     Returns
     -------
     Found
     """
     best, leaves = None, LEAVES
-    for attempt in _attempts(model, net, hanging, given):
+    for attempt in _attempts(model, net, hanging, given, calm):
         if attempt.long and best is not None and impossible(model, best.shape.q):
             break
         found = _try(model, net, attempt, load, leaves)
@@ -107,13 +108,15 @@ def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, loa
     return best
 
 
-def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None) -> Iterator[_Attempt]:
+def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None, calm: Shape | None) -> Iterator[_Attempt]:
     """Attempts, the most promising first. An attempt that cannot differ from an earlier one is left out."""
     eases = bool((net.axial[:, AXIAL_PUSH_SHARE] > 0.0).any()) or any(effect.coupled_neighbours > 1 for effect in model.forces)
     if given is not None:
         yield _Attempt(given, of_user=True)
         if eases:
             yield _Attempt(given, eased=True)
+    if calm is not None:
+        yield _Attempt(calm)
     met = obstacles(model, net, hanging.q)
     if met.above is not None:
         yield _Attempt(_loose(model, met.above), eased=eases)

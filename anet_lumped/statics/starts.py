@@ -55,7 +55,9 @@ def _at_rest(model, start):
     else:
         a_run = isinstance(start, Run)
         other = "a Run has States, run.final and run.state(k)" if a_run else "the shape of each cable by its name will do, too"
-        raise InputError(f'Argument `start` must be "equilibrium", "straight" or a State, but it is {shown(start)}; {other}.')
+        raise InputError(
+            f'Argument `start` must be "equilibrium", "calm", "straight" or a State, but it is {shown(start)}; {other}.'
+        )
     still = np.zeros_like(q)
     return State(model, 0.0, q, still, np.zeros(model.n_segments))
 

@@ -89,7 +89,7 @@ def _check_settings(settings):
     for name in ("t_end", "dt"):
         if name in settings:
             check_number(name, settings[name], "s", "the sweep", sign="positive")
-    for name, known in (("method", schemes.MODULES), ("start", ("equilibrium", "straight"))):
+    for name, known in (("method", schemes.MODULES), ("start", ("equilibrium", "calm", "straight"))):
         given = settings.get(name)
         if isinstance(given, str) and given not in known:
             near = nearest(given, known) or f"; known are {', '.join(known)}."

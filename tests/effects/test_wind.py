@@ -7,8 +7,9 @@ import pytest
 from scipy.signal import welch
 
 from anet_lumped import SceneError
+from anet_lumped.effects import Air
 from anet_lumped.effects.flow.wind import Dryden, Gridded, Gust, Logarithmic, PowerLaw, Recorded, Sampled, Uniform
-from anet_lumped.effects.flow.wind.dryden import energy_below, wave_number
+from anet_lumped.effects.flow.wind.dryden import _sine_and_cosine, energy_below, wave_number
 from anet_lumped.effects.flow.wind.kernel import pack, wind_at
 
 EPS = np.finfo(float).eps
@@ -137,7 +138,7 @@ def test_gradient():
     rng = np.random.default_rng(2)
     turbulence = Dryden(2.0, 5.0, (3, 1, 0), seed=1, modes=40)
     winds = pack((PowerLaw(3.0, 10.0, 0.14), Logarithmic(2.0, 10.0, 0.03, (0, 1, 1)), turbulence))
-    modes = turbulence.numbers()[3:].reshape(-1, 9)
+    modes = turbulence.numbers()[3:].reshape(9, -1).T
     k, amplitude = np.linalg.norm(modes[:, :3], axis=1), np.linalg.norm(modes[:, 3:], axis=1)
     h = 1e-5  # [m]; differences leave h^2/6 of the third derivative, and rounding of places of 10 m, (10 eps/h) of the first
     error = h**2 / 6 * (k**3 @ amplitude) + 10 * EPS / h * (k @ amplitude) + 1e-9
@@ -172,9 +173,25 @@ def test_turbulence_has_no_divergence_and_is_carried():
         np.testing.assert_allclose(there, here, rtol=0, atol=1e-10)  # phases of up to 1e4 rad are rounded at 1e-12
 
 
+def test_sine_and_cosine_of_a_phase():
+    """Against those of the C library; a phase that has no digits left must give no velocity beyond all bounds."""
+    x = np.concatenate([np.linspace(-20.0, 20.0, 4001), np.random.default_rng(0).uniform(-1e5, 1e5, 2000)])
+    found = np.array([_sine_and_cosine.py_func(one) for one in x])
+    # 2 units in the last place, and what is left of the multiple of pi/2: three parts have 33 + 33 + 53 digits
+    np.testing.assert_allclose(found, np.column_stack([np.sin(x), np.cos(x)]), rtol=0, atol=4e-16)
+    assert np.abs([_sine_and_cosine.py_func(one) for one in (1e17, -3e25, 1e90)]).max() <= 1.0 + 1e-9
+    assert np.isnan(at(Dryden(1.0, 5.0, (3, 0, 0), seed=7, modes=3), place=(math.nan, 0.0, 0.0))).all()
+
+
+def test_the_steady_part_of_winds():
+    turbulence, shear = Dryden(1.0, 5.0, (3, 0, 0), seed=7), PowerLaw(3.0, 10.0, 0.14)
+    assert Air(wind=[shear, turbulence]).steady() == Air(wind=shear) and Air(wind=turbulence).steady() == Air()
+    assert (calm := Air(wind=shear)).steady() is calm
+
+
 def moments(seed, offsets, sigma=2.0, length=5.0):
     """Mean over all space of u_i(x) u_i(x + r e_1), (len(offsets), 3), of the modes that a seed gives."""
-    modes = Dryden(sigma, length, (0, 0, 0), seed=seed).numbers()[3:].reshape(-1, 9)
+    modes = Dryden(sigma, length, (0, 0, 0), seed=seed).numbers()[3:].reshape(9, -1).T
     k, a, b = modes[:, :3], modes[:, 3:6], modes[:, 6:]
     return np.array([0.5 * np.cos(r * k[:, :1]).T @ (a * a + b * b) for r in offsets])[:, 0]
 

@@ -37,6 +37,13 @@ def test_compiled_equals_plain(t):
     np.testing.assert_allclose(compiled(PATHS, t), plain, rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.parametrize("path", PATHS, ids=lambda path: path.kind)
+def test_places_at_many_times(path):
+    times = np.linspace(-1.0, 9.0, 41)
+    # the same few terms, summed in another order
+    np.testing.assert_allclose(path.places(times), [path.at(t)[0] for t in times], rtol=1e-12, atol=1e-12)
+
+
 @pytest.mark.parametrize("paths", [[], [LINE], [RECORDED, RECORDED], [SWING], PATHS], ids=len)
 def test_one_compiled_type_for_all(paths):
     assert numba.typeof(pack(paths)) == TABLE

@@ -39,7 +39,10 @@ def changed(**fields):
 @pytest.mark.parametrize(
     ("start", "message"),
     [
-        (lambda: "rest", '`start` must be "equilibrium", "straight" or a State, but it is \'rest\'; the shape of each cable'),
+        (
+            lambda: "rest",
+            '`start` must be "equilibrium", "calm", "straight" or a State, but it is \'rest\'; the shape of each cable',
+        ),
         (lambda: with_nan(v=(2, 0)), r'must be finite, but the velocity of node 3 of 5 of cable "a-b" is \(inf, 0, 0\)'),
         (lambda: with_nan(q=(4, 2)), r'must be finite, but the position of point "b" is \(0, 0, inf\)'),
         (lambda: with_nan(segment_tension=1), 'must have finite tensions, but a segment of cable "a-b" has inf N'),
@@ -53,7 +56,7 @@ def changed(**fields):
         (lambda: changed(q=[[10**400] * 3] * 6), "`q` of a State must be an array of numbers"),
         (lambda: changed(segment_tension=[1.0]), r"`segment_tension` .* \(5,\), because its scene has 5 segments, .* \(1,\)"),
         (lambda: changed(model=None), "`model` of a State must be that of a scene, but it is None"),
-        (lambda: np.zeros((6, 3)), '`start` must be "equilibrium", "straight" or a State'),
+        (lambda: np.zeros((6, 3)), '`start` must be "equilibrium", "calm", "straight" or a State'),
         (lambda: {"a-b": "abc"}, 'The shape of cable "a-b" must be an array of numbers'),
         (lambda: {"a-c": np.zeros((6, 3))}, 'must be of a cable of the scene, but "a-c" is none.*"a-b"'),
         (lambda: {}, 'must be given for every cable, but cable "a-b" has none'),

@@ -22,6 +22,10 @@ class Wind(ABC):
     def numbers(self) -> np.ndarray:
         """Numbers that its compiled function reads, (k,) float64."""
 
+    def steady(self) -> "Wind | None":
+        """The wind without its turbulence; None if nothing is left."""
+        return self
+
     @abstractmethod
     def kernel(self) -> Callable:
         """Compiled function (t, x, y, z, numbers) -> velocity, gradient of this wind alone; `kernel.wind_at` describes both.
@@ -39,6 +43,12 @@ def as_winds(value: Any) -> tuple[Wind, ...]:
     if value is None:
         return ()
     return tuple(value) if isinstance(value, tuple | list) else (value,)
+
+
+def steady(value: Any) -> Any:
+    """Return the argument without the turbulence of its winds."""
+    left = tuple(found for wind in as_winds(value) if (found := wind.steady()) is not None)
+    return value if left == as_winds(value) else left or None
 
 
 def same_at_each_height(value: Any) -> bool:
