@@ -20,10 +20,10 @@ class VaryError(InputError):
 
 
 def parse_vary(texts: Iterable[str]) -> dict[str, str]:
-    """Name -> specification, from ["EA=1e2:1e6:9log", ...]."""
+    """Name -> specification, from ["EA=1e2:1e6:9log", "EA~lognormal(1e4,0.2)", ...]."""
     vary = {}
     for text in texts:
-        name, _, spec = text.partition("=")
+        name, _, spec = map(str.strip, re.sub("[=~]", "=", text, count=1).partition("="))
         if not (name and spec):
             raise VaryError(f'What is varied must be NAME=SPEC, as in EA=1e2:1e6:9log, but "{text}" was given.')
         if name in vary:
@@ -72,17 +72,29 @@ def read_values(scene: Scene, vary: dict[str, str | Iterable]) -> dict[str, list
     ------
     VaryError : an unknown name (with the nearest known one) or a specification that cannot be read
     """
+    whole = whole_inputs(scene, vary)
+    return {
+        name: parse_values(spec, whole[name]) if isinstance(spec, str) else listed_values(name, spec) for name, spec in vary.items()
+    }
+
+
+def whole_inputs(scene: Scene, vary: Mapping) -> dict[str, bool]:
+    """Of each name that varies, whether its values are whole numbers.
+
+    Raises
+    ------
+    VaryError : an unknown name (with the nearest known one)
+    """
     if not isinstance(vary, Mapping):
         raise VaryError(f"What is varied must be a dict from names to values, but it is {shown(vary)}.")
     fields = _fields(scene_to_dict(scene))
-    values = {}
-    for name, spec in vary.items():
+    whole = {}
+    for name in vary:
         found = _found(fields, name)
         if not found and name not in SETTINGS:
             raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, fields, scene)}")
-        whole = bool(found) and all(type(container[key]) is int for container, key in found)
-        values[name] = parse_values(spec, whole) if isinstance(spec, str) else _listed(name, spec)
-    return values
+        whole[name] = bool(found) and all(type(container[key]) is int for container, key in found)
+    return whole
 
 
 def grid(values: dict[str, list]) -> list[dict]:
@@ -211,7 +223,7 @@ def _hint(name, fields, scene):
     )
 
 
-def _listed(name, values):
+def listed_values(name: str, values: Iterable) -> list:
     """The values, however they come, as a list that is not too long."""
     if not isinstance(values, Iterable):
         raise VaryError(f"The values of `{name}` must be a specification or a list, but they are {shown(values)}.")
