@@ -22,12 +22,12 @@ from studies.scenes import changed, load
 from studies.shown.given import give
 from studies.stop_signals import stop_signals
 from studies.streams import PrintError, standard_streams
+from studies.sweep_commands import add_sweep_commands
 from studies.telling import announce_compiling, tell, tell_lines, tell_what_takes_long
 
 app = typer.Typer(no_args_is_help=True, add_completion=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 REPORT = Path("results/report")
-SHOWN = 60  # rows of a sweep on the screen
 
 
 def _save_run(run, out):
@@ -261,62 +261,7 @@ def check(
     give(prediction_summary(changed(load(scene, "equilibrium"), change, effect), dt), as_json)
 
 
-@app.command(epilog="Example: anet-lumped sweep net_held --vary EA=1e2:1e6:9log --vary segments=5,10  (EA in N)")
-def sweep(
-    scene: Scene,
-    vary: Annotated[
-        list[str],
-        typer.Option(
-            metavar="NAME=SPEC",
-            help="What varies: EA (all cables), s0-p0.EA, p0.mass, p0.at.z, gravity.g, air.wind.1.seed, method, dt ...; "
-            "over a:b:n (evenly), a:b:nlog (in the logarithm) or a,b,c. Again for a grid.",
-        ),
-    ],
-    measure: Annotated[list[str], typer.Option(metavar="NAME", help="What is measured; `anet-lumped measures` lists all.")] = [],  # noqa: B006 (typer's way to say "any number")
-    t_end: Annotated[float | None, typer.Option(help="How long each variant runs; without, it only rests.", **TIME)] = None,
-    method: Method = None,
-    dt: Step = None,
-    start: Annotated[str | None, typer.Option(help="equilibrium (default) or straight.")] = None,
-    since: Annotated[float | None, typer.Option("--from", help="From when on measures over time look at a run.", **TIME)] = None,
-    change: Changes = (),
-    effect: Added = (),
-    out: Annotated[Path | None, typer.Option(help="Folder for the rows; results/sweep-SCENE by default.", callback=folder)] = None,
-    workers: Annotated[int | None, typer.Option(help="Processes; one a core by default.", min=1)] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
-    as_json: Json = False,
-):
-    """Measure a scene over a grid of inputs. Runs in parallel; rows are on disk as they finish."""
-    from studies.sweeping.workers import start_early
-
-    start_early()
-    from studies.sweeping.sweep import sweep
-    from studies.sweeping.vary import parse_vary
-
-    out = out or Path("results") / f"sweep-{Path(scene).stem}"
-    settings = {"t_end": t_end, "method": method, "dt": dt, "start": start, "since": since}
-    try:
-        loaded = changed(load(scene, "simulate" if t_end else "equilibrium"), change, effect)
-        table = sweep(loaded, parse_vary(vary), measure, **settings, out=out, resume=resume, workers=workers, label="sweep")
-    except KeyboardInterrupt as stopped:
-        tell(f"{str(stopped) or 'Stopped.'} The same command with --resume does the rest.")
-        raise typer.Exit(130) from None
-    give({"rows": (table if as_json else table.head(SHOWN)).to_dict("records")}, as_json)
-    bad = int((table["status"] != "done").sum())
-    tell(f"{len(table)} rows in {out}/rows.parquet and .csv" + (f", {bad} of them not done." if bad else "."))
-    if bad:
-        raise typer.Exit(1)
-
-
-@app.command()
-def measures():
-    """List what a sweep can measure. Those "from" look at a run from --from on; of several segments or ends the worst counts."""
-    from studies.sweeping.measures import MEASURES
-
-    rows = [{"measure": name} | measure._asdict() for name, measure in MEASURES.items()]
-    for row in rows:
-        del row["function"], row["of_ground"]
-        row["source"] += ", from" if row.pop("over_time") else ""
-    give({"measures": rows})
+add_sweep_commands(app)
 
 
 @app.command(epilog="Example: anet-lumped study length_error --quick --out results/length_error")

@@ -1,11 +1,13 @@
-"""A compiled march that Ctrl-C can end: the march runs in a thread of its own while the main thread waits."""
+"""A compiled march that Ctrl-C or a deadline can end: the march runs in a thread of its own while the main thread waits."""
 
 import _thread
 import threading
+import time
 
 import numpy as np
 
 from integrators.ctrl_c import ctrl_c_later
+from integrators.deadline import time_left
 
 TOLD_EVERY = 5.0  # [s]
 
@@ -14,7 +16,7 @@ def interruptible(march, *arguments, tell=lambda: None, short=False):
     """Call ``march(*arguments, stop)``, which releases the interpreter's lock and ends soon after ``stop[0]`` is set.
 
     Python handles Ctrl-C in its main thread, between two lines of Python; a compiled march is one line. Therefore the march runs in
-    another thread. Called from any other thread than the main one, it runs in that thread.
+    another thread. Called from any other thread than the main one, it runs in that thread. A `deadline` ends it in any thread.
 
     Parameters
     ----------
@@ -29,13 +31,14 @@ def interruptible(march, *arguments, tell=lambda: None, short=False):
     -------
     result : what the march returns
     interrupted : bool
-        Ctrl-C came; the caller has to raise it again.
+        Ctrl-C came, or the deadline is over; the caller has to raise it again.
     """
     stop = np.zeros(1, np.int64)
+    left = time_left()
     if threading.current_thread() is not threading.main_thread():
-        return march(*arguments, stop), False
+        return _in_this_thread(march, arguments, stop, left)
     outcome, ended = [], _thread.allocate_lock()
-    if short:
+    if short and left is None:
         try:
             with ctrl_c_later():
                 outcome.append(march(*arguments, stop))
@@ -44,6 +47,7 @@ def interruptible(march, *arguments, tell=lambda: None, short=False):
                 raise
             return outcome[0], True
         return outcome[0], False
+    due = None if left is None else time.monotonic() + left
 
     def run():
         try:
@@ -58,8 +62,12 @@ def interruptible(march, *arguments, tell=lambda: None, short=False):
         with ctrl_c_later(end):
             ended.acquire()
             _thread.start_new_thread(run, ())  # what `threading` adds to it costs as much as a hundred steps
-            while not ended.acquire(timeout=TOLD_EVERY):
-                tell()
+            while not ended.acquire(timeout=TOLD_EVERY if due is None else min(TOLD_EVERY, max(0.0, due - time.monotonic()))):
+                if due is not None and time.monotonic() >= due:
+                    end()
+                    due = None
+                else:
+                    tell()
         return outcome[0], bool(stop[0])
     except KeyboardInterrupt:
         if not outcome:  # it came before the march began
@@ -67,3 +75,15 @@ def interruptible(march, *arguments, tell=lambda: None, short=False):
         return outcome[0], True
     finally:
         end()  # whatever was raised, no march goes on without anyone who waits for it
+
+
+def _in_this_thread(march, arguments, stop, left):
+    """The march, and whether its deadline ended it: `left` [s] is the time until then, None for none."""
+    if left is None:
+        return march(*arguments, stop), False
+    timer = threading.Timer(left, stop.fill, (1,))
+    timer.start()
+    try:
+        return march(*arguments, stop), bool(stop[0])
+    finally:
+        timer.cancel()

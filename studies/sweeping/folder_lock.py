@@ -17,10 +17,11 @@ class FolderInUseError(InputError):
 
 
 @contextlib.contextmanager
-def locked(folder: Path | None) -> Iterator[None]:
+def locked(folder: Path | None, name: str = LOCK) -> Iterator[None]:
     """Within it, no other process and no other thread holds the folder, which is made if it is not there; None is no folder.
 
-    The lock is the system's, which frees it however a process ends. On a file system that knows no locks there is none.
+    A lock by another name is one on a share of the folder. The lock is the system's, which frees it however a process ends. On a
+    file system that knows no locks there is none.
 
     Raises
     ------
@@ -30,7 +31,7 @@ def locked(folder: Path | None) -> Iterator[None]:
         yield
         return
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / LOCK
+    path = folder / name
     while True:
         file = path.open("a+b")
         if not _lock(file):

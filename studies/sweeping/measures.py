@@ -1,8 +1,8 @@
 """What a sweep measures: each entry of MEASURES is one number (or word) of a state at rest or of a run.
 
 A measure is asked for by name, or by name and target: `stretch` is the largest over all cables, `stretch:s0-p0` that of
-one cable, `height:p0` that of a point. To add one, add an entry of MEASURES whose function is defined in a module; nothing else
-knows measures by name.
+one cable, `height:p0` that of a point; `module:function` is a function of a user's own (`own_measure`). To add one, add an entry of
+MEASURES whose function is defined in a module; nothing else knows measures by name.
 """
 
 from collections.abc import Callable
@@ -19,6 +19,7 @@ from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.results.sag import sag
 from anet_lumped.scene.scene import Free, Scene
 from studies.sweeping import over_time
+from studies.sweeping.own_measure import own_measure
 
 
 class MeasureError(InputError):
@@ -66,15 +67,25 @@ class Measure(NamedTuple):
     of_ground: bool = False
 
 
-def read_measure(text: str, scene: Scene) -> tuple[Measure, tuple]:
-    """Measure that `text` ("name" or "name:target") asks for, and the arguments of its function after the state or run.
+def read_measure(text: str, scene: Scene, runs: bool = False) -> tuple[Measure, tuple]:
+    """Measure that `text` ("name", "name:target" or "module:function") asks for, and its arguments after the state or run.
+
+    Parameters
+    ----------
+    text : str
+    scene : Scene
+    runs : whether there is a run, which a function of one's own is given then; else it is given the state at rest
 
     Raises
     ------
     MeasureError : unknown measure, missing or unknown target; names the nearest known one
+    OwnMeasureError : a module that does not import, or has no such function
     """
     name, colon, target = text.partition(":")
     if name not in MEASURES:
+        own = own_measure(text)
+        if own is not None:
+            return Measure(own, Source.RUN if runs else Source.REST, Target.NONE, "", "a function of one's own"), ()
         known = nearest(name, MEASURES, quote="`") or f"; known are {', '.join(MEASURES)}."
         raise MeasureError(f"There is no measure called `{name}`{known}")
     measure = MEASURES[name]

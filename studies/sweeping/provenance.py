@@ -1,10 +1,12 @@
 """What a result was made with: versions, commit, machine, time."""
 
+import hashlib
 import importlib.metadata
 import os
 import platform
 import subprocess
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 
 PACKAGES = ("anet-lumped", "numpy", "numba", "scipy")
@@ -19,6 +21,15 @@ def provenance() -> dict:
         "commit": _commit(),
         "machine": {"system": platform.platform(), "processor": _processor(), "cores": os.cpu_count()},
     }
+
+
+@cache
+def library() -> dict[str, str]:
+    """What numbers depend on: versions of packages, and a hash of the text of this library, JSON-ready."""
+    home, text = Path(__file__).parents[2], hashlib.sha256()
+    for path in sorted(path for name in ("anet_lumped", "integrators", "studies") for path in (home / name).rglob("*.py")):
+        text.update(path.relative_to(home).as_posix().encode() + b"\0" + path.read_bytes())
+    return {name: importlib.metadata.version(name) for name in PACKAGES} | {"its text": text.hexdigest()[:12]}
 
 
 def _commit():

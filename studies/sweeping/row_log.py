@@ -8,7 +8,7 @@ import json
 import os
 import time
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from anet_lumped.limits import BYTES, check_most
 from studies.sweeping.provenance import provenance
 
 LARGE = "large"
+PARTS = "parts"  # folder of the parts that many processes share, see `parts`
 FORCED_AFTER = 0.5  # [s]; to force every line to the disk would take longer than a short row
 
 
@@ -38,8 +39,8 @@ class RowLog:
         self.path, self.file, self.forced = path, path.open("ab"), time.perf_counter()
         self.file.truncate(whole)
 
-    def append(self, line: dict) -> None:
-        """Write a line; it survives the end of this process, and once it is forced to the disk that of the machine."""
+    def append(self, number: int, line: dict) -> None:
+        """Write the line of a row; it survives the end of this process, and once it is forced to the disk that of the machine."""
         try:
             self.file.write((json.dumps(line) + "\n").encode())
             self.file.flush()
@@ -62,7 +63,7 @@ class RowLog:
 
 
 def open_log(
-    out: Path, names: list[str], asked: dict[str, dict], *, resume: bool, identity: dict, columns: Iterable[str]
+    out: Path, names: list[str], asked: Container[str] | None, *, resume: bool, identity: dict, columns: Iterable[str]
 ) -> tuple[dict[str, dict], RowLog]:
     """Lines of `out` that are kept, by their keys, and the log to which the others go.
 
@@ -70,7 +71,7 @@ def open_log(
     ----------
     out : folder
     names : of the inputs
-    asked : the rows that are wanted, by their keys
+    asked : keys of the rows that are wanted; None for any
     resume : whether lines that are there are kept (but for crashed ones); else there must be none
     identity : what else the results depend on, which must be that of the lines
     columns : names that a row which is done has
@@ -83,15 +84,17 @@ def open_log(
     data = _content(log) if log.exists() else b""
     if data and not resume:
         raise RowsError(f"{log} holds {len(data.splitlines())} rows already: resume them, or choose another folder.")
+    if (out / PARTS).exists():
+        raise RowsError(f"{out} holds parts of a sweep that many processes share: the same command goes on with them.")
     if data:
-        _check_identity(log, meta, identity)
+        check_identity(log, meta, identity)
     else:
-        _check_regular(meta)
+        check_regular(meta)
         meta.write_text(json.dumps({"identity": identity, **provenance()}, indent=1))
     lines, whole = {}, 0
     for number, text in enumerate(data.splitlines(keepends=True), 1):
         try:
-            line = _line(text, [*names, "status", "reason"], columns)
+            line = line_of_text(text, names, columns)
         except ValueError as error:
             if text.endswith((b"\n", b"\r")):
                 raise RowsError(
@@ -103,7 +106,7 @@ def open_log(
             lines[key(line, names)] = number, line
         whole += len(text)
     _check_kinds(log, lines.values(), columns)
-    strange = [(number, line) for one, (number, line) in lines.items() if one not in asked]
+    strange = [(number, line) for one, (number, line) in lines.items() if asked is not None and one not in asked]
     if strange:
         number, line = strange[0]
         inputs = shown({name: line[name] for name in names})
@@ -127,7 +130,7 @@ def plain(value: Any) -> Any:
 
 def _content(path):
     """The bytes of a file of a sweep."""
-    _check_regular(path)
+    check_regular(path)
     try:
         check_most(BYTES, path.stat().st_size, f"To read {path}")
         return path.read_bytes()
@@ -135,7 +138,7 @@ def _content(path):
         raise RowsError(f"A folder of rows must be readable, but {path}: {error.strerror}.") from None
 
 
-def _check_regular(path):
+def check_regular(path: Path) -> None:
     """What is there must be a file, and no folder, pipe or device."""
     if path.exists() and not path.is_file():
         raise RowsError(f"A folder of rows must hold files, but {path} is none.")
@@ -155,14 +158,28 @@ def _parsed(text):
         raise ValueError(f"cannot be read: {error}") from None
 
 
-def _line(text, names, columns):
-    """The row of a line of the log, None for an empty line; ValueError says what is wrong."""
+def line_of(row: dict, result: dict) -> dict:
+    """The line of a row: its inputs, its result, status and reason."""
+    return plain({"status": "done", "reason": ""} | result | row)
+
+
+def line_of_text(text: bytes, names: Iterable[str], columns: Iterable[str]) -> dict | None:
+    """The line that a text of a file is, None for an empty text; ValueError says what is wrong.
+
+    Parameters
+    ----------
+    text : of one line
+    names : that every line has, beside status and reason
+    columns : names that a row which is done has
+    """
     if not text.strip():
         return None
     line = _parsed(text)
     if not isinstance(line, dict):
         raise ValueError(f"is no JSON object: {shown(line)}")
-    missing = [name for name in (*names, *(columns if line.get("status") == "done" else ())) if name not in line]
+    missing = [
+        name for name in (*names, "status", "reason", *(columns if line.get("status") == "done" else ())) if name not in line
+    ]
     if missing:
         raise ValueError(f"lacks {shown(missing[0])}")
     for name in ("status", "reason"):
@@ -195,14 +212,29 @@ def _check_kinds(log, lines, columns):
                     )
 
 
-def _check_identity(log, meta, identity):
-    """Lines must have been made with what is asked for now."""
+def read_meta(meta: Path) -> Any:
+    """What `meta.json` holds, None if it is not there.
+
+    Raises
+    ------
+    RowsError : it cannot be read
+    """
     try:
-        kept = _parsed(_content(meta)) if meta.exists() else None
+        return _parsed(_content(meta)) if meta.exists() else None
     except RowsError:
         raise
     except ValueError as error:
         raise RowsError(f"What rows were made with must be known to resume them, but {meta} {error}.") from None
+
+
+def check_identity(log: Path, meta: Path, identity: dict) -> dict:
+    """Lines of `log` must have been made with what is asked for now; gives what `meta` holds.
+
+    Raises
+    ------
+    RowsError
+    """
+    kept = read_meta(meta)
     before = kept.get("identity") if isinstance(kept, dict) else None
     if not isinstance(before, dict):
         raise RowsError(f"What rows were made with must be known to resume {log}, but {meta} does not say it: take another folder.")
@@ -212,6 +244,7 @@ def _check_identity(log, meta, identity):
         raise RowsError(
             f"Rows of one table must agree, but {log} was made with another {' and '.join(changed)}: {'; '.join(first)}."
         )
+    return kept
 
 
 def _differences(before: Any, now: Any, where: str) -> Iterator[str]:

@@ -15,13 +15,16 @@ from pathlib import Path
 
 from anet_lumped.limits import ROWS, check_most
 from anet_lumped.regular_files import check_target
-from studies.sweeping.folder_lock import locked
-from studies.sweeping.row_log import LARGE, RowsError, key, kind, open_log, plain
-from studies.sweeping.workers import check_workers, through_executor, through_own_pool
+from studies.sweeping.batch import BatchRunner, check_budget
+from studies.sweeping.folder_lock import LOCK, locked
+from studies.sweeping.parts import LARGEST_PART, PART_SECONDS, NumberedRows, PartTask, Shard, gathered, open_parts
+from studies.sweeping.provenance import library
+from studies.sweeping.row_log import LARGE, RowsError, key, kind, line_of, open_log, plain
+from studies.sweeping.workers import CRASHED, OwnPool, Pace, check_workers, slots, through_executor
 
 LOG = logging.getLogger(__name__)
 TOLD_EVERY = 5.0  # [s], between two words on how far the rows are
-__all__ = ["RowsError", "run_rows", "save_table"]
+__all__ = ["RowsError", "gather", "run_rows", "save_table"]
 
 
 def run_rows(
@@ -35,6 +38,8 @@ def run_rows(
     identity: dict | None = None,
     columns: Iterable[str] = (),
     label: str | None = None,
+    budget: float | None = None,
+    shard: Shard | None = None,
 ):
     """Table with `function(row)` beside every row, in the order of `rows`.
 
@@ -53,6 +58,9 @@ def run_rows(
     identity : what else the results depend on (JSON values): rows with another identity are not resumed
     columns : names that the results of a row that is done have: a line without one of them is damaged and not resumed
     label : name of a progress bar on stderr; none by default
+    budget : float or None [s], that a row may take; one that takes longer is "over budget"
+    shard : of the rows these alone, and all to parts of the folder `out` (see `parts`), which other processes share; those that are
+        there are kept. With an executor its workers write the parts, so that all of them must see the folder
 
     Returns
     -------
@@ -62,37 +70,77 @@ def run_rows(
     ------
     RowsError : two rows are equal, or `out` holds rows that are not resumed, belong to something else or are damaged
     FolderInUseError : another run writes to `out`
-    InputError : more rows than `limits.ROWS`, or workers that cannot be
+    InputError : more rows than `limits.ROWS`, or workers or a budget that cannot be
+    WorkerError : workers that do not come up or, with parts, cannot do what they are given
     KeyboardInterrupt : on Ctrl-C, its message says how many rows are kept and where
     """
     check_workers(workers)
+    run = BatchRunner(function, check_budget(budget))
     rows = list(_counted(map(plain, rows)))
     names = list(dict.fromkeys(name for row in rows for name in row))
-    asked = {key(row, names): row for row in rows}
+    asked = {key(row, names): number for number, row in enumerate(rows)}
     if len(asked) < len(rows):
         raise RowsError(f"Rows must differ in their inputs, but {len(rows) - len(asked)} of {len(rows)} are repeated.")
     out = None if out is None else Path(out)
-    with locked(out):
+    wanted, lock = (range(len(rows)), LOCK) if shard is None else (shard.numbers(len(rows)), f"{LOCK}-{shard}")
+    with locked(out, lock):
         lines, log = {}, None
-        if out is not None:
-            lines, log = open_log(out, names, asked, resume=resume, identity=plain(identity or {}), columns=columns)
-        todo = [row for one, row in asked.items() if one not in lines]
-        results = through_executor(executor, function, todo) if executor else through_own_pool(function, todo, workers)
+        settings = {"identity": plain(identity or {}), "columns": columns}
+        if shard is not None:
+            out = out.resolve()
+            lines, log = open_parts(out, shard, names, len(rows), **settings)
+        elif out is not None:
+            kept, log = open_log(out, names, asked, resume=resume, **settings)
+            lines = {asked[one]: line for one, line in kept.items()}
+        todo = [number for number in wanted if number not in lines]
         threading.Thread(target=importlib.import_module, args=("pandas",), daemon=True).start()  # while the workers start
-        with log or contextlib.nullcontext(), contextlib.closing(results):
+        in_parts = shard is not None and executor is not None
+        with log or contextlib.nullcontext(), contextlib.ExitStack() as stack:
+            if in_parts:
+                pace = Pace(workers or slots(executor), PART_SECONDS, LARGEST_PART, guess=0.0)  # workers end a part in time
+                task = PartTask(run, out, shard, library())
+                results = through_executor(executor, task, NumberedRows(rows), todo, pace, strict=True)
+            elif executor:
+                results = through_executor(executor, run, rows, todo)
+            else:
+                results = stack.enter_context(OwnPool(run, workers)).results(rows, todo)
+            stack.callback(results.close)
             try:
-                for row, result in _with_progress(results, len(todo), label):
-                    line = plain({"status": "done", "reason": ""} | result | row)
-                    if log:
-                        log.append(line)
-                    lines[key(row, names)] = line
+                for number, result in _with_progress(results, len(todo), label):
+                    lines[number] = line = line_of(rows[number], result)
+                    if log and not (in_parts and line["status"] != CRASHED["status"]):  # those of parts are on the disk
+                        log.append(number, line)
             except KeyboardInterrupt:
                 on_disk = f", which are in {log.path}" if log else ""
-                raise KeyboardInterrupt(f"Stopped after {len(lines)} of {len(asked)} rows{on_disk}.") from None
-        table = _table([lines[one] for one in asked], names)
-        if out is not None:
+                raise KeyboardInterrupt(f"Stopped after {len(lines)} of {len(wanted)} rows{on_disk}.") from None
+        table = table_of([lines[number] for number in wanted], names)
+        if out is not None and len(wanted) == len(rows):
             save_table(table, out / "rows")
         return table
+
+
+def gather(out: str | Path):
+    """Put the parts of a sweep together: one table in the order of its rows, also as `rows.parquet` and `rows.csv` in its folder.
+
+    Parameters
+    ----------
+    out : folder of the sweep, which may still run
+
+    Returns
+    -------
+    table : pandas.DataFrame
+    missing : list of int, numbers of the rows that are not there, from 0
+    torn : list of Path, parts that are torn or damaged
+
+    Raises
+    ------
+    RowsError : the folder holds no parts
+    """
+    out = Path(out)
+    lines, names, missing, torn = gathered(out)
+    table = table_of(lines, names)
+    save_table(table, out / "rows")
+    return table, missing, torn
 
 
 def save_table(table, stem: Path) -> None:
@@ -104,7 +152,8 @@ def save_table(table, stem: Path) -> None:
     table.to_parquet(stem.with_name(stem.name + ".parquet"), index=False)
 
 
-def _table(lines, names):
+def table_of(lines: list[dict], names: list[str]):
+    """DataFrame of lines: inputs by their names, results, status and reason."""
     import pandas
 
     results = dict.fromkeys(name for line in lines for name in line if name not in (*names, "status", "reason"))

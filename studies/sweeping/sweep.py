@@ -1,6 +1,6 @@
 """One scene, many variants: vary any of its fields or the run's settings, measure each variant."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +10,10 @@ from anet_lumped.scene.as_dict import scene_to_dict
 from anet_lumped.scene.scene import Scene
 from integrators import schemes
 from studies.sweeping.measures import MEASURES, Measure, Source, read_measure
+from studies.sweeping.own_measure import OwnMeasure
+from studies.sweeping.parts import Shard
 from studies.sweeping.rows import run_rows
+from studies.sweeping.sampling import as_told, inputs_of, read_inputs, sampled
 from studies.sweeping.vary import SETTINGS, VaryError, apply, grid, read_values
 
 AT_REST = ("stretch", "sag", "tension", "stable")
@@ -27,61 +30,109 @@ def sweep(
     dt: float | None = None,
     start: str | None = None,
     since: float | None = None,
+    sample: str | None = None,
+    seed: int = 0,
+    budget: float | None = None,
     executor: Executor | None = None,
     workers: int | None = None,
+    shard: Shard | None = None,
     out: str | Path | None = None,
     resume: bool = False,
     label: str | None = None,
 ):
-    """Measure a scene for every combination of the varied values.
+    """Measure a scene for every combination of the varied values, or for a sample of them.
+
+    With an executor and a folder `out`, the executor's workers write what they have done into the folder as parts, which every one
+    of them must see; so does a `shard`. A sweep whose parts are there goes on with the others.
 
     Parameters
     ----------
     scene : Scene
-    vary : name -> values, or "a:b:n", "a:b:nlog", "a,b,c" (see `vary.read_values`)
-    measures : names, or "name:target" (see `measures.MEASURES`); a usual few by default
+    vary : name -> values, or "a:b:n", "a:b:nlog", "a,b,c" (see `vary.read_values`); of a sample, what each name is sampled from
+        (see `sampling.read_inputs`)
+    measures : names, "name:target" (see `measures.MEASURES`), or "module:function"; a usual few by default
     t_end : float [s], how long each variant runs; it only rests without one
     method, dt, start : as in `simulate`
     since : float or None [s], from when on measures over time look at each run; from its start on if None
+    sample : None for a grid, or "sobol:n", "lhs:n", "saltelli:n" (see `sampling.KINDS`)
+    seed : of the sample
+    budget : float or None [s], that a variant may take; of one that takes longer the row says "over budget"
     executor, workers, out, resume, label : as in `run_rows`
+    shard : Shard or None, which rows this process does
 
     Returns
     -------
-    pandas.DataFrame : a line for each variant: inputs, measures, status, reason
+    pandas.DataFrame : a line for each variant (of the shard): inputs, measures, status, reason
 
     Raises
     ------
     VaryError, MeasureError : an unknown name or word, a number that cannot be, or a measure or setting of a run without `t_end`
     RowsError : `out` holds rows already, or rows of another sweep
     FolderInUseError : another run writes to `out`
+    WorkerError : workers that do not come up, or do not see `out`
     InputError : more variants than `limits.ROWS`, or workers that cannot be
     """
-    values = read_values(scene, vary)
-    settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
-    settings = {name: value for name, value in settings.items() if value is not None}
-    _check_settings(settings)
-    runs = "t_end" in settings or "t_end" in values
-    texts = tuple(measures) or AT_REST + OF_RUN * runs
-    found = {text: read_measure(text, scene) for text in texts}
-    needing = [f"measure `{text}`" for text in texts if found[text][0].source == Source.RUN]
-    needing += [f"setting `{name}`" for name in (*values, *settings) if name in SETTINGS]
-    if needing and not runs:
-        raise VaryError(f"The time `t_end` [s] must be given for a run, which {needing[0]} needs, but it is not.")
-    identity = {"scene": scene_to_dict(scene), "vary": values, "measures": texts, "settings": settings}
-    if since is not None:
-        since = _check_since(since, found, values.get("t_end", [t_end]))
-        identity["since"] = since
+    given = {"t_end": t_end, "method": method, "dt": dt, "start": start}
+    if sample is None:
+        values = read_values(scene, vary)
+        rows, specified = grid(values), {"vary": values}
+    else:
+        rows = sampled(sample, read_inputs(scene, vary), seed)
+        specified = {"vary": {name: as_told(spec) for name, spec in vary.items()}, "sample": sample, "seed": seed}
+    variant, identity = prepared(scene, specified["vary"], measures, given, since)
+    if executor and out is not None and shard is None:
+        shard = Shard()
     return run_rows(
-        Variant(scene, settings if runs else None, found, since),
-        grid(values),
+        variant,
+        rows,
         executor=executor,
         workers=workers,
         out=out,
         resume=resume,
-        identity=identity,
-        columns=texts,
+        identity=identity | specified,
+        columns=tuple(variant.measures),
         label=label,
+        budget=budget,
+        shard=shard,
     )
+
+
+def prepared(scene: Scene, vary: Mapping[str, Iterable], measures: Iterable[str], settings: dict, since: float | None):
+    """What does a row of a sweep, and what else than its inputs its results depend on.
+
+    Parameters
+    ----------
+    scene : Scene
+    vary : name -> values or what they are sampled from
+    measures : names; a usual few if there are none
+    settings : of `simulate`, None for those that are not given
+    since : as of `sweep`
+
+    Returns
+    -------
+    Variant
+    identity : dict
+
+    Raises
+    ------
+    VaryError, MeasureError : as of `sweep`
+    """
+    settings = {name: value for name, value in settings.items() if value is not None}
+    _check_settings(settings)
+    runs = "t_end" in settings or "t_end" in vary
+    texts = tuple(measures) or AT_REST + OF_RUN * runs
+    found = {text: read_measure(text, scene, runs) for text in texts}
+    needing = [f"measure `{text}`" for text in texts if found[text][0].source == Source.RUN]
+    needing += [f"setting `{name}`" for name in (*vary, *settings) if name in SETTINGS]
+    if needing and not runs:
+        raise VaryError(f"The time `t_end` [s] must be given for a run, which {needing[0]} needs, but it is not.")
+    identity = {"scene": scene_to_dict(scene), "measures": texts, "settings": settings}
+    own = {text: measure.function.stamp() for text, (measure, _) in found.items() if isinstance(measure.function, OwnMeasure)}
+    if own:
+        identity["own measures"] = own
+    if since is not None:
+        since = identity["since"] = _check_since(since, found, vary.get("t_end", [settings.get("t_end")]))
+    return Variant(scene, settings if runs else None, found, since), identity
 
 
 def _check_settings(settings):
@@ -124,7 +175,7 @@ class Variant:
         from anet_lumped.motion.simulate import simulate
         from anet_lumped.statics.equilibrium import equilibrium
 
-        scene, varied = apply(self.scene, inputs)
+        scene, varied = apply(self.scene, inputs_of(inputs))
         sources, result = {}, {}
         if any(measure.source == Source.REST for measure, _ in self.measures.values()):
             sources[Source.REST] = equilibrium(scene)

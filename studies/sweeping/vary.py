@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 from collections.abc import Iterable, Mapping
 
 from anet_lumped.checks import shown
@@ -12,10 +13,10 @@ from anet_lumped.scene.varied import SETTINGS, Varied, VaryError, found, hint, k
 
 
 def parse_vary(texts: Iterable[str]) -> dict[str, str]:
-    """Name -> specification, from ["EA=1e2:1e6:9log", ...]."""
+    """Name -> specification, from ["EA=1e2:1e6:9log", "EA~lognormal(1e4,0.2)", ...]."""
     vary = {}
     for text in texts:
-        name, _, spec = text.partition("=")
+        name, _, spec = map(str.strip, re.sub("[=~]", "=", text, count=1).partition("="))
         if not (name and spec):
             raise VaryError(f'What is varied must be NAME=SPEC, as in EA=1e2:1e6:9log, but "{text}" was given.')
         if name in vary:
@@ -64,17 +65,29 @@ def read_values(scene: Scene, vary: dict[str, str | Iterable]) -> dict[str, list
     ------
     VaryError : an unknown name (with the nearest known one) or a specification that cannot be read
     """
+    whole = whole_inputs(scene, vary)
+    return {
+        name: parse_values(spec, whole[name]) if isinstance(spec, str) else listed_values(name, spec) for name, spec in vary.items()
+    }
+
+
+def whole_inputs(scene: Scene, vary: Mapping) -> dict[str, bool]:
+    """Of each name that varies, whether its values are whole numbers.
+
+    Raises
+    ------
+    VaryError : an unknown name (with the nearest known one)
+    """
     if not isinstance(vary, Mapping):
         raise VaryError(f"What is varied must be a dict from names to values, but it is {shown(vary)}.")
     fields = known_fields(scene_to_dict(scene))
-    values = {}
-    for name, spec in vary.items():
+    whole = {}
+    for name in vary:
         of_name = found(fields, name)
         if not of_name and name not in SETTINGS:
             raise VaryError(f"Nothing called `{name}` can be varied here{hint(name, fields, scene)}")
-        whole = bool(of_name) and all(type(field.value) is int for field in of_name)
-        values[name] = parse_values(spec, whole) if isinstance(spec, str) else _listed(name, spec)
-    return values
+        whole[name] = bool(of_name) and all(type(field.value) is int for field in of_name)
+    return whole
 
 
 def grid(values: dict[str, list]) -> list[dict]:
@@ -100,7 +113,7 @@ def apply(scene: Scene, inputs: dict) -> tuple[Scene, dict]:
     return Varied(scene, inputs).with_values(inputs), settings
 
 
-def _listed(name, values):
+def listed_values(name: str, values: Iterable) -> list:
     """The values, however they come, as a list that is not too long."""
     if not isinstance(values, Iterable):
         raise VaryError(f"The values of `{name}` must be a specification or a list, but they are {shown(values)}.")

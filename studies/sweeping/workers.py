@@ -1,4 +1,9 @@
-"""Where rows run: in an executor that is given, or in a pool of processes that survives the death of its workers."""
+"""Where rows run: in an executor that is given, or in a pool of processes that survives the death of its workers.
+
+Rows are numbered: what waits, and what is given back, is the number of a row. What a worker does with a batch of rows is a `run`
+(`batch.BatchRunner`, `parts.PartTask`): rows -> (results, seconds), picklable. Results that are fewer than the rows are those of
+the first of them, and the others are given out again.
+"""
 
 import math
 import multiprocessing
@@ -7,7 +12,7 @@ import pickle
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, wait
 from importlib.util import find_spec
 from multiprocessing.process import BaseProcess
@@ -17,6 +22,7 @@ from typing import NamedTuple
 
 from anet_lumped.checks import InputError, shown
 from integrators.compiling import NOTICE, NOTICED_AFTER, call_when_compiling
+from studies.sweeping.batch import failed
 from studies.sweeping.processes import held_back, prepare_process, script_untouched, without_script
 
 CRASHED = {
@@ -30,7 +36,7 @@ BATCH_SECONDS, LARGEST_BATCH = 0.1, 64  # of work that a worker is given at a ti
 
 
 class WorkerError(RuntimeError):
-    """Worker processes that do not come up."""
+    """Worker processes that do not come up, or cannot do what they are given."""
 
 
 class Pool(NamedTuple):
@@ -41,46 +47,88 @@ class Pool(NamedTuple):
     compiles: object
 
 
-def through_executor(executor: Executor, function: Callable[[dict], dict], rows: Iterable[dict]) -> Iterator:
-    """Yield (row, result) as they finish; once the executor breaks, the rows that it still held are crashed ones."""
-    queue = deque(rows)
-    for row, result in _results(executor, function, queue, window=len(queue)):
-        yield row, BROKEN if result is None else result
-    for row in queue:
-        yield row, BROKEN
+def through_executor(
+    executor: Executor,
+    run: Callable,
+    rows: Sequence[dict],
+    numbers: Iterable[int] | None = None,
+    pace: "Pace | None" = None,
+    strict: bool = False,
+) -> Iterator[tuple[int, dict]]:
+    """Yield (number, result) as they finish; once the executor breaks, the rows that it still held are crashed ones.
 
+    Parameters
+    ----------
+    executor : any of `concurrent.futures`
+    run : see above
+    rows : dicts of inputs
+    numbers : of the rows that are to be done; all by default
+    pace : how many rows a worker is given at a time; without, all are given out at once, one by one
+    strict : whether an error that is not of a row ends all; else the rows that it came with are failed ones
 
-def through_own_pool(function: Callable[[dict], dict], rows: Iterable[dict], workers: int | None = None) -> Iterator:
-    """Yield (row, result) as they finish, from a pool that is rebuilt when a worker process dies.
-
-    The rows in flight when that happens run again, one by one: only a row that kills its worker alone is a crashed one.
-    On an exception from outside (Ctrl-C) the workers are terminated at once; if this process is killed, they end with
-    the row that they run.
+    Raises
+    ------
+    WorkerError : the executor broke, or a worker cannot do what it is given (if `strict`)
     """
-    queue = deque(rows)
-    workers = min(workers or available_cores(), max(len(queue), 1))
-    pool = None
-    started: list[BaseProcess] = []  # by this sweep, and not by one in another thread
-    try:
+    queue = deque(range(len(rows)) if numbers is None else numbers)
+    window = 2 * pace.workers if pace else len(queue)
+    for number, result in _results(executor, run, rows, queue, window=window, pace=pace, strict=strict):
+        yield number, BROKEN if result is None else result
+    for number in queue:
+        yield number, BROKEN
+
+
+class OwnPool:
+    """Processes of this machine that run rows; on leaving the `with` block all are ended.
+
+    A pool whose worker dies is rebuilt. The rows in flight when that happens run again, one by one: only a row that kills its
+    worker alone is a crashed one. On an exception from outside (Ctrl-C) the workers are terminated at once; if this process is
+    killed, they end with the row that they run.
+
+    Parameters
+    ----------
+    run : see above
+    workers : processes; by default one for each core that this process may use
+    """
+
+    def __init__(self, run: Callable, workers: int | None = None):
+        self.run, self.workers, self.pool = run, workers or available_cores(), None
+        self.started: list[BaseProcess] = []  # by this pool, and not by one in another thread
+
+    def __enter__(self) -> "OwnPool":
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        if self.pool and raised[0] is None:
+            self.pool.executor.shutdown()
+        _terminate(self.started)
+        if self.pool:  # waits for its thread, which else may find its pipe closed as the interpreter ends
+            self.pool.executor.shutdown(cancel_futures=True)
+
+    def results(self, rows: Sequence[dict], numbers: Iterable[int] | None = None) -> Iterator[tuple[int, dict]]:
+        """Yield (number, result) of those rows as they finish."""
+        queue = deque(range(len(rows)) if numbers is None else numbers)
         while queue:
-            pool, lost = _start_pool(workers, function, started), deque()
-            for row, result in _results_of_pool(pool, function, queue):
+            if self.pool is None:
+                self.pool = _start_pool(min(self.workers, len(queue)), self.run, self.started)
+            lost: deque[int] = deque()
+            for number, result in _results_of_pool(self.pool, self.run, rows, queue):
                 if result is None:
-                    lost.append(row)
+                    lost.append(number)
                 else:
-                    yield row, result
+                    yield number, result
+            broke = bool(lost or queue)
             while lost:
-                _terminate(started)  # one that started as the pool broke would be waited for for ever
-                pool.executor.shutdown()
-                pool = _start_pool(1, function, started)
-                for row, result in _results(pool.executor, function, lost, window=1):
-                    yield row, CRASHED if result is None else result
-        if pool:
-            pool.executor.shutdown()
-    finally:
-        _terminate(started)
-        if pool:  # waits for its thread, which else may find its pipe closed as the interpreter ends
-            pool.executor.shutdown(cancel_futures=True)
+                self._start_anew(1)
+                for number, result in _results(self.pool.executor, self.run, rows, lost, window=1):
+                    yield number, CRASHED if result is None else result
+            if broke:
+                self._start_anew(None)
+
+    def _start_anew(self, workers):
+        _terminate(self.started)  # one that started as the pool broke would be waited for for ever
+        self.pool.executor.shutdown()
+        self.pool = workers and _start_pool(workers, self.run, self.started)
 
 
 def _terminate(processes):
@@ -124,9 +172,15 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _results_of_pool(pool, function, queue):
+def slots(executor: Executor) -> int:
+    """Rows that an executor may run at once, as far as it says so; else as many as any machine can keep busy."""
+    given = getattr(executor, "_max_workers", None) or getattr(executor, "num_workers", None)
+    return given if isinstance(given, int) and given > 0 else MOST_WORKERS
+
+
+def _results_of_pool(pool, run, rows, queue):
     """`_results` of a pool whose first row goes ahead while it compiles, so that no two workers compile the same."""
-    began, pace = time.perf_counter(), _Pace(pool.workers)
+    began, pace = time.perf_counter(), Pace(pool.workers)
 
     def window():
         if pool.compiles.value:
@@ -134,31 +188,42 @@ def _results_of_pool(pool, function, queue):
         alone = not pace.rows and (pool.compiles.value or time.perf_counter() - began < 2.0 * NOTICED_AFTER)
         return 1 if alone else pool.workers + 1
 
-    return _results(pool.executor, function, queue, window, pace)
+    return _results(pool.executor, run, rows, queue, window, pace)
 
 
-class _Pace:
-    """How many rows a worker is given at a time, by the time that the last ones took."""
+class Pace:
+    """How many rows a worker is given at a time, by the time that the last ones took.
 
-    def __init__(self, workers):
-        self.workers, self.rows, self.seconds = workers, 0, math.inf
+    Parameters
+    ----------
+    workers : that share the rows
+    seconds : [s], what a batch should take
+    largest : rows of a batch
+    guess : [s], what a row takes, until one is done
+    """
 
-    def heard(self, rows, seconds):
+    def __init__(self, workers: int, seconds: float = BATCH_SECONDS, largest: int = LARGEST_BATCH, guess: float = math.inf):
+        self.workers, self.rows, self.seconds, self.batch_seconds, self.largest = workers, 0, guess, seconds, largest
+
+    def heard(self, rows: int, seconds: float) -> None:
+        """Take note of rows that are done, and of their time [s]."""
         self.rows += rows
-        self.seconds = seconds / rows
+        self.seconds = seconds / max(rows, 1)
 
-    def batch(self, remaining):
+    def batch(self, remaining: int) -> int:
+        """Rows of the next batch."""
         fair = math.ceil(remaining / (2 * self.workers))
-        return max(1, min(LARGEST_BATCH, fair, int(BATCH_SECONDS / max(self.seconds, 1e-6))))
+        return max(1, min(self.largest, fair, int(self.batch_seconds / max(self.seconds, 1e-6))))
 
 
-def _results(executor, function, queue, window, pace=None):
-    """Yield (row, result) of the rows in the queue; of a broken executor (row, None) for those in flight, then stop.
+def _results(executor, run, rows, queue, window, pace=None, strict=False):
+    """Yield (number, result) of the rows in the queue; of a broken executor (number, None) for those in flight, then stop.
 
     Parameters
     ----------
     window : batches in flight at most, or a function that says so and is asked now and then
-    pace : _Pace; rows go one by one without
+    pace : Pace; rows go one by one without
+    strict : as of `through_executor`
     """
     pending = {}
     broken = False
@@ -168,7 +233,7 @@ def _results(executor, function, queue, window, pace=None):
             while queue and len(pending) < most and not broken:
                 batch = [queue.popleft() for _ in range(pace.batch(len(queue)) if pace else 1)]
                 try:
-                    pending[executor.submit(_guarded, function, batch)] = batch
+                    pending[executor.submit(run, [rows[number] for number in batch])] = batch
                 except BrokenExecutor:
                     queue.extendleft(reversed(batch))
                     broken = True
@@ -177,39 +242,33 @@ def _results(executor, function, queue, window, pace=None):
                 batch = pending.pop(future)
                 try:
                     results, seconds = future.result()
-                except BrokenExecutor:
+                except BrokenExecutor as error:
+                    if strict:
+                        raise WorkerError(f"The executor broke while rows were to do: {error}") from None
                     broken = True
                     results = [None] * len(batch)
-                except Exception as error:  # a row or its result could not be sent
+                except Exception as error:  # a row or its result could not be sent, or kills its worker again and again
+                    if strict and not _death(error):
+                        raise WorkerError(f"A worker could not do its rows: {type(error).__name__}: {error}") from None
                     if len(batch) > 1:  # which of them is seen when they go one by one
                         queue.extendleft(reversed(batch))
                         pace = None
                         continue
-                    results = [_failed(error)]
+                    results = [_death(error) or failed(error)]
                 else:
+                    queue.extendleft(reversed(batch[len(results) :]))
                     if pace:
-                        pace.heard(len(batch), seconds)
-                yield from zip(batch, results, strict=True)
+                        pace.heard(len(results), seconds)
+                yield from zip(batch, results, strict=False)
     finally:
         for future in pending:
             future.cancel()
 
 
-def _guarded(function, rows):
-    """Results of rows, and their time [s]; an exception becomes a status and a reason here, so that it need not travel."""
-    began = time.perf_counter()
-    return [_guarded_row(function, row) for row in rows], time.perf_counter() - began
-
-
-def _guarded_row(function, row):
-    try:
-        return dict(function(row))
-    except Exception as error:
-        return _failed(error)
-
-
-def _failed(error):
-    return {"status": "failed", "reason": f"{type(error).__name__}: {error}"}
+def _death(error):
+    """The result of a row whose worker died as often as a cluster of Dask allows; None for another error."""
+    distributed = sys.modules.get("distributed")
+    return CRASHED if distributed and isinstance(error, distributed.KilledWorker) else None
 
 
 def _start_method():
@@ -259,12 +318,12 @@ class _Context(type(multiprocessing.get_context(_start_method()))):
         return process
 
 
-def _start_pool(workers, function, started):
-    """Pool of processes that can load `function`; they import the script of the program only if part of the function is of it."""
+def _start_pool(workers, run, started):
+    """Pool of processes that can load `run`; they import the script of the program only if part of it is of it."""
     if getattr(multiprocessing.current_process(), "_inheriting", False):
         sys.exit(1)  # a worker that imports a script without a guard: the process that began it says so
     try:
-        needs_script = b"__main__" in pickle.dumps(function)
+        needs_script = b"__main__" in pickle.dumps(run)
     except Exception as error:  # pickle raises PicklingError, AttributeError or TypeError
         raise TypeError(f"A row's function must be picklable to reach worker processes, but {error}.") from None
     context = _Context(started, needs_script)
@@ -272,13 +331,13 @@ def _start_pool(workers, function, started):
     executor = ProcessPoolExecutor(workers, mp_context=context, initializer=_prepare_worker, initargs=(compiles,))
     try:
         with held_back("SIGINT", "SIGTERM", "SIGHUP"):  # a process that is lost as it starts would not be ended
-            loaded = executor.submit(callable, function)
+            loaded = executor.submit(callable, run)
         loaded.result()
     except (BrokenExecutor, AttributeError, ImportError):
         raise WorkerError(
             "A script whose own functions or effects worker processes need must call sweep and run_rows below "
             '`if __name__ == "__main__":`, or define them in a module that it imports; the workers could not load '
-            f"{getattr(function, '__qualname__', type(function).__name__)}."
+            f"{getattr(run.function, '__qualname__', type(run.function).__name__)}."
         ) from None
     return Pool(executor, workers, compiles)
 

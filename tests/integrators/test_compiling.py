@@ -11,6 +11,7 @@ import pytest
 from integrators import compiling
 from integrators.compiling import Notice
 from studies.sweeping import workers
+from studies.sweeping.batch import BatchRunner
 
 ROOT = Path(__file__).parents[2]
 COMPILES = """
@@ -82,9 +83,9 @@ def test_while_a_worker_compiles_the_others_wait_and_one_line_is_told(monkeypatc
     notice.watch("compiling", lines.append)
     monkeypatch.setattr(workers, "NOTICE", notice)
     rows = [{"x": x} for x in range(4)]
-    found = [(row["x"], result["began"]) for row, result in workers.through_own_pool(slow_to_compile, rows, 2)]
+    with workers.OwnPool(BatchRunner(slow_to_compile), 2) as pool:
+        began = {x: result["began"] for x, result in pool.results(rows)}
     assert lines == ["compiling"]
-    began = dict(found)
     assert sorted(began) == [0, 1, 2, 3] and min(began[x] for x in (1, 2, 3)) >= began[0]
 
 

@@ -94,7 +94,9 @@ def test_good_rows_are_kept_however_they_are_laid_out(folder, edit, monkeypatch)
     log.write_bytes(edit(log.read_bytes()))
     done = []
     monkeypatch.setattr(
-        row_log.RowLog, "append", lambda self, line, append=row_log.RowLog.append: (done.append(line), append(self, line))
+        row_log.RowLog,
+        "append",
+        lambda self, number, line, append=row_log.RowLog.append: (done.append(line), append(self, number, line)),
     )
     assert rows(folder, resume=True)["square"].tolist() == [0, 1, 4, 9]
     assert [line["x"] for line in done] == [3]
@@ -164,7 +166,7 @@ def test_a_log_that_cannot_be_read_or_written_is_named(folder, monkeypatch):
     monkeypatch.setattr(row_log, "FORCED_AFTER", -1.0)
     with pytest.raises(OSError, match=r"Permission denied: '.*rows\.jsonl'"):
         log = row_log.RowLog(folder / "rows.jsonl", 0)
-        log.append({})
+        log.append(0, {})
 
 
 def test_a_log_that_is_too_large_is_refused(folder, monkeypatch):

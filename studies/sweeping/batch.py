@@ -1,0 +1,63 @@
+"""The one place where a worker runs rows, whatever it is: a process of this machine, a node of a cluster, a thread.
+
+What a row raises becomes a status and a reason here, so that it need not travel.
+"""
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from anet_lumped.checks import check_number
+from anet_lumped.results.run import RunInterrupt
+from integrators.deadline import deadline
+
+OVER_BUDGET = "over budget"
+
+
+@dataclass(frozen=True)
+class BatchRunner:
+    """What runs a batch of rows in a worker: rows -> (a result for each, the time that they took [s]).
+
+    Parameters
+    ----------
+    function : of a row, picklable
+    budget : float or None [s], that a row may take
+    """
+
+    function: Callable[[dict], dict]
+    budget: float | None = None
+
+    def __call__(self, rows: Iterable[dict]) -> tuple[list[dict], float]:
+        """Results of the rows, and their time [s]."""
+        began = time.perf_counter()
+        return [run_row(self.function, self.budget, row) for row in rows], time.perf_counter() - began
+
+
+def run_row(function: Callable[[dict], dict], budget: float | None, row: dict) -> dict:
+    """Result of a row; one that raises is a failed one, one that takes longer than its budget [s] says how far it came."""
+    try:
+        with deadline(budget):
+            return dict(function(row))
+    except RunInterrupt as stopped:
+        if budget is None:
+            raise
+        reached = f"the run had reached t={stopped.run.t[-1]:.4g} s"
+        return {"status": OVER_BUDGET, "reason": f"It took longer than its budget of {budget:g} s: {reached}."}
+    except Exception as error:
+        return failed(error)
+
+
+def failed(error: Exception) -> dict[str, Any]:
+    """The result of a row that raised an error."""
+    return {"status": "failed", "reason": f"{type(error).__name__}: {error}"}
+
+
+def check_budget(budget: float | None) -> float | None:
+    """Refuse a budget that is no time.
+
+    Raises
+    ------
+    InputError
+    """
+    return None if budget is None else check_number("budget", budget, "s", "the sweep", sign="positive")

@@ -1,0 +1,237 @@
+"""The inputs for which a measure is least or largest, with bounds on other measures, by scipy's differential evolution.
+
+Source: R. Storn and K. Price, J. Global Optim. 11 (1997) 341; J. Lampinen, Proc. CEC 2002, 1468, for constraints.
+"""
+
+import contextlib
+import logging
+import math
+import re
+from collections.abc import Iterable
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from anet_lumped.checks import InputError, shown
+from anet_lumped.limits import ROWS, check_most
+from anet_lumped.scene.scene import Scene
+from studies.sweeping.batch import BatchRunner, check_budget
+from studies.sweeping.folder_lock import locked
+from studies.sweeping.row_log import key, line_of, open_log, plain
+from studies.sweeping.rows import save_table, table_of
+from studies.sweeping.sampling import as_told, read_inputs
+from studies.sweeping.sweep import prepared
+from studies.sweeping.workers import OwnPool, check_workers, through_executor
+
+LOG = logging.getLogger(__name__)
+CONSTRAINT = re.compile(r"\s*(?P<measure>[^<>=\s]+)\s*(?P<sign><=|>=)\s*(?P<bound>\S+)\s*")
+PER_INPUT, GENERATIONS = 10, 200  # members of a generation for each input, and generations at most
+ALIKE = 1e-3  # of a generation: the spread of the measure over its mean, or of each input over its range, at which it is over
+
+
+class BestError(InputError):
+    """A question for the best that cannot be asked."""
+
+
+class Constraint(NamedTuple):
+    """A bound on a measure: `largest` says whether it is the largest that is allowed, or the least."""
+
+    measure: str
+    largest: bool
+    bound: float
+
+    def is_met(self, line: dict) -> bool:
+        """Whether a line of a row meets it."""
+        value = _number(line.get(self.measure))
+        return value <= self.bound if self.largest else value >= self.bound
+
+    def __str__(self) -> str:
+        return f"{self.measure}{'<=' if self.largest else '>='}{self.bound:g}"
+
+
+class Best(NamedTuple):
+    """What was found.
+
+    Parameters
+    ----------
+    row : dict, inputs and measures of the best row that meets all constraints; None if none does
+    table : DataFrame, all rows in the order in which they were asked for
+    """
+
+    row: dict[str, Any] | None
+    table: Any
+
+
+def read_objective(text: str) -> tuple[str, bool]:
+    """The measure of "peak_tension", "min peak_tension" or "max height:p0", and whether it is to be large.
+
+    Raises
+    ------
+    BestError
+    """
+    words = text.split()
+    if len(words) == 1:
+        return words[0], False
+    if len(words) == 2 and words[0] in ("min", "max"):
+        return words[1], words[0] == "max"
+    raise BestError(
+        f"What is best must be a measure, min MEASURE or max MEASURE, as in min peak_tension, but {shown(text)} was given."
+    )
+
+
+def read_constraint(text: str) -> Constraint:
+    """The bound that "sag<=0.1" means.
+
+    Raises
+    ------
+    BestError
+    """
+    found = CONSTRAINT.fullmatch(text)
+    with contextlib.suppress(ValueError):
+        if found and math.isfinite(bound := float(found["bound"])):
+            return Constraint(found["measure"], found["sign"] == "<=", bound)
+    raise BestError(f"A constraint must be MEASURE<=NUMBER or MEASURE>=NUMBER, as in sag<=0.1, but {shown(text)} was given.")
+
+
+def best(
+    scene: Scene,
+    vary: dict[str, Any],
+    objective: str,
+    *,
+    constraints: Iterable[str] = (),
+    measures: Iterable[str] = (),
+    t_end: float | None = None,
+    method: str | None = None,
+    dt: float | None = None,
+    start: str | None = None,
+    since: float | None = None,
+    seed: int = 0,
+    budget: float | None = None,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    out: str | Path | None = None,
+    resume: bool = False,
+) -> Best:
+    """Search the inputs for which a measure is least or largest.
+
+    Generations of rows run in parallel. The search ends when a generation is alike, or after `GENERATIONS`. Its seed makes it the
+    same each time: one that is resumed asks for the same rows, and finds them.
+
+    Parameters
+    ----------
+    scene : Scene
+    vary : name -> what it may be, with ends: "a:b", "a:b:log", "a,b,c" or a bounded distribution (see `sampling.read_inputs`)
+    objective : "peak_tension", "min peak_tension" or "max height:p0"
+    constraints : "sag<=0.1", "height:p0>=-2"; a row that fails meets none
+    measures : further ones for the table
+    seed : of the search
+    t_end, method, dt, start, since, budget, executor, workers, out, resume : as in `sweep`
+
+    Returns
+    -------
+    Best
+
+    Raises
+    ------
+    BestError : an objective or constraint that cannot be read, an input without ends
+    VaryError, MeasureError, RowsError, InputError : as in `sweep`
+    """
+    from scipy.optimize import NonlinearConstraint, differential_evolution
+
+    check_workers(workers)
+    wanted, large = read_objective(objective)
+    bounds = [read_constraint(text) for text in constraints]
+    inputs = read_inputs(scene, vary)
+    for name, found in inputs.items():
+        if math.isinf(found.low) or math.isinf(found.high):
+            raise BestError(f"What is searched must have ends, but `{name}` ~ {vary[name]} has none.")
+    told = {name: as_told(spec) for name, spec in vary.items()}
+    settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
+    asked = tuple(dict.fromkeys([wanted, *(bound.measure for bound in bounds), *measures]))
+    variant, identity = prepared(scene, told, asked, settings, since)
+    identity |= {"vary": told, "best": objective, "constraints": [str(bound) for bound in bounds], "seed": seed}
+    run, names, out = BatchRunner(variant, check_budget(budget)), list(inputs), None if out is None else Path(out)
+    lines: dict[str, dict] = {}
+    order: dict[str, None] = {}
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(locked(out))
+        log = None
+        if out is not None:
+            lines, log = open_log(out, names, None, resume=resume, identity=plain(identity), columns=asked)
+            stack.enter_context(log)
+        pool = None if executor else stack.enter_context(OwnPool(run, workers))
+
+        def lines_at(shares):
+            """Lines of the rows at shares, (d, s) of the inputs' ranges; those that are not there yet are done."""
+            columns = [found.values(shares[i]) for i, found in enumerate(inputs.values())]
+            rows = [plain(dict(zip(names, values, strict=True))) for values in zip(*columns, strict=True)]
+            keys = [key(row, names) for row in rows]
+            order.update(dict.fromkeys(keys))
+            check_most(ROWS, len(order), "This search")
+            new = {one: row for one, row in zip(keys, rows, strict=True) if one not in lines}
+            todo = list(new.values())
+            results = through_executor(executor, run, todo) if pool is None else pool.results(todo)
+            with contextlib.closing(results):
+                for number, result in results:
+                    line = line_of(todo[number], result)
+                    if log:
+                        log.append(number, line)
+                    lines[key(line, names)] = line
+            return [lines[one] for one in keys]
+
+        def cost(shares):
+            found = [_number(line.get(wanted)) if line["status"] == "done" else math.nan for line in lines_at(shares)]
+            return np.nan_to_num(np.multiply(-1.0 if large else 1.0, found), nan=np.inf)
+
+        def excess(shares):
+            """By how much each constraint is not met, (constraints, s); at most 0 where it is."""
+            values = [[_number(line.get(bound.measure)) for line in lines_at(shares)] for bound in bounds]
+            signed = [
+                np.multiply(1.0 if bound.largest else -1.0, np.subtract(row, bound.bound))
+                for bound, row in zip(bounds, values, strict=True)
+            ]
+            return np.nan_to_num(signed, nan=1e30, posinf=1e30)
+
+        def tell(intermediate_result):
+            """Whether the members of a generation are alike in every input."""
+            LOG.info("%d rows are done; the best has %s = %.6g", len(order), wanted, (-1 if large else 1) * intermediate_result.fun)
+            return bool((np.ptp(intermediate_result.population, axis=0) < ALIKE).all())
+
+        try:
+            differential_evolution(
+                _of_columns(cost),
+                [(0.0, 1.0)] * len(names),
+                constraints=NonlinearConstraint(_of_columns(excess), -np.inf, 0.0) if bounds else (),
+                popsize=PER_INPUT,
+                maxiter=GENERATIONS,
+                tol=ALIKE,
+                init="sobol",
+                polish=False,
+                vectorized=True,
+                updating="deferred",
+                callback=tell,
+                rng=np.random.default_rng(seed),
+            )
+        except KeyboardInterrupt:
+            on_disk = f", which are in {log.path}" if log else ""
+            raise KeyboardInterrupt(f"Stopped after {len(lines)} rows{on_disk}.") from None
+        found = [lines[one] for one in order]
+        table = table_of(found, names)
+        if out is not None:
+            save_table(table, out / "rows")
+    good = [line for line in found if line["status"] == "done" and all(bound.is_met(line) for bound in bounds)]
+    good = [line for line in good if math.isfinite(_number(line.get(wanted)))]
+    row = (max if large else min)(good, key=lambda line: line[wanted], default=None)
+    return Best(row, table)
+
+
+def _of_columns(function):
+    """A function of shares (d, s), called with those of one member (d,) too."""
+    return lambda shares: function(shares) if shares.ndim == 2 else function(shares[:, np.newaxis])[..., 0]
+
+
+def _number(value):
+    """The value as a number, NaN for what is none."""
+    return float(value) if isinstance(value, int | float) else math.nan

@@ -1,0 +1,189 @@
+"""Samples of inputs that have a distribution each: Sobol' points, Latin hypercubes, and what sensitivities are taken from.
+
+Sources: I. M. Sobol', USSR Comput. Math. Math. Phys. 7 (1967) 86, scrambled by A. B. Owen, J. Complexity 14 (1998) 466; M. D.
+McKay, R. J. Beckman and W. J. Conover, Technometrics 21 (1979) 239; A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259,
+section 5.
+"""
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from anet_lumped.checks import nearest, shown
+from anet_lumped.limits import ROWS, check_most
+from anet_lumped.scene.scene import Scene
+from studies.sweeping.vary import VaryError, listed_values, parse_values, whole_inputs
+
+POINT, MATRIX = "sample", "matrix"  # columns of a row beside its inputs: the number of its point; of which of Saltelli's matrices
+KINDS = {
+    "sobol": "n points that fill the box evenly, n a power of two",
+    "lhs": "n points of a Latin hypercube",
+    "saltelli": "n (d + 2) rows for sensitivities to d inputs, n a power of two",
+}
+RANGE = re.compile(r"([^:]+):([^:]+?)(:?log)?")
+CALL = re.compile(r"([a-z_]+)\((.*)\)")
+
+
+class Input(NamedTuple):
+    """An input that is sampled: its values from shares of its probability, (n,) in [0, 1] -> list, and its least and largest."""
+
+    values: Callable
+    low: float
+    high: float
+
+
+class Distribution(NamedTuple):
+    """A distribution by name: what makes it of its parameters, their names, and what must hold of them."""
+
+    of: Callable
+    parameters: tuple[str, ...]
+    holds: Callable
+    must: str
+
+
+def _distributions():
+    from scipy import stats
+
+    return {
+        "uniform": Distribution(lambda a, b: stats.uniform(a, b - a), ("a", "b"), lambda a, b: a < b, "a < b"),
+        "loguniform": Distribution(stats.loguniform, ("a", "b"), lambda a, b: 0 < a < b, "0 < a < b"),
+        "normal": Distribution(stats.norm, ("mean", "deviation"), lambda m, s: s > 0, "deviation > 0"),
+        "lognormal": Distribution(
+            lambda m, s: stats.lognorm(s, scale=m), ("median", "deviation of the logarithm"), lambda m, s: m > 0 < s, "both > 0"
+        ),
+        "triangular": Distribution(
+            lambda a, m, b: stats.triang((m - a) / (b - a), a, b - a), ("a", "mode", "b"), lambda a, m, b: a < b and a <= m <= b,
+            "a <= mode <= b",
+        ),
+        "weibull": Distribution(lambda c, k: stats.weibull_min(k, scale=c), ("scale", "shape"), lambda c, k: c > 0 < k, "both > 0"),
+    }  # fmt: skip
+
+
+def read_sample(text: str) -> tuple[str, int]:
+    """Kind and number of points of "sobol:1024".
+
+    Raises
+    ------
+    VaryError
+    """
+    kind, _, count = text.partition(":")
+    if kind not in KINDS or not count.isdecimal() or int(count) < 2:
+        known = "; ".join(f"{name}:n, {about}" for name, about in KINDS.items())
+        raise VaryError(f"A sample must be one of {known}; but {shown(text)} was given.")
+    number = int(count)
+    if kind != "lhs" and number & (number - 1):
+        power = 2 ** round(math.log2(number))
+        raise VaryError(f"The points of a sample {kind} must be a power of two, as {power}, but they are {number}.")
+    return kind, number
+
+
+def read_inputs(scene: Scene, vary: Mapping) -> dict[str, Input]:
+    """What each name is sampled from.
+
+    Parameters
+    ----------
+    scene : Scene
+    vary : name -> "a:b" (uniform), "a:b:log" (uniform in the logarithm), a distribution "lognormal(1e4,0.2)" or one of
+        `scipy.stats` with its parameters, or "a,b,c" or a list, each value of which is as likely
+
+    Raises
+    ------
+    VaryError : an unknown name, or what is none of these
+    """
+    return {name: _input(name, vary[name], whole) for name, whole in whole_inputs(scene, vary).items()}
+
+
+def _input(name, spec, whole):
+    call, ends = (pattern.fullmatch(spec) if isinstance(spec, str) else None for pattern in (CALL, RANGE))
+    if call:
+        return _from(_distribution(name, *call.groups()), whole)
+    if ends:
+        low, high, log = ends.groups()
+        return _from(_distribution(name, "loguniform" if log else "uniform", f"{low},{high}"), whole)
+    if hasattr(spec, "ppf"):
+        return _from(spec, whole)
+    listed = parse_values(spec) if isinstance(spec, str) else listed_values(name, spec)
+    return Input(lambda shares: [listed[min(int(share * len(listed)), len(listed) - 1)] for share in shares], math.nan, math.nan)
+
+
+def _distribution(name, called, words):
+    known = _distributions()
+    if called not in known:
+        near = nearest(called, known) or f"; known are {', '.join(known)}."
+        raise VaryError(f"There is no distribution called {called} for `{name}`{near}")
+    found = known[called]
+    try:
+        numbers = [float(word) for word in words.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != len(found.parameters) or not all(map(math.isfinite, numbers)) or not found.holds(*numbers):
+        wanted = ", ".join(found.parameters)
+        raise VaryError(f"The distribution {called}({wanted}) of `{name}` must have {found.must}, but ({words}) was given.")
+    return found.of(*numbers)
+
+
+def _from(distribution, whole):
+    """Input of a distribution; whole numbers are as likely as the reals that are rounded to them."""
+
+    def values(shares):
+        found = distribution.ppf(shares)
+        return [round(value) if whole else float(f"{value:.12g}") for value in found.tolist()]
+
+    low, high = (float(end) for end in distribution.support())
+    return Input(values, low, high)
+
+
+def sampled(text: str, inputs: Mapping[str, Input], seed: int) -> list[dict]:
+    """Rows of a sample: inputs, and the number of the point as `POINT`; of Saltelli's besides the matrix as `MATRIX`.
+
+    Parameters
+    ----------
+    text : "sobol:1024", "lhs:200" or "saltelli:256"
+    inputs : of each name
+    seed : of the scrambling
+
+    Raises
+    ------
+    VaryError, InputError : an unknown kind, more rows than `limits.ROWS`, or a distribution that gives a number without bounds
+    """
+    from scipy.stats import qmc
+
+    kind, number = read_sample(text)
+    d = len(inputs)
+    check_most(ROWS, number * (d + 2 if kind == "saltelli" else 1), f"The sample {text}")
+    random = np.random.default_rng(seed)
+    if kind == "lhs":
+        return _rows(inputs, qmc.LatinHypercube(d, rng=random).random(number))
+    if kind == "sobol":
+        return _rows(inputs, qmc.Sobol(d, rng=random).random(number))
+    both = qmc.Sobol(2 * d, bits=64, rng=random).random(number)
+    first, second = both[:, :d], both[:, d:]
+    rows = [row | {MATRIX: "A"} for row in _rows(inputs, first)] + [row | {MATRIX: "B"} for row in _rows(inputs, second)]
+    for i, name in enumerate(inputs):
+        mixed = first.copy()
+        mixed[:, i] = second[:, i]
+        rows += [row | {MATRIX: f"A with {name} of B"} for row in _rows(inputs, mixed)]
+    return rows
+
+
+def _rows(inputs, shares):
+    columns = [found.values(shares[:, i]) for i, found in enumerate(inputs.values())]
+    for name, column in zip(inputs, columns, strict=True):
+        if any(isinstance(value, float) and not math.isfinite(value) for value in column):
+            raise VaryError(f"A sample must be of finite numbers, but that of `{name}` is not.")
+    return [{POINT: j, **dict(zip(inputs, values, strict=True))} for j, values in enumerate(zip(*columns, strict=True))]
+
+
+def inputs_of(row: Mapping) -> dict:
+    """The inputs of a row, without the columns that only say which it is."""
+    return {name: value for name, value in row.items() if name not in (POINT, MATRIX)}
+
+
+def as_told(spec) -> object:
+    """What a name is sampled from, as JSON may hold it: a distribution of `scipy.stats` by its name and parameters."""
+    if not hasattr(spec, "ppf"):
+        return spec if isinstance(spec, str) else list(spec)
+    return {"distribution": spec.dist.name, "parameters": [*spec.args, spec.kwds]}
