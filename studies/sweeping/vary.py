@@ -4,6 +4,7 @@ import itertools
 import math
 import re
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
 from anet_lumped.checks import shown
 from anet_lumped.limits import ROWS, check_most
@@ -110,7 +111,13 @@ def apply(scene: Scene, inputs: dict) -> tuple[Scene, dict]:
     SceneError : a value that the scene refuses
     """
     settings = {name: value for name, value in inputs.items() if name in SETTINGS}
-    return Varied(scene, inputs).with_values(inputs), settings
+    return of_names(scene, tuple(name for name in inputs if name not in SETTINGS)).with_values(inputs), settings
+
+
+@lru_cache(maxsize=4)
+def of_names(scene: Scene, names: tuple[str, ...]) -> Varied:
+    """`Varied` of a scene, kept from row to row."""
+    return Varied(scene, names)
 
 
 def listed_values(name: str, values: Iterable) -> list:
