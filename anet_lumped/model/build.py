@@ -14,7 +14,7 @@ from anet_lumped.limits import BYTES, check_most
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.body_order import order_of_points
 from anet_lumped.model.claims import check_claims
-from anet_lumped.model.model import Model
+from anet_lumped.model.model import Model, ends_of_segments
 from anet_lumped.model.net import Effects
 from anet_lumped.model.tables import (
     AXIAL_COLUMNS,
@@ -29,7 +29,7 @@ from anet_lumped.model.tables import (
     CABLE_COLUMNS,
     CABLE_CURVE,
     CABLE_CURVE_END,
-    CABLE_END,
+    CABLE_FIRST_SEGMENT,
     CABLE_JOINS_FREE_POINTS,
     CABLE_SEGMENTS,
 )
@@ -77,16 +77,17 @@ def build(scene):
         segment += one.segments
         node += one.segments - 1
     mobility = np.append(1.0 / mass[:n_free], np.zeros(n - n_free))
-    for c, (_, count, node, start, end) in enumerate(cable[:, : CABLE_END + 1]):
-        of = mobility[np.r_[start, node : node + count - 1, end]]
+    of_ends = mobility[ends_of_segments(cable)]
+    if len(cable):
         with np.errstate(over="ignore"):
-            axial[c, AXIAL_OMEGA_SQUARED] = axial[c, AXIAL_STIFFNESS] * (of[1:] + of[:-1]).max()
-        if not axial[c, AXIAL_OMEGA_SQUARED] <= LARGEST**2:
-            one = scene.cables[c]
-            raise SceneError(
-                f"The frequencies of a cable must be up to {LARGEST:g} rad/s, but cable {quoted(one.name)} has segments of "
-                f"{one.stiffness:g} N/m on nodes of {1.0 / of.max():g} kg."
-            )
+            largest = np.maximum.reduceat(of_ends.sum(axis=1), cable[:, CABLE_FIRST_SEGMENT])
+            axial[:, AXIAL_OMEGA_SQUARED] = axial[:, AXIAL_STIFFNESS] * largest
+    for c in np.flatnonzero(~(axial[:, AXIAL_OMEGA_SQUARED] <= LARGEST**2)):
+        one, first = scene.cables[c], cable[c, CABLE_FIRST_SEGMENT]
+        raise SceneError(
+            f"The frequencies of a cable must be up to {LARGEST:g} rad/s, but cable {quoted(one.name)} has segments of "
+            f"{one.stiffness:g} N/m on nodes of {1.0 / of_ends[first : first + one.segments].max():g} kg."
+        )
     springs = _curves(scene.cables, cable)
     groups, single, kinds = _groups(cable, axial, np.array([one.creeps for one in scene.cables]))
     model = Model(

@@ -140,13 +140,14 @@ def _of_rope(entry: dict[str, Any], place: str) -> dict[str, Any]:
 
 def _parts(maker: Callable, key: str, value: Any, place: str) -> Any:
     """Return the value of an argument of `maker`, with what it holds as tables, itself or within, made of those."""
+    part = None if value is None else _part_of(maker, key)
+    if part is None:
+        return value
+    what, kinds = PARTS[part]
     annotation = _arguments(maker)[key].annotation
-    for part, (what, kinds) in PARTS.items():
-        if value is not None and _mentions(annotation, part):
-            if _mentions(annotation, Vector):
-                return _vectors_or(what, kinds, value, f"{place}.{key}")
-            return _made(what, kinds, value, f"{place}.{key}", may_be_number=_mentions(annotation, float))
-    return value
+    if _mentions(annotation, Vector):
+        return _vectors_or(what, kinds, value, f"{place}.{key}")
+    return _made(what, kinds, value, f"{place}.{key}", may_be_number=_mentions(annotation, float))
 
 
 def _vectors_or(what: str, kinds: Mapping[str, Callable], value: Any, place: str) -> Any:
@@ -162,8 +163,15 @@ def _vectors_or(what: str, kinds: Mapping[str, Callable], value: Any, place: str
 
 def kinds_of(maker: Callable, key: str) -> Mapping[str, Callable] | None:
     """Classes by the `kind` of the table that an argument of `maker` may be given by; None if it takes no such table."""
-    annotation = _arguments(maker)[key].annotation if key in _arguments(maker) else None
-    return next((kinds for part, (_, kinds) in PARTS.items() if _mentions(annotation, part)), None)
+    part = _part_of(maker, key) if key in _arguments(maker) else None
+    return None if part is None else PARTS[part][1]
+
+
+@cache
+def _part_of(maker: Callable, key: str) -> type | None:
+    """The key of `PARTS` that the type of an argument of `maker` holds, or None."""
+    annotation = _arguments(maker)[key].annotation
+    return next((part for part in PARTS if _mentions(annotation, part)), None)
 
 
 def _mentions(annotation: Any, part: type) -> bool:
