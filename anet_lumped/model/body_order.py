@@ -108,8 +108,8 @@ def order_of_points(scene):
     links = [(u, w) for a, b in pairs for u in unknowns.get(a, ()) for w in unknowns.get(b, ()) if u != w]
     of_bodies = [name for both in heads.values() for name in both]
     names, links = [*joints, *of_bodies], [*links, *heads.values()]
-    numbered, _ = minimum_degree(names, links, last=of_bodies)
     order, later = minimum_degree(names, links)
+    numbered = minimum_degree(names, links, last=of_bodies)[0] if of_bodies else order
     carried = [point.name for body in free_bodies for point in body.points[2:]]
     both_move = [(a, b) for a, b in pairs if a in unknowns and b in unknowns]
     own = dict.fromkeys((a, b) for a, b in both_move if len(unknowns[a]) + len(unknowns[b]) > 2)
