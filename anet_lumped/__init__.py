@@ -40,6 +40,7 @@ from anet_lumped.prescribed.six_motions import SixMotions
 from anet_lumped.results.loading import load_run
 from anet_lumped.results.run import Run
 from anet_lumped.results.state import State
+from anet_lumped.scene import nets
 from anet_lumped.scene.attach import attach
 from anet_lumped.scene.cable_cut import CableCut
 from anet_lumped.scene.payload_change import PayloadChange
@@ -82,6 +83,7 @@ __all__ = [
     "equilibrium",
     "load_run",
     "load_scene",
+    "nets",
     "paths",
     "platform",
     "read_moordyn",

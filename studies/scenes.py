@@ -30,5 +30,6 @@ def changed(scene, texts, added=()):
     for name, given in values.items():
         if name in SETTINGS or len(given) != 1:
             raise VaryError(f"What is set must be one value of a field of the scene, but `{name}` was given {given}.")
-    scene = apply(scene, {name: given[0] for name, given in values.items()})[0]
+    if values:
+        scene = apply(scene, {name: given[0] for name, given in values.items()})[0]
     return with_wanted_lengths(scene, wanted)

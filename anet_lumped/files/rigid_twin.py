@@ -4,6 +4,8 @@ Links form a tree from the supports outwards: a link's parent is the one before 
 point at which its cable begins. Where a cable ends at a point that is carried already, the loop is closed by a constraint.
 """
 
+from collections.abc import Iterable, Iterator
+from heapq import heapify, heappop, heappush
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -11,7 +13,7 @@ import numpy as np
 
 from anet_lumped.checks import InputError, SceneError, check_number, nearest, quoted, shown
 from anet_lumped.results.state import State
-from anet_lumped.scene.scene import Free, Scene, check_scene
+from anet_lumped.scene.scene import Cable, Free, Scene, check_scene
 
 LINKS, JOINTS = ("cylinder", "lumped"), ("ball", "revolute")
 THIN = 0.02  # radius of a link over its length, of a cable without a diameter
@@ -95,12 +97,7 @@ def twin_of(scene: Scene, rest: State, lumped: bool = False) -> Twin:
     carriers: dict[str, str] = {name: name for name in supports}
     links: list[Link] = []
     closed: list[tuple[str, str]] = []
-    left = list(scene.cables)
-    while left:
-        cable = next((one for one in left if one.start in carriers or one.end in carriers), None)
-        if cable is None:
-            raise SceneError(f"A twin must hang on a fixed or driven point, but nothing holds cable {quoted(left[0].name)}.")
-        left.remove(cable)
+    for cable in from_supports(scene, supports):
         forward = cable.start in carriers
         begin, end = (cable.start, cable.end) if forward else (cable.end, cable.start)
         shape = rest.shape(cable.name)[:: 1 if forward else -1]
@@ -123,6 +120,37 @@ def twin_of(scene: Scene, rest: State, lumped: bool = False) -> Twin:
             assert isinstance(point, Free)
             links[-1] = links[-1]._replace(load=point.mass)
     return Twin(links, supports, closed)
+
+
+def from_supports(scene: Scene, supports: Iterable[str]) -> Iterator[Cable]:
+    """Cables so that each ends at a support or at a cable before it; of those that do, the first of the scene comes first.
+
+    Raises
+    ------
+    SceneError : a part of the net that no support holds
+    """
+    of_point: dict[str, list[int]] = {}
+    for c, cable in enumerate(scene.cables):
+        for end in (cable.start, cable.end):
+            of_point.setdefault(end, []).append(c)
+    reached, found = set(supports), [c for name in supports for c in of_point.get(name, ())]
+    heapify(found)
+    taken: set[int] = set()
+    while found:
+        c = heappop(found)
+        if c in taken:
+            continue
+        taken.add(c)
+        cable = scene.cables[c]
+        for end in (cable.start, cable.end):
+            if end not in reached:
+                reached.add(end)
+                for other in of_point[end]:
+                    heappush(found, other)
+        yield cable
+    if len(taken) < len(scene.cables):
+        name = next(cable.name for c, cable in enumerate(scene.cables) if c not in taken)
+        raise SceneError(f"A twin must hang on a fixed or driven point, but nothing holds cable {quoted(name)}.")
 
 
 def check_twin(scene: Scene) -> None:

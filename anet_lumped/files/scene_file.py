@@ -54,6 +54,7 @@ import pathlib
 import re
 import tomllib
 from os import PathLike
+from typing import Any
 
 from anet_lumped.checks import NAMED, SceneError, nearest, one_line, quoted, shown
 from anet_lumped.regular_files import check_target, read_text
@@ -103,6 +104,18 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     return scene_from_dict(entries, source=one_line(path.name, NAMED))
 
 
+def with_defaults(entries: dict[str, Any]) -> dict[str, Any]:
+    """The scene that ``entries`` describe, with what all of its cables have alike said once, as `cable_defaults`."""
+    cables = entries["cables"]
+    if len(cables) < 2:
+        return entries
+    first = {key: value for key, value in cables[0].items() if key not in ("start", "end", "name")}
+    shared = {key: value for key, value in first.items() if all(key in cable and cable[key] == value for cable in cables)}
+    own = [{key: value for key, value in cable.items() if key not in shared} for cable in cables]
+    entries = {section: value for section, value in entries.items() if section != "cables"}
+    return entries | ({"cable_defaults": shared} if shared else {}) | {"cables": own}
+
+
 def save_scene(scene: Scene, path: str | PathLike[str]) -> None:
     """Write a scene as a TOML file that `load_scene` reads back as an equal scene, or as a MoorDyn input file by its ending."""
     check_target(path, "A scene")
@@ -112,7 +125,7 @@ def save_scene(scene: Scene, path: str | PathLike[str]) -> None:
         return save_moordyn(scene, path)
     import tomli_w
 
-    text = tomli_w.dumps(scene_to_dict(scene))
+    text = tomli_w.dumps(with_defaults(scene_to_dict(scene)))
     # tomli_w gives each number of a vector a line of its own; strings hold no bare line ends, so only vectors match.
     text = re.sub(r"\[\n((?: +[-+.\de]+,\n)+) *\]", lambda found: f"[{' '.join(found[1].split())[:-1]}]", text)
     pathlib.Path(path).write_text(text, encoding="utf-8")

@@ -15,7 +15,7 @@ from anet_lumped.limits import BYTES, check_most
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.body_order import order_of_points
 from anet_lumped.model.claims import check_claims
-from anet_lumped.model.model import Model, ends_of
+from anet_lumped.model.model import Model, ends_of_segments
 from anet_lumped.model.net import Effects
 from anet_lumped.model.tables import (
     AXIAL_COLUMNS,
@@ -126,7 +126,7 @@ def _cut(scene):
             cable[c, CABLE_BLOCK_START_END : CABLE_BLOCK_END_START + 1] = points.blocks_of_pair[start, end]
         segment += one.segments
         node += one.segments - 1
-    mass, axial = _numbers(scene, node_of, cable, ends_of(cable), n_free)
+    mass, axial = _numbers(scene, node_of, cable, ends_of_segments(cable), n_free)
     springs = _curves(scene.cables, cable)
     groups, single, kinds = _groups(cable, axial, np.array([one.creeps for one in scene.cables]))
     bodies, joints = points.bodies(node_of, n_interior)
@@ -178,15 +178,16 @@ def _numbers(scene, node_of, cable, ends, n_free):
         mass[start] += half
         mass[end] += half
     mobility = np.append(1.0 / mass[:n_free], np.zeros(len(mass) - n_free))
-    of_segment = mobility[ends].sum(axis=1)
-    with np.errstate(over="ignore"):
-        axial[:, AXIAL_OMEGA_SQUARED] = axial[:, AXIAL_STIFFNESS] * np.maximum.reduceat(of_segment, cable[:, CABLE_FIRST_SEGMENT])
-    beyond = np.flatnonzero(~(axial[:, AXIAL_OMEGA_SQUARED] <= LARGEST**2))
-    if len(beyond):
-        one, first = scene.cables[beyond[0]], cable[beyond[0], CABLE_FIRST_SEGMENT]
+    of_ends = mobility[ends]
+    if len(cable):
+        with np.errstate(over="ignore"):
+            largest = np.maximum.reduceat(of_ends.sum(axis=1), cable[:, CABLE_FIRST_SEGMENT])
+            axial[:, AXIAL_OMEGA_SQUARED] = axial[:, AXIAL_STIFFNESS] * largest
+    for c in np.flatnonzero(~(axial[:, AXIAL_OMEGA_SQUARED] <= LARGEST**2)):
+        one, first = scene.cables[c], cable[c, CABLE_FIRST_SEGMENT]
         raise SceneError(
             f"The frequencies of a cable must be up to {LARGEST:g} rad/s, but cable {quoted(one.name)} has segments of "
-            f"{one.stiffness:g} N/m on nodes of {1.0 / mobility[ends[first : first + one.segments]].max():g} kg."
+            f"{one.stiffness:g} N/m on nodes of {1.0 / of_ends[first : first + one.segments].max():g} kg."
         )
     return mass, axial
 

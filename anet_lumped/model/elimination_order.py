@@ -44,8 +44,8 @@ def elimination(names, links, last, after, by_fronts):
     names. Neighbours include the fill but for points that are eliminated ``by_fronts``.
     """
     if not by_fronts:
-        numbered, _ = minimum_degree(names, links, last=last)
-        return numbered, *minimum_degree(names, links, after=after)
+        order, later = minimum_degree(names, links, after=after)
+        return minimum_degree(names, links, last=last)[0] if last else order, order, later
     order = fronts.least_fill_order(names, links)
     turn, last = {name: i for i, name in enumerate(order)}, set(last)
     order.sort(key=lambda name: (max(turn[name], turn[after.get(name, name)]), turn[name] < turn[after.get(name, name)]))

@@ -27,6 +27,13 @@ from .net import Bodies, Effects, Lengths, Points
 NOWHERE = (0.0, 0.0, 0.0)
 
 
+def ends_of_segments(cable):
+    """(n_segments, 2) int64: nodes at both ends of each segment, of the table of cables."""
+    first_segment, count, node, start, end = np.repeat(cable[:, : CABLE_END + 1], cable[:, CABLE_SEGMENTS], axis=0).T
+    place = np.arange(len(count)) - first_segment  # along its cable
+    return np.column_stack([np.where(place == 0, start, node + place - 1), np.where(place == count - 1, end, node + place)])
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """A scene cut into nodes and segments.
@@ -171,7 +178,7 @@ class Model:
     @cached_property
     def ends(self):
         """(n_segments, 2) int64: nodes at both ends of each segment."""
-        return ends_of(self.cable)
+        return ends_of_segments(self.cable)
 
     def node(self, point):
         """Number of a point's node."""
@@ -193,7 +200,8 @@ class Model:
         """(segments + 1,) int64: nodes of a cable from its start to its end."""
         c = self._number(cable)
         _, count, first, start, end = self.cable[c, : CABLE_END + 1]
-        nodes = np.r_[start, first : first + count - 1, end]
+        nodes = np.empty(count + 1, np.int64)
+        nodes[0], nodes[1:-1], nodes[-1] = start, np.arange(first, first + count - 1), end
         return nodes[::-1] if self.flipped[c] else nodes
 
     def segment_run(self, c):
@@ -207,12 +215,3 @@ class Model:
         if not self.flipped[c]:
             return slice(first, first + count)
         return slice(first + count - 1, first - 1 if first else None, -1)
-
-
-def ends_of(cable):
-    """(n_segments, 2) int64: nodes at both ends of each segment, for the table of the cables of a `Net`."""
-    rows = []
-    for _, count, node, start, end in cable[:, : CABLE_END + 1].tolist():
-        nodes = np.array([start, *range(node, node + count - 1), end], np.int64)
-        rows.append(np.column_stack([nodes[:-1], nodes[1:]]))
-    return np.concatenate([*rows, np.empty((0, 2), np.int64)])

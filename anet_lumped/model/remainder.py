@@ -74,10 +74,10 @@ def remainder(whole, payloads, broken):
     -------
     Remainder
     """
-    if not (payloads or broken or whole.scene.events):
-        return Remainder(whole, np.arange(whole.n), np.arange(whole.n_segments))
-    scene, stubs, loose, cables, pieces, nodes, segments = whole.scene, [], {}, [], {}, {}, {}
     all_segments = np.arange(whole.n_segments)
+    if not (payloads or broken or whole.scene.events):
+        return Remainder(whole, np.arange(whole.n), all_segments)
+    scene, stubs, loose, cables, pieces, nodes, segments = whole.scene, [], {}, [], {}, {}, {}
     for cable in scene.cables:
         own = all_segments[whole.segments(cable.name)]
         failed = broken.get(cable.name, ())

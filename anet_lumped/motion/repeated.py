@@ -7,7 +7,7 @@ import numpy as np
 from anet_lumped.mechanics.renew_net import can_be_renewed, renew, renewable_net
 from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
-from anet_lumped.results.run import Run
+from anet_lumped.results.run import Run, RunInterrupt
 from anet_lumped.results.state import State
 from anet_lumped.scene.origin import largest_distance, near_origin
 from anet_lumped.scene.scene import Scene
@@ -47,16 +47,22 @@ class Repeated:
         able = self.asked.method is None or schemes.scheme(self.asked.method).own
         return given and able and not scene.events and near_origin(scene).scene is scene and can_be_renewed(build(scene))
 
-    def run(self, scene: Scene) -> Run | None:
+    def run(self, scene: Scene, begin: State | None = None) -> Run | None:
         """Run of a scene, in arrays that the next run overwrites; None if it has to be marched in another way.
+
+        Parameters
+        ----------
+        scene : Scene
+        begin : State or None, its rest, if that is known
 
         Raises
         ------
         InputError, EquilibriumError : as of `simulate`
+        RunInterrupt : Ctrl-C
         """
         if not self.serves(scene):
             return None
-        begin = self.begin(scene)
+        begin = self.begin(scene) if begin is None else begin
         plan = planned(scene, begin, self.asked)
         scheme = schemes.scheme(plan.choice.method)
         if plan.adaptive or scheme.keeps_constraints or not scheme.own or plan.choice.dt != self.asked.dt:
@@ -65,16 +71,25 @@ class Repeated:
         if march is None:
             return None
         out = march.march(begin.q, begin.v)
-        return judged(run_of(begin.model, plan.choice, out, Settings(False, (0.0, 0.0), self.rho_inf)), plan.choice.limit, False)
+        run = run_of(begin.model, plan.choice, out, Settings(False, (0.0, 0.0), self.rho_inf))
+        if out.interrupted:
+            raise RunInterrupt(run)
+        return judged(run, plan.choice.limit, False)
 
     def begin(self, scene: Scene) -> State:
         """State that a run of a scene starts from."""
-        if not (isinstance(self.start, str) and self.start == "equilibrium"):
-            return start_state(build(scene), self.start)
+        if isinstance(self.start, str) and self.start == "equilibrium":
+            return self.rest(scene)
+        return start_state(build(scene), self.start)
+
+    def rest(self, scene: Scene) -> State:
+        """`equilibrium` of a scene."""
+        if near_origin(scene).scene is not scene:
+            return equilibrium(scene)
         model, found = build(scene), None
         if self.at_rest is None and can_be_renewed(model):
             self.at_rest = renewable_net(model, force=False, newton=False)
-        if self.at_rest is not None and renew(self.at_rest, model):
+        if self.at_rest is not None and can_be_renewed(model) and renew(self.at_rest, model):
             found = rest_on(self.at_rest, scene)
         return equilibrium(scene) if found is None else found
 

@@ -9,6 +9,7 @@ A scheme's limit is that of its record (`integrators.schemes`); implicit schemes
 linear statement leaves open.
 """
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -165,6 +166,9 @@ def top_mode(cable: Cable, start_mass: float = np.inf, end_mass: float = np.inf)
     straight one, and so is its transverse motion: the stiffness T/l of a segment is below k. `start_mass` and
     `end_mass` [kg] are all that the end nodes carry, inf if they are fixed or driven.
     """
+    if cable.segments == 1:  # of a net there may be thousands
+        omega = math.sqrt(cable.stiffness * (1.0 / start_mass + 1.0 / end_mass))
+        return TopMode(cable.name, omega, cable.dashpot / cable.stiffness * omega / 2.0)
     from scipy.linalg import eigh_tridiagonal
 
     mass = np.full(cable.segments + 1, cable.mass_per_length * cable.L0)

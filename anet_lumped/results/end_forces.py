@@ -122,6 +122,8 @@ def end_force(now: Rows, whole: Scene, cable: str, point: str, inertia: bool = T
     piece = _piece_at(now.left.model.scene, own, point)
     if piece is None:
         return np.zeros((len(now.t), 3))
+    if not (inertia and now.moves) and _only_weighs(now.left.model):  # of a net with thousands of cables
+        return _pull_at(now, piece, point) + 0.5 * piece.mass_per_length * piece.L0 * now.left.model.scene.gravity
     model, alone = _half(now, piece)
     node = model.node_of[point]
     total = _pull_at(now, piece, point) + effect_forces(model, alone)[:, node]
@@ -129,6 +131,13 @@ def end_force(now: Rows, whole: Scene, cable: str, point: str, inertia: bool = T
         mass = masses(model, alone)[:, node, None, None] * np.eye(3) + added_masses(model, alone)[:, node]
         total = total - np.einsum("kxy,ky->kx", mass, _acceleration(now, point))
     return total
+
+
+@lru_cache(maxsize=16)
+def _only_weighs(model: Model) -> bool:
+    """Whether nothing but weight acts on the segments of a model."""
+    of_cables = [part for effect in model.scene.effects if (part := effect.of_cables()) is not None and part.kernels()]
+    return all(effect.dead_load and any(effect.uniform_acceleration) for effect in of_cables)
 
 
 def reaction(now: Rows, whole: Scene, name: str) -> np.ndarray:
@@ -221,7 +230,8 @@ def _left(model: Model, events: tuple[Event, ...]) -> Remainder:
 def _alone(model: Model, name: str) -> Model:
     """A cable whose ends carry nothing and move freely, so that all that is spread over cables acts on them."""
     scene, cable = model.scene, model.scene.cable(name)
-    others: dict[str, tuple] = {one.name: () for one in scene.cables if one.name != name}
+    others: dict[str, tuple] = dict.fromkeys(scene.cable_numbers, ())
+    del others[name]
     effects = [part.after_break(others, [cable]) for part in (effect.of_cables() for effect in scene.effects) if part is not None]
     return build.__wrapped__(Pieces([Free(cable.start), Free(cable.end)], [cable], [one for one in effects if one is not None]))
 
@@ -240,8 +250,9 @@ def _piece_at(scene: Scene, whole: Cable, point: str) -> Cable | None:
 def _pull_at(now: Rows, cable: Cable, point: str) -> np.ndarray:
     """Pull of the segment that ends at a point, (k, 3) [N]."""
     model = now.left.model
-    own = np.arange(model.n_segments)[model.segments(cable.name)]
-    segment = own[0] if point == cable.start else own[-1]
+    first, count = model.segment_run(model.scene.cable_numbers[cable.name])
+    at_start = (point == cable.start) != model.flipped[model.scene.cable_numbers[cable.name]]
+    segment = first if at_start else first + count - 1
     pull = _pulls(now, np.array([segment]))[:, 0]
     return pull if model.ends[segment, 0] == model.node_of[point] else -pull
 

@@ -39,7 +39,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from anet_lumped.results.energy_balance import BY_METHOD, lost_share
-from anet_lumped.scene.scene import Cable, Free, Scene
+from anet_lumped.scene.scene import Cable, Free, OnBody, Scene
 from integrators import schemes
 
 from .events import BREAK
@@ -249,6 +249,7 @@ def lowest_axial_mode(scene: Scene, cable: Cable) -> Mode:
     """
     if cable.inextensible:
         return Mode(0.0, 0.0)
-    load = sum(point.mass for point in scene.points if isinstance(point, Free) and point.name in (cable.start, cable.end))
+    ends = scene.point(cable.start), scene.point(cable.end)
+    load = sum(point.mass for point in ends if isinstance(point, Free) and not isinstance(point, OnBody))
     omega = math.sqrt(cable.EA_fast / (cable.length * (load + cable.mass_per_length * cable.length / 2.5)))
     return Mode(omega, 0.5 * cable.dashpot / cable.stiffness * omega)

@@ -20,6 +20,7 @@ from anet_lumped.effects.shapes import Shape
 from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
+from anet_lumped.scene import nets
 from anet_lumped.scene.happenings import KINDS as EVENTS
 from anet_lumped.scene.happenings import Happening
 from anet_lumped.scene.rod import Rod
@@ -38,7 +39,8 @@ PARTS: dict[Any, tuple[str, Mapping[str, Callable]]] = {
 OWN = " An effect of your own is known in Python, once its module is imported, and not on the command line."
 DEEPEST = 32  # tables and arrays within each other; a wind that is sampled has 7
 NAMED_ENTRIES = {"points": "point", "bodies": "body", "cables": "cable", "rods": "rod"}
-SECTIONS = ("points", "bodies", "cables", "cable_defaults", "effects", "events")
+SECTIONS = ("points", "bodies", "cables", "cable_defaults", "nets", "effects", "events")
+NETS: dict[str, Callable] = {"grid": nets.grid, "cone": nets.cone}
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
@@ -85,10 +87,14 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
         f"{source}, cable_defaults",
     )  # fmt: skip
     bodies = [_body(entry, place) for entry, place in _tables(entries, "bodies", source)] if "bodies" in entries else ()
-    points = []
-    if not bodies or "points" in entries:
+    woven = [_net(entry, place) for entry, place in _tables(entries, "nets", source)] if "nets" in entries else ()
+    points, cables = [], [cable for net in woven for cable in net.cables]
+    if not (bodies or woven) or "points" in entries:
         points = [_point(entry, place) for entry, place in _tables(entries, "points", source)]
-    cables = [_make(Cable, _of_rope(shared | entry, place), place) for entry, place in _tables(entries, "cables", source)]
+    own = {point.name for point in points}
+    points += [point for net in woven for point in net.points if point.name not in own]
+    if not woven or "cables" in entries:
+        cables += [_make(Cable, _of_rope(shared | entry, place), place) for entry, place in _tables(entries, "cables", source)]
     effects = []
     for name, entry in _table(entries.get("effects", {}), f"{source}, effects").items():
         place = f"{source}, effects.{one_line(name, NAMED)}"
@@ -130,6 +136,15 @@ def _point(entry: dict[str, Any], place: str) -> Fixed | Driven | Free:
     return _make(kind, entry, place)
 
 
+def _net(entry: dict[str, Any], place: str) -> nets.NetParts:
+    """Points and cables of a net that a table describes."""
+    kind, entry = _take_kind(entry, NETS, "net", place)
+    if "netting" in entry:
+        within = f"{place}.netting"
+        entry = entry | {"netting": _make(nets.Netting, _table(entry["netting"], within), within)}
+    return _make(kind, entry, place)
+
+
 def _body(entry: dict[str, Any], place: str) -> Body:
     if "rods" in entry:
         rods = [_make(Rod, rod, of) for rod, of in _tables(entry, "rods", place)]
@@ -166,13 +181,14 @@ def _of_rope(entry: dict[str, Any], place: str) -> dict[str, Any]:
 
 def _parts(maker: Callable, key: str, value: Any, place: str) -> Any:
     """Return the value of an argument of `maker`, with what it holds as tables, itself or within, made of those."""
+    part = None if value is None else _part_of(maker, key)
+    if part is None:
+        return value
+    what, kinds = PARTS[part]
     annotation = _arguments(maker)[key].annotation
-    for part, (what, kinds) in PARTS.items():
-        if value is not None and _mentions(annotation, part):
-            if _mentions(annotation, Vector):
-                return _vectors_or(what, kinds, value, f"{place}.{key}")
-            return _made(what, kinds, value, f"{place}.{key}", may_be_number=_mentions(annotation, float))
-    return value
+    if _mentions(annotation, Vector):
+        return _vectors_or(what, kinds, value, f"{place}.{key}")
+    return _made(what, kinds, value, f"{place}.{key}", may_be_number=_mentions(annotation, float))
 
 
 def _vectors_or(what: str, kinds: Mapping[str, Callable], value: Any, place: str) -> Any:
@@ -188,8 +204,15 @@ def _vectors_or(what: str, kinds: Mapping[str, Callable], value: Any, place: str
 
 def kinds_of(maker: Callable, key: str) -> Mapping[str, Callable] | None:
     """Classes by the `kind` of the table that an argument of `maker` may be given by; None if it takes no such table."""
-    annotation = _arguments(maker)[key].annotation if key in _arguments(maker) else None
-    return next((kinds for part, (_, kinds) in PARTS.items() if _mentions(annotation, part)), None)
+    part = _part_of(maker, key) if key in _arguments(maker) else None
+    return None if part is None else PARTS[part][1]
+
+
+@cache
+def _part_of(maker: Callable, key: str) -> type | None:
+    """The key of `PARTS` that the type of an argument of `maker` holds, or None."""
+    annotation = _arguments(maker)[key].annotation
+    return next((part for part in PARTS if _mentions(annotation, part)), None)
 
 
 def _mentions(annotation: Any, part: type) -> bool:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, replace
+from threading import Lock
 from typing import Any, NamedTuple
 
 from anet_lumped.checks import InputError, nearest
@@ -51,7 +52,7 @@ class Varied:
     """
 
     def __init__(self, scene: Scene, names: Iterable[str]) -> None:
-        self.scene, self.names = scene, tuple(names)
+        self.scene, self.names, self.writing = scene, tuple(names), Lock()
         self.entries = scene_to_dict(scene)
         known = known_fields(self.entries)
         self.found = {name: found(known, name) for name in self.names if name not in SETTINGS}
@@ -83,9 +84,14 @@ class Varied:
         """
         if not self.touched:
             return self.scene
-        for name, of_name in self.found.items():
-            for field in of_name:
-                field.container[field.key] = values[name]
+        with self.writing:
+            for name, of_name in self.found.items():
+                for field in of_name:
+                    field.container[field.key] = values[name]
+            return self._scene(values)
+
+    def _scene(self, values: Mapping[str, Any]) -> Scene:
+        """`with_values` once they are in the tables."""
         scene, made = self.scene, dict[Any, Any]()
         parts = {section: list(getattr(scene, section)) for section in {section for section, _ in self.touched}}
         for (section, entry), held in self.touched.items():
@@ -101,14 +107,15 @@ class Varied:
         """A part with other values: a copy where they are fields of its own, read from its table where they are within one."""
         table = self.entries[section][entry]
         changes = {field.key: values[name] for name, field in held}
+        excluded = None
         if section == "cables":  # zeta and BA exclude each other
             given = [key for key in ("zeta", "BA") if key in changes]
-            changes |= {"BA": None} if given == ["zeta"] else {"zeta": 0.0} if given == ["BA"] else {}
+            excluded = "BA" if given == ["zeta"] else "zeta" if given == ["BA"] else None
         if all(field.container is table for _, field in held):
             own = {field.name for field in fields(part) if field.init}
             if set(changes) <= own and not any(isinstance(value, list | dict | str) for value in changes.values()):
-                return replace(part, **changes)
-        return part_from_dict(section, entry, {key: value for key, value in table.items() if value is not None})
+                return replace(part, **changes, **({} if excluded is None else {excluded: None if excluded == "BA" else 0.0}))
+        return part_from_dict(section, entry, {key: value for key, value in table.items() if value is not None and key != excluded})
 
 
 def _renamed(made: Cable, other: Cable) -> Cable:

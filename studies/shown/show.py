@@ -19,6 +19,7 @@ UNITS = {
 UNIT = {word: unit for unit, words in UNITS.items() for word in words.split()}  # by the last such word of a name
 SUFFIXES = "m mm um cm kg g s ms us ns N J Hz percent degrees".split()  # that are the unit of a name that ends so
 COMPOUND_UNITS = {"_Ns_per_m": "N·s/m", "_N_per_m": "N/m", "_rad_per_s": "rad/s", "_m_per_s": "m/s", "_per_s": "1/s"}
+MOST_ROWS = 200  # of a table on the screen
 WIDE = 10  # columns; a wider table of few rows is shown on its side
 
 
@@ -35,7 +36,9 @@ def show(result: dict) -> None:
     console = Console(width=None if sys.stdout.isatty() else 160, highlight=False, markup=False, emoji=False)
     for title, value in result.items():
         if isinstance(value, list) and value and isinstance(value[0], dict):
-            console.print(_table(title, value))
+            console.print(_table(title, value[:MOST_ROWS]))
+            if len(value) > MOST_ROWS:
+                print(f"{MOST_ROWS} of {len(value)} {_words(title)}; all of them with --json.")
         elif isinstance(value, list):
             for line in value:
                 print(f"{_words(title)}: {printable(str(line))}")

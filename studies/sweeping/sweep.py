@@ -172,19 +172,13 @@ class Variant:
 
     def __call__(self, inputs: dict) -> dict:
         """Measures, status and reason. Of a run that failed, those measures that its good part allows."""
-        from anet_lumped.motion.simulate import simulate
-        from anet_lumped.statics.equilibrium import equilibrium
+        from studies.sweeping.rest_and_run import rest_and_run
 
         scene, varied = apply(self.scene, inputs_of(inputs))
-        sources, result = {}, {}
-        if any(measure.source == Source.REST for measure, _ in self.measures.values()):
-            sources[Source.REST] = equilibrium(scene)
-        if self.settings is not None:
-            settings = self.settings | varied
-            if Source.REST in sources and settings.get("start", "equilibrium") == "equilibrium":
-                settings["start"] = sources[Source.REST]
-            sources[Source.RUN] = run = simulate(scene, **settings)
-            result = {"status": run.status, "reason": run.message}
+        rests = any(measure.source == Source.REST for measure, _ in self.measures.values())
+        rest, run = rest_and_run(scene, None if self.settings is None else self.settings | varied, rests)
+        sources = {Source.REST: rest, Source.RUN: run}
+        result = {} if run is None else {"status": run.status, "reason": run.message}
         for text, (measure, target) in self.measures.items():
             arguments = (*target, self.since) if measure.over_time else target
             try:

@@ -4,19 +4,13 @@ import itertools
 import math
 import re
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
-from anet_lumped.checks import InputError, nearest, shown
+from anet_lumped.checks import shown
 from anet_lumped.limits import ROWS, check_most
-from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
+from anet_lumped.scene.as_dict import scene_to_dict
 from anet_lumped.scene.scene import Scene
-
-SETTINGS = ("t_end", "method", "dt", "start", "rtol", "atol", "rho_inf")
-NOT_VARIED = ("name", "kind", "start", "end")  # of points, cables and events: what they are, and not a number of them
-NUMBERED = re.compile(r"(?P<list>.+)\.(?P<index>[0-9]{1,9})")  # an entry of a list, `ground_map.heights.2.0`
-
-
-class VaryError(InputError):
-    """A name that nothing in the scene has, or values that cannot be read."""
+from anet_lumped.scene.varied import SETTINGS, Varied, VaryError, found, hint, known_fields
 
 
 def parse_vary(texts: Iterable[str]) -> dict[str, str]:
@@ -87,13 +81,13 @@ def whole_inputs(scene: Scene, vary: Mapping) -> dict[str, bool]:
     """
     if not isinstance(vary, Mapping):
         raise VaryError(f"What is varied must be a dict from names to values, but it is {shown(vary)}.")
-    fields = _fields(scene_to_dict(scene))
+    fields = known_fields(scene_to_dict(scene))
     whole = {}
     for name in vary:
-        found = _found(fields, name)
-        if not found and name not in SETTINGS:
-            raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, fields, scene)}")
-        whole[name] = bool(found) and all(type(container[key]) is int for container, key in found)
+        of_name = found(fields, name)
+        if not of_name and name not in SETTINGS:
+            raise VaryError(f"Nothing called `{name}` can be varied here{hint(name, fields, scene)}")
+        whole[name] = bool(of_name) and all(type(field.value) is int for field in of_name)
     return whole
 
 
@@ -117,110 +111,13 @@ def apply(scene: Scene, inputs: dict) -> tuple[Scene, dict]:
     SceneError : a value that the scene refuses
     """
     settings = {name: value for name, value in inputs.items() if name in SETTINGS}
-    entries = scene_to_dict(scene)
-    fields = _fields(entries)
-    touched = set()
-    for name in inputs:
-        if name in settings:
-            continue
-        found = _found(fields, name)
-        if not found:
-            raise VaryError(f"Nothing called `{name}` can be varied here{_hint(name, fields, scene)}")
-        for container, key in found:
-            container[key] = inputs[name]
-            touched.add((id(container), key))
-    if len(settings) == len(inputs):
-        return scene, settings
-    for cable in entries["cables"]:  # zeta and BA exclude each other
-        varied = [key for key in ("zeta", "BA") if (id(cable), key) in touched]
-        if varied == ["BA"]:
-            del cable["zeta"]
-        elif varied == ["zeta"] or cable["BA"] is None:
-            del cable["BA"]
-        if cable["diameter"] is None:
-            del cable["diameter"]
-    return scene_from_dict(entries), settings
+    return of_names(scene, tuple(name for name in inputs if name not in SETTINGS)).with_values(inputs), settings
 
 
-def _fields(entries):
-    """Name -> (container, key) of every value that has this name, in a scene laid out as a scene file."""
-    fields = {}
-    for cable in entries["cables"]:
-        cable.setdefault("BA", None)
-        cable.setdefault("diameter", None)
-    parts = [(cable.get("name", f"{cable['start']}-{cable['end']}"), cable) for cable in entries["cables"]]
-    parts += [(point["name"], point) for section in ("points", "bodies") for point in entries.get(section, ())]
-    parts += list(entries["effects"].items())
-    for label, part in parts:
-        for path, container, key in _values_below(part):
-            for name in (path, f"{label}.{path}"):
-                if name not in SETTINGS:
-                    fields.setdefault(name, []).append((container, key))
-    for i, event in enumerate(entries.get("events", ())):  # never by the field alone: `mass` is that of points
-        for path, container, key in _values_below(event):
-            fields[f"events.{i}.{path}"] = [(container, key)]
-    return fields
-
-
-def _values_below(part, above=""):
-    """Name, container and key of each value of a table, and of those within it."""
-    for key in part:
-        if key not in (NOT_VARIED if not above else ("name", "kind")):
-            yield from _values_of(part, key, above + key)
-
-
-def _values_of(container, key, name):
-    value = container[key]
-    if isinstance(value, dict):
-        yield from _values_below(value, f"{name}.")
-    elif _are_all(value, lambda entry: isinstance(entry, dict)):
-        for i, entry in enumerate(value):  # the rods of a body; several winds or waves
-            yield from _values_below(entry, f"{name}.{entry.get('name', i)}.")
-    elif _are_all(value, lambda entry: isinstance(entry, list) and len(entry) == 2 and isinstance(entry[0], str)):
-        for entry in value:  # forces by the names of points; lengths paid out by those of cables
-            yield from _values_of(entry, 1, f"{name}.{entry[0]}")
-    else:
-        yield name, container, key
-    if isinstance(value, list) and len(value) == 3 and not isinstance(value[0], dict | list):
-        yield from ((f"{name}.{axis}", value, i) for i, axis in enumerate("xyz"))
-
-
-def _are_all(value, condition):
-    return isinstance(value, list) and bool(value) and all(map(condition, value))
-
-
-def _found(fields, name):
-    """Container and key of each value that has a name: a field, or an entry of a list that is one."""
-    indices = []
-    while name not in fields:
-        numbered = NUMBERED.fullmatch(name)
-        if not numbered:
-            return []
-        name = numbered["list"]
-        indices.insert(0, int(numbered["index"]))
-    found = fields[name]
-    for i in indices:
-        lists = [container[key] for container, key in found]
-        if not all(isinstance(value, list) and i < len(value) for value in lists):
-            return []
-        found = [(value, i) for value in lists]
-    return found
-
-
-def _hint(name, fields, scene):
-    numbered = NUMBERED.fullmatch(name)
-    lists = [container[key] for container, key in (_found(fields, numbered["list"]) if numbered else ())]
-    if lists and all(isinstance(value, list) for value in lists):
-        return f": `{numbered['list']}` has {min(map(len, lists))} entries, counted from 0."
-    label, _, key = re.sub(r"\.[xyz]$", "", name).rpartition(".")
-    for part in (*scene.points, *scene.bodies, *scene.cables):
-        if label in ("", part.name) and getattr(part, key, "") is None:
-            return f": `{part.name}` has no `{key}` in this scene, and must be given one first."
-    known = [*SETTINGS, *fields]
-    parts = [other for other in fields if "." not in other]
-    return nearest(name, known, quote="`") or (
-        f"; known are {', '.join([*SETTINGS, *parts])}, and each field by its part's name, as in `{list(fields)[1]}`."
-    )
+@lru_cache(maxsize=4)
+def of_names(scene: Scene, names: tuple[str, ...]) -> Varied:
+    """`Varied` of a scene, kept from row to row."""
+    return Varied(scene, names)
 
 
 def listed_values(name: str, values: Iterable) -> list:

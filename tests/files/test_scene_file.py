@@ -253,3 +253,13 @@ def test_clamps_of_a_scene_file_may_be_a_table():
     assert scene_from_dict(entries | {"effects": {"bending": {"clamped": {"a": [0, 0, 1]}}}}) == scene_from_dict(entries)
     with pytest.raises(SceneError, match=r"effects.bending: key `clamped\[2\]` has the wrong type: .*number, but it is 'x'"):
         scene_from_dict(entries | {"effects": {"bending": {"clamped": {"a": [0, 0, "x"]}}}})
+
+
+def test_what_all_cables_have_alike_is_said_once(tmp_path):
+    alike = {"length": 1.2, "mass_per_length": 0.1, "segments": 2, "BA": 3.0}
+    points = [Fixed("a", (0, 0, 0)), Fixed("b", (1, 0, 0)), Free("c")]
+    scene = Scene(points, [Cable("a", "c", EA=1e4, **alike), Cable("b", "c", EA=2e4, **alike)], [Gravity()])
+    save_scene(scene, tmp_path / "net.toml")
+    text = (tmp_path / "net.toml").read_text()
+    assert (text.count("mass_per_length"), text.count("BA"), text.count("EA =")) == (1, 1, 2)
+    assert load_scene(tmp_path / "net.toml") == scene
