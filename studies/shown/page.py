@@ -58,6 +58,23 @@ def write_page(file: Path, entries: Iterable[Entry], parts: Iterable[str], *, ma
     command : line that makes this page
     stopped : a sentence that says why studies are still to come though nothing runs any more; empty while the report runs
     """
+    entries = list(entries)
+    sections = {part: [entry for entry in entries if entry.part == part] for part in parts}
+    write_template(
+        file,
+        "report.html",
+        sections={part: of_part for part, of_part in sections.items() if of_part},
+        to_come=[entry.name for entry in entries if entry.state in (State.TO_COME, State.RUNNING)],
+        State=State,
+        made=made,
+        command=command,
+        stopped=stopped,
+        shown=SHOWN,
+    )
+
+
+def write_template(file: Path, template: str, **values: object) -> None:
+    """Write a page that needs nothing but itself, of a template of this package and its values."""
     import jinja2
 
     environment = jinja2.Environment(
@@ -69,17 +86,7 @@ def write_page(file: Path, entries: Iterable[Entry], parts: Iterable[str], *, ma
     )
     environment.filters |= {"inline": _inline, "words": _words, "informative": _informative}
     environment.filters |= {"text": as_text, "head": column_head, "first_sentence": _first_sentence, "prose": _prose}
-    entries = list(entries)
-    sections = {part: [entry for entry in entries if entry.part == part] for part in parts}
-    page = environment.get_template("report.html").render(
-        sections={part: of_part for part, of_part in sections.items() if of_part},
-        to_come=[entry.name for entry in entries if entry.state in (State.TO_COME, State.RUNNING)],
-        State=State,
-        made=made,
-        command=command,
-        stopped=stopped,
-        shown=SHOWN,
-    )
+    page = environment.get_template(template).render(**values)
     file.parent.mkdir(parents=True, exist_ok=True)
     half = file.with_suffix(".part")  # a reader never finds half a page
     half.write_text(page, encoding="utf-8")

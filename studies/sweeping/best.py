@@ -72,7 +72,7 @@ def read_objective(text: str) -> tuple[str, bool]:
     BestError
     """
     words = text.split()
-    if len(words) == 1:
+    if len(words) == 1 and words[0] not in ("min", "max"):
         return words[0], False
     if len(words) == 2 and words[0] in ("min", "max"):
         return words[1], words[0] == "max"

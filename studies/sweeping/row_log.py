@@ -117,6 +117,26 @@ def open_log(
     return {one: line for one, (_, line) in lines.items() if line["status"] != "crashed"}, opened
 
 
+def read_log(log: Path) -> list[dict]:
+    """Lines of `rows.jsonl`, but for a last one that is torn or still being written; none where there is no file.
+
+    Raises
+    ------
+    RowsError : a line is damaged
+    """
+    lines = []
+    for number, text in enumerate(_content(log).splitlines(keepends=True) if log.exists() else [], 1):
+        if not text.endswith((b"\n", b"\r")):
+            break
+        try:
+            line = line_of_text(text, (), ())
+        except ValueError as error:
+            raise RowsError(f"Rows must be whole to be read, but {log}, line {number}, {error}.") from None
+        if line is not None:
+            lines.append(line)
+    return lines
+
+
 def key(row: dict, names: list[str]) -> str:
     """What tells a row from others: its inputs."""
     return json.dumps([row.get(name) for name in names])

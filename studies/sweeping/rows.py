@@ -19,12 +19,12 @@ from studies.sweeping.batch import BatchRunner, check_budget
 from studies.sweeping.folder_lock import LOCK, locked
 from studies.sweeping.parts import LARGEST_PART, PART_SECONDS, NumberedRows, PartTask, Shard, gathered, open_parts
 from studies.sweeping.provenance import library
-from studies.sweeping.row_log import LARGE, RowsError, key, kind, line_of, open_log, plain
+from studies.sweeping.row_log import LARGE, RowsError, key, kind, line_of, open_log, plain, read_log, read_meta
 from studies.sweeping.workers import CRASHED, OwnPool, Pace, check_workers, slots, through_executor
 
 LOG = logging.getLogger(__name__)
 TOLD_EVERY = 5.0  # [s], between two words on how far the rows are
-__all__ = ["RowsError", "gather", "run_rows", "save_table"]
+__all__ = ["RowsError", "gather", "read_rows", "run_rows", "save_table"]
 
 
 def run_rows(
@@ -141,6 +141,33 @@ def gather(out: str | Path):
     table = table_of(lines, names)
     save_table(table, out / "rows")
     return table, missing, torn
+
+
+def read_rows(out: str | Path):
+    """The rows of a folder, however they are kept, also while they are still being done.
+
+    Returns
+    -------
+    table : pandas.DataFrame
+    meta : dict, what `meta.json` holds
+    asked : int or None, how many rows are asked for, where that is known
+
+    Raises
+    ------
+    RowsError : the folder holds no rows, or damaged ones
+    """
+    out = Path(out)
+    meta = read_meta(out / "meta.json")
+    if not (isinstance(meta, dict) and isinstance(meta.get("identity"), dict)):
+        raise RowsError(f"A folder of rows must hold meta.json, but {out} does not.")
+    if "rows" in meta:
+        lines, names, _, _ = gathered(out)
+        return table_of(lines, names), meta, meta["rows"]
+    lines = read_log(out / "rows.jsonl")
+    if not lines:
+        raise RowsError(f"{out} holds no rows.")
+    vary = [name for name in lines[0] if name in meta["identity"].get("vary", {})]
+    return table_of(lines, vary), meta, None
 
 
 def save_table(table, stem: Path) -> None:

@@ -69,7 +69,7 @@ def sensitivities(table, inputs: Iterable[str], measures: Iterable[str], seed: i
         def indices(chosen, y=y, n=n):
             at = y[:, chosen]
             found = sobol_indices(func={"f_A": at[:1], "f_B": at[1:2], "f_AB": at[2:, np.newaxis]}, n=n)
-            return np.stack([found.first_order[0], found.total_order[0]])
+            return np.stack([found.first_order.ravel(), found.total_order.ravel()])  # of one measure
 
         random = np.random.default_rng(seed)
         resampled = np.stack([indices(random.integers(n, size=n)) for _ in range(RESAMPLES)])
