@@ -124,8 +124,7 @@ def simulate(
     """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, positions at the end [m].
 
     With --out the run is saved there (run.nc), with its account (run.json), a picture (run.png), and the channels that a MoorDyn
-    file asks for (.out, .LineN.out). A run that does not reach
-    its end, gains energy or fails its audit exits with 1, and says so in all of them.
+    file asks for. A run that does not reach its end, gains energy or fails its audit exits with 1, and says so in all of them.
     """
     from anet_lumped.files.motion_file import moved
     from anet_lumped.files.start_file import read_start
@@ -345,21 +344,25 @@ def study(
 @app.command(epilog="Example: anet-lumped mismatch net_held --markers run1.csv   (columns x, y, z in m or mm)")
 def mismatch(
     scene: Scene,
-    markers: Annotated[Path | None, typer.Option(help="Measured positions (CSV), or tracks over time (CSV, NPZ, TRC).")] = None,
+    markers: Annotated[Path | None, typer.Option(help="Positions (CSV), or tracks (CSV, NPZ, TRC; of Motive, of Nexus).")] = None,
     tension: Annotated[Path | None, typer.Option(help="Measured tensions over time, by the names of cables (CSV, NPZ).")] = None,
     shift: Annotated[float | None, typer.Option(help="Time of the run at the first sample; sought if not given.", **TIME)] = None,
+    up: Annotated[str | None, typer.Option(help="Axis of tracks that points up, y or z; y of Motive, z of others.")] = None,
     change: Changes = (),
     effect: Added = (),
     out: Out = None,
     as_json: Json = False,
 ):
     """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable.
-    With tensions or tracks over time the scene is run from its rest and aligned with them: RMSE, peak and phase error of each.
+
+    Markers are of one shape, or tracks, of which medians are taken where no name is one of the scene's. With --out also a picture,
+    the distance of each marker (markers.csv) and the scene with its fitted lengths (fitted.toml). With tensions, or with tracks
+    named as points or places on cables (s0-p0@0.25), the scene is run from its rest: RMSE, peak and phase error of each.
     """
     from studies.shown.mismatch_summary import compared
 
     scene = changed(load(scene, "equilibrium"), change, effect)
-    found, save, ok = compared(scene, markers, tension, shift, out)
+    found, save, ok = compared(scene, markers, tension, shift, up, out)
     give(found, as_json, out, "mismatch", save)
     raise typer.Exit(0 if ok else 1)
 

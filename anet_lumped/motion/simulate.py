@@ -12,7 +12,6 @@ import numpy as np
 
 from anet_lumped.checks import InputError, number, quoted, shown
 from anet_lumped.model import rest_lengths
-from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.audit import audited
 from anet_lumped.results.near_origin import computed_near_origin

@@ -33,6 +33,10 @@ GROUND = "ground"
 """What `reaction` calls the ground of a scene, unless a point or body has that name."""
 
 
+class UnknownForceError(InputError):
+    """A force that the states do not tell, as what drives or pushes from outside is not part of the scene."""
+
+
 class Rows(NamedTuple):
     """States of a net between two events.
 
@@ -107,7 +111,8 @@ def end_force(now: Rows, whole: Scene, cable: str, point: str, inertia: bool = T
 
     Raises
     ------
-    InputError : the cable does not end at that point; an acceleration that is not known
+    InputError : the cable does not end at that point
+    UnknownForceError : see `_acceleration`
     """
     own = whole.cable(cable)
     whole.point(point)
@@ -249,7 +254,7 @@ def _acceleration(now: Rows, name: str) -> np.ndarray:
 
     Raises
     ------
-    InputError : a point that is driven or pushed from outside
+    UnknownForceError : a point that is driven or pushed from outside
     """
     model = now.left.model
     point, node = model.scene.point(name), model.node_of[name]
@@ -259,12 +264,12 @@ def _acceleration(now: Rows, name: str) -> np.ndarray:
         if "external" in _kinds(point.path):
             if len(now.t) > 1 and not now.v[:, node].any() and not np.ptp(now.q[:, node], axis=0).any():
                 return np.zeros((len(now.t), 3))  # nobody drove it
-            raise InputError(
+            raise UnknownForceError(
                 f"A force at an end needs the acceleration there, but {quoted(name)} is driven from outside, by a Session."
             )
         return _of_path(point.path, now.t)
     if now.pushed:
-        raise InputError(
+        raise UnknownForceError(
             f"A force at an end needs all forces there, but {quoted(name)} moves freely, and forces from outside act that the "
             "scene does not have."
         )

@@ -6,8 +6,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from anet_lumped.checks import InputError
-from anet_lumped.results.end_forces import GROUND
+from anet_lumped.results.end_forces import GROUND, UnknownForceError
 from anet_lumped.scene.scene import Free
 from studies.shown.show import as_text
 from studies.sweeping.measures import sag
@@ -195,34 +194,6 @@ def prediction_summary(scene, dt: float | None = None) -> dict:
     return {"cables": cables, "methods": methods} | explained | {"warning": warnings}
 
 
-def catenary_comparison(scene) -> dict:
-    """The scene at rest against the elastic catenary net between the same supports."""
-    from anet_lumped.advice.compare import compare
-    from anet_lumped.statics.equilibrium import equilibrium
-
-    found = compare(equilibrium(scene))
-    return {
-        "cables": [asdict(cable) for cable in found.cables],
-        "error_of_points": [{"point": name} | _xyz(error) for name, error in found.points.items()],
-    }
-
-
-def marker_comparison(scene, file) -> dict:
-    """The scene at rest against measured markers, before and after its cables' lengths are fitted to them."""
-    from anet_lumped.advice.markers import fit_markers, read_markers
-
-    markers = read_markers(file, scene)
-    fit = fit_markers(markers.xyz, scene)
-    return {
-        "markers": len(markers.xyz),
-        "unit": markers.unit,
-        "rows_without_a_position": markers.empty_rows,
-        "outliers": fit.outliers,
-        "offset": [_xyz(fit.offset)],
-        "cables": [asdict(cable) for cable in fit.cables],
-    }
-
-
 def ropes_summary(diameter: float) -> dict:
     """The ropes of the catalogue at a nominal diameter [m]."""
     from anet_lumped.checks import check_number
@@ -309,7 +280,7 @@ def _peak_at(run, cable, point):
     """Largest tension of a cable at a point [N]; None where that is not known, as of a point pushed from outside the scene."""
     try:
         return run.end_tension(cable.name, point).max()
-    except InputError:
+    except UnknownForceError:
         return None
 
 
