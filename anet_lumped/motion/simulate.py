@@ -95,7 +95,7 @@ def simulate(
         in chaos, ``Run.reason`` and a warning say, and from when on.
     audit : bool or float [m]
         Run again with half the step or a tenth of the tolerance, and compare: ``Run.audit`` estimates the error of the run, and
-        its status is "audit failed" if that is above the number given (True: 1 % of the longest cable) or if the energy
+        its status is "audit failed" if that is above the number given (True: 1 % of the longest cable, 5 % of the motion) or if the energy
         does not balance. Costs two to three times the run.
     check : bool
         Raise `RunError` if the run is not "done", instead of returning what there is.

@@ -89,6 +89,7 @@ def recommendation_summary(found, scene, change=(), added=()) -> dict:
     before = [text for text in change if not text.partition("=")[0].strip().endswith("segments")]
     sets = [f"--effect {shlex.quote(text)}" for text in added] + [f"--set {shlex.quote(text)}" for text in before]
     sets = " ".join([*sets, *(f"--set {name}={n}" for name, n in changes.items())])
+    unit, size = ("mm", 1e3) if found.unit == "m" else (found.unit, 1.0)
     named = {"best": best, "runner-up": found.runner_up, "with EA=inf": found.rigid}
     return {
         "recommended": [
@@ -97,7 +98,7 @@ def recommendation_summary(found, scene, change=(), added=()) -> dict:
                 "method": one.method + (", extrapolated" if one.extrapolate else ""),
                 "step_ms": None if one.dt is None else 1e3 * one.dt,
                 "rtol": one.rtol,
-                "time_error_mm": 1e3 * one.error,
+                f"time_error_{unit}": size * one.error,
                 "times_faster": one.times_real_time,
             }
             for name, one in named.items()
@@ -106,12 +107,12 @@ def recommendation_summary(found, scene, change=(), added=()) -> dict:
         "segments": [{"cable": name, "segments": n} for name, n in found.segments.items()],
         "error": [
             {
-                "of": ", ".join(found.points) or "middles",
-                "asked_mm": 1e3 * found.error,
-                "segments_mm": 1e3 * found.segments_error,
-                "time_mm": 1e3 * found.time_error,
-                "checked_mm": 1e3 * found.checked_error,
-                "elasticity_mm": 1e3 * found.elasticity,
+                "of": found.of,
+                f"asked_{unit}": size * found.error,
+                f"segments_{unit}": size * found.segments_error,
+                f"time_{unit}": size * found.time_error,
+                f"checked_{unit}": size * found.checked_error,
+                f"elasticity_{unit}": size * found.elasticity,
             }
         ],
         "simulated_for_s": found.t_end,
