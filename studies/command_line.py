@@ -298,11 +298,13 @@ def sweep(
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
     as_json: Json = False,
 ):
-    """Measure a scene over a grid of inputs. Runs in parallel; rows are on disk as they finish."""
+    """Measure a scene over a grid of inputs. Runs in parallel; rows are on disk as they finish, a picture at the end."""
     from studies.sweeping.workers import start_early
 
     start_early()
+    from studies.shown.sweep_figure import save_sweep
     from studies.sweeping.sweep import sweep
+    from studies.sweeping.units import with_units
     from studies.sweeping.vary import parse_vary
 
     out = out or Path("results") / f"sweep-{Path(scene).stem}"
@@ -313,9 +315,12 @@ def sweep(
     except KeyboardInterrupt as stopped:
         tell(f"{str(stopped) or 'Stopped.'} The same command with --resume does the rest.")
         raise typer.Exit(130) from None
-    give({"rows": (table if as_json else table.head(SHOWN)).to_dict("records")}, as_json)
+    heads = with_units(loaded, table.columns)
+    save_sweep(table, list(parse_vary(vary)), heads, out)
+    shown = table if as_json else table.head(SHOWN).rename(columns=heads)
+    give({"rows": shown.to_dict("records")}, as_json)
     bad = int((table["status"] != "done").sum())
-    tell(f"{len(table)} rows in {out}/rows.parquet and .csv" + (f", {bad} of them not done." if bad else "."))
+    tell(f"{len(table)} rows in {out}/rows.parquet and .csv, drawn in sweep.png" + (f", {bad} of them not done." if bad else "."))
     if bad:
         raise typer.Exit(1)
 

@@ -94,9 +94,9 @@ def simulate(
         in a metre of the longest cable, 5 % of the motion, and 2 % of the largest tension. What cannot be kept, past a whip or
         in chaos, ``Run.reason`` and a warning say, and from when on.
     audit : bool or float [m]
-        Run again with half the step or a tenth of the tolerance, and compare: ``Run.audit`` estimates the error of the run, and
-        its status is "audit failed" if that is above the number given (True: 1 % of the longest cable, 5 % of the motion) or if the energy
-        does not balance. Costs two to three times the run.
+        Run again with half the step or a tenth of the tolerance, and compare: ``Run.audit`` estimates the error of the run, and its
+        status is "audit failed" if that is above the number given (True: 1 % of the longest cable, 5 % of the motion) or if
+        energy does not balance. Costs two to three times the run.
     check : bool
         Raise `RunError` if the run is not "done", instead of returning what there is.
 

@@ -39,11 +39,9 @@ def plot_markers(fit: Any) -> Any:
 
 
 def _shapes(axes: Any, fit: Any, on: np.ndarray, plane: tuple[int, int]) -> None:
-    drawn = dict.fromkeys((False, True))
     for state, fitted in ((fit.before, False), (fit.after, True)):
         style = {"colors": BLACK, "linewidths": 1.6} if fitted else {"colors": GREY, "linewidths": 1.2, "linestyles": "--"}
-        drawn[fitted] = draw_cables(axes, state.q, state.model.ends, plane, **style)
-        drawn[fitted].set_label("model, fitted" if fitted else "model, as given")
+        draw_cables(axes, state.q, state.model.ends, plane, label="model, fitted" if fitted else "model, as given", **style)
     axes.plot(*fit.xyz[on][:, plane].T, "o", color=VERMILION, ms=3.5, mfc="none", label="markers", zorder=3)
     low, high = fit.after.q.min(axis=0), fit.after.q.max(axis=0)
     near = ~on & (np.abs(fit.xyz - (low + high) / 2) < 0.75 * np.ptp(fit.after.q)).all(axis=1)

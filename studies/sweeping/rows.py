@@ -35,6 +35,7 @@ def run_rows(
     identity: dict | None = None,
     columns: Iterable[str] = (),
     label: str | None = None,
+    heads: dict[str, str] | None = None,
 ):
     """Table with `function(row)` beside every row, in the order of `rows`.
 
@@ -53,6 +54,7 @@ def run_rows(
     identity : what else the results depend on (JSON values): rows with another identity are not resumed
     columns : names that the results of a row that is done have: a line without one of them is damaged and not resumed
     label : name of a progress bar on stderr; none by default
+    heads : names of columns in `rows.csv`, where they have units
 
     Returns
     -------
@@ -91,16 +93,16 @@ def run_rows(
                 raise KeyboardInterrupt(f"Stopped after {len(lines)} of {len(asked)} rows{on_disk}.") from None
         table = _table([lines[one] for one in asked], names)
         if out is not None:
-            save_table(table, out / "rows")
+            save_table(table, out / "rows", heads)
         return table
 
 
-def save_table(table, stem: Path) -> None:
-    """Write a DataFrame as `stem`.parquet and `stem`.csv."""
+def save_table(table, stem: Path, heads: dict[str, str] | None = None) -> None:
+    """Write a DataFrame as `stem`.parquet and `stem`.csv, the latter with other names of columns if there are any."""
     stem.parent.mkdir(parents=True, exist_ok=True)
     for ending in (".csv", ".parquet"):
         check_target(stem.with_name(stem.name + ending), "A table")
-    table.to_csv(stem.with_name(stem.name + ".csv"), index=False)
+    table.rename(columns=heads or {}).to_csv(stem.with_name(stem.name + ".csv"), index=False)
     table.to_parquet(stem.with_name(stem.name + ".parquet"), index=False)
 
 

@@ -11,6 +11,7 @@ from anet_lumped.scene.scene import Scene
 from integrators import schemes
 from studies.sweeping.measures import MEASURES, Measure, Source, read_measure
 from studies.sweeping.rows import run_rows
+from studies.sweeping.units import with_units
 from studies.sweeping.vary import SETTINGS, VaryError, apply, grid, read_values
 
 AT_REST = ("stretch", "sag", "tension", "stable")
@@ -81,6 +82,7 @@ def sweep(
         identity=identity,
         columns=texts,
         label=label,
+        heads=with_units(scene, (*values, *texts)),
     )
 
 
