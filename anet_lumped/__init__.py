@@ -101,3 +101,7 @@ __all__ = [
     "winched",
     "wind",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "effects", *(name for name in globals() if name.startswith("__"))])

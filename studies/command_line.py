@@ -14,9 +14,27 @@ from typing import Annotated
 
 import typer
 
+from studies import file_commands
 from studies.added_effects import Added
 from studies.exit_status import exit_status
-from studies.options import DAMPER, LENGTH, PLACE, TIME, Changes, Full, Json, Method, Move, Out, Quick, Scene, Start, Step, folder
+from studies.options import (
+    LENGTH,
+    PLACE,
+    TIME,
+    At,
+    Changes,
+    Full,
+    Json,
+    Method,
+    Move,
+    Out,
+    Quick,
+    Scene,
+    Start,
+    Step,
+    Tension,
+    folder,
+)
 from studies.quantities import metres, newtons
 from studies.scenes import changed, load
 from studies.shown.given import give
@@ -69,17 +87,9 @@ def _about(
     """Elastic cables and nets as lumped masses: rest, motion, stability, and their distance from the catenary."""
 
 
-@app.command(epilog="Example: anet-lumped new mine.toml --like tether   (then: anet-lumped equilibrium mine.toml)")
-def new(
-    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The file to write; one that is there is left alone.")],
-    like: Annotated[
-        str, typer.Option(help="The scene to begin from: net_held, net_flown, loose_cable, mooring, tether, ...")
-    ] = "net_held",
-):
-    """Write a commented scene to begin from. It is a copy of one that comes with this."""
-    from anet_lumped.files.new_scene import new_scene
-
-    print(new_scene(scene, like))
+app.command(epilog="Example: anet-lumped new mine.toml --like tether   (then: anet-lumped equilibrium mine.toml)")(
+    file_commands.new
+)
 
 
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
@@ -124,8 +134,7 @@ def simulate(
     """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, positions at the end [m].
 
     With --out the run is saved there (run.nc), with its account (run.json), a picture (run.png), and the channels that a MoorDyn
-    file asks for (.out, .LineN.out). A run that does not reach
-    its end, gains energy or fails its audit exits with 1, and says so in all of them.
+    file asks for. A run that does not reach its end, gains energy or fails its audit exits with 1, and says so in all of them.
     """
     from anet_lumped.files.motion_file import moved
     from anet_lumped.files.start_file import read_start
@@ -195,11 +204,14 @@ def fly(
         raise typer.Exit(1)
 
 
-@app.command(epilog="Example: anet-lumped recommend net_carried --error 1mm --at p0 --realtime 5")
+@app.command(
+    epilog="Example: anet-lumped recommend net_carried --error 1mm --at p0 --realtime 5   (or --error 50kN --tension line1)"
+)
 def recommend(
     scene: Scene,
-    error: Annotated[float, typer.Option(help="Largest error of a position, as in 1mm, 0.05cm or 0.001 (m).", **LENGTH)],
-    at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
+    error: Annotated[str, typer.Option(help="Largest error: of a position, as in 1mm; of a tension, as in 50kN.")],
+    at: At = None,
+    tension: Tension = None,
     t_end: Annotated[float | None, typer.Option(help="How long to simulate; two swings if not given.", **TIME)] = None,
     start: Start = "equilibrium",
     realtime: Annotated[float | None, typer.Option(help="How many times faster than real time it must run.")] = None,
@@ -212,13 +224,12 @@ def recommend(
     from studies.shown.summary import recommendation_summary
 
     loaded = changed(load(scene, "recommend"), change, effect)
-    found = recommend(loaded, error, at=at, t_end=t_end, start=start, realtime=realtime)
+    limit = newtons(error) if tension else metres(error)
+    found = recommend(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, realtime=realtime)
     give(recommendation_summary(found, scene, change, effect), as_json)
     if not found.fast_enough:
         pace = found.best.times_real_time
-        tell(
-            f"within {error:g} m it runs {pace:.3g} times faster than real time, and not {realtime:g} times; allow a larger error."
-        )
+        tell(f"within {error} it runs {pace:.3g} times faster than real time, and not {realtime:g} times; allow a larger error.")
         raise typer.Exit(1)
 
 
@@ -226,8 +237,8 @@ def recommend(
 def effects(
     scene: Scene,
     error: Annotated[str, typer.Option(help="Change that matters: of a position, as in 1mm; of a tension, as in 0.1N.")] = "1mm",
-    at: Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")] = None,
-    tension: Annotated[str | None, typer.Option(metavar="CABLE", help="The cable whose tension counts instead.")] = None,
+    at: At = None,
+    tension: Tension = None,
     t_end: Annotated[float | None, typer.Option(help="How long to simulate; two swings if not given.", **TIME)] = None,
     start: Start = "equilibrium",
     water_level: Annotated[float | None, typer.Option(help="Height of still water, if there is any.", **LENGTH)] = None,
@@ -290,21 +301,25 @@ def study(
 @app.command(epilog="Example: anet-lumped mismatch net_held --markers run1.csv   (columns x, y, z in m or mm)")
 def mismatch(
     scene: Scene,
-    markers: Annotated[Path | None, typer.Option(help="Measured positions (CSV), or tracks over time (CSV, NPZ, TRC).")] = None,
+    markers: Annotated[Path | None, typer.Option(help="Positions (CSV), or tracks (CSV, NPZ, TRC; of Motive, of Nexus).")] = None,
     tension: Annotated[Path | None, typer.Option(help="Measured tensions over time, by the names of cables (CSV, NPZ).")] = None,
     shift: Annotated[float | None, typer.Option(help="Time of the run at the first sample; sought if not given.", **TIME)] = None,
+    up: Annotated[str | None, typer.Option(help="Axis of tracks that points up, y or z; y of Motive, z of others.")] = None,
     change: Changes = (),
     effect: Added = (),
     out: Out = None,
     as_json: Json = False,
 ):
     """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable.
-    With tensions or tracks over time the scene is run from its rest and aligned with them: RMSE, peak and phase error of each.
+
+    Markers are of one shape, or tracks, of which medians are taken where no name is one of the scene's. With --out also a picture,
+    the distance of each marker (markers.csv) and the scene with its fitted lengths (fitted.toml). With tensions, or with tracks
+    named as points or places on cables (s0-p0@0.25), the scene is run from its rest: RMSE, peak and phase error of each.
     """
     from studies.shown.mismatch_summary import compared
 
     scene = changed(load(scene, "equilibrium"), change, effect)
-    found, save, ok = compared(scene, markers, tension, shift, out)
+    found, save, ok = compared(scene, markers, tension, shift, up, out)
     give(found, as_json, out, "mismatch", save)
     raise typer.Exit(0 if ok else 1)
 
@@ -336,57 +351,12 @@ def report(
         raise typer.Exit(1)
 
 
-@app.command(epilog="Example: anet-lumped ropes --diameter 24mm   (nominal)")
-def ropes(
-    diameter: Annotated[float, typer.Option(help="Nominal diameter, as in 24mm or 0.024 (m).", **LENGTH)] = "12mm",
-    as_json: Json = False,
-):
-    """List the ropes that a cable may be made of. Mass, stiffness, strength at one diameter, and where the numbers are from."""
-    from studies.shown.summary import ropes_summary
-
-    give(ropes_summary(diameter), as_json)
+app.command(epilog="Example: anet-lumped ropes --diameter 24mm   (nominal)")(file_commands.ropes)
 
 
-@app.command(epilog="Example: anet-lumped view results/carried --out carried.gif   (at its own pace, if it lasts 2 to 12 s)")
-def view(
-    run: Annotated[str, typer.Argument(metavar="RUN", help="A saved run (.nc), or a folder with a run.nc.")],
-    out: Annotated[Path | None, typer.Option(help="The file to write: .html (beside the run by default), .gif or .mp4.")] = None,
-):
-    """Look at a saved run. One page that turns and plays in any browser, without a network, or a film, by the ending of --out."""
-    announce_compiling("equilibrium")
-    from anet_lumped.files.saved_run import view_saved
-
-    print(view_saved(run, out))
+app.command(epilog="Example: anet-lumped view results/carried --out carried.gif   (at its own pace, if it lasts 2 to 12 s)")(
+    file_commands.view
+)
 
 
-@app.command(epilog="Example: anet-lumped convert mooring.txt mooring.toml   (lengths in m, forces in N)")
-def convert(
-    scene: Annotated[str, typer.Argument(metavar="SCENE", help="A scene, as of the other commands, or a saved run (.nc).")],
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write, whose ending says what it is to be.")],
-    change: Changes = (),
-    effect: Added = (),
-    links: Annotated[str, typer.Option(help="Of a twin: cylinder or lumped.")] = "cylinder",
-    joints: Annotated[str, typer.Option(help="Of a twin: ball or revolute.")] = "ball",
-    damping: Annotated[float | None, typer.Option(help="Of a twin: damper of each joint, as in 1e-4 (N m s).", **DAMPER)] = None,
-    dt: Step = None,
-):
-    """Write a scene as TOML (.toml), for MoorDyn (.txt, .dat, .moordyn), as its twin of rigid links for MuJoCo (.xml) or Gazebo
-    (.sdf); or a saved run as a VTK series for ParaView (.pvd)."""
-    from anet_lumped.checks import InputError
-    from anet_lumped.files.saved_run import ENDING, view_saved
-    from anet_lumped.files.scene_file import MOORDYN, save_scene
-    from anet_lumped.files.twin_file import ENDINGS, save_twin
-
-    if scene.lower().endswith(ENDING):
-        if change or effect:
-            raise InputError(f"A saved run is written as it is; --set and --effect change a scene, but {scene} is a run.")
-        print(view_saved(scene, out))
-        return
-    if out.suffix.lower() not in (".toml", *MOORDYN, *ENDINGS):
-        raise InputError(f"OUT must end in .toml, {', '.join((*MOORDYN, *ENDINGS))}, but is {out}; .pvd is for a saved run (.nc).")
-    ready = changed(load(scene, "equilibrium"), change, effect)
-    if out.suffix.lower() in ENDINGS:
-        save_twin(ready, out, dt, links=links, joints=joints, damping=damping or 0.0)
-    else:
-        save_scene(ready, out)
-    print(out)
+app.command(epilog="Example: anet-lumped convert mooring.txt mooring.toml   (lengths in m, forces in N)")(file_commands.convert)

@@ -34,6 +34,8 @@ DAMPER = {"parser": newton_metre_seconds, "metavar": "DAMPER"}
 Method = Annotated[str | None, typer.Option(help="verlet, edmc, ...; chosen for you if not given.")]
 Step = Annotated[float | None, typer.Option(help="Step, as in 10ms or 0.01 (s); chosen for you if not given.", **TIME)]
 Start = Annotated[str, typer.Option(help="equilibrium, calm (a rest without turbulence and waves) or straight.")]
+At = Annotated[str | None, typer.Option(help="The free point whose position counts; all if not given.")]
+Tension = Annotated[str | None, typer.Option(metavar="CABLE", help="The cable whose tension counts instead.")]
 Changes = Annotated[
     list[str], typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first: p0.mass=0.05, a.length=sag:1cm.")
 ]

@@ -73,7 +73,7 @@ def sweep(
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
     as_json: Json = False,
 ):
-    """Measure a scene over a grid or a sample of inputs, or search the best. Runs in parallel; rows are on disk as they finish.
+    """Measure a scene over a grid or a sample of inputs, or search the best. Runs in parallel; rows are on disk as they finish, a picture at the end.
 
     With --on and --shard what is done is kept without --resume, and the folder must be one that all machines see.
     """
@@ -82,8 +82,10 @@ def sweep(
         from studies.sweeping.workers import start_early
 
         start_early()
+    from studies.shown.sweep_figure import save_sweep
     from studies.sweeping.parts import read_shard
     from studies.sweeping.sweep import sweep
+    from studies.sweeping.units import with_units
     from studies.sweeping.vary import parse_vary
 
     out = out or Path("results") / f"sweep-{Path(scene).stem}"
@@ -107,7 +109,10 @@ def sweep(
         tell(f"{str(stopped) or 'Stopped.'} {again} does the rest.")
         raise typer.Exit(130) from None
     if shard is None or read_shard(shard).count == 1:
-        _give_rows(table, as_json, f"{out}/rows.parquet and .csv", _sensitivities(out, table))
+        heads = with_units(loaded, table.columns)
+        save_sweep(table, list(varied), heads, out)
+        more = _sensitivities(out, table)
+        _give_rows(table, as_json, f"{out}/rows.parquet and .csv, drawn in sweep.png", more, heads=heads)
     else:
         _give_rows(table, as_json, f"{out}/parts; when all shards are done, anet-lumped gather {out} puts them together")
 
@@ -213,9 +218,10 @@ def _sensitivities(out, table):
     return {} if found is None else {"sensitivities": found.to_dict("records")}
 
 
-def _give_rows(table, as_json, where, more=None, failed=False):
-    """Print the rows and say where they are; exit with 1 if some are not done."""
-    give({"rows": (table if as_json else table.head(SHOWN)).to_dict("records"), **(more or {})}, as_json)
+def _give_rows(table, as_json, where, more=None, failed=False, heads=None):
+    """Print the rows, with units in the ``heads`` of columns, and say where they are; exit with 1 if some are not done."""
+    shown = table if as_json else table.head(SHOWN).rename(columns=heads or {})
+    give({"rows": shown.to_dict("records"), **(more or {})}, as_json)
     bad = int((table["status"] != "done").sum())
     tell(f"{len(table)} rows in {where}" + (f", {bad} of them not done." if bad else "."))
     if bad or failed:

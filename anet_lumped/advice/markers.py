@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from anet_lumped.checks import InputError, shown
+from anet_lumped.files.measured_series import OF_MOTION, capture_of, holds_tracks, read_tracks
 from anet_lumped.limits import BYTES, check_most
 from anet_lumped.regular_files import read_text
 from anet_lumped.results.sag import below_chord
@@ -43,11 +44,23 @@ class MarkerError(InputError):
 
 @dataclass(frozen=True)
 class Markers:
-    """Measured points: `xyz` (m, 3) [m], the unit the file was taken to be in, and its rows without a position."""
+    """Measured points.
+
+    Attributes
+    ----------
+    xyz : (m, 3) float64 [m]
+    unit : the unit that the file was taken to be in
+    empty_rows : int, rows without a position
+    names : (m,) of str, those of the file, or the number of each one's line
+    spread : (m,) float64 [m] or None
+        Of tracks, of which `xyz` are the medians over time: root mean square distance from these.
+    """
 
     xyz: np.ndarray
     unit: str
     empty_rows: int = 0
+    names: tuple[str, ...] = ()
+    spread: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -124,6 +137,8 @@ class MarkerFit:
     offset : (3,) float64 [m]
         The common shift of the markers that would fit them best, together with the lengths; it is not taken off. Far
         from zero if the markers' frame is not the scene's.
+    xyz : (m, 3) float64 [m]
+        The markers.
     """
 
     scene: Scene
@@ -133,14 +148,27 @@ class MarkerFit:
     cables: list[CableMatch]
     outliers: int
     offset: np.ndarray
+    xyz: np.ndarray
+
+    @property
+    def residuals(self) -> np.ndarray:
+        """Each marker's place less the nearest point of the fitted model, (m, 3) [m]."""
+        return self.xyz - self.sequence.nearest
+
+    def plot(self) -> Any:
+        """Figure of the model before and after the fit with the markers, and of their distances along each cable."""
+        from anet_lumped.views.marker_figure import plot_markers
+
+        return plot_markers(self)
 
 
-def read_markers(path: str | Path, scene: Scene, unit: str | None = None) -> Markers:
-    """Read a CSV file of marker positions.
+def read_markers(path: str | Path, scene: Scene, unit: str | None = None, up: str | None = None) -> Markers:
+    """Read a CSV file of marker positions, or tracks of markers that stand still.
 
     A header names the columns x, y and z, in any order; other columns are left alone, rows may come in any order, and
     a row with an empty or NaN coordinate counts as a hidden marker. Without `unit`, the size of the cloud beside that
-    of the scene tells metres from millimetres.
+    of the scene tells metres from millimetres. Of tracks (`files.measured_series`: Motive, Nexus, TRC, NPZ) the median over time
+    of each marker is taken, in the unit that the file says.
 
     Parameters
     ----------
@@ -148,6 +176,7 @@ def read_markers(path: str | Path, scene: Scene, unit: str | None = None) -> Mar
     scene : Scene
         In metres.
     unit : "m", "mm" or None
+    up : "y", "z" or None, the axis of a file of tracks that points up; None: y of a Motive export, z of all others
 
     Returns
     -------
@@ -161,7 +190,11 @@ def read_markers(path: str | Path, scene: Scene, unit: str | None = None) -> Mar
     """
     if unit not in (None, "m", "mm"):
         raise MarkerError(f'The unit of markers must be "m" or "mm", but unit={shown(unit)} was given.')
-    rows = csv.reader(read_text(path, "A marker file", MarkerError).splitlines(keepends=True))
+    packed = Path(str(path)).suffix.lower() in OF_MOTION
+    text = "" if packed else read_text(path, "A marker file", MarkerError)
+    if packed or holds_tracks(path):
+        return _standing(path, up)
+    rows = csv.reader(text.splitlines(keepends=True))
     try:
         header = [name.strip().lower() for name in next(rows, [])]
         if any(header.count(name) != 1 for name in "xyz"):
@@ -175,7 +208,16 @@ def read_markers(path: str | Path, scene: Scene, unit: str | None = None) -> Mar
     if not seen.any():
         raise MarkerError(f"A marker file needs at least one row with x, y and z, but {path} has none.")
     xyz, unit = _in_metres(xyz[seen], scene, unit, path)
-    return Markers(xyz, unit, int((~seen).sum()))
+    return Markers(xyz, unit, int((~seen).sum()), tuple(f"row {k + 1}" for k in np.flatnonzero(seen)))
+
+
+def _standing(path: str | Path, up: str | None) -> Markers:
+    """Markers at the medians of their tracks."""
+    capture = capture_of(path, up)
+    tracks = read_tracks(path, up).channels if capture is None else capture.markers
+    xyz = np.array([np.nanmedian(track, axis=0) for track in tracks.values()])
+    spread = [math.sqrt(np.nanmean(((track - place) ** 2).sum(axis=1))) for track, place in zip(tracks.values(), xyz, strict=True)]
+    return Markers(xyz, "m" if capture is None else capture.unit, 0, tuple(tracks), np.array(spread))
 
 
 def _row(row: list[str], columns: list[int], where: str) -> list[float]:
@@ -295,6 +337,7 @@ def fit_markers(xyz: ArrayLike, scene: Scene) -> MarkerFit:
         [_match(xyz, before, state, order, i, errors.get(i, math.nan)) for i in range(len(scene.cables))],
         int((order.cable < 0).sum()),
         offset,
+        xyz,
     )
 
 

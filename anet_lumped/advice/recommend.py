@@ -12,7 +12,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from anet_lumped.checks import InputError, number, quoted, shown
+from anet_lumped.checks import InputError, number, printable, quoted, shown
 from anet_lumped.model.build import build
 from anet_lumped.motion.choice import EXPLICIT_COST, SHARE_OF_LIMIT, SHARE_OF_TIME_SCALE, time_scale
 from anet_lumped.motion.simulate import RunError, simulate
@@ -26,7 +26,7 @@ from anet_lumped.statics.first_state import first_state
 from integrators import schemes
 
 LOG = logging.getLogger(__name__)
-SAVES = 40  # times at which places are compared
+SAVES, SAVES_OF_TENSION = 40, 160  # times at which places are compared, and tensions, which change sooner
 MOST_SEGMENTS = 3000  # of the longest cable
 PATIENCE = 20.0  # times as long as the implicit step may an explicit method take before it is left out
 ATTEMPTS = 5  # at meeting a share of the error, and at passing the check
@@ -40,7 +40,7 @@ class RecommendError(RuntimeError):
 
 @dataclass(frozen=True)
 class Candidate:
-    """A method with its step [s] or tolerance, its error in time [m] and how many times faster than real time it runs."""
+    """A method with its step [s] or tolerance, its error in time [m] or [N], and how many times faster than real time it runs."""
 
     method: str
     dt: float | None
@@ -72,11 +72,12 @@ class Recommendation:
     scene : Scene, with the segments recommended
     best, runner_up : Candidate, Candidate or None
     points : tuple of str, whose places the error is of
+    tension : str or None, the cable whose tension the error is of instead
     t_end, start : float [s] and str, simulated
-    error : float [m], asked for
-    segments_error, time_error : float [m], parts of the error, estimated
-    checked_error : float [m], against a run with twice the segments and half the step
-    elasticity : float [m], how far the same net that does not stretch is from it
+    error : float [m] or [N], asked for
+    segments_error, time_error : float [m] or [N], parts of the error, estimated
+    checked_error : float [m] or [N], against a run with twice the segments and half the step
+    elasticity : float [m] or [N], how far the same net that does not stretch is from it
     fast_enough : bool, whether it reaches the pace asked for
     rigid : Candidate or None
         `links` for the same cables with EA = inf, where that changes places by less than the error allows and runs faster than the
@@ -96,19 +97,34 @@ class Recommendation:
     elasticity: float
     fast_enough: bool
     rigid: Candidate | None = None
+    tension: str | None = None
+
+    @property
+    def unit(self) -> str:
+        """Of the errors, "m" or "N"."""
+        return "m" if self.tension is None else "N"
+
+    @property
+    def of(self) -> str:
+        """What the error is of, in words."""
+        if self.tension is not None:
+            return f"the tension at the ends of {printable(self.tension)}"
+        return ", ".join(map(printable, self.points)) or "the middles of the cables"
 
     def __repr__(self) -> str:
         counts = sorted(set(self.segments.values()))
         segments = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
         return (
             f"<Recommendation: {segments} segments a cable, {self.best}, "
-            f"error {self.checked_error:.2g} m (asked {self.error:g} m), {self.best.times_real_time:.4g} times real time>"
+            f"error {self.checked_error:.2g} {self.unit} (asked {self.error:g} {self.unit}), "
+            f"{self.best.times_real_time:.4g} times real time>"
         )
 
     def __str__(self) -> str:
+        unit = self.unit
         named = {"best": self.best, "runner-up": self.runner_up, "with EA = inf": self.rigid}
         lines = [
-            f"{name}: {one}, error in time {one.error:.3g} m, {one.times_real_time:.3g} times faster than real time"
+            f"{name}: {one}, error in time {one.error:.3g} {unit}, {one.times_real_time:.3g} times faster than real time"
             for name, one in named.items()
             if one
         ]
@@ -116,9 +132,9 @@ class Recommendation:
             [
                 *lines,
                 "segments: " + ", ".join(f"{name} {count}" for name, count in self.segments.items()),
-                f"error of {', '.join(self.points) or 'the middles of the cables'}: asked {self.error:g} m, of segments "
-                f"{self.segments_error:.3g} m, of time {self.time_error:.3g} m, checked {self.checked_error:.3g} m",
-                f"without stretch: {self.elasticity:.3g} m away",
+                f"error of {self.of}: asked {self.error:g} {unit}, of segments "
+                f"{self.segments_error:.3g} {unit}, of time {self.time_error:.3g} {unit}, checked {self.checked_error:.3g} {unit}",
+                f"without stretch: {self.elasticity:.3g} {unit} away",
                 f"simulated for {self.t_end:.4g} s from {self.start}" + ("" if self.fast_enough else "; slower than was asked for"),
             ]
         )
@@ -134,20 +150,23 @@ def recommend(
     error: float,
     *,
     at: str | None = None,
+    tension: str | None = None,
     t_end: float | None = None,
     start: str = "equilibrium",
     realtime: float | None = None,
 ) -> Recommendation:
-    """Find the cheapest segments, method and step for which places are within an error.
+    """Find the cheapest segments, method and step for which places, or a tension, are within an error.
 
     Parameters
     ----------
     scene : Scene
         Of its segments only the proportion between the cables counts.
-    error : float [m]
+    error : float [m], or [N] with `tension`
         Largest distance of a free point from where the continuous cables of the scene would have it, at any time.
     at : str or None
         The free point that counts; None takes all, or the middles of the cables where there is none.
+    tension : str or None
+        The cable whose tensions at its ends count, in place of a place.
     t_end : float or None [s]
         How long to simulate; None takes two swings after the last corner of a driven path.
     start : "equilibrium", "calm" or "straight"
@@ -161,7 +180,7 @@ def recommend(
     Raises
     ------
     RecommendError : the error is out of reach
-    SceneError : no free point of that name
+    SceneError : no free point or cable of that name
     InputError : an argument out of its range
     """
     check_scene(scene)
@@ -172,8 +191,12 @@ def recommend(
     free = [point.name for point in scene.points if isinstance(point, Free)]
     if at is not None and not isinstance(scene.point(at), Free):
         raise SceneError(f"The error can be asked of a free point, but {quoted(at)} is held; free are {', '.join(free) or 'none'}.")
+    if at is not None and tension is not None:
+        raise InputError(f"Only one of `at` and `tension` may be given, but they are {quoted(at)} and {quoted(tension)}.")
+    if tension is not None:
+        scene.cable(tension)
     scale = scale_of_motion(scene, start)
-    search = _Search(scene, tuple(free) if at is None else (at,), t_end or two_swings(scene, scale), start, scale)
+    search = _Search(scene, tuple(free) if at is None else (at,), t_end or two_swings(scene, scale), start, scale, tension)
     share = 0.5 * error
     for _ in range(ATTEMPTS):
         count, segments_error = search.segments(share)
@@ -183,7 +206,8 @@ def recommend(
             break
         share *= 0.7 * error / checked
     else:
-        raise RecommendError(f"An error of {error:g} m was not reached: a finer run is still {checked:.3g} m away.")
+        unit = search.unit
+        raise RecommendError(f"An error of {error:g} {unit} was not reached: a finer run is still {checked:.3g} {unit} away.")
     best, runner_up = candidates[0], candidates[1] if len(candidates) > 1 else None
     elasticity = search.elasticity(count, best)
     rigid = None
@@ -203,6 +227,7 @@ def recommend(
         elasticity=elasticity,
         fast_enough=realtime is None or best.times_real_time >= realtime,
         rigid=rigid if rigid is not None and rigid.times_real_time > best.times_real_time else None,
+        tension=tension,
     )
 
 
@@ -220,8 +245,11 @@ def two_swings(scene: Scene, scale: float) -> float:
 class _Search:
     """Pilots of one scene, each run once."""
 
-    def __init__(self, scene: Scene, points: tuple[str, ...], t_end: float, start: str, scale: float) -> None:
-        self.scene, self.points, self.t_end, self.start = scene, points, t_end, start
+    def __init__(
+        self, scene: Scene, points: tuple[str, ...], t_end: float, start: str, scale: float, tension: str | None = None
+    ) -> None:
+        self.scene, self.points, self.t_end, self.start, self.tension = scene, points, t_end, start, tension
+        self.unit, self.save = ("m", t_end / SAVES) if tension is None else ("N", t_end / SAVES_OF_TENSION)
         most = max(cable.segments for cable in scene.cables)
         self.shares = [cable.segments / most for cable in scene.cables]
         self.first_step = SHARE_OF_TIME_SCALE * scale
@@ -238,30 +266,35 @@ class _Search:
 
     def step(self, dt: float) -> float:
         """The largest step up to dt that ends on what is saved."""
-        save = self.t_end / SAVES
-        return save / math.ceil(save / dt - 1e-9)
+        return self.save / math.ceil(self.save / dt - 1e-9)
 
-    def places(self, scene: Scene, **stepping: Any) -> np.ndarray:
-        """(SAVES + 1, points, 3) places of the points that count."""
+    def values(self, scene: Scene, **stepping: Any) -> np.ndarray:
+        """(k, points, 3) places of the points that count [m], or (k, 2, 1) tensions at the ends of the cable that does [N]."""
         key = scene, tuple(stepping.items())
         if key not in self.runs:
-            sizes = ", ".join(f"{name} {value:.3g}" if isinstance(value, float) else f"{value}" for name, value in stepping.items())
+            sizes = ", ".join(
+                f"{name} {value:.3g}" if isinstance(value, float) else name if value is True else f"{value}"
+                for name, value in stepping.items()
+            )
             most = max(cable.segments for cable in scene.cables)
             LOG.info(
                 "pilot %d: %g s of motion with %d segments in the finest cable, %s", len(self.runs) + 1, self.t_end, most, sizes
             )
-            run = simulate(scene, self.t_end, start=self.start, save_every=self.t_end / SAVES, check=True, **stepping)
-            if self.points:
-                places = [run.position(point) for point in self.points]
+            run = simulate(scene, self.t_end, start=self.start, save_every=self.save, check=True, **stepping)
+            if self.tension is not None:
+                cable = scene.cable(self.tension)
+                values = [run.end_tension(cable.name, end)[:, None] for end in (cable.start, cable.end)]
+            elif self.points:
+                values = [run.position(point) for point in self.points]
             else:  # halfway along: a node, or between the two nodes beside it
                 shapes = [run.shape(cable.name) for cable in scene.cables]
-                places = [0.5 * (q[:, (q.shape[1] - 1) // 2] + q[:, q.shape[1] // 2]) for q in shapes]
-            self.runs[key] = np.stack(places, axis=1)
+                values = [0.5 * (q[:, (q.shape[1] - 1) // 2] + q[:, q.shape[1] // 2]) for q in shapes]
+            self.runs[key] = np.stack(values, axis=1)
         return self.runs[key]
 
     def apart(self, one: tuple[Scene, dict[str, Any]], other: tuple[Scene, dict[str, Any]]) -> float:
-        """Largest distance between the places of two runs [m]."""
-        apart = self.places(one[0], **one[1]) - self.places(other[0], **other[1])
+        """Largest distance between the places, or tensions, of two runs [m] or [N]."""
+        apart = self.values(one[0], **one[1]) - self.values(other[0], **other[1])
         return float(np.linalg.norm(apart, axis=2).max())
 
     def segments(self, share: float) -> tuple[int, float]:
@@ -275,11 +308,11 @@ class _Search:
                 return count, error
             if enough > MOST_SEGMENTS:
                 raise RecommendError(
-                    f"{share:.3g} m of error would take {enough} segments in the finest cable, of which {MOST_SEGMENTS} are the "
-                    "most that are tried; ask for a larger error or a shorter time."
+                    f"{share:.3g} {self.unit} of error would take {enough} segments in the finest cable, of which {MOST_SEGMENTS} "
+                    "are the most that are tried; ask for a larger error or a shorter time."
                 )
             count = enough
-        raise RecommendError(f"The error does not fall as the square of the segments: {error:.3g} m at {count} of them.")
+        raise RecommendError(f"The error does not fall as the square of the segments: {error:.3g} {self.unit} at {count} of them.")
 
     def candidates(self, count: int, share: float) -> list[Candidate]:
         """Methods that keep a share of the error, the cheapest first."""
@@ -309,7 +342,7 @@ class _Search:
         options = {"extrapolate": True} if extrapolate else {}
         for _ in range(2 * ATTEMPTS):
             error = self.halves(scene, "edmc", dt, order, **options)
-            enough = self.step(min(0.95 * dt * (share / error) ** (1.0 / order) if error > 0 else np.inf, self.t_end / SAVES))
+            enough = self.step(min(0.95 * dt * (share / error) ** (1.0 / order) if error > 0 else np.inf, self.save))
             if error <= share and enough < 1.2 * dt:
                 return self.candidate(scene, "edmc", error, dt=dt, **options)
             dt = enough if enough < dt or error <= share else 0.8 * dt
@@ -317,7 +350,7 @@ class _Search:
                 return None
         if extrapolate:
             return None
-        raise RecommendError(f"The error does not fall as the square of the step: {error:.3g} m at {dt:.3g} s.")
+        raise RecommendError(f"The error does not fall as the square of the step: {error:.3g} {self.unit} at {dt:.3g} s.")
 
     def adaptive(self, scene: Scene, share: float) -> Candidate | None:
         """The largest tolerance of adaptive edmc whose error is within a share, or None."""
@@ -350,7 +383,7 @@ class _Search:
         took = []
         for _ in range(REPEATS):
             began = time.perf_counter()
-            simulate(scene, self.t_end, start=self.start, save_every=self.t_end / SAVES, **one.stepping)
+            simulate(scene, self.t_end, start=self.start, save_every=self.save, **one.stepping)
             took.append(time.perf_counter() - began)
         return replace(one, times_real_time=self.t_end / min(took))  # what else the machine does only adds
 

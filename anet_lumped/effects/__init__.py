@@ -84,7 +84,7 @@ __all__ = ["REGISTRY", "Effect", *OWN, *REGISTRY.class_names]
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *OWN, *REGISTRY.class_names})
+    return sorted([*__all__, *(name for name in globals() if name.startswith("__"))])
 
 
 def __getattr__(attribute: str) -> Any:

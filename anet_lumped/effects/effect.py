@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
-from anet_lumped.checks import SceneError, Vector, shown
+from anet_lumped.checks import SceneError, Vector, check_number, shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -228,6 +228,11 @@ class Effect:
     def _called(self) -> str:
         """How messages call it."""
         return f"effect {type(self).__name__}"
+
+    def _check_numbers(self, **kinds: tuple[str, str]) -> None:
+        """Check fields that are numbers, each by its unit and sign as `check_number` takes them, and write them back."""
+        for name, (unit, sign) in kinds.items():
+            self._set(**{name: check_number(name, getattr(self, name), unit, self._called, sign=sign)})
 
     def _set(self, **values: Any) -> None:
         """Write fields of the frozen dataclass while it is being made."""

@@ -20,8 +20,8 @@ class Gravity(Effect):
 
     Parameters
     ----------
-    g : float
-        Size of the acceleration [m/s2]; zero is allowed.
+    g : float [m/s2]
+        Size of the acceleration; zero is allowed.
     direction : tuple of 3 float
         Where it points; its length does not count, but must not be zero.
     """

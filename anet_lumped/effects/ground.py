@@ -25,7 +25,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from anet_lumped.checks import Vector, check_direction, check_number
+from anet_lumped.checks import Vector, check_direction
 from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.effects.laws.axial import spring_energy
 from anet_lumped.effects.laws.contact import (
@@ -36,6 +36,7 @@ from anet_lumped.effects.laws.contact import (
     numbers_of_nodes,
     of_node,
 )
+from anet_lumped.effects.laws.contact_area import CONTACT, SLIP_SPEED
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
 from .effect import Effect, height_under
@@ -74,10 +75,7 @@ class Ground(Effect):
     is_ground: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
-        signs = {"height": ("m", ""), "stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative")}
-        signs |= {"friction": ("", "non-negative"), "slip_speed": ("m/s", "positive")}
-        for key, (unit, sign) in signs.items():
-            self._set(**{key: check_number(key, getattr(self, key), unit, self._called, sign=sign)})
+        self._check_numbers(height=("m", ""), **CONTACT, slip_speed=SLIP_SPEED)
         self._set(normal=check_direction("normal", self.normal, self._called))
 
     def highest_frequency(self, scene: Any) -> float:

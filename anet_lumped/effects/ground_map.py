@@ -32,6 +32,7 @@ from anet_lumped.effects.laws.contact import (
     numbers_of_nodes,
     of_node,
 )
+from anet_lumped.effects.laws.contact_area import CONTACT, SLIP_SPEED
 from anet_lumped.effects.laws.height_map import in_one_cell, mean_slope, spot
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
@@ -73,10 +74,7 @@ class GroundMap(Effect):
     is_ground: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
-        signs = {"stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative")}
-        signs |= {"friction": ("", "non-negative"), "slip_speed": ("m/s", "positive")}
-        for key, (unit, sign) in signs.items():
-            self._set(**{key: check_number(key, getattr(self, key), unit, self._called, sign=sign)})
+        self._check_numbers(**CONTACT, slip_speed=SLIP_SPEED)
         for key in ("x", "y"):
             given = getattr(self, key)
             places = self._numbers(key, given)

@@ -23,10 +23,10 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number, quoted
+from anet_lumped.checks import SceneError, Vector, quoted
 from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.effects.laws.axial import secant_tension, spring_energy
-from anet_lumped.effects.laws.contact_area import frequencies, sums_over_halves
+from anet_lumped.effects.laws.contact_area import CONTACT, frequencies, sums_over_halves
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
 from .effect import Effect, height_under
@@ -62,10 +62,7 @@ class MoordynBottom(Effect):
     is_ground: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
-        signs = {"height": ("m", ""), "stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative")}
-        signs |= {"friction": ("", "non-negative"), "friction_damping": ("N·s/m", "non-negative")}
-        for key, (unit, sign) in signs.items():
-            self._set(**{key: check_number(key, getattr(self, key), unit, self._called, sign=sign)})
+        self._check_numbers(height=("m", ""), **CONTACT, friction_damping=("N·s/m", "non-negative"))
 
     def highest_frequency(self, scene: Any) -> float:
         """Of the mass of a segment on the springs under it."""

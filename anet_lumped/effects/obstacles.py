@@ -23,7 +23,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number, quoted
+from anet_lumped.checks import SceneError, Vector, quoted
 from anet_lumped.compiled.jit import law, njit
 from anet_lumped.effects.laws.axial import spring_energy
 from anet_lumped.effects.laws.contact import (
@@ -34,6 +34,7 @@ from anet_lumped.effects.laws.contact import (
     numbers_of_nodes,
     of_node,
 )
+from anet_lumped.effects.laws.contact_area import CONTACT, SLIP_SPEED
 from anet_lumped.effects.laws.solid import NUMBERS, between, depth, numbers_of
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 from anet_lumped.effects.shapes import Shape, Sphere
@@ -69,10 +70,7 @@ class Obstacles(Effect):
     slip_speed: float = 1e-3
 
     def check_parameters(self) -> None:
-        signs = {"stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative")}
-        signs |= {"friction": ("", "non-negative"), "slip_speed": ("m/s", "positive")}
-        for key, (unit, sign) in signs.items():
-            self._set(**{key: check_number(key, getattr(self, key), unit, self._called, sign=sign)})
+        self._check_numbers(**CONTACT, slip_speed=SLIP_SPEED)
         self._set(shapes=check_shapes("shapes", self.shapes, self._called))
 
     @property

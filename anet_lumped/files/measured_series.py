@@ -3,7 +3,9 @@
 * CSV: a header with `t`, and columns over it. Tensions [N]: a column for each cable. Markers [m]: `NAME.x`, `NAME.y`, `NAME.z`. An
   empty cell or NaN is a sample that is missing.
 * NPZ (`numpy.savez`): an array `t` (k,), and one for each cable (k,) or marker (k, 3), by its name.
-* TRC, the text of motion capture: markers only, in the unit that its third line says; their axes are those of the scene.
+* TRC, the text of motion capture: markers only, in the unit that its third line says; its axes are those of the scene, unless
+  ``up`` says that its y points up.
+* CSV as OptiTrack's Motive and Vicon's Nexus export it, see `motion_capture`.
 
 C3D files are refused: motion-capture programs write TRC or CSV as well.
 """
@@ -22,16 +24,13 @@ from anet_lumped.checks import InputError, quoted, shown
 from anet_lumped.limits import BYTES, check_most
 from anet_lumped.regular_files import read_bytes, read_text
 
+from .motion_capture import METRES, Capture, SeriesError, is_capture, read_capture, z_up
+
 TIME = "t"
 AXES = ".x", ".y", ".z"
 TRC_HEAD = 5  # lines above the numbers
-UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 ENDINGS = ".csv", ".npz", ".trc"
 OF_MOTION = ".npz", ".trc", ".c3d"
-
-
-class SeriesError(InputError):
-    """A file of measured series that cannot be read."""
 
 
 @dataclass(frozen=True)
@@ -63,14 +62,22 @@ def read_tensions(path: str | PathLike[str]) -> Series:
     return _series(t, {name: values[:, None] for name, values in columns.items()}, path, what)
 
 
-def read_tracks(path: str | PathLike[str]) -> Series:
+def read_tracks(path: str | PathLike[str], up: str | None = None) -> Series:
     """Read measured marker positions over time; see the module.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+    up : "y", "z" or None, the axis of the file that points up; None: y of a Motive export, z of all others
 
     Raises
     ------
     SeriesError : as `read_tensions`
     """
     what, ending = "A file of marker tracks", _ending(path, ENDINGS, "A file of marker tracks")
+    capture = capture_of(path, up)
+    if capture is not None:
+        return _series(capture.t, capture.markers | capture.bodies, path, what)
     if ending == ".trc":
         t, channels = _trc(path, what)
     elif ending == ".npz":
@@ -88,14 +95,31 @@ def read_tracks(path: str | PathLike[str]) -> Series:
         if lone:
             raise SeriesError(f"A marker must have columns NAME.x, NAME.y and NAME.z, but {path} has or lacks {quoted(lone[0])}.")
         channels = {name: np.column_stack([columns[name + axis] for axis in AXES]) for name in names}
-    return _series(t, channels, path, what)
+    channels = {name: np.asarray(xyz, float) for name, xyz in channels.items()}
+    return _series(t, {name: z_up(xyz, up or "z") for name, xyz in channels.items()}, path, what)
+
+
+def capture_of(path: str | PathLike[str], up: str | None = None) -> Capture | None:
+    """What a motion-capture program exported as CSV; None if the file is no such export.
+
+    Raises
+    ------
+    SeriesError : as `motion_capture.read_capture`
+    """
+    if Path(path).suffix.lower() != ".csv":
+        return None
+    text = read_text(path, "A marker file", SeriesError)
+    return read_capture(text, path, up) if is_capture(text) else None
 
 
 def holds_tracks(path: str | PathLike[str]) -> bool:
     """Whether a file of markers holds positions over time, and not one cloud of points with columns x, y and z."""
     if Path(path).suffix.lower() in OF_MOTION:
         return True
-    header = {name.strip().lower() for name in read_text(path, "A marker file", SeriesError).split("\n", 1)[0].split(",")}
+    text = read_text(path, "A marker file", SeriesError)
+    if is_capture(text):
+        return True
+    header = {name.strip().lower() for name in text.split("\n", 1)[0].split(",")}
     return TIME in header and not {"x", "y", "z"} & header
 
 
@@ -168,7 +192,7 @@ def _trc(path: str | PathLike[str], what: str) -> tuple[np.ndarray, dict[str, np
         raise SeriesError(f"{what} must begin with PathFileType, as TRC does, and hold rows below five lines, but {path} does not.")
     about = dict(zip(lines[1].split("\t"), lines[2].split("\t"), strict=False))
     unit = about.get("Units", "").strip().lower()
-    if unit not in UNITS:
+    if unit not in METRES:
         raise SeriesError(f"A TRC file must have Units of m, cm or mm in its third line, but {path} has {quoted(unit)}.")
     names = [name.strip() for name in lines[3].split("\t")[2:] if name.strip()]
     width = 2 + 3 * len(names)
@@ -178,5 +202,5 @@ def _trc(path: str | PathLike[str], what: str) -> tuple[np.ndarray, dict[str, np
         if any(cells):
             rows.append(_numbers(cells, width, f"{path}, line {number}"))
     table = np.array(rows, float).reshape(-1, width)
-    places = UNITS[unit] * table[:, 2:].reshape(len(table), -1, 3)
+    places = METRES[unit] * table[:, 2:].reshape(len(table), -1, 3)
     return table[:, 1], {name: places[:, k] for k, name in enumerate(names)}

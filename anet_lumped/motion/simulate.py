@@ -86,9 +86,9 @@ def simulate(
         15 s of one core or 8 times the first step (`motion.accuracy`). What is not kept, past a whip, in chaos or beyond that
         budget, ``Run.reason`` and a warning say, from when on, and how to go further.
     audit : bool or float [m]
-        Run again with half the step or a tenth of the tolerance, and compare: ``Run.audit`` estimates the error of the run, and
-        its status is "audit failed" if that is above the number given (True: 1 % of the longest cable) or if the energy
-        does not balance. Costs two to three times the run.
+        Run again with half the step or a tenth of the tolerance, and compare: ``Run.audit`` estimates the error of the run, and its
+        status is "audit failed" if that is above the number given (True: 1 % of the longest cable, 5 % of the motion) or if
+        energy does not balance. Costs two to three times the run.
     check : bool
         Raise `RunError` if the run is not "done", instead of returning what there is.
 

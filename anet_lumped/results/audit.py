@@ -15,7 +15,8 @@ from .distances import distances
 from .energy_balance import error_of_steps
 
 IMBALANCE = 1e-2  # of the energy in play: more than this is not accounted for
-SHARE = 1e-2  # of the longest cable: the largest error that passes where none is named
+SHARE, SHARE_OF_MOTION = 1e-2, 5e-2  # of the longest cable, and of the motion: the largest error that passes where none is named
+LEAST = 1e-6  # of the longest cable, which passes where nothing moves
 TENSION_ALLOWED = 5e-2  # of the largest tension
 DISAGREE = 4.0  # times, or a quarter of, the error that the run tells of itself: then a third run is made
 SLOWEST = 1.1  # times nearer, by which two finer runs must be: otherwise they tend to nothing
@@ -85,13 +86,16 @@ def audited(run: Any, finer: Callable[[int], Any], order: float | None, allowed:
     order : int or None
         Of the run in its step; None where its steps were chosen by a tolerance.
     allowed : float or None [m]
-        Largest error that passes; None takes `SHARE` of the longest cable.
+        Largest error that passes; None takes `SHARE` of the longest cable or `SHARE_OF_MOTION` of the motion, whichever is less.
 
     Returns
     -------
     Run
     """
-    allowed = SHARE * max(cable.length for cable in run.scene.cables) if allowed is None else allowed
+    if allowed is None:
+        longest = max(cable.length for cable in run.scene.cables)
+        moved = float(np.linalg.norm(run.q - run.q[0], axis=2).max())
+        allowed = max(min(SHARE * longest, SHARE_OF_MOTION * moved), LEAST * longest)
     began = time.perf_counter()
     other = finer(2)
     rows, _, apart = distances(run, other)

@@ -36,6 +36,10 @@ GROUND = "ground"
 """What `reaction` calls the ground of a scene, unless a point or body has that name."""
 
 
+class UnknownForceError(InputError):
+    """A force that the states do not tell, as what drives or pushes from outside is not part of the scene."""
+
+
 class Rows(NamedTuple):
     """States of a net between two events.
 
@@ -110,7 +114,8 @@ def end_force(now: Rows, whole: Scene, cable: str, point: str, inertia: bool = T
 
     Raises
     ------
-    InputError : the cable does not end at that point; an acceleration that is not known
+    InputError : the cable does not end at that point
+    UnknownForceError : see `_acceleration`
     """
     own = whole.cable(cable)
     whole.point(point)
@@ -271,7 +276,7 @@ def _acceleration(now: Rows, name: str) -> np.ndarray:
 
     Raises
     ------
-    InputError : a point that is driven or pushed from outside
+    UnknownForceError : a point that is driven or pushed from outside
     """
     model = now.left.model
     point, node = model.scene.point(name), model.node_of[name]
@@ -289,7 +294,7 @@ def _acceleration(now: Rows, name: str) -> np.ndarray:
 def _refuse_pushed(now: Rows, name: str) -> None:
     """Refuse what moves freely under forces that the scene does not have."""
     if now.pushed:
-        raise InputError(
+        raise UnknownForceError(
             f"A force at an end needs all forces there, but {quoted(name)} moves freely, and forces from outside act that the "
             "scene does not have."
         )
@@ -304,7 +309,7 @@ def _refuse_unknown(now: Rows, point: Any) -> bool:
     node = now.left.model.node_of[point.name]
     if len(now.t) > 1 and not now.v[:, node].any() and not np.ptp(now.q[:, node], axis=0).any():
         return False  # nobody drove it
-    raise InputError(
+    raise UnknownForceError(
         f"A force at an end needs the acceleration there, but {quoted(point.name)} is driven from outside, by a Session."
     )
 

@@ -20,6 +20,7 @@ from . import end_forces, error_estimate, labelled, run_file, tension_error, tou
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, Event
+from .rainflow import Cycles, cycles
 from .slack import SlackTime, Snap, slack_times, snaps
 from .state import State, segment_tensions
 
@@ -256,6 +257,13 @@ class Run:
         """(k,) force with which a cable pulls at a point where it ends [N]: its last half segment included, see `end_forces`."""
         parts = [end_forces.end_force(rows, self.scene, cable, point) for rows in end_forces.rows_of_run(self)]
         return np.linalg.norm(np.concatenate(parts), axis=1)
+
+    def rainflow(self, cable: str, point: str | None = None) -> Cycles:
+        """Rainflow cycles of the tension of a cable at a point where it ends, its end if not given, over the saved times.
+
+        What comes and goes between two saved times is not counted: let ``save_every`` be a part of the shortest cycle.
+        """
+        return cycles(self.t, self.end_tension(cable, self.scene.cable(cable).end if point is None else point))
 
     def reaction(self, name: str) -> np.ndarray:
         """(k, 3) force of a fixed or driven point, of what drives or pins a body, or of the "ground" on the net [N], see `end_forces`."""

@@ -11,7 +11,7 @@ import numpy as np
 from .motion import broken_at
 from .palette import look, width
 from .planes import along_with, draw_cables, label, planes_of
-from .tension_figure import draw_over_time
+from .tension_figure import draw_over_time, most_loaded
 from .verdict import verdict
 
 SHOWN = 5  # times at which the net is drawn
@@ -52,7 +52,7 @@ def plot_run(run: Any) -> Any:
     for name, plane in zip(("side", "end"), planes, strict=False):
         _shapes(panels[name], run, rows, q[np.searchsorted(finite, rows)], plane, travels)
     panels["side"].legend(frameon=False, fontsize=8, ncols=SHOWN, loc="lower left", bbox_to_anchor=(0.0, 1.0), columnspacing=1.0)
-    draw_over_time(panels["tension"], run)
+    draw_over_time(panels["tension"], run, most_loaded(run))
     _energies(panels["energy"], run)
     for panel in panels.values():
         panel.spines[["top", "right"]].set_visible(False)

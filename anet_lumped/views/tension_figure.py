@@ -9,6 +9,7 @@ from anet_lumped.checks import printable
 from .palette import look, width
 
 CABLES = 8  # that a panel shows at most: those with the largest tensions
+Loaded = list[tuple[str, np.ndarray]]
 
 
 def plot_tension(run: Any) -> Any:
@@ -26,16 +27,16 @@ def plot_tension(run: Any) -> Any:
 
     figure = Figure(figsize=(10, 4.2), layout="constrained")
     along, over_time = figure.subplots(1, 2)
-    draw_range(along, run)
-    draw_over_time(over_time, run)
+    cables = most_loaded(run)
+    draw_range(along, run, cables)
+    draw_over_time(over_time, run, cables)
     for panel in (along, over_time):
         panel.spines[["top", "right"]].set_visible(False)
     return figure
 
 
-def draw_range(axes: Any, run: Any) -> None:
-    """Draw the least, mean and largest tension of each segment over all saved times, along the cables that are loaded most."""
-    cables = _most_loaded(run)
+def draw_range(axes: Any, run: Any, cables: Loaded) -> None:
+    """Draw the least, mean and largest tension of each segment over all saved times, along some cables."""
     for k, (name, T) in enumerate(cables):
         own, middles = look(k), _middles(run.scene.cable(name))
         axes.fill_between(middles, T.min(axis=0), T.max(axis=0), color=own["color"], alpha=0.15, lw=0)
@@ -46,9 +47,8 @@ def draw_range(axes: Any, run: Any) -> None:
     _name_cables(axes, run)
 
 
-def draw_over_time(axes: Any, run: Any) -> None:
-    """Draw the tension of the segment of each cable where it becomes largest over time, of the cables that are loaded most."""
-    cables = _most_loaded(run)
+def draw_over_time(axes: Any, run: Any, cables: Loaded) -> None:
+    """Draw the tension of the segment of each of some cables where it becomes largest over time."""
     for k, (name, T) in enumerate(cables):
         own, largest = look(k), T[:, np.unravel_index(np.argmax(T), T.shape)[1]]
         axes.plot(run.t, largest, color=own["color"], lw=width(k, len(cables)), ls=own["linestyle"], label=name)
@@ -63,7 +63,7 @@ def _middles(cable: Any) -> np.ndarray:
     return cable.length * (np.arange(cable.segments) + 0.5) / cable.segments
 
 
-def _most_loaded(run: Any) -> list[tuple[str, np.ndarray]]:
+def most_loaded(run: Any) -> Loaded:
     """Names of the cables with the largest tensions, in the order of the scene, and those tensions (k, segments) [N]."""
     finite = np.where(np.isfinite(run.segment_tension), run.segment_tension, 0.0)
     peaks = {cable.name: finite[:, run.model.segments(cable.name)].max() for cable in run.scene.cables}

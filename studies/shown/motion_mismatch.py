@@ -12,34 +12,39 @@ MOST_STATES = 5000
 UNSURE = "What was measured hardly tells the shift of the clock: others are nearly as good. Give the right one by --shift."
 
 
-def motion_mismatch(scene, tension, markers, shift=None):
+def motion_mismatch(scene, tension, tracks, shift=None):
     """Run a scene for as long as was measured, from its rest, and compare.
 
     Parameters
     ----------
     scene : Scene
-    tension, markers : paths of files, or None
+    tension : path of a file, or None
+    tracks : Series and names of those of its channels that the scene has not, or None
     shift : float or None [s], time of the run at the first sample; sought if None
 
     Returns
     -------
     run : Run
     found : MotionMismatch
+    left_out : names of markers
     """
     from anet_lumped.advice.motion_mismatch import compare_motion
-    from anet_lumped.files.measured_series import read_tensions, read_tracks
+    from anet_lumped.files.measured_series import Series, read_tensions
     from anet_lumped.motion.simulate import simulate
 
-    tensions, tracks = tension and read_tensions(tension), markers and read_tracks(markers)
+    tensions, left_out = tension and read_tensions(tension), []
+    if tracks:
+        series, left_out = tracks
+        tracks = Series(series.t, {name: xyz for name, xyz in series.channels.items() if name not in left_out})
     given = [series for series in (tensions, tracks) if series]
     span = max(series.t[-1] for series in given) - min(series.t[0] for series in given)
     states = min(max(FEWEST_STATES, *(len(series.t) for series in given)), MOST_STATES)
     t_end = float(span + max(shift or 0.0, 0.0))
     run = simulate(scene, t_end, save_every=t_end / states)
-    return run, compare_motion(run, tensions, tracks, shift)
+    return run, compare_motion(run, tensions, tracks, shift), left_out
 
 
-def tables(run, found) -> dict:
+def tables(run, found, left_out=()) -> dict:
     """What a comparison says, as tables."""
     return {
         "status": run.status,
@@ -49,6 +54,7 @@ def tables(run, found) -> dict:
         "compared_s": found.overlap,
         "tensions": [_row(one, "N") for one in found.tensions],
         "markers": [_row(one, "m") for one in found.markers],
+        **({"left_out": ", ".join(left_out)} if left_out else {}),
         "warning": [*run.warnings, *([] if found.sure else [UNSURE])],
     }
 

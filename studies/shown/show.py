@@ -17,9 +17,11 @@ UNITS = {
     "": "evaluations",
 }
 UNIT = {word: unit for unit, words in UNITS.items() for word in words.split()}  # by the last such word of a name
+OF_NAMES = dict.fromkeys(("by_dampers", "by_effects", "by_method", "in_play"), "J")
 SUFFIXES = "m mm um cm kg g s ms us ns N J Hz percent degrees".split()  # that are the unit of a name that ends so
 COMPOUND_UNITS = {"_Ns_per_m": "N·s/m", "_N_per_m": "N/m", "_rad_per_s": "rad/s", "_m_per_s": "m/s", "_per_s": "1/s"}
 MOST_ROWS = 200  # of a table on the screen
+MOST_DIGITS = 7  # of a number in a column whose values hardly differ
 WIDE = 10  # columns; a wider table of few rows is shown on its side
 
 
@@ -76,13 +78,48 @@ def as_text(value, digits: int = 4) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
+def column_texts(values, digits: int = 4) -> list[str]:
+    """Texts of the values of a column, its numbers in one format, with enough digits to tell them apart."""
+    numbers = [abs(value) for value in values if _is_fraction(value)]
+    if len(numbers) < 2 or not all(value is None or (isinstance(value, Real) and not isinstance(value, bool)) for value in values):
+        return [as_text(value, digits) for value in values]
+    low, high = min(numbers), max(numbers)
+    scientific = high >= 1e6 or high < 1e-3 or high >= 1e5 * low
+    for more in range(digits, MOST_DIGITS + 1):
+        decimals = more - 1
+        if not scientific:
+            decimals = max(0, more - 1 - math.floor(math.log10(high)), 2 - math.floor(math.log10(low)))
+        texts = [f"{value:.{decimals}{'e' if scientific else 'f'}}" if _is_fraction(value) else as_text(value) for value in values]
+        if len(set(texts)) >= len(set(map(repr, values))):
+            break
+    return _shortened([text.replace("e+0", "e").replace("e-0", "e-").replace("e+", "e") for text in texts])
+
+
+def _is_fraction(value):
+    """Whether a value is a number that may need a format: neither a count, nor zero, nor without end."""
+    return isinstance(value, Real) and not isinstance(value, Integral) and value != 0 and math.isfinite(value)
+
+
+def _shortened(texts):
+    """Numbers without the zeros that all of them end with behind the point."""
+    parts = [text.partition("e") if "." in text else None for text in texts]
+    ends = [part[0] for part in parts if part]
+    spare = min((len(end) - len(end.rstrip("0").rstrip(".")) for end in ends), default=0)
+    if any(end[len(end) - spare :].startswith("0") and end[: len(end) - spare].endswith(".") for end in ends):
+        spare -= 1
+    return [
+        text if part is None else part[0][: len(part[0]) - spare] + part[1] + part[2]
+        for text, part in zip(texts, parts, strict=True)
+    ]
+
+
 def _table(title, rows):
     from rich import box
     from rich.table import Table
 
     names = list(dict.fromkeys(name for row in rows for name in row))
     table = Table(title=_words(title), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
-    lines = [[as_text(row.get(name)) for name in names] for row in rows]
+    lines = list(zip(*(column_texts([row.get(name) for row in rows]) for name in names), strict=True))
     heads = [_head(name) for name in names]
     on_its_side = len(names) > WIDE > len(rows)
     if on_its_side:
@@ -101,6 +138,8 @@ def _words(name):
 
 
 def _head(name):
+    if name in OF_NAMES:
+        return f"{_words(name)} [{OF_NAMES[name]}]"
     if name.split("_")[-1] in SUFFIXES and "_" in name:
         return column_head(name)
     unit = next((UNIT[word] for word in reversed(name.split("_")) if word in UNIT), "")

@@ -6,8 +6,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from anet_lumped.checks import InputError
-from anet_lumped.results.end_forces import GROUND
+from anet_lumped.results.end_forces import GROUND, UnknownForceError
 from anet_lumped.scene.scene import Free
 from studies.shown.show import as_text
 from studies.sweeping.measures import sag
@@ -90,6 +89,7 @@ def recommendation_summary(found, scene, change=(), added=()) -> dict:
     before = [text for text in change if not text.partition("=")[0].strip().endswith("segments")]
     sets = [f"--effect {shlex.quote(text)}" for text in added] + [f"--set {shlex.quote(text)}" for text in before]
     sets = " ".join([*sets, *(f"--set {name}={n}" for name, n in changes.items())])
+    unit, size = ("mm", 1e3) if found.unit == "m" else (found.unit, 1.0)
     named = {"best": best, "runner-up": found.runner_up, "with EA=inf": found.rigid}
     return {
         "recommended": [
@@ -98,7 +98,7 @@ def recommendation_summary(found, scene, change=(), added=()) -> dict:
                 "method": one.method + (", extrapolated" if one.extrapolate else ""),
                 "step_ms": None if one.dt is None else 1e3 * one.dt,
                 "rtol": one.rtol,
-                "time_error_mm": 1e3 * one.error,
+                f"time_error_{unit}": size * one.error,
                 "times_faster": one.times_real_time,
             }
             for name, one in named.items()
@@ -107,12 +107,12 @@ def recommendation_summary(found, scene, change=(), added=()) -> dict:
         "segments": [{"cable": name, "segments": n} for name, n in found.segments.items()],
         "error": [
             {
-                "of": ", ".join(found.points) or "middles",
-                "asked_mm": 1e3 * found.error,
-                "segments_mm": 1e3 * found.segments_error,
-                "time_mm": 1e3 * found.time_error,
-                "checked_mm": 1e3 * found.checked_error,
-                "elasticity_mm": 1e3 * found.elasticity,
+                "of": found.of,
+                f"asked_{unit}": size * found.error,
+                f"segments_{unit}": size * found.segments_error,
+                f"time_{unit}": size * found.time_error,
+                f"checked_{unit}": size * found.checked_error,
+                f"elasticity_{unit}": size * found.elasticity,
             }
         ],
         "simulated_for_s": found.t_end,
@@ -193,34 +193,6 @@ def prediction_summary(scene, dt: float | None = None) -> dict:
     floor = "smallest stretch at rest, of a cable with another EA, at which the step is stable"
     explained = {"stretch_floor_is": floor} if dt is not None and strains else {}
     return {"cables": cables, "methods": methods} | explained | {"warning": warnings}
-
-
-def catenary_comparison(scene) -> dict:
-    """The scene at rest against the elastic catenary net between the same supports."""
-    from anet_lumped.advice.compare import compare
-    from anet_lumped.statics.equilibrium import equilibrium
-
-    found = compare(equilibrium(scene))
-    return {
-        "cables": [asdict(cable) for cable in found.cables],
-        "error_of_points": [{"point": name} | _xyz(error) for name, error in found.points.items()],
-    }
-
-
-def marker_comparison(scene, file) -> dict:
-    """The scene at rest against measured markers, before and after its cables' lengths are fitted to them."""
-    from anet_lumped.advice.markers import fit_markers, read_markers
-
-    markers = read_markers(file, scene)
-    fit = fit_markers(markers.xyz, scene)
-    return {
-        "markers": len(markers.xyz),
-        "unit": markers.unit,
-        "rows_without_a_position": markers.empty_rows,
-        "outliers": fit.outliers,
-        "offset": [_xyz(fit.offset)],
-        "cables": [asdict(cable) for cable in fit.cables],
-    }
 
 
 def ropes_summary(diameter: float) -> dict:
@@ -309,7 +281,7 @@ def _peak_at(run, cable, point):
     """Largest tension of a cable at a point [N]; None where that is not known, as of a point pushed from outside the scene."""
     try:
         return run.end_tension(cable.name, point).max()
-    except InputError:
+    except UnknownForceError:
         return None
 
 

@@ -230,6 +230,18 @@ MEASURES = {
     "end_stretch": Measure(_end_stretch, Source.RUN, Target.CABLE, "-", "stretched length / length - 1 at the end"),
     "peak_stretch": _over_time(_peak(_stretch), Target.CABLE, "-", "largest stretched length / length - 1"),
     **_statistics(),
+    "rainflow_tension": _over_time(
+        partial(over_time.statistic, values=over_time.tension, of=over_time.rainflow),
+        Target.CABLE_OR_POINT,
+        "N",
+        "largest range of a rainflow cycle of the tension",
+    ),
+    "equivalent_tension": _over_time(
+        partial(over_time.statistic, values=over_time.tension, of=over_time.equivalent),
+        Target.CABLE_OR_POINT,
+        "N",
+        "range of the tension that does the same damage at 1 Hz, exponent 3",
+    ),
     "peak_reaction": _over_time(_peak(_reaction), Target.HOLDER, "N", "largest force of a support or the ground at a saved time"),
     "peak_displacement": _over_time(over_time.displacement, Target.POINT, "m", "largest distance of a point from where it started"),
     "slack_time": _over_time(over_time.slack_time, Target.CABLE, "s", "time for which a segment of a cable was slack"),

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from anet_lumped.checks import InputError
+from anet_lumped.results.rainflow import cycles
 from anet_lumped.results.slack import is_slack
 
 ROUNDED = 1e-12  # of a time: what a saved time may lie before the one that it stands for
@@ -71,6 +72,16 @@ def deviation(t, values):
 def spread(t, values):
     """The largest difference between the largest and the least value of a column."""
     return np.ptp(values, axis=0).max()
+
+
+def rainflow(t, values):
+    """The largest range of a rainflow cycle of a column."""
+    return max(float(cycles(t, column).ranges.max(initial=0.0)) for column in values.T)
+
+
+def equivalent(t, values):
+    """The largest damage-equivalent range of a column, at 1 Hz and with the exponent 3 of chain."""
+    return max(cycles(t, column).equivalent() for column in values.T)
 
 
 def tension(run, target):

@@ -40,6 +40,7 @@ def run_rows(
     label: str | None = None,
     budget: float | None = None,
     shard: Shard | None = None,
+    heads: dict[str, str] | None = None,
 ):
     """Table with `function(row)` beside every row, in the order of `rows`.
 
@@ -61,6 +62,7 @@ def run_rows(
     budget : float or None [s], that a row may take; one that takes longer is "over budget"
     shard : of the rows these alone, and all to parts of the folder `out` (see `parts`), which other processes share; those that are
         there are kept. With an executor its workers write the parts, so that all of them must see the folder
+    heads : names of columns in `rows.csv`, where they have units
 
     Returns
     -------
@@ -115,7 +117,7 @@ def run_rows(
                 raise KeyboardInterrupt(f"Stopped after {len(lines)} of {len(wanted)} rows{on_disk}.") from None
         table = table_of([lines[number] for number in wanted], names)
         if out is not None and len(wanted) == len(rows):
-            save_table(table, out / "rows")
+            save_table(table, out / "rows", heads)
         return table
 
 
@@ -170,12 +172,12 @@ def read_rows(out: str | Path):
     return table_of(lines, vary), meta, None
 
 
-def save_table(table, stem: Path) -> None:
-    """Write a DataFrame as `stem`.parquet and `stem`.csv."""
+def save_table(table, stem: Path, heads: dict[str, str] | None = None) -> None:
+    """Write a DataFrame as `stem`.parquet and `stem`.csv, the latter with other names of columns if there are any."""
     stem.parent.mkdir(parents=True, exist_ok=True)
     for ending in (".csv", ".parquet"):
         check_target(stem.with_name(stem.name + ending), "A table")
-    table.to_csv(stem.with_name(stem.name + ".csv"), index=False)
+    table.rename(columns=heads or {}).to_csv(stem.with_name(stem.name + ".csv"), index=False)
     table.to_parquet(stem.with_name(stem.name + ".parquet"), index=False)
 
 

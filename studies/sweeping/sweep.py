@@ -14,6 +14,7 @@ from studies.sweeping.own_measure import OwnMeasure
 from studies.sweeping.parts import Shard
 from studies.sweeping.rows import run_rows
 from studies.sweeping.sampling import as_told, inputs_of, read_inputs, sampled
+from studies.sweeping.units import with_units
 from studies.sweeping.vary import SETTINGS, VaryError, apply, grid, read_values
 
 AT_REST = ("stretch", "sag", "tension", "stable")
@@ -94,6 +95,7 @@ def sweep(
         label=label,
         budget=budget,
         shard=shard,
+        heads=with_units(scene, (*values, *variant.measures)),
     )
 
 

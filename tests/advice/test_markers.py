@@ -231,3 +231,31 @@ def test_markers_on_one_another_have_no_spacing(recwarn):
     xyz, *_ = cloud(0, noise=0.0, strays=0.0)
     fit = fit_markers(np.repeat(xyz, 5, axis=0), net())
     assert all(match.missing is None for match in fit.cables) and not recwarn.list
+
+
+def test_tracks_that_stand_still_are_one_shape(tmp_path):
+    """The median of each marker over the frames, in the unit that the file says, and how far it moves about that."""
+    xyz = cloud(0)[0][:6]
+    still = [xyz - 0.004, xyz, xyz + 0.004, xyz, np.where(np.arange(6)[:, None] == 2, np.nan, xyz)]
+    heads = ["Trajectories", "100", ",," + ",,,".join(f"Rope:{k}" for k in range(6))]
+    heads += ["Frame,Sub Frame" + ",X,Y,Z" * 6, ",," + ",".join(["mm"] * 18)]
+    rows = [f"{k},0," + ",".join("" if np.isnan(x) else f"{1e3 * x:.4f}" for x in frame.ravel()) for k, frame in enumerate(still)]
+    (tmp_path / "trial.csv").write_text("\n".join([*heads, *rows]) + "\n", encoding="utf-8")
+    found = read_markers(tmp_path / "trial.csv", net())
+    assert found.unit == "mm" and found.names == tuple("012345") and found.xyz == pytest.approx(xyz, abs=1e-7)
+    # two frames of five (of four for the one that was hidden) are 4 mm off in each coordinate
+    expected = np.full(6, 0.004 * np.sqrt(3 * 2 / 5))
+    expected[2] = 0.004 * np.sqrt(3 * 2 / 4)
+    assert found.spread == pytest.approx(expected, abs=1e-6)
+
+
+def test_residuals_and_picture_of_a_fit():
+    xyz, *_ = cloud(3)
+    found = fit_markers(xyz, net())
+    assert np.linalg.norm(found.residuals, axis=1) == pytest.approx(found.sequence.distance)
+    side, _, along = found.plot().axes
+    drawn = {line.get_label(): line.get_xydata() for line in side.lines}
+    np.testing.assert_allclose(drawn["markers"], xyz[found.sequence.cable >= 0][:, [0, 2]])
+    points = np.concatenate([line.get_xydata() for line in along.lines])
+    assert len(points) == (found.sequence.cable >= 0).sum()
+    assert points[:, 1] == pytest.approx(1e3 * np.concatenate([found.sequence.distance[found.sequence.along(i)] for i in range(4)]))

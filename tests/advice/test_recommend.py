@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from systems import four_cables, loose_cable
 
-from anet_lumped import Scene, SceneError, simulate
+from anet_lumped import InputError, Scene, SceneError, simulate
 from anet_lumped.advice.recommend import RecommendError, _Search, recommend, scale_of_motion
 from studies.command_line import main
 
@@ -33,6 +33,18 @@ def test_it_is_not_finer_than_it_need_be(found):
     """Parts near their shares: half of the error each, within what a whole number of segments and an even step leave."""
     assert found.segments_error > 0.2e-3 and found.time_error > 0.1e-3
     assert found.best.times_real_time >= found.runner_up.times_real_time
+
+
+def test_the_error_of_a_tension_is_kept():
+    """Of the ends of a cable, against four times the segments and an eighth of the step of another method."""
+    found = recommend(four_cables(1e4, carried=True), 0.02, tension="s0-p0", t_end=1.0)
+    best = simulate(found.scene, 1.0, save_every=1.0 / 160.0, **found.best.stepping)
+    fine = four_cables(1e4, carried=True, segments=4 * found.segments["s0-p0"])
+    exact = simulate(fine, 1.0, method="generalised_alpha", dt=1.0 / 1280.0, save_every=1.0 / 160.0)
+    for end in ("s0", "p0"):
+        assert np.abs(best.end_tension("s0-p0", end) - exact.end_tension("s0-p0", end)).max() <= 0.02
+    assert found.unit == "N" and "error of the tension at the ends of s0-p0: asked 0.02 N" in str(found)
+    assert found.segments_error + found.time_error <= 0.02 and found.checked_error <= 0.02
 
 
 def test_smaller_errors_cost_more(found):
@@ -68,6 +80,10 @@ def test_messages(capsys):
     net = four_cables(1e4)
     with pytest.raises(ValueError, match=r"`error` must be positive and finite, but it is -1.0"):
         recommend(net, -1.0)
+    with pytest.raises(InputError, match=r'Only one of `at` and `tension` may be given, but they are "p0" and "s0-p0"'):
+        recommend(net, 1e-3, at="p0", tension="s0-p0")
+    with pytest.raises(SceneError, match=r'no cable "s0-p1", did you mean "s0-p0"'):
+        recommend(net, 1.0, tension="s0-p1")
     with pytest.raises(SceneError, match='free point, but "s0" is held; free are p0'):
         recommend(net, 1e-3, at="s0")
     with pytest.raises(RecommendError, match="segments in the finest cable, of which 3000 are the most"):

@@ -5,7 +5,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from anet_lumped.files.measured_series import SeriesError, holds_tracks, read_tensions, read_tracks
+from anet_lumped.files.measured_series import SeriesError, capture_of, holds_tracks, read_tensions, read_tracks
 
 TRC = """PathFileType\t4\t(X/Y/Z)\tcarried.trc
 DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames
@@ -44,6 +44,71 @@ def test_trc_in_its_unit(tmp_path):
     assert found.t.tolist() == [0.0, 0.01, 0.02] and found.channels["p0"][2] == pytest.approx((1.002, 0.0, -0.2))
     hidden = found.channels["s0-p0@0.25"]
     assert np.isnan(hidden[1]).all() and hidden[0] == pytest.approx((0.01, 0.02, 0.03))
+
+
+MOTIVE = """Format Version,1.23,Capture Frame Rate,120.000000,Rotation Type,Quaternion,Length Units,Millimeters
+
+,Type,Rigid Body,Rigid Body,Rigid Body,{one},{one},{one},Marker,Marker,Marker,Marker,Marker,Marker
+,Name,quad1,quad1,quad1,quad1:1,quad1:1,quad1:1,Net:p0,Net:p0,Net:p0,Unlabeled 7,Unlabeled 7,Unlabeled 7
+,ID,a,a,a,b,b,b,c,c,c,d,d,d
+,,Position,Position,Position,Position,Position,Position,Position,Position,Position,Position,Position,Position
+Frame,Time (Seconds),X,Y,Z,X,Y,Z,X,Y,Z,X,Y,Z
+0,0.000000,1,2,3,1,2,3,1000,2000,3000,,,
+1,0.008333,1,2,3,1,2,3,1001,2000,3000,5,6,7
+""".replace("{one}", "Rigid Body Marker")
+NEXUS = """Devices
+1000
+,,Force
+Frame,Sub Frame,Fx
+,,N
+1,0,3
+
+Trajectories
+100
+,,Net:s0-p0@0.25,,,Net:p0,,
+Frame,Sub Frame,X,Y,Z,X,Y,Z
+,,mm,mm,mm,mm,mm,mm
+5,0,10,20,30,1000,0,-200
+6,0,,,,1001,0,-200
+
+"""
+
+
+def test_an_export_of_motive(tmp_path):
+    """Millimetres, y up: z of the scene is y of the file, and y of the scene -z of it."""
+    file = write(tmp_path, "take.csv", MOTIVE)
+    found = read_tracks(file)
+    assert holds_tracks(file) and set(found.channels) == {"quad1", "p0", "Unlabeled 7"}
+    assert found.t.tolist() == [0.0, 0.008333] and found.channels["p0"] == pytest.approx(np.array([(1, -3, 2), (1.001, -3, 2)]))
+    assert np.isnan(found.channels["Unlabeled 7"][0]).all()
+    assert read_tracks(file, up="z").channels["p0"][0] == pytest.approx((1, 2, 3))
+    assert set(capture_of(file).markers) == {"p0", "Unlabeled 7"} and set(capture_of(file).bodies) == {"quad1"}
+    with pytest.raises(SeriesError, match=r"must be \"y\" or \"z\", but up='x' was given"):
+        read_tracks(file, up="x")
+
+
+def test_an_export_of_nexus(tmp_path):
+    found = read_tracks(write(tmp_path, "trial.csv", NEXUS))
+    assert found.t == pytest.approx([0.05, 0.06])
+    assert found.channels["p0"] == pytest.approx(np.array([(1, 0, -0.2), (1.001, 0, -0.2)]))
+    assert np.isnan(found.channels["s0-p0@0.25"][1]).all()
+
+
+@pytest.mark.parametrize(
+    "text, sentence",
+    [
+        (MOTIVE.replace("Millimeters", "Feet"), "must have Length Units of meters or millimeters, but .* has 'Feet'"),
+        (MOTIVE.replace(",Name,", ",Nom,"), "must have lines Type, Name and Frame"),
+        (MOTIVE.replace("1,0.008333,1", "1,0.008333,one"), "Samples must be numbers, but .* row 2 of them"),
+        (MOTIVE.replace("X,Y,Z,X", "X,Y,W,X"), r"must have the columns X, Y and Z, but .*'W', 'X', 'Y'"),
+        (NEXUS.replace("Trajectories\n100", "Trajectories\nfast"), "must have its frames a second below Trajectories"),
+        (NEXUS.replace(",,mm,mm,mm,mm", ",,mm,mm,mm,m"), "must have columns Frame and Sub Frame and one unit"),
+        (NEXUS.split("5,0")[0], "must hold places of markers, but .* has none"),
+    ],
+)
+def test_exports_that_cannot_be_read(tmp_path, text, sentence):
+    with pytest.raises(SeriesError, match=sentence):
+        read_tracks(write(tmp_path, "m.csv", text))
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from hanging import MU, G, cable, held_net, hung
 from anet_lumped import Body, Cable, Driven, Fixed, Free, PayloadChange, Scene, Session, equilibrium, paths, signals, simulate
 from anet_lumped.checks import InputError
 from anet_lumped.effects import Bending, Gravity, Ground, LineChange, Water
+from anet_lumped.results.end_forces import UnknownForceError
 
 DOWN = np.array([0.0, 0.0, -G])
 GRAVITY = Gravity(G)
@@ -133,7 +134,7 @@ def test_a_point_driven_from_outside_has_no_known_acceleration():
     scene = Scene([Driven("hand", paths.external((0, 0, 0))), Free("end", 0.05)], [cable("hand", "end")], [GRAVITY])
     session = Session(scene, dt=0.01)
     session.step()
-    with pytest.raises(InputError, match=r'needs the acceleration there, but "hand" is driven from outside, by a Session'):
+    with pytest.raises(UnknownForceError, match=r'needs the acceleration there, but "hand" is driven from outside, by a Session'):
         session.state.end_tension("hand-end", "hand")
 
 
@@ -144,5 +145,5 @@ def test_forces_from_outside_are_not_known_afterwards():
     session.push("p0", (0.0, 0.0, 0.5))
     session.step()
     assert session.state.reaction("s0")[2] > 0.1
-    with pytest.raises(InputError, match=r'all forces there, but "p0" moves freely, and forces from outside act that the scene'):
+    with pytest.raises(UnknownForceError, match=r'all forces there, but "p0" moves freely, and forces from outside act'):
         session.state.end_tension("s0-p0", "p0")

@@ -156,8 +156,8 @@ def test_energy_out_of_nothing_exits_with_1(capsys):
 SAVING = {
     ("equilibrium", "net_held"): ["equilibrium.json", "nodes.csv", "rest.png"],
     ("simulate", "net_carried", "--t-end", "20ms"): ["run.json", "run.nc", "run.png"],
-    ("mismatch", "net_held"): ["mismatch.json"],
-    ("sweep", "net_held", "--vary", "segments=5"): ["meta.json", "rows.csv", "rows.jsonl", "rows.parquet"],
+    ("mismatch", "net_held"): ["mismatch.json", "mismatch.png"],
+    ("sweep", "net_held", "--vary", "segments=5"): ["meta.json", "rows.csv", "rows.jsonl", "rows.parquet", "sweep.png"],
 }
 
 

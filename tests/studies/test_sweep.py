@@ -364,7 +364,7 @@ def test_workers_are_an_integer_that_a_machine_can_keep_busy(hanging, workers):
         ({"t_end": float("nan")}, "Argument `t_end` must be positive and finite"),
         ({"dt": 0.0}, "Argument `dt` must be positive and finite"),
         ({"method": "edcm"}, r'No run can have method=\'edcm\', did you mean "edmc"\?'),
-        ({"start": "qqqq"}, "No run can have start='qqqq'; known are equilibrium, straight"),
+        ({"start": "qqqq"}, "No run can have start='qqqq'; known are equilibrium, calm, straight"),
     ],
 )
 def test_what_no_run_can_have_is_told_before_any_row(hanging, setting, message):

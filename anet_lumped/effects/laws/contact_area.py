@@ -11,6 +11,10 @@ import numpy as np
 
 from anet_lumped.checks import SceneError, quoted
 
+CONTACT = {"stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative"), "friction": ("", "non-negative")}
+"""Units and signs of what all effects of contact have, for `Effect._check_numbers`."""
+SLIP_SPEED = "m/s", "positive"
+
 
 def sums_over_halves(model: Any, effect: str, numbers: Callable[[Any, float], Sequence[float]]) -> np.ndarray:
     """Sum of numbers over the half segments that each node has.

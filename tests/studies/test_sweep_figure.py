@@ -1,0 +1,104 @@
+"""The picture of a sweep, its heads with units, and numbers of a column in one format."""
+
+import numpy as np
+import pandas
+import pytest
+
+from anet_lumped import Cable, Fixed, Free, Scene, load_scene
+from anet_lumped.effects import Gravity
+from anet_lumped.results.rainflow import cycles
+from studies.shown.show import column_texts
+from studies.shown.sweep_figure import plot_sweep
+from studies.sweeping.units import unit_of
+
+
+def table():
+    rows = [
+        {"EA": EA, "segments": n, "sag": 0.1 + n / EA, "status": "done", "reason": ""} for EA in (1e2, 1e3, 1e4) for n in (5, 10)
+    ]
+    rows[3] |= {"sag": np.nan, "status": "failed", "reason": "no rest"}
+    return pandas.DataFrame(rows)
+
+
+def test_a_curve_for_each_value_of_the_other_input():
+    figure = plot_sweep(table(), ["EA", "segments"], {"EA": "EA [N]", "sag": "sag [m]"})
+    (panel,) = figure.axes
+    assert panel.get_xlabel() == "EA [N]" and panel.get_ylabel() == "sag [m]" and panel.get_xscale() == "log"
+    curves = {line.get_label(): line.get_xydata() for line in panel.lines}
+    assert set(curves) == {"segments = 5", "segments = 10"}
+    np.testing.assert_allclose(curves["segments = 10"], [(1e2, 0.2), (1e4, 0.101)])  # the row that failed is left out, and told
+    assert "1 of 6 rows are not done" in figure._supxlabel.get_text()
+
+
+def test_seeds_are_a_histogram():
+    rows = pandas.DataFrame({"air.wind.1.seed": range(30), "peak": np.arange(30.0) ** 2, "status": "done", "reason": ""})
+    (panel,) = plot_sweep(rows, ["air.wind.1.seed"]).axes
+    assert sum(bar.get_height() for bar in panel.patches) == 30 and {line.get_label() for line in panel.lines} == {
+        "mean",
+        "largest",
+    }
+    assert panel.lines[0].get_xdata()[0] == pytest.approx((np.arange(30.0) ** 2).mean())
+
+
+@pytest.mark.parametrize(
+    "column, unit",
+    [
+        ("EA", "N"), ("tether.EA", "N"), ("segments", ""), ("balloon.mass", "kg"), ("winch.at.z", "m"), ("gravity.g", "m/s2"),
+        ("air.wind.1.sigma", "m/s"), ("air.wind.1.seed", ""), ("air.wind.0.speed", "m/s"), ("applied_forces.force.balloon.z", "N"),
+        ("t_end", "s"), ("peak_tension:tether", "N"), ("snaps", ""), ("method", ""),
+    ],
+)  # fmt: skip
+def test_units_of_columns(column, unit):
+    assert unit_of(load_scene("tether"), column) == unit
+
+
+def test_units_of_parts_whose_names_have_dots():
+    scene = Scene(
+        [Fixed("a.b", (0, 0, 0)), Free("c")], [Cable("a.b", "c", length=1.0, mass_per_length=0.1, EA=1e4, segments=2)], [Gravity()]
+    )
+    assert unit_of(scene, "a.b.at.x") == "m" and unit_of(scene, "a.b-c.mass_per_length") == "kg/m"
+
+
+@pytest.mark.parametrize(
+    "values, texts",
+    [
+        ([1e3, 1e4, 1e6], ["1e3", "1e4", "1e6"]),
+        ([0.1524374, 0.1522, 0.15203], ["0.1524", "0.1522", "0.1520"]),
+        ([1.11690, 1.11691], ["1.11690", "1.11691"]),  # as many digits as tell them apart
+        ([146.4, 9.123, 0.0], ["146.40", "9.12", "0"]),
+        ([8.24e-4, 8.25e-5, None], ["8.24e-4", "8.25e-5", ""]),
+        ([100.0, 250.0], ["100", "250"]),
+        ([5, 10], ["5", "10"]),
+        ([True, False], ["True", "False"]),
+        ([float("nan"), 2.0], ["–", "2"]),
+    ],
+)
+def test_one_format_a_column(values, texts):
+    assert column_texts(values) == texts
+
+
+def test_rainflow_of_the_standard():
+    """ASTM E1049-85, figure 6: ranges 3, 4, 4, 8, 9, 8, 6, of which the one of 4 within is whole, the others half cycles."""
+    t = np.arange(9.0)
+    found = cycles(t, np.array([-2.0, 1, -3, 5, -1, 3, -4, 4, -2]))
+    assert sorted(zip(found.ranges, found.counts, strict=True)) == [
+        (3, 0.5),
+        (4, 0.5),
+        (4, 1.0),
+        (6, 0.5),
+        (8, 0.5),
+        (8, 0.5),
+        (9, 0.5),
+    ]
+    assert found.duration == 8.0 and (found.begin < found.end).all()
+
+
+def test_the_equivalent_range_of_a_sinusoid_is_its_range():
+    """Ten cycles a second of 2 A: at 10 Hz the same range does the damage, at 1 Hz one that is 10^(1/m) times as large."""
+    t = np.linspace(0.0, 20.0, 20 * 40 + 1)
+    found = cycles(t, 5.0 + 3.0 * np.cos(2 * np.pi * t))
+    assert found.equivalent(3.0, 1.0) == pytest.approx(6.0, rel=1e-12)
+    assert found.equivalent(4.0, 0.1) == pytest.approx(6.0 * 10.0**0.25, rel=1e-12)
+    assert cycles(t, np.full(len(t), 2.0)).equivalent() == 0.0
+    with pytest.raises(ValueError, match=r"`exponent` must be positive"):
+        found.equivalent(0.0)
