@@ -21,7 +21,7 @@ from anet_lumped.checks import InputError, check_number, nearest, quoted
 from anet_lumped.files.measured_series import Series
 from anet_lumped.results.run import Run
 
-ENDS = {".start": 0, ".end": -1}  # of a cable, whose segment there carries the tension
+ENDS = {".start": "start", ".end": "end"}  # of a cable
 MOST_SHIFT = 0.25  # of the measured time, that a shift is sought within
 TRIED, SEARCHED = 401, 2000  # shifts that are tried, and samples of a channel that they are tried with
 BARRIER, NEARLY = (
@@ -90,7 +90,7 @@ def compare_motion(
     ----------
     run : Run
     tensions : Series or None
-        By the name of a cable: of the segment at its end, as `NAME.end`; `NAME.start` is that at its start.
+        By the name of a cable: `Run.end_tension` at its end, as `NAME.end`; `NAME.start` is that at its start.
     tracks : Series or None
         By the name of a point, or `CABLE@ARC`, the unstretched length from the cable's start [m].
     shift : float or None [s]
@@ -138,15 +138,15 @@ def _pair(name: str, series: Series, begin: float, model: np.ndarray) -> _Pair:
 def _tension(run: Run, name: str) -> np.ndarray:
     """Tension at an end of a cable, (m, 1) [N]."""
     cables = [cable.name for cable in run.scene.cables]
-    cable, end = next(((name.removesuffix(ending), at) for ending, at in ENDS.items() if name.endswith(ending)), (name, -1))
+    cable, end = next(((name.removesuffix(ending), at) for ending, at in ENDS.items() if name.endswith(ending)), (name, "end"))
     if name in cables:
-        cable, end = name, -1
+        cable, end = name, "end"
     if cable not in cables:
         raise InputError(
             f"A measured tension must have the name of a cable, but the scene has none called {quoted(cable)}"
             + (nearest(cable, cables) or ".")
         )
-    return run.tension(cable)[:, [end]]
+    return run.end_tension(cable, getattr(run.scene.cable(cable), end))[:, None]
 
 
 def _track(run: Run, name: str) -> np.ndarray:

@@ -27,7 +27,7 @@ def copy(run, name, values, lead=0.0, begin=100.0):
 
 
 def test_the_shift_of_a_copy_is_found(run):
-    tensions, tracks = copy(run, "s0-p0", run.tension("s0-p0")[:, -1]), copy(run, "p0", run.position("p0"))
+    tensions, tracks = copy(run, "s0-p0", run.end_tension("s0-p0", "p0")), copy(run, "p0", run.position("p0"))
     found = compare_motion(run, tensions, tracks)
     assert (
         found.found and found.sure and found.shift == pytest.approx(0.25, abs=2e-5)
@@ -41,7 +41,7 @@ def test_the_shift_of_a_copy_is_found(run):
 
 def test_what_is_known_to_differ_is_told(run):
     """10 % more tension, a marker 3 mm to the side, and one that the run is late behind by 20 ms."""
-    tensions = Series(*vars(copy(run, "s0-p0", 1.1 * run.tension("s0-p0")[:, -1])).values())
+    tensions = Series(*vars(copy(run, "s0-p0", 1.1 * run.end_tension("s0-p0", "p0"))).values())
     off = copy(run, "p0", run.position("p0") + np.array([0.0, 0.003, 0.0]))
     early = copy(run, "s1-p0@0.25", run.shape("s1-p0")[:, 2], lead=0.02)
     found = compare_motion(run, tensions, Series(off.t, off.channels | early.channels), shift=0.25)
@@ -77,7 +77,7 @@ def test_missing_samples_are_left_out_and_what_stands_still_has_no_phase(run):
 )
 def test_tensions_of_no_cable(run, name, sentence):
     with pytest.raises(InputError, match=sentence):
-        compare_motion(run, copy(run, name, run.tension("s0-p0")[:, -1]))
+        compare_motion(run, copy(run, name, run.end_tension("s0-p0", "p0")))
 
 
 @pytest.mark.parametrize(
@@ -105,7 +105,7 @@ def test_times_that_do_not_meet(run):
 
 
 def test_ends_of_a_cable(run):
-    found = compare_motion(run, copy(run, "s0-p0.start", run.tension("s0-p0")[:, 0]), shift=0.25)
+    found = compare_motion(run, copy(run, "s0-p0.start", run.end_tension("s0-p0", "s0")), shift=0.25)
     assert found.tensions[0].rmse < 1e-3 * found.tensions[0].measured_peak
 
 
@@ -114,6 +114,6 @@ def test_noise_tells_no_shift(run):
     t, noise = np.arange(0.0, 1.5, 4e-3), np.random.default_rng(0)
     found = compare_motion(run, tracks=Series(t, {"p0": noise.standard_normal((len(t), 3))}))
     assert not found.sure and np.isnan(found.markers[0].phase_error)
-    pull = type("Run", (), {"t": run.t, "scene": run.scene, "tension": lambda self, name: np.full((len(run.t), 4), 0.3)})()
+    pull = type("Run", (), {"t": run.t, "scene": run.scene, "end_tension": lambda self, name, point: np.full(len(run.t), 0.3)})()
     found = compare_motion(pull, Series(t, {"s0-p0": np.full((len(t), 1), 0.3)}))
     assert found.shift == 0.0 and not found.sure and found.tensions[0].rmse == 0.0
