@@ -90,7 +90,7 @@ def compare_motion(
     ----------
     run : Run
     tensions : Series or None
-        By the name of a cable: of the segment at its end, as `NAME.end`; `NAME.start` is that at its start.
+        By the name of a cable: `Run.end_tension` at its end, as `NAME.end`; `NAME.start` is that at its start.
     tracks : Series or None
         By the name of a point, or `CABLE@ARC`, the unstretched length from the cable's start [m].
     shift : float or None [s]

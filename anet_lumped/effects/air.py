@@ -101,7 +101,7 @@ class Air(Effect):
         return index, np.concatenate([header, winds, of_cable[model.cable_of].ravel(), of_point.ravel()])
 
     def on_bodies(self, scene: Any) -> Effect | None:
-        if not any(any(body.CdA) or body.rods for body in scene.bodies if not body.is_driven):
+        if not any(body.has_drag or body.rods for body in scene.bodies if not body.is_driven):
             return None
         from .fluid_on_bodies import FluidOnBodies  # compiled for those scenes alone
 

@@ -1,6 +1,7 @@
-"""What air or water does to rigid bodies: drag, buoyancy and the inertia of the water. Made by the effects `Air` and `Water`.
+"""What air or water does to rigid bodies, made by the effects `Air` and `Water`.
 
-**A body** has drag areas along its axes; the drag acts at its origin, by the flow there, see `laws.axes_drag`. Buoyancy, the force
+**A body** has drag areas along its axes; the drag acts at its origin, by the flow there, and turns are resisted, see
+`laws.axes_drag`. Buoyancy, the force
 of accelerated water and added mass act at its centre of buoyancy. A small body is under water by the share of a sphere of its
 volume about that centre, see `laws.submergence`; drag and inertia go with this share. A body with a hull is lifted by the part of
 the box that is under the surface, level at the height above its centre of buoyancy, see `laws.box`; the share is that part of its
@@ -16,9 +17,9 @@ segments, with its part along the rod. A rod is thin: its lift acts on its axis,
 In still water the lift over a whole step does the work that its energy says. The rate of the added mass is left out, as on cables,
 and with it the moment that turns a body across a stream in an ideal fluid (Munk).
 
-Three small slopes are left out of the tangent: by the turning of a rod's end caps, by the turning of the axes along which
-accelerated water pushes with Ca, and by the height that changes the share with which drag acts at another place. Newton's method
-looks at the forces after each step, so that what is left out costs iterations where it counts, and no accuracy.
+Four small slopes are left out of the tangent: by the turning of a rod's end caps, of the axes along which accelerated water pushes
+with Ca, and of those about which turns are resisted; and by the height that changes the share with which drag acts elsewhere.
+Newton's method looks at the forces after each step, so that what is left out costs iterations where it counts, and no accuracy.
 Source: Hall, MoorDyn V2: new capabilities in mooring system components and load cases, ASME IOWTC (2020); Gonzalez, J. Nonlinear
 Sci. 6 (1996) 449, for the step.
 """
@@ -35,7 +36,15 @@ from anet_lumped.compiled.jit import inlined_law, law, njit
 from anet_lumped.effects.flow.waves.base import Wave
 from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
 from anet_lumped.effects.flow.wind.kernel import pack
-from anet_lumped.effects.laws.axes_drag import along_axes, axes_drag, axis_of, subtract_axis_slopes
+from anet_lumped.effects.laws.axes_drag import (
+    along_axes,
+    axes_drag,
+    axis_of,
+    dot,
+    subtract_axis_slopes,
+    subtract_turning_slopes,
+    turning_drag,
+)
 from anet_lumped.effects.laws.drag import segment_coefficients, subtract_segment_slopes, tangent_of
 from anet_lumped.effects.laws.hull import NONE, add_lift_over_step, add_lift_slopes, hull_immersed, hull_share, weight_on_node
 from anet_lumped.effects.laws.morison import add_mass, segment_force, subtract_inertia_slopes
@@ -53,7 +62,7 @@ from .flow.surface import flow_at, height_at
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, INERTIA_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
 HEADER, BODY_INDEX, ROD_INDEX, CAP_INDEX = 5, 6, 3, 2  # numbers before all others, and nodes of each body, segment and cap
-BODY_NUMBERS, SEGMENT_NUMBERS, CAP_NUMBERS = 16, 8, 4
+BODY_NUMBERS, SEGMENT_NUMBERS, CAP_NUMBERS = 19, 8, 4
 PAIRS = 6  # of the first four nodes of a body: (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)
 
 
@@ -90,15 +99,15 @@ class FluidOnBodies(Effect):
             Level [m]; how many numbers describe current and wave; 1 for air; buoyancy per volume [N/m3]; the numbers of
             current and wave. Of each body: drag coefficients along its axes [kg/m]; diameter of its sphere [m], buoyancy [N] and
             displaced mass [kg]; Ca along its axes; distance of the points on its axes [m]; edges of its hull, or zeros, and the
-            centre of buoyancy [m]. Of each segment what `Water` has of one. Of each cap: length of the segment and diameter [m],
-            drag coefficient [kg/m] and mass of accelerated fluid [kg].
+            centre of buoyancy [m]; drag coefficients of turns about its axes [kg m2]. Of each segment what `Water` has of one. Of
+            each cap: length of the segment and diameter [m], drag coefficient [kg/m] and mass of accelerated fluid [kg].
         """
         bodies = [body for body in model.scene.bodies if not body.is_driven]
         first_row, rows, of_bodies, of_segments, of_caps = model.n_segments, [], [], [], []
         for body in bodies:
             nodes, row = [model.node_of[point.name] for point in body.points], first_row
             first_row += len(body.pairs)
-            if any(body.CdA) or (body.displaced > 0.0 and not self.dry):
+            if body.has_drag or (body.displaced > 0.0 and not self.dry):
                 at = model.node_of[f"{body.name}[b]"] if any(body.centre_of_buoyancy) else nodes[0]
                 rows.append([*nodes[:4], at, row])
                 of_bodies.append(self._of_body(body))
@@ -119,10 +128,12 @@ class FluidOnBodies(Effect):
     def _of_body(self, body: Any) -> list[float]:
         drag = [0.5 * self.density * area for area in body.CdA]
         volume, mass = body.displaced, 0.0 if self.dry else self.density * body.displaced
-        sphere = (6.0 * volume / math.pi) ** (1.0 / 3.0) if volume > 0.0 else math.sqrt(4.0 * max(body.CdA) / math.pi)
+        sphere = (
+            (6.0 * volume / math.pi) ** (1.0 / 3.0) or math.sqrt(4.0 * max(body.CdA) / math.pi) or max(body.CdA_rotation) ** 0.2
+        )
         sphere = sphere if self.floats or body.hull is not None else ALWAYS_UNDER
-        hull = body.hull or (0.0, 0.0, 0.0)
-        return [*drag, sphere, self.g * mass, mass, *body.Ca, body.gyration, *hull, *body.centre_of_buoyancy]
+        hull, turning = body.hull or (0.0, 0.0, 0.0), [0.5 * self.density * C for C in body.CdA_rotation]
+        return [*drag, sphere, self.g * mass, mass, *body.Ca, body.gyration, *hull, *body.centre_of_buoyancy, *turning]
 
     def _of_segment(self, rod: Any) -> list[float]:
         normal, along = segment_coefficients(self.density, rod)
@@ -163,11 +174,6 @@ def _velocity(base, q, v, per_h, i):
 @inlined_law
 def _minus(a, b):
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-@inlined_law
-def _dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inlined_law
@@ -227,11 +233,19 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
         more = along_axes(a, axes, numbers[6:9])
         inertia_force = (numbers[5] * (a[0] + more[0]), numbers[5] * (a[1] + more[1]), numbers[5] * (a[2] + more[2]))
         _add(f, b, share, inertia_force)
-        power -= share * _dot(inertia_force, V)
+        power -= share * dot(inertia_force, V)
         V = _velocity(base, q, v, per_h, o)
+        for a in range(3):
+            if numbers[16 + a] > 0.0:
+                p = index[at + 1 + (a + 1) % 3]
+                of_p = _minus(_velocity(base, q, v, per_h, p), V)
+                turn = turning_drag(of_p, axes[(a + 2) % 3], share * numbers[16 + a], numbers[9])
+                _add(f, p, 1.0, turn)
+                _add(f, o, -1.0, turn)
+                power -= dot(turn, of_p)
         drag = axes_drag(_minus(flow_at(t, origin, level, current, wave)[2], V), axes, numbers[0:3])
         _add(f, o, share, drag)
-        power -= share * _dot(drag, V)
+        power -= share * dot(drag, V)
     at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
     for s in range(index[1]):
         i, j, numbers = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], params[begin + SEGMENT_NUMBERS * s :]
@@ -244,7 +258,7 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
             V = _velocity(base, q, v, per_h, node)
             F = segment_force(_minus(flow[2], V), flow[4], (tx, ty, tz), numbers[2], numbers[3], numbers[5], numbers[6], numbers[7])
             _add(f, node, w, F)
-            power -= w * _dot(F, V)
+            power -= w * dot(F, V)
             if lifts:
                 f[node, 2] += w * numbers[4]
                 power -= w * numbers[4] * V[2] if counts else 0.0
@@ -257,7 +271,7 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
         tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
         F = segment_force(_minus(flow[2], V), flow[4], (tx, ty, tz), 0.0, numbers[2], numbers[3], -1.0, 0.0)
         _add(f, i, w, F)
-        power -= w * _dot(F, V)
+        power -= w * dot(F, V)
     return power
 
 
@@ -289,13 +303,19 @@ def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
         elif lifts:
             _subtract_share_slope(D[b], (0.0, 0.0, numbers[4]), c_q * slope, flow[1])
         flow_o = flow_at(t, origin, level, current, wave)
-        u = _minus(flow_o[2], _velocity(base, q, v, per_h, o))
+        V = _velocity(base, q, v, per_h, o)
+        u = _minus(flow_o[2], V)
         for a in range(3):
             e, per = axis_of(origin, _middle(base, q, index[at + 1 + a]))
             if numbers[a] > 0.0:
                 subtract_axis_slopes(u, flow_o[3], e, per, share * numbers[a], c_q, c_v, D[o], near[row + a, 0])
+            if numbers[16 + a] > 0.0:
+                b1, (e3, _) = (a + 1) % 3, axis_of(origin, _middle(base, q, index[at + 1 + (a + 2) % 3]))
+                p = index[at + 1 + b1]
+                of_p = _minus(_velocity(base, q, v, per_h, p), V)
+                subtract_turning_slopes(of_p, e3, share * numbers[16 + a], numbers[9], c_v, D[o], D[p], near[row + b1])
             if len(wave) > 0:
-                m, s = c_q * share * M, c_q * slope * M * (1.0 + numbers[6 + a]) * _dot(flow[4], e)
+                m, s = c_q * share * M, c_q * slope * M * (1.0 + numbers[6 + a]) * dot(flow[4], e)
                 for x in range(3):
                     for y in range(3):
                         of_e = e[0] * flow[5][y] + e[1] * flow[5][3 + y] + e[2] * flow[5][6 + y]

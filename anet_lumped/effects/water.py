@@ -191,7 +191,7 @@ class Water(Effect):
         return diameter, point_coefficient(self.density, point), g * mass, mass, point.Ca
 
     def on_bodies(self, scene: Any) -> Effect | None:
-        if not any(body.displaced > 0.0 or any(body.CdA) or body.rods for body in scene.bodies if not body.is_driven):
+        if not any(body.displaced > 0.0 or body.has_drag or body.rods for body in scene.bodies if not body.is_driven):
             return None
         from .fluid_on_bodies import FluidOnBodies  # compiled for those scenes alone
 

@@ -1,18 +1,18 @@
-"""Measured tensions and marker positions over time, from CSV, NPZ and TRC files.
+"""Measured tensions and marker positions over time, from CSV, NPZ, TRC and C3D files.
 
 * CSV: a header with `t`, and columns over it. Tensions [N]: a column for each cable. Markers [m]: `NAME.x`, `NAME.y`, `NAME.z`. An
   empty cell or NaN is a sample that is missing.
 * NPZ (`numpy.savez`): an array `t` (k,), and one for each cable (k,) or marker (k, 3), by its name.
 * TRC, the text of motion capture: markers only, in the unit that its third line says; its axes are those of the scene, unless
   ``up`` says that its y points up.
+* C3D, of motion capture too: markers only, in the unit that it says, from t = 0 on; read by the package c3d, the extra `c3d`.
 * CSV as OptiTrack's Motive and Vicon's Nexus export it, see `motion_capture`.
-
-C3D files are refused: motion-capture programs write TRC or CSV as well.
 """
 
 import csv
 import io
 import math
+import warnings
 import zipfile
 from dataclasses import dataclass
 from os import PathLike
@@ -29,7 +29,7 @@ from .motion_capture import METRES, Capture, SeriesError, is_capture, read_captu
 TIME = "t"
 AXES = ".x", ".y", ".z"
 TRC_HEAD = 5  # lines above the numbers
-ENDINGS = ".csv", ".npz", ".trc"
+ENDINGS = ".csv", ".npz", ".trc", ".c3d"
 OF_MOTION = ".npz", ".trc", ".c3d"
 
 
@@ -78,8 +78,8 @@ def read_tracks(path: str | PathLike[str], up: str | None = None) -> Series:
     capture = capture_of(path, up)
     if capture is not None:
         return _series(capture.t, capture.markers | capture.bodies, path, what)
-    if ending == ".trc":
-        t, channels = _trc(path, what)
+    if ending in (".trc", ".c3d"):
+        t, channels = _trc(path, what) if ending == ".trc" else _c3d(path, what)
     elif ending == ".npz":
         t, channels = _npz(path, what)
         flat = [name for name, values in channels.items() if values.ndim != 2 or values.shape[1] != 3]
@@ -204,3 +204,30 @@ def _trc(path: str | PathLike[str], what: str) -> tuple[np.ndarray, dict[str, np
     table = np.array(rows, float).reshape(-1, width)
     places = METRES[unit] * table[:, 2:].reshape(len(table), -1, 3)
     return table[:, 1], {name: places[:, k] for k, name in enumerate(names)}
+
+
+def _c3d(path: str | PathLike[str], what: str) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    try:
+        import c3d
+    except ImportError:
+        raise SeriesError("C3D files are read by the package c3d: pip install 'anet-lumped[c3d]', or export TRC or CSV.") from None
+    content = io.BytesIO(read_bytes(path, what, BYTES, SeriesError))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # that a file of markers has no analog channels
+            reader = c3d.Reader(content)
+            names, rate, units = (
+                [label.strip() for label in reader.point_labels],
+                float(reader.point_rate),
+                reader.get("POINT:UNITS"),
+            )
+            unit = units.string_value.strip(" \0").lower() if units else ""
+            frames = np.array([points[:, :4] for _, points, _ in reader.read_frames()], float)
+    except Exception as error:  # whatever the package meets in a file that is damaged
+        raise SeriesError(f"{what} must be a C3D file, but {path} cannot be read: {type(error).__name__}: {error}.") from None
+    if unit not in METRES:
+        raise SeriesError(f"A C3D file must have POINT:UNITS of m, cm or mm, but {path} has {quoted(unit)}.")
+    if not rate > 0.0 or len(set(names)) < len(names) or frames.ndim != 3 or frames.shape[1] < len(names):
+        raise SeriesError(f"A C3D file must have a rate, and a name of its own for each marker, but {path} has {shown(names)}.")
+    places = np.where(frames[:, :, 3:] < 0.0, math.nan, METRES[unit] * frames[:, :, :3])  # a residual below 0 is a marker not seen
+    return np.arange(len(frames)) / rate, {name: places[:, k] for k, name in enumerate(names) if name}

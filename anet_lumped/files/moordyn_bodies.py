@@ -21,7 +21,6 @@ from .moordyn_findings import Findings
 from .moordyn_rows import Row, made, number_of
 
 COLUMNS = 14  # ID, Attachment, X0, Y0, Z0, r0, p0, y0, Mass, CG, I, Volume, CdA, Ca
-TURNING_DRAG = "drag that resists the rotation of a body is not supported; the last of its numbers of CdA must be 0."
 
 
 class Frame(NamedTuple):
@@ -114,12 +113,8 @@ def moving_body(frame: Frame, attachments: list[tuple[str, Vector]], rods: list[
     centre = [0.0, 0.0, *centre] if len(centre) == 1 else centre
     inertia = _numbers(row, 10, "I", (1, 3))
     areas, Ca = _numbers(row, 12, "CdA", (1, 2, 3, 6)), _numbers(row, 13, "Ca", (1, 3))
-    if (len(areas) == 2 and areas[1]) or (len(areas) == 6 and any(areas[3:])):
-        raise row.error(TURNING_DRAG)
-    if len(areas) in (1, 3) and any(areas):
-        row.findings.remark(
-            f"CdA of body {name} is drag along its axes alone; MoorDyn takes the same numbers, in m5, for its rotation too."
-        )
+    half = max(1, len(areas) // 2)
+    along, turning = (areas[:half], areas[half:]) if len(areas) in (2, 6) else (areas, areas)  # one or three count for both
     if volume and any(Ca) and any(centre):
         row.findings.remark(
             f"Added mass of body {name} acts at its centre of gravity, as its buoyancy does; MoorDyn has it at the origin."
@@ -134,7 +129,7 @@ def moving_body(frame: Frame, attachments: list[tuple[str, Vector]], rods: list[
     return made(
         row, Body, frame.name, at=frame.six[:3], rotation=frame.rotation, attachments=attachments, rods=rods,
         centre_of_mass=centre, centre_of_buoyancy=centre if volume else (0.0, 0.0, 0.0), volume=volume,
-        CdA=_three(areas[:1] if len(areas) == 2 else areas[:3]), Ca=_three(Ca), pinned="" if frame.pinned else None, **given,
+        CdA=_three(along), CdA_rotation=_three(turning), Ca=_three(Ca), pinned="" if frame.pinned else None, **given,
     )  # fmt: skip
 
 

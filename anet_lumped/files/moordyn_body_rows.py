@@ -5,7 +5,7 @@ one whose motion is prescribed `Coupled`. Its attachments are points of type `Bo
 origin. Its rods are rods on it. Refused is what MoorDyn's body does not have: a hull, contact with the bottom, moments of inertia
 that are not along its axes, buoyancy elsewhere than at the centre of mass, and a pin elsewhere than at the origin.
 
-One `CdA` is written as `2|0`, without drag on the rotation. Of three or six numbers MoorDyn 2.7.2 passes over the first.
+One `CdA` and one `CdA_rotation` are written as `2|0`. Of three or six numbers MoorDyn 2.7.2 passes over the first.
 """
 
 from typing import Any
@@ -79,8 +79,9 @@ def _body(body: Body) -> str:
         return " ".join([*columns, "0 0 0 0 0 0"])
     moments = np.zeros(3) if body.inertia is None else np.diag(tensor(body.inertia))
     columns += [repr(body.mass or 0.0), _joined(body.centre_of_mass), _joined(moments), repr(body.volume)]
-    x, y, z = body.CdA
-    return " ".join([*columns, _joined((x, 0.0) if x == y == z else (x, y, z, 0.0, 0.0, 0.0)), _joined(body.Ca)])
+    along, about = body.CdA, body.CdA_rotation
+    areas = (along[0], about[0]) if len(set(along)) == len(set(about)) == 1 else (*along, *about)
+    return " ".join([*columns, _joined(areas), _joined(body.Ca)])
 
 
 def _rod_type(rod: Rod, body: Body) -> str:

@@ -2,14 +2,13 @@
 
 `g` is Gravity, `rho` is Water (none for 0), `WtrDpth`, `kBot`, `cBot` and `FrictionCoefficient` are the bottom (none if `kBot` and
 `cBot` are 0), and an `EI` brings Bending, clamped at the ends of rods that are held. Waves and currents are those of
-`moordyn_flow`. Values that are left out are MoorDyn's. As in MoorDyn, no fixed or coupled point lies below the bottom: it is as
-deep as the deepest of them. A bottom that is not flat (`moordyn_seafloor`) is a `GroundMap`, as it is.
+`moordyn_flow` and `moordyn_water_file`. Values that are left out are MoorDyn's. As in MoorDyn, no fixed or coupled point lies below
+the bottom: it is as deep as the deepest of them. A bottom that is not flat (`moordyn_seafloor`) is a `GroundMap`, as it is.
 
 Three things mean one thing to MoorDyn and another here: what the damper of the bottom does to a node that rises, how friction grows
 with the speed, and whether points float. `like_moordyn` takes MoorDyn's: `MoordynBottom` for `Ground`, and `points_float=False`.
 """
 
-import pathlib
 from collections.abc import Iterable
 from typing import Any
 
@@ -18,11 +17,13 @@ from anet_lumped.scene.body import Body
 from anet_lumped.scene.scene import Driven, Fixed, Free
 
 from .moordyn_flow import read_flow
+from .moordyn_line_types import Tables
 from .moordyn_lines import Line
 from .moordyn_options import Options
 from .moordyn_points import OnMovingBody, Places
 from .moordyn_rows import Row, made
 from .moordyn_seafloor import Seafloor
+from .moordyn_water_file import read_water_file
 
 OTHER = "; read_moordyn(..., like_moordyn=True) takes MoorDyn's."
 
@@ -32,7 +33,7 @@ def read_effects(
     places: Places,
     bodies: Iterable[Body],
     lines: Iterable[Line],
-    folder: str | pathlib.Path,
+    tables: Tables,
     *,
     like_moordyn: bool,
     seafloor: Seafloor | None = None,
@@ -46,7 +47,7 @@ def read_effects(
     bodies : iterable of Body
         Those that move by themselves.
     lines : iterable of Line
-    folder : str or pathlib.Path
+    tables : Tables
         Where the tables of waves and currents are.
     like_moordyn : bool
         Whether MoorDyn's laws are taken where they are others than this package's.
@@ -57,7 +58,11 @@ def read_effects(
     if options.value("g"):
         with findings.refusing():
             effects.append(_effect("gravity", options.row("g"), g=options.value("g")))
-    flow = read_flow(options, lambda: _depth(options, places), folder)
+
+    def depth() -> float:
+        return _depth(options, places)
+
+    flow = read_flow(options, depth, tables.folder) | read_water_file(options, depth, tables)
     if flow and not options.value("rho"):
         findings.remark("No use is made of waves and currents: rho is 0.")
     if options.value("rho"):
@@ -82,11 +87,19 @@ def read_effects(
 def _clamps(places: Places, lines: Iterable[Line]) -> dict[str, Any]:
     """Directions at the ends of rods of lines with an EI, which MoorDyn clamps there in line with the rod (Rod::addLine)."""
     clamps: dict[str, Any] = {}
+    joined: dict[str, int] = {}
     for line in lines:
         for end in line.ends if line.cable.EI else ():
+            point = places.points[end]
+            if end in places.smooth and point is not None:
+                joined[point.name] = joined.get(point.name, 0) + 1
+                if joined[point.name] == 2:  # said once
+                    line.row.findings.remark(
+                        f"Line {line.row.line}: lines with an EI may meet at an angle at {quoted(point.name)}, a rod without a "
+                        "length, where MoorDyn joins them without a kink."
+                    )
             if end not in places.leaves:
                 continue
-            point = places.points[end]
             if isinstance(point, OnMovingBody):
                 line.row.findings.remark(
                     f"Line {line.row.line}: {quoted(line.cable.name)} turns freely about the end of a rod that moves, where "

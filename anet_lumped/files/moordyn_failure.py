@@ -13,7 +13,7 @@ from anet_lumped.checks import one_line, quoted
 from anet_lumped.scene.cable_cut import CableCut
 
 from .moordyn_findings import Findings
-from .moordyn_lines import POINT_LETTERS, Line
+from .moordyn_lines import POINT_LETTERS, Line, end_of_rod
 from .moordyn_points import Places
 from .moordyn_rows import DIGITS, WORD, Row
 
@@ -73,12 +73,12 @@ def read_failures(rows: list[Row], lines: list[Line], places: Places, findings: 
     return Failures(found, tuple(cuts.values()))
 
 
-def _line_at(row: Row, lines: Mapping[int, Line], places: Places) -> tuple[int, Line | None]:
+def _line_at(row: Row, lines: Mapping[int, Line], places: Places) -> tuple[int | str, Line | None]:
     """Point and line of a failure, which must be one line that ends there; no line if it is refused already."""
     numbers = [word for word in row.words[2].split(",") if word]
     if len(numbers) != 1:
         raise row.error("lines that part from a point together are not supported; a failure must be of one line.")
-    point = _number(row.words[1], POINT_LETTERS)
+    point = end_of_rod(row.words[1]) or _number(row.words[1], POINT_LETTERS)
     if point is None or point not in places.points:
         raise row.error(f"a failure must be at a point in POINTS, but {one_line(row.words[1], WORD)} is none.")
     number = _number(numbers[0], ("",))
@@ -92,7 +92,7 @@ def _line_at(row: Row, lines: Mapping[int, Line], places: Places) -> tuple[int, 
     return point, line
 
 
-def _check_upper(row: Row, line: Line, point: int, places: Places) -> None:
+def _check_upper(row: Row, line: Line, point: int | str, places: Places) -> None:
     """A line that fails at a tension must part from its upper end."""
     other = line.ends[0] if point == line.ends[1] else line.ends[1]
     if places.at[point][2] < places.at[other][2]:

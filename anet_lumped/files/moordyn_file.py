@@ -3,11 +3,11 @@
 MoorDyn v2's files are read and MoorDyn v1's, of the C++ and of the Fortran version (its documentation, "Input Files"; its sources
 MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says what it means: `moordyn_line_types`, `moordyn_points`,
 `moordyn_bodies`, `moordyn_rods`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_seafloor`, `moordyn_effects`,
-`moordyn_flow`.
+`moordyn_flow`, `moordyn_water_file`.
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
-be had is refused, all of it at once: rods that turn on a body, drag on the rotation of bodies, external loads, flow from a file of
-the Fortran version, tables in place of numbers but for EA, line lift (VIV).
+be had is refused, all of it at once: rods that turn on a body, external loads, tables in place of numbers but for EA, line lift
+(VIV), the Syrope model.
 """
 
 import pathlib
@@ -19,7 +19,7 @@ from anet_lumped.checks import NAMED, SceneError, one_line
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.regular_files import read_text
 from anet_lumped.scene.body import Body
-from anet_lumped.scene.scene import Free, Scene
+from anet_lumped.scene.scene import Free, Point, Scene
 
 from .moordyn_bodies import moving_body
 from .moordyn_effects import read_effects
@@ -34,7 +34,7 @@ from .moordyn_rows import rows_by_section
 from .moordyn_seafloor import read_seafloor
 from .moordyn_unsupported import check_unsupported
 
-NEEDED = ("line types", "points", "lines")
+NEEDED = ("line types", "lines")
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,8 @@ def deck_from_text(
                 raise SceneError(f"{source}: a MoorDyn file must have a section {section.upper()}, but this has none.")
     check_unsupported(sections, findings)
     rows = sections.get("lines", [])
-    types = read_line_types(sections.get("line types", []), set(map(type_of, rows)), Tables(folder, outside), findings)
+    tables = Tables(folder, outside)
+    types = read_line_types(sections.get("line types", []), set(map(type_of, rows)), tables, findings)
     under = bodies_under(sections.get("rods", []))
     places = read_points(sections.get("points", []), sections.get("bodies", []), under, coupled or {}, findings)
     rods = read_rods(sections.get("rods", []), sections.get("rod types", []), rows, places, findings)
@@ -131,9 +132,9 @@ def deck_from_text(
     names = [row.words[0] for row in sections.get("line types", [])]
     lines = read_lines(rows, names, types, places, findings)
     failures = read_failures(sections.get("failure", []), lines, places, findings)
-    options = read_options(sections.get("options", []), folder, findings)
-    seafloor = read_seafloor(options, Tables(folder, outside), findings)
-    effects = read_effects(options, places, bodies, lines, folder, like_moordyn=like_moordyn, seafloor=seafloor)
+    options = read_options(sections.get("options", []), findings)
+    seafloor = read_seafloor(options, tables, findings)
+    effects = read_effects(options, places, bodies, lines, tables, like_moordyn=like_moordyn, seafloor=seafloor)
     findings.raise_if_refused()
     try:
         scene = _scene(places, bodies, lines, failures, effects, findings)
@@ -166,11 +167,11 @@ def _bodies(places: Places, rods: Rods, findings: Findings) -> list[Body]:
 def _scene(places: Places, bodies: list[Body], lines: list[Line], failures: Failures, effects: list, findings: Findings) -> Scene:
     """The scene, without free points that no line reaches."""
     ends = {number for line in lines for number in line.ends}
-    points = []
+    points: list[Point] = []
     for number, point in places.points.items():
         if isinstance(point, Free) and number not in ends:
             findings.remark(f"Point {number} is left out: it moves freely and no line ends there.")
-        elif point is not None and not isinstance(point, OnMovingBody):
+        elif point is not None and not isinstance(point, OnMovingBody) and point not in points:  # both ends of a rod may be one
             points.append(point)
     limits = failures.tensions
     cables = [replace(line.cable, breaking_tension=limits[line.number]) if line.number in limits else line.cable for line in lines]

@@ -71,6 +71,8 @@ def read_flow(options: Options, depth: Callable[[], float], folder: str | pathli
                 found |= {} if flow is None else {argument: flow}
     if options.values.get("WaveKin") != 3.0 and "dtWave" in options.rows:
         options.findings.unused("dtWave", options.rows["dtWave"].line, "options of MoorDyn's own run")
+    if "waves" not in found and "waveKin_rampT" in options.rows:
+        options.findings.unused("waveKin_rampT", options.rows["waveKin_rampT"].line, "options of MoorDyn's own run")
     return found
 
 
@@ -126,20 +128,38 @@ def _lines(name: str, kind: int, options: Options, folder: str | pathlib.Path) -
 def _wave(kind: int, lines: _Lines, options: Options, depth: Callable[[], float]) -> waves.Wave | None:
     """Waves of WaveKin 2, 3 or 7; None if nothing moves."""
     row = options.rows["WaveKin"]
-    if not depth() > 0.0:
-        raise row.error("waves need the depth of the water; WtrDpth must be positive.")
+    under, ramp = positive_depth(row, depth), _ramp(options)
     rows = _of_elevation(lines, options) if kind == 3 else _of_frequencies(lines, evenly=kind == 2)
     if kind != 7:
         options.findings.remark(
             f"Line {row.line}: the waves of WaveKin {kind} are evaluated at each node, where MoorDyn interpolates linearly on the "
             "grid of water_grid.txt and in time."
         )
-    options.findings.remark(
-        "A run starts from a rest in the water at t = 0, which waves move already; MoorDyn's starts in still water. With a `ramp` "
-        "the waves grow from nothing: --set water.waves.ramp=20."
-    )
+    if not ramp:
+        options.findings.remark(
+            "A run starts from a rest in the water at t = 0, which waves move already; MoorDyn's starts in still water. With a "
+            "`ramp` the waves grow from nothing: --set water.waves.ramp=20."
+        )
     rows = rows[rows[:, 0] != 0.0]
-    return made(row, waves.Components, tuple(map(tuple, rows.tolist())), depth()) if len(rows) else None
+    return made(row, waves.Components, tuple(map(tuple, rows.tolist())), under, ramp) if len(rows) else None
+
+
+def positive_depth(row: Row, depth: Callable[[], float]) -> float:
+    """Depth of the water [m], which waves need."""
+    if not depth() > 0.0:
+        raise row.error("waves need the depth of the water; WtrDpth must be positive.")
+    return depth()
+
+
+def _ramp(options: Options) -> float:
+    """Time [s] over which waves grow from nothing: linearly in MoorDyn, by a smoothstep here."""
+    ramp = options.values.get("waveKin_rampT", 0.0)
+    if not isinstance(ramp, float) or ramp < 0.0:
+        raise options.rows["waveKin_rampT"].error("waveKin_rampT must be a number of at least 0.")
+    if ramp:
+        line = options.rows["waveKin_rampT"].line
+        options.findings.remark(f"Line {line}: waves grow over {ramp:g} s by a smoothstep, where MoorDyn's grow linearly.")
+    return ramp
 
 
 def _of_frequencies(lines: _Lines, evenly: bool) -> np.ndarray:
@@ -162,18 +182,32 @@ def _of_frequencies(lines: _Lines, evenly: bool) -> np.ndarray:
 def _of_elevation(lines: _Lines, options: Options) -> np.ndarray:
     """Components (n, 4) of wave_elevation.txt, sampled every dtWave, an even number of times."""
     table = np.array([lines.numbers(k, 2)[:2] for k in range(len(lines))])
-    if len(table) < 2 or not (np.diff(table[:, 0]) > 0.0).all():
-        raise lines.error(lines[0][0], "the times of an elevation must be at least two and increase.")
     given = options.values.get("dtWave", DT_WAVE)
     step = given if isinstance(given, float) else math.nan
     if not step > 0.0:
         raise options.rows["dtWave"].error("dtWave must be a positive number.")
+    series = elevation_series(table, step, HIGHEST, lambda k, why: lines.error(lines[k][0], why))
+    return np.column_stack([series, np.zeros(len(series))])
+
+
+def elevation_series(table: np.ndarray, step: float, highest: float, error: Callable[[int, str], Exception]) -> np.ndarray:
+    """Amplitude [m], circular frequency [rad/s] and phase [rad] (n, 3) of a recorded elevation.
+
+    Parameters
+    ----------
+    table : (k, 2) float64, time [s] and elevation [m]
+    step : float [s], in which it is sampled, an even number of times
+    highest : float [Hz], above which components are left out
+    error : callable
+        Makes an error of a row of the table and why it does not do.
+    """
+    if len(table) < 2 or not (np.diff(table[:, 0]) > 0.0).all():
+        raise error(0, "the times of an elevation must be at least two and increase.")
     count = math.floor(table[-1, 0] / step) + 1
     count -= count % 2
     if count < 2:
-        raise lines.error(lines[-1][0], f"an elevation must last longer than one step of dtWave, {step:g} s.")
-    series = fourier_series(0.0, step, np.interp(step * np.arange(count), *table.T), HIGHEST)
-    return np.column_stack([series, np.zeros(len(series))])
+        raise error(-1, f"an elevation must last longer than one step of dtWave, {step:g} s.")
+    return fourier_series(0.0, step, np.interp(step * np.arange(count), *table.T), highest)
 
 
 def _profile(lines: _Lines, row: Row) -> wind.Wind:

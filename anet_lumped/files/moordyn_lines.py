@@ -39,6 +39,12 @@ class Line(NamedTuple):
     outputs: str
 
 
+def end_of_rod(word: str) -> str | None:
+    """Name of the end of a rod in `Places.points`, such as "R1A"; None if it is none."""
+    end = ROD_END.fullmatch(word)
+    return None if end is None else f"R{int(end[1])}{end[2].upper()}"
+
+
 def type_of(row: Row) -> str:
     """Name of the type of a line, "" where the row is too short."""
     return row.words[1] if len(row.words) > 1 else ""
@@ -78,8 +84,7 @@ def _line(row: Row, names: list[str], types: Mapping[str, tuple[Row, dict[str, A
     """Line of a row; None if its type or one of its points is refused."""
     if len(row.words) < 7:
         raise row.error(f"a line must have 7 columns (ID, type, A, B, UnstrLen, NumSegs, outputs), but has {len(row.words)}.")
-    first = len(row.columns) > 2 and row.columns[2].startswith("unstr")  # v1: ID type UnstrLen NumSegs A B outputs
-    at_a, at_b, at_length, at_segments = (4, 5, 2, 3) if first else (2, 3, 4, 5)
+    at_a, at_b, at_length, at_segments = _columns(row, places)
     kind = row.words[1]
     if kind not in names and names:
         hint = nearest(kind, names) or f"; known: {', '.join(names)}."
@@ -104,6 +109,33 @@ def _line(row: Row, names: list[str], types: Mapping[str, tuple[Row, dict[str, A
     return Line(number, cable, ends, row, outputs)
 
 
+def _columns(row: Row, places: Places) -> tuple[int, int, int, int]:
+    """Columns of both ends, of UnstrLen and of NumSegs: as MoorDyn v2 has them, or as v1, UnstrLen and NumSegs first.
+
+    The names of the columns say which, unless only the other order has the names of two ends.
+    """
+    v1, v2 = (4, 5, 2, 3), (2, 3, 4, 5)
+    named, other = (v1, v2) if len(row.columns) > 2 and row.columns[2].startswith("unstr") else (v2, v1)
+
+    def ends_at(columns: tuple[int, ...]) -> bool:
+        return all(_is_end(word, places) for word in row.words[columns[0] : columns[1] + 1])
+
+    if ends_at(other) and not ends_at(named):
+        order = "UnstrLen, NumSegs, A, B" if other is v1 else "A, B, UnstrLen, NumSegs"
+        row.findings.remark(f"Line {row.line}: columns 3 to 6 are read as {order}, though the file calls them otherwise.")
+        return other
+    return named
+
+
+def _is_end(word: str, places: Places) -> bool:
+    """Whether a word is a point of the file or the end of a rod in it."""
+    letters = word.rstrip("0123456789")
+    number = word[len(letters) :]
+    if letters.lower() in POINT_LETTERS and number and len(number) <= DIGITS:
+        return int(number) in places.points
+    return end_of_rod(word) in places.points
+
+
 def _law(fields: Mapping[str, Any], L0: float) -> dict[str, Any]:
     """Cable fields of a line of a type, in segments of ``L0`` [m]: MoorDyn's Line::initialize."""
     if "BA_creep" not in fields:
@@ -122,8 +154,7 @@ def _end(row: Row, column: int, places: Places) -> int | str:
             return int(number)
         known = ", ".join(str(point) for point in places.points if isinstance(point, int))
         raise row.error(f"a line must end at a point in POINTS, but point {one_line(word, WORD)} is not there; known: {known}.")
-    if rod_end := ROD_END.fullmatch(word):
-        end = f"R{int(rod_end[1])}{rod_end[2].upper()}"
+    if end := end_of_rod(word):
         if end in places.points:
             return end
         raise row.error(f"a line must end at a rod in RODS, but {one_line(word, WORD)} is none.")

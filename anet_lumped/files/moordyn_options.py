@@ -1,19 +1,15 @@
 """The options of a MoorDyn file: what its environment is, and what belongs to MoorDyn's own run.
 
 Names count in any case, as in MoorDyn, which takes the last of an option that comes twice and passes over what it does not know
-(MoorDyn2.cpp: readOptionsLine). What would change the answer and cannot be had here is refused: flow from a file of the Fortran
-version, friction that differs along and across a line.
+(MoorDyn2.cpp: readOptionsLine). What would change the answer and cannot be had here is refused: friction that differs along and
+across a line.
 """
 
 import math
-import os
-import pathlib
-import re
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from anet_lumped.checks import InputError, nearest, one_line
-from anet_lumped.regular_files import read_text
+from anet_lumped.checks import nearest, one_line
 
 from .moordyn_findings import Findings
 from .moordyn_rows import WORD, Row, is_number, number_of
@@ -24,15 +20,11 @@ ENVIRONMENT = {
     "StatDynFricScale": 1.0, "FricDamp": 200.0,
 }  # fmt: skip
 HELD = ("g", "rho", "WtrDpth", "kBot", "cBot", "FrictionCoefficient", "SeafloorFile")  # by the scene
-MUST_BE_ZERO = {
-    "WaterKin": "waves and currents by a file of the Fortran version are",
-    "MU_KT": "friction that differs along and across a line is",
-    "MU_KA": "friction that differs along and across a line is",
-}  # fmt: skip
+FRICTIONS = ("MU_KT", "MU_KA")  # of MoorDyn's Fortran version, across a line and along it, each 0 where a file is silent
 FLOW = {"WaveKin": 7, "Currents": 5}  # the largest number of each, from 0 on
 OWN_RUN = (
     "dtM", "CFL", "tScheme", "dtIC", "TmaxIC", "CdScaleIC", "threshIC", "dtOut", "writeLog", "WriteUnits",
-    "waveKin_rampT", "UnifyCurrentGrid", "ICgenDynamic", "disableOutput", "disableOutTime", "inertialF", "inertialF_rampT",
+    "UnifyCurrentGrid", "ICgenDynamic", "disableOutput", "disableOutTime", "inertialF", "inertialF_rampT",
     "OutSwitch", "Echo", "fileIC",
 )  # fmt: skip
 SEAFLOOR = "SeafloorFile"
@@ -41,7 +33,9 @@ OLD_NAMES = {
     "dt": "dtM", "icdt": "dtIC", "ictmax": "TmaxIC", "icdfac": "CdScaleIC", "icthresh": "threshIC", "cv": "FricDamp",
     "mc": "StatDynFricScale", "gendynamicic": "ICgenDynamic", "icfile": "fileIC",
 }  # fmt: skip
-OPTIONS = {name.lower(): name for name in (*ENVIRONMENT, *MUST_BE_ZERO, *FLOW, SEAFLOOR, "dtWave", *OWN_RUN)} | OLD_NAMES
+OPTIONS = {
+    name.lower(): name for name in (*ENVIRONMENT, *FRICTIONS, *FLOW, SEAFLOOR, "dtWave", "waveKin_rampT", "WaterKin", *OWN_RUN)
+} | OLD_NAMES
 NOTHING = ("", "-", "none", "null", "false", "f", "no", "unused")  # in place of the name of a file
 FROM_OUTSIDE = "seastate"  # in place of the name of a file: flow that the program gives which calls MoorDyn
 
@@ -70,25 +64,25 @@ class Options(NamedTuple):
         return rows[0] if rows else Row(0, f"{names[0]}={ENVIRONMENT[names[0]]:g}, MoorDyn's default", (), (), None, self.findings)
 
 
-def read_options(rows: list[Row], folder: str | pathlib.Path, findings: Findings) -> Options:
+def read_options(rows: list[Row], findings: Findings) -> Options:
     """Read the options.
 
     Parameters
     ----------
     rows : list of Row
-    folder : str or pathlib.Path
-        Where a file of waves and currents is, if there is one.
     findings : Findings
         Gathers what is refused and what no use is made of.
     """
     found = Options({}, {}, findings)
     for row in rows:
         with findings.refusing():
-            _read(row, found, folder)
+            _read(row, found)
+    with findings.refusing():
+        _join_frictions(found)
     return found
 
 
-def _read(row: Row, found: Options, folder: str | pathlib.Path) -> None:
+def _read(row: Row, found: Options) -> None:
     """Read one row into ``found``."""
     findings = found.findings
     if len(row.words) < 2:
@@ -105,11 +99,12 @@ def _read(row: Row, found: Options, folder: str | pathlib.Path) -> None:
         return
     if name == "WtrDpth" and not is_number(word):  # of MoorDyn's Fortran version
         name = SEAFLOOR
-    value = row.number(0, name) if name in ENVIRONMENT else _value(word)
-    if name in ENVIRONMENT and isinstance(value, float) and value < 0.0:
+    is_number_needed = name in (*ENVIRONMENT, *FRICTIONS)
+    value = row.number(0, name) if is_number_needed else _value(word)
+    if is_number_needed and isinstance(value, float) and value < 0.0:
         raise row.error(f"{name} must not be negative.")
-    if name in MUST_BE_ZERO and not _is_nothing(name, word, row, folder):
-        raise row.error(f"{MUST_BE_ZERO[name]} not supported; {name} must be 0.")
+    if name == "WaterKin":
+        value = _water_file(word, row)
     if name in FLOW and not (isinstance(value, float) and value in range(FLOW[name] + 1)):
         raise row.error(f"{name} must be an integer from 0 to {FLOW[name]}.")
     if name in found.rows:
@@ -121,40 +116,29 @@ def _read(row: Row, found: Options, folder: str | pathlib.Path) -> None:
     found.rows[name], found.values[name] = row, value
 
 
-def _is_nothing(name: str, word: str, row: Row, folder: str | pathlib.Path) -> bool:
-    """Whether an option asks for no waves and no currents; a flow from outside that nobody gives is none."""
-    if number_of(word) == 0.0 or (name == "WaterKin" and word.lower() in NOTHING):
-        return True
-    if name == "WaterKin" and word.lower() == FROM_OUTSIDE:
+def _join_frictions(found: Options) -> None:
+    """Put the frictions of the Fortran version into FrictionCoefficient, which must be alike."""
+    across, along = (found.values.get(name, 0.0) for name in FRICTIONS)
+    if across != along:
+        row = found.rows.get("MU_KT") or found.rows["MU_KA"]
+        raise row.error(
+            "friction that differs along and across a line is not supported; MU_KT and MU_KA must be alike, but are "
+            f"{across} and {along}."
+        )
+    if across and "FrictionCoefficient" not in found.rows:
+        found.rows["FrictionCoefficient"], found.values["FrictionCoefficient"] = found.rows["MU_KT"], across
+    for name in FRICTIONS:
+        found.values.pop(name, None)
+
+
+def _water_file(word: str, row: Row) -> str:
+    """Name of the file of waves and currents of the Fortran version, "" for none: a flow from outside that nobody gives is none."""
+    if word.lower() == FROM_OUTSIDE:
         row.findings.remark(
-            f"Line {row.line}: {name} {word} is a flow that the program gives which calls MoorDyn. None is given: "
+            f"Line {row.line}: WaterKin {word} is a flow that the program gives which calls MoorDyn. None is given: "
             "the water is still."
         )
-        return True
-    if name != "WaterKin":
-        return False
-    path = pathlib.Path(folder) / word
-    try:
-        exists = os.path.lexists(path)
-    except ValueError:  # a character that no path may have
-        exists = False
-    if not exists:
-        row.findings.remark(
-            f"Line {row.line}: WaterKin names a file that is not there, {one_line(word, WORD)}; MoorDyn's C++ version never "
-            "reads one. The water is still."
-        )
-        return True
-    return _without_flow(path)
-
-
-def _without_flow(path: pathlib.Path) -> bool:
-    """Whether a file of waves and currents, of MoorDyn's Fortran version, says that there are none."""
-    try:
-        text = read_text(path, "It", errors="replace")
-    except InputError:
-        return False
-    modes = re.findall(r"^\s*(\S+)\s+(?:WaveKinMod|CurrentMod)\b", text, re.IGNORECASE | re.MULTILINE)
-    return bool(modes) and all(number_of(mode) == 0.0 for mode in modes)
+    return "" if number_of(word) == 0.0 or word.lower() in (*NOTHING, FROM_OUTSIDE) else word
 
 
 def _value(word: str) -> float | str:

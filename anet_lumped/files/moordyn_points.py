@@ -44,6 +44,7 @@ class Places(NamedTuple):
     frames : bodies by number, None of one that is refused
     attachments : name and place in its axes (3,) [m] of the attachments of each body that moves by itself, by its number
     leaves : direction (3,) in which a line leaves the end of a rod in line with the rod, by a word such as "R1A"
+    smooth : ends of rods without a length, at which MoorDyn joins lines without a kink
     """
 
     points: dict[int | str, Point | OnMovingBody | None]
@@ -52,6 +53,7 @@ class Places(NamedTuple):
     frames: dict[int, Frame | None]
     attachments: dict[int, list[tuple[str, Vector]]]
     leaves: dict[int | str, Vector]
+    smooth: set[int | str]
 
 
 def read_points(rows: list[Row], bodies: list[Row], carrying: set[int], coupled: Mapping[int, Path], findings: Findings) -> Places:
@@ -67,7 +69,7 @@ def read_points(rows: list[Row], bodies: list[Row], carrying: set[int], coupled:
     findings : Findings
     """
     held: dict[int, Attachment] = {}
-    found = Places({}, {}, [], {}, {}, {})
+    found = Places({}, {}, [], {}, {}, {}, set())
     good: list[tuple[int, Row]] = []
     for row in rows:
         with findings.refusing():

@@ -3,12 +3,14 @@
 A rod that is free is a `Body` of its own, one that is pinned is held at its end A; a rod on a body that moves by itself is a `Rod`
 of that body. Its ends are "rod1.a" and "rod1.b". A rod that is fixed or coupled, by itself or on such a body, does not move by
 itself: its ends are fixed or driven points, and no load on it is computed. Rods that no line ends at are left out, but for those on
-bodies.
+bodies. A rod without a length, NumSegs 0, has neither mass nor drag in MoorDyn (Rod::setup), wherever its end B is given: it is a
+point at its end A, "rod1".
 
 MoorDyn's rods have no drag and no added mass along them but at their end caps (MoorDyn2.cpp: readRodProps).
 """
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -17,16 +19,17 @@ from anet_lumped.prescribed import paths
 from anet_lumped.scene.body import Body
 from anet_lumped.scene.rod import Rod
 from anet_lumped.scene.rod_body import rod_body
-from anet_lumped.scene.scene import Driven, Fixed
+from anet_lumped.scene.scene import Driven, Fixed, Free
 
 from .moordyn_attachments import Attachment, Hold, attachment
 from .moordyn_findings import Findings
-from .moordyn_lines import ROD_END
+from .moordyn_lines import end_of_rod
 from .moordyn_points import OnMovingBody, Places
 from .moordyn_rows import WORD, Row, made
 
 TYPE_COLUMNS = 7  # TypeName, Diam, Mass/m, Cd, Ca, CdEnd, CaEnd
 COLUMNS = 11  # ID, RodType, Attachment, Xa, Ya, Za, Xb, Yb, Zb, NumSegs, RodOutputs
+PINNED = re.compile(r"pin(ned)?\d*", re.IGNORECASE)  # by itself; a number behind it is passed over
 OF_TYPE = ((1, "Diam", "diameter"), (2, "Mass/m", "mass_per_length"), (3, "Cd", "Cdn"), (4, "Ca", "Can"))
 OF_ENDS = ((5, "CdEnd", "Cd_end"), (6, "CaEnd", "Ca_end"))
 
@@ -42,12 +45,6 @@ class Rods(NamedTuple):
 
     bodies: list[Body]
     on_bodies: dict[int, list[Rod]]
-
-
-def end_of_rod(word: str) -> str | None:
-    """Name of the end of a rod in `Places.points`, such as "R1A"; None if it is none."""
-    end = ROD_END.fullmatch(word)
-    return None if end is None else f"R{int(end[1])}{end[2].upper()}"
 
 
 def bodies_under(rods: list[Row]) -> set[int]:
@@ -91,7 +88,7 @@ def read_rods(rods: list[Row], types: list[Row], lines: list[Row], places: Place
 def _hold(row: Row) -> Attachment:
     """What holds the rod of a row."""
     found = attachment(row.words[2]) if len(row.words) > 2 else Attachment(None, 0, False)
-    if found.hold is None and row.words[2:3] and row.words[2].lower() in ("pinned", "pin"):
+    if found.hold is None and row.words[2:3] and PINNED.fullmatch(row.words[2]):
         return Attachment(Hold.FIXED, 0, True)
     if found.hold is None:
         raise row.error("a rod must be Free, Pinned, Fixed, Coupled, CoupledPinned or on Body and a number.")
@@ -109,7 +106,10 @@ def _read(number: int, row: Row, held: Attachment, types: Mapping[str, Row], own
     if row.words[1] not in types:
         raise row.error(f"a rod must be of a type in ROD TYPES, but {quoted(row.words[1])} is none.")
     a, b = ((row.number(first, "Xa"), row.number(first + 1, "Ya"), row.number(first + 2, "Za")) for first in (3, 6))
-    segments, name = row.count(9, "NumSegs"), row.name or f"rod{number}"
+    segments, name = row.count(9, "NumSegs", least=0), row.name or f"rod{number}"
+    if not segments:
+        _put_point(row, name, held, a, own, places)
+        return
     hold = held.hold
     at: dict[str, Vector] = {"A": a, "B": b}
     if hold is Hold.BODY:
@@ -142,6 +142,31 @@ def _read(number: int, row: Row, held: Attachment, types: Mapping[str, Row], own
         end_name, place = f"{name}.{end[-1].lower()}", at[end[-1]]
         point = Fixed(end_name, place) if hold is Hold.FIXED else Driven(end_name, made(row, paths.external, place))
         _put(places, end, point, at)
+
+
+def _put_point(row: Row, name: str, held: Attachment, at: Vector, own: list[str], places: Places) -> None:
+    """Put a rod without a length into places: one point, at which the lines of both its ends are joined."""
+    hold = held.hold
+    point: Fixed | Driven | Free | OnMovingBody
+    if hold is Hold.BODY:
+        if held.number not in places.frames:
+            raise row.error(f"a rod must be on a body in BODIES, but body {held.number} is not there.")
+        frame = places.frames[held.number]
+        if frame is None:  # said of the body
+            return
+        if frame.hold is Hold.FREE:
+            places.attachments[held.number].append((name, at))
+        hold, on_body, at = frame.hold, OnMovingBody(f"{frame.name}.{name}"), frame.place_of(at)
+        point = on_body
+    if hold is Hold.FIXED:
+        point = Fixed(name, at)
+    elif hold in (Hold.COUPLED, Hold.TURBINE):
+        point = Driven(name, made(row, paths.external, at))
+    elif held.hold is not Hold.BODY:
+        point = Free(name, at=at)
+    for end in own:
+        places.points[end], places.at[end] = point, at
+        places.smooth.add(end)
 
 
 def _put(places: Places, end: str, point: Fixed | Driven | OnMovingBody, at: Mapping[str, Vector]) -> None:

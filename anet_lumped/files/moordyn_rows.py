@@ -82,11 +82,11 @@ class Row(NamedTuple):
             )
         return value
 
-    def count(self, column: int, what: str) -> int:  # type: ignore[override]  # no use is made of that of a tuple
-        """Integer of at least 1 in a column, which may be written 20.0."""
+    def count(self, column: int, what: str, least: int = 1) -> int:  # type: ignore[override]  # that of a tuple is not used
+        """Integer of at least ``least`` in a column, which may be written 20.0."""
         word = self.words[column]
-        if not word.isascii() or not COUNT.fullmatch(word) or int(word.partition(".")[0]) < 1:
-            raise self.error(f"{what} must be an integer of at least 1, but is {one_line(word, WORD)}.")
+        if not word.isascii() or not COUNT.fullmatch(word) or int(word.partition(".")[0]) < least:
+            raise self.error(f"{what} must be an integer of at least {least}, but is {one_line(word, WORD)}.")
         return int(word.partition(".")[0])
 
 

@@ -75,6 +75,8 @@ class Body:
     path : prescribed motion of the origin, made by a function of `anet_lumped.paths`
     turning : prescribed rotation [rad], made likewise: at each time the axes are those at the start, turned about this vector
     CdA : (3,) array_like [m2], drag coefficients times areas along its axes; the drag acts at the origin
+    CdA_rotation : (3,) array_like [m5], by which turns about its axes are resisted: moments of density/2 CdA_rotation times the
+        squares of its own angular velocities
     volume : float [m3], of a body that is small against the waves: under water as a sphere of this volume is
     centre_of_buoyancy : (3,) array_like [m], where buoyancy, and the inertia of the water, act
     Ca : (3,) array_like, added mass along its axes over that of the fluid in its volume
@@ -100,6 +102,7 @@ class Body:
     path: Path | None = field(default=None, kw_only=True)
     turning: Path | None = field(default=None, kw_only=True)
     CdA: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    CdA_rotation: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
     volume: float = field(default=0.0, kw_only=True)
     centre_of_buoyancy: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
     Ca: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
@@ -219,12 +222,17 @@ class Body:
         """Which of its points, by their number, a force on one may depend on the other: its first four; neighbours on a rod."""
         if self.is_driven:
             return ()
-        pairs = list(combinations(range(4), 2)) if any(self.CdA) or self.hull is not None else []
+        pairs = list(combinations(range(4), 2)) if self.has_drag or self.hull is not None else []
         first = len(self.points) - sum(rod.segments + 1 for rod in self.rods)
         for rod in self.rods:
             pairs += pairwise(range(first, first + rod.segments + 1))
             first += rod.segments + 1
         return tuple(pairs)
+
+    @property
+    def has_drag(self) -> bool:
+        """Whether its motion or its rotation is resisted by a fluid, but for its rods."""
+        return any((*self.CdA, *self.CdA_rotation))
 
     @property
     def displaced(self) -> float:
@@ -271,7 +279,7 @@ class Body:
 def _check_fluid(body: Body, owner: str) -> dict[str, Any]:
     """What air, water and ground act on, checked."""
     checked: dict[str, Any] = {"centre_of_buoyancy": check_vector("centre_of_buoyancy", body.centre_of_buoyancy, "m", owner)}
-    for key, unit in (("CdA", "m2"), ("Ca", "")):
+    for key, unit in (("CdA", "m2"), ("CdA_rotation", "m5"), ("Ca", "")):
         checked[key] = check_vector(key, getattr(body, key), unit, owner)
         if min(checked[key]) < 0.0:
             raise SceneError(f"Argument `{key}` must not be negative along any axis, but {owner} has {key}={checked[key]}.")

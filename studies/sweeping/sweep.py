@@ -95,7 +95,7 @@ def sweep(
         label=label,
         budget=budget,
         shard=shard,
-        heads=with_units(scene, (*values, *variant.measures)),
+        heads=with_units(scene, (*vary, *variant.measures)),
     )
 
 

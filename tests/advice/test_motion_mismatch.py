@@ -114,6 +114,6 @@ def test_noise_tells_no_shift(run):
     t, noise = np.arange(0.0, 1.5, 4e-3), np.random.default_rng(0)
     found = compare_motion(run, tracks=Series(t, {"p0": noise.standard_normal((len(t), 3))}))
     assert not found.sure and np.isnan(found.markers[0].phase_error)
-    pull = type("Run", (), {"t": run.t, "scene": run.scene, "end_tension": lambda self, *where: np.full(len(run.t), 0.3)})()
+    pull = type("Run", (), {"t": run.t, "scene": run.scene, "end_tension": lambda self, name, point: np.full(len(run.t), 0.3)})()
     found = compare_motion(pull, Series(t, {"s0-p0": np.full((len(t), 1), 0.3)}))
     assert found.shift == 0.0 and not found.sure and found.tensions[0].rmse == 0.0

@@ -145,7 +145,7 @@ def test_tensions_that_are_none(tmp_path, text, sentence):
     [
         ("m.csv", "t,p0.x,p0.y\n0,1,2\n", r'NAME.x, NAME.y and NAME.z, but .* has or lacks "p0.z"'),
         ("m.csv", "t,p0\n0,1\n", r'has or lacks "p0"'),
-        ("m.c3d", "", r"A file of marker tracks must end in .csv, .npz, .trc, but it is "),
+        ("m.json", "", r"A file of marker tracks must end in .csv, .npz, .trc, .c3d, but it is "),
         ("m.trc", "PathFileType\n", r"must begin with PathFileType, as TRC does, and hold rows"),
         ("m.trc", TRC.replace("PathFileType", "Other"), r"must begin with PathFileType"),
         ("m.trc", TRC.replace("\tmm\t", "\tinch\t"), r'Units of m, cm or mm in its third line, but .* has "inch"'),
@@ -187,3 +187,37 @@ def test_a_file_that_would_unpack_to_more_than_the_memory_allowed(tmp_path, monk
         packed.writestr("t.npy", b"0" * 10_000)
     with pytest.raises(ValueError, match="A file of marker tracks"):
         read_tracks(tmp_path / "m.npz")
+
+
+def c3d_file(folder, labels=("p0", "s0-p0@0.25"), units="mm"):
+    """Three frames of two markers; the second one is not seen in the second frame."""
+    c3d = pytest.importorskip("c3d")
+    writer = c3d.Writer(point_rate=100.0, point_units=units)
+    writer.set_point_labels(list(labels))
+    frames = np.zeros((3, 2, 5), np.float32)
+    frames[:, 0, :3], frames[:, 1, :3], frames[1, 1, 3] = (1000.0, 0.0, -200.0), (10.0, 20.0, 30.0), -1.0
+    frames[:, 0, 0] += np.arange(3)
+    writer.add_frames([(points, np.zeros((0, 1))) for points in frames])
+    with open(folder / "m.c3d", "wb") as file:
+        writer.write(file)
+    return folder / "m.c3d"
+
+
+def test_c3d_in_its_unit(tmp_path):
+    found = read_tracks(c3d_file(tmp_path))
+    assert found.t.tolist() == [0.0, 0.01, 0.02] and found.channels["p0"][2] == pytest.approx((1.002, 0.0, -0.2))
+    hidden = found.channels["s0-p0@0.25"]
+    assert np.isnan(hidden[1]).all() and hidden[0] == pytest.approx((0.01, 0.02, 0.03))
+
+
+def test_refused_c3d(tmp_path, monkeypatch):
+    with pytest.raises(SeriesError, match=r'must have POINT:UNITS of m, cm or mm, but .* has "inch"'):
+        read_tracks(c3d_file(tmp_path, units="inch"))
+    with pytest.raises(SeriesError, match="must have a rate, and a name of its own for each marker"):
+        read_tracks(c3d_file(tmp_path, labels=("p0", "p0")))
+    (tmp_path / "m.c3d").write_bytes(b"no such thing" * 50)
+    with pytest.raises(SeriesError, match=r"must be a C3D file, but .* cannot be read"):
+        read_tracks(tmp_path / "m.c3d")
+    monkeypatch.setitem(__import__("sys").modules, "c3d", None)
+    with pytest.raises(SeriesError, match="C3D files are read by the package c3d: pip install"):
+        read_tracks(tmp_path / "m.c3d")

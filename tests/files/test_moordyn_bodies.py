@@ -52,10 +52,25 @@ def test_a_free_body():
     deck = read()
     (body,) = deck.scene.bodies
     assert (body.name, body.mass, body.inertia, body.volume, body.pinned) == ("body1", 900.0, (400.0, 500.0, 600.0), 0.3, None)
-    assert (body.CdA, body.Ca) == ((2.0, 2.0, 2.0), (0.5, 0.6, 0.7))
+    assert (body.CdA, body.CdA_rotation, body.Ca) == ((2.0, 2.0, 2.0), (0.0, 0.0, 0.0), (0.5, 0.6, 0.7))
     assert body.centre_of_mass == body.centre_of_buoyancy == (0.0, 0.0, 0.5)
     assert deck.points == {1: "point1", 3: "body1.point3"} and deck.scene.cables[0].end == "body1.point3"
     assert np.allclose(deck.scene.point("body1.point3").at, (1.7332, 5.9776, -11.0532), atol=5e-5)  # noted to 1e-4
+
+
+@pytest.mark.parametrize(
+    ("words", "along", "turning"),
+    [
+        ("2", (2, 2, 2), (2, 2, 2)),
+        ("1|2|3", (1, 2, 3), (1, 2, 3)),
+        ("2|5", (2, 2, 2), (5, 5, 5)),
+        ("1|2|3|4|5|6", (1, 2, 3), (4, 5, 6)),
+    ],
+)
+def test_drag_along_and_about_axes(words, along, turning):
+    """As the documentation of MoorDyn has it of one, two, three and six numbers."""
+    (body,) = read((" 2|0 0.5", f" {words} 0.5")).scene.bodies
+    assert (body.CdA, body.CdA_rotation) == (along, turning)
 
 
 @pytest.mark.parametrize("word", ["CoupledPinned", "VesselPinned", "CpldPin", "Pinned"])
@@ -68,7 +83,6 @@ def test_a_pinned_body(word):
 @pytest.mark.parametrize(
     ("change", "remark"),
     [
-        (("2|0 0.5", "2 0.5"), 'CdA of body "body1" is drag along its axes alone; MoorDyn takes the same numbers, in m5'),
         (("Free", "Free"), 'Added mass of body "body1" acts at its centre of gravity, as its buoyancy does; MoorDyn has it at the'),
         (("Free", "Free"), "Bodies with a volume float at the surface, where MoorDyn has them under water always; read_moordyn("),
     ],

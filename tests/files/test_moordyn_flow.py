@@ -208,3 +208,67 @@ def test_waves_need_a_depth(tmp_path):
     flat = (DECK % "7 WaveKin").replace("50 0 -40", "50 0 0").replace("0 0 -2", "0 0 0").replace("50 WtrDpth\n", "")
     with pytest.raises(DeckError, match="waves need the depth of the water; WtrDpth must be positive"):
         deck_from_text(flat, folder=tmp_path)
+
+
+WATER_FILE = """\
+Waves and currents
+notes
+--- WAVES ---
+%s WaveKinMod - type of wave input
+"waves.txt" WaveKinFile - elevation at the origin
+0.5 dtWave - step
+90 WaveDir - heading (deg)
+2 - X wave input type
+-800, 10, 101 - X wave grid point data
+--- CURRENT ---
+%s CurrentMod - type of current input
+2 - Z wave input type
+-600, 0, 50 - Z wave grid point data
+z-depth x-current y-current
+(m) (m/s) (m/s)
+%s
+--- need this line ---
+"""
+
+
+@pytest.mark.parametrize("table", ["-40 0.1 0.2\n-10 0.5 0.3\n0 1.0 0.1", "0.0 1.0 0.1\n10 0.5 0.3\n40 0.1 0.2"])
+def test_a_current_of_the_fortran_version(tmp_path, table):
+    """By heights or, as in MoorDyn's documentation, by depths."""
+    deck = read(tmp_path, '"flow.txt" WaterKin', flow=WATER_FILE % (0, 1, table))
+    assert water(deck).current == wind.Sampled(((-40.0, 0.1, 0.2), (-10.0, 0.5, 0.3), (0.0, 1.0, 0.1)))
+    assert any("are read as depths" in said for said in deck.remarks) == table.startswith("0.0")
+    assert not water(deck).all_waves
+
+
+@pytest.mark.parametrize("kind", [1, 3])
+def test_waves_of_the_fortran_version(tmp_path, kind):
+    """The elevation at the origin is that of the file at its times, and a quarter of a wave on the waves have come from -y."""
+    t = np.arange(0.0, 60.0, 0.5)
+    elevation = 0.8 * np.cos(2.0 * np.pi * t / 10.0) + 0.2 * np.sin(2.0 * np.pi * t / 4.0)
+    waves_file = "time elevation\n" + "\n".join(f"{a} {b}" for a, b in zip(t, elevation, strict=True))
+    deck = read(tmp_path, "flow.txt WaterKin", flow=WATER_FILE % (kind, 2, ""), waves=waves_file)
+    assert [wave(deck, at, (0.0, 0.0, 0.0))[0] for at in t[:9]] == pytest.approx(elevation[:9].tolist(), abs=1e-9)
+    assert abs(wave(deck, 1.0, (0.0, 0.0, 0.0))[1][0]) < 1e-12 < abs(wave(deck, 1.0, (0.0, 0.0, 0.0))[1][1])
+    assert "Line 18: CurrentMod 2 of flow.txt is given by the program that calls MoorDyn. Nothing flows by it here." in deck.remarks
+
+
+@pytest.mark.parametrize(
+    ("flow", "message"),
+    [
+        (WATER_FILE % (0, 1, ""), r"line 18, .*flow\.txt must have a table of heights and velocities behind CurrentMod"),
+        (WATER_FILE % (0, 7, ""), r"line 18, .*CurrentMod of flow\.txt must be one of 0, 2, 1, but is 7"),
+        (WATER_FILE.replace("0.5 dtWave", "0 dtWave") % (1, 0, ""), r"line 18, .*dtWave of flow\.txt must be a positive number"),
+    ],
+)
+def test_refused_flow_of_the_fortran_version(tmp_path, flow, message):
+    with pytest.raises(DeckError, match=message):
+        read(tmp_path, "flow.txt WaterKin", flow=flow, waves="0 0\n1 0\n2 0\n")
+
+
+def test_waves_that_grow(tmp_path):
+    deck = read(tmp_path, "7 WaveKin\n20 waveKin_rampT", wave_frequencies=FREQUENCIES)
+    assert [wave.ramp for wave in water(deck).all_waves] == [20.0]
+    assert "Line 19: waves grow over 20 s by a smoothstep, where MoorDyn's grow linearly." in deck.remarks
+    with pytest.raises(DeckError, match=r"line 19, .*waveKin_rampT must be a number of at least 0"):
+        read(tmp_path, "7 WaveKin\n-1 waveKin_rampT")
+    assert "No use is made of options of MoorDyn's own run: waveKin_rampT (line 18)." in read(tmp_path, "9 waveKin_rampT").remarks

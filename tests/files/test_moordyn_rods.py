@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from anet_lumped import Cable, Driven, Fixed, Rod, Scene, SceneError, equilibrium, paths, rod_body
+from anet_lumped import Cable, CableCut, Driven, Fixed, Free, Rod, Scene, SceneError, equilibrium, paths, rod_body
 from anet_lumped.effects import Bending, Gravity, Water
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
@@ -107,7 +107,7 @@ def test_ends_of_a_rod_on_a_body_that_others_move_are_points(word):
         ),
         ([(ROD, "1 pole Free -10 0 -75 10 0 -75 4")], r"line 12, .*a rod must have 11 columns .* but has 10"),
         ([(ROD, "1 mast Free -10 0 -75 10 0 -75 4 -")], r'line 12, .*must be of a type in ROD TYPES, but "mast" is none'),
-        ([(ROD, "1 pole Free -10 0 -75 10 0 -75 0 -")], r"line 12, .*NumSegs must be an integer of at least 1"),
+        ([(ROD, "1 pole Free -10 0 -75 10 0 -75 1.5 -")], r"line 12, .*NumSegs must be an integer of at least 0"),
         ([(ROD, "1 pole Free -10 0 -75 -10 0 -75 4 -")], r"line 12, .*A rod must have a length"),
         ([(ROD, "1 pole Body2 -10 0 -75 10 0 -75 4 -")], r"line 12, .*a rod must be on a body in BODIES, but body 2 is not there"),
         ([("--- POINTS", BODY), (ROD, "1 pole Body1Pinned 0 0 0 1 0 0 4 -")], r"line 12, .*a rod that turns on a body is not"),
@@ -187,3 +187,60 @@ def test_two_lines_with_an_EI_at_an_end_are_refused():
     two = (STIFF[2][0], STIFF[2][1] + "\n2 rope R1B 1 460 4 -")
     with pytest.raises(DeckError, match="the end of a rod must clamp one line with an EI, but two of them end there"):
         read(*STIFF[:2], two, STIFF[3])
+
+
+CABLE = """\
+--- LINE TYPES ---
+Name Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx
+(-) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
+cable 0.15 40 5e8 -1 2e4 1 1 0 0
+--- ROD TYPES ---
+Name Diam Mass/m Cd Ca CdEnd CaEnd
+(-) (m) (kg/m) (-) (-) (-) (-)
+joint 0.14 0 0 0 0 0
+--- RODS ---
+ID RodType Attachment Xa Ya Za Xb Yb Zb NumSegs RodOutputs
+(#) (name) (#/key) (m) (m) (m) (m) (m) (m) (-) (-)
+1 joint Fixed 50 0 -60 51 0 -60 0 -
+2 joint Free 20 0 -40 20 0 -40 0 -
+3 joint Coupled 0 0 -5 0 0 -6 0 -
+--- LINES ---
+ID Type NodeA NodeB Length Segs Flags
+(-) (-) (-) (-) (m) (-) (-)
+1 cable R1B R2A 40 8 -
+2 cable R2B R3A 45 8 -
+--- FAILURE ---
+FailureID Point Lines FailTime FailTen
+() () (,) (s) (N)
+1 r2b 2 3 0
+--- OPTIONS ---
+60 WtrDpth
+--- OUTPUTS ---
+"""
+
+
+def test_rods_without_a_length_are_points():
+    """Where end B is given counts for nothing, as in MoorDyn; POINTS may be missing; lines of both ends meet in one point."""
+    deck = deck_from_text(CABLE)
+    scene = deck.scene
+    assert scene.all_points == (Fixed("rod1", (50.0, 0.0, -60.0)), Free("rod2", at=(20.0, 0.0, -40.0)), scene.point("rod3"))
+    assert isinstance(scene.point("rod3"), Driven)
+    assert [(cable.start, cable.end) for cable in scene.cables] == [("rod1", "rod2"), ("rod2", "rod3")]
+    said = 'Line 19: lines with an EI may meet at an angle at "rod2", a rod without a length, where MoorDyn joins them without a'
+    assert any(remark.startswith(said) for remark in deck.remarks)
+    assert scene.events == (CableCut("line2", 3.0, 0),)
+
+
+def test_rods_without_a_length_on_a_body():
+    body = (
+        "--- BODIES ---\nID Attachment X0 Y0 Z0 r0 p0 y0 Mass CG I Volume CdA Ca\n(#) (-)\n"
+        "1 Free 0 0 -4 0 0 0 900 0 400|500|600 0 0 0\n--- RODS"
+    )
+    deck = deck_from_text(CABLE.replace("--- RODS", body).replace("3 joint Coupled 0 0 -5", "3 joint Body1 0 0 -1"))
+    assert deck.scene.cables[1].end == "body1.rod3" and deck.scene.point("body1.rod3").at == (0.0, 0.0, -5.0)
+    with pytest.raises(DeckError, match=r"line 14, .*a rod must be on a body in BODIES, but body 1 is not there"):
+        deck_from_text(CABLE.replace("3 joint Coupled", "3 joint Body1"))
+
+
+def test_a_number_behind_pinned_is_passed_over():
+    assert read((ROD, ROD.replace("Free", "Pinned1"))).scene == read((ROD, ROD.replace("Free", "Pinned"))).scene

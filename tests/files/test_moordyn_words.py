@@ -137,6 +137,21 @@ def test_options_that_change_nothing(option, remark):
     assert said((ONCE[0], ONCE[1] % option)) == ([remark] if remark else [])
 
 
+def test_friction_of_the_fortran_version():
+    """Along and across a line alike; else nothing here means it."""
+    both = read((ONCE[0], ONCE[1] % "0.4 MU_KT\n0.4 MU_KA")).scene
+    assert both == read((ONCE[0], ONCE[1] % "0.4 FrictionCoefficient")).scene != deck_from_text(DECK).scene
+    with pytest.raises(DeckError, match=r"line 20, .*MU_KT and MU_KA must be alike, but are 0.4 and 0.0"):
+        read((ONCE[0], ONCE[1] % "0.4 MU_KT"))
+
+
+def test_columns_of_lines_in_the_other_order():
+    """Names of columns of the first version over the columns of the second one: what is a point says which they are."""
+    names = "ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs", "Line LineType UnstrLen NumSegs NodeAnch NodeFair Flags"
+    assert read(names).scene == deck_from_text(DECK).scene
+    assert [text for text in said(names) if "columns 3 to 6 are read as A, B, UnstrLen, NumSegs" in text]
+
+
 def test_the_last_of_an_option_counts():
     scene = read((ONCE[0], ONCE[1] % "7e5 kb")).scene
     assert scene.effects[-1] == Ground(-41.0, 7e5, 2e4)
@@ -146,8 +161,8 @@ def test_a_file_of_flow_that_has_none_is_passed_over(tmp_path):
     (tmp_path / "flow.dat").write_text("--- WAVES ---\n0  WaveKinMod - type\n--- CURRENT ---\n 0 CurrentMod - type\n")
     still = changed((ONCE[0], ONCE[1] % '"flow.dat" WaterKin'))
     assert deck_from_text(still, folder=tmp_path).scene == deck_from_text(DECK).scene
-    (tmp_path / "flow.dat").write_text("--- WAVES ---\n0  WaveKinMod - type\n--- CURRENT ---\n 1 CurrentMod - type\n")
-    with pytest.raises(DeckError, match=r'line 20, ".*WaterKin": waves and currents by a file of the Fortran version are not'):
+    (tmp_path / "flow.dat").write_text("a\nb\n")
+    with pytest.raises(DeckError, match=r'line 20, ".*WaterKin": WaterKin must name a file with WaveKinMod and CurrentMod'):
         deck_from_text(still, folder=tmp_path)
 
 
@@ -294,8 +309,7 @@ def test_refusals(old, new, message):
         ("1 Free 0 0 0 0 0 0 0 0 0 0 0 0", r"line 9, .*Argument `mass` must be positive and finite"),
         ("1 Fre 0 0 0 0 0 0 9 0 1 0 0 0", r"line 9, .*a body must be Fixed, Coupled, CoupledPinned, Pinned or Free\."),
         ("1 Free 0 0 0 0 0 0 9 1|2 1 0 0 0", r"line 9, .*CG of a body must be 1 or 3 finite numbers with \| between them"),
-        ("1 Free 0 0 0 0 0 0 9 0 1 0 1|2 0", r"line 9, .*drag that resists the rotation of a body is not supported"),
-        ("1 Free 0 0 0 0 0 0 9 0 1 0 1|2|3|0|4|0 0", r"line 9, .*drag that resists the rotation of a body is not supported"),
+        ("1 Free 0 0 0 0 0 0 9 0 1 0 1|2|3|4 0", r"line 9, .*CdA of a body must be 1 or 2 or 3 or 6 finite numbers"),
         ("1 Free 0 0 0 0 0 0 9 0 1|1|3 0 0 0", r"line 9, .*Principal moments"),
         ("1 Coupled 0 0 0", r"line 9, .*a body must have 14 columns .* but has 5"),
     ],
