@@ -66,13 +66,7 @@ def planned(scene: Scene, begin: State, asked: Asked) -> Plan:
     """
     t_end, method, dt, save_every, rtol, atol, extrapolate = asked
     scheme = None if method is None else schemes.scheme(method)
-    _check_external(scene, begin)
-    apart, most = float(np.ptp(begin.q, axis=0).max()), largest_distance(scene)
-    if not apart < most:
-        raise InputError(
-            f"Nodes must start within {most:.3g} m of each other, beyond which a motion counts as diverged, but they are "
-            f"{apart:.3g} m apart."
-        )
+    check_start(scene, begin)
     adaptive = rtol is not None or atol is not None or (scheme is not None and scheme.chooses_steps(dt))
     if scheme is not None and not scheme.takes_changing_rest_lengths and rest_lengths.changes(scene):
         able = ", ".join(schemes.names(takes_changing_rest_lengths=True))
@@ -99,6 +93,17 @@ def planned(scene: Scene, begin: State, asked: Asked) -> Plan:
         span = save_every or t_end
         choice = _ending_on(choice, span, "t_end" if save_every is None else "save_every")
     return Plan(choice, adaptive, transverse)
+
+
+def check_start(scene: Scene, begin: State) -> None:
+    """Refuse a start whose nodes are too far from each other, or whose points that a session drives are elsewhere."""
+    _check_external(scene, begin)
+    apart, most = float(np.ptp(begin.q, axis=0).max()), largest_distance(scene)
+    if not apart < most:
+        raise InputError(
+            f"Nodes must start within {most:.3g} m of each other, beyond which a motion counts as diverged, but they are "
+            f"{apart:.3g} m apart."
+        )
 
 
 def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:

@@ -14,12 +14,13 @@ from anet_lumped.scene.scene import Scene
 from anet_lumped.statics.equilibrium import equilibrium, rest_on
 from anet_lumped.statics.starts import Start, start_state
 from integrators import schemes
+from integrators.linear_stability import NoLimit
 from integrators.marching.fixed_steps import FixedSteps
 from integrators.marching.march import March
 
 from .legs import Settings
 from .own_methods import net_and_system, run_of
-from .plan import Asked, Plan, planned
+from .plan import Asked, Plan, check_start, planned
 from .times import Leg
 from .verdict import judged
 
@@ -39,6 +40,7 @@ class Repeated:
     def __init__(self, asked: Asked, start: Start, rho_inf: float | None = None) -> None:
         self.asked, self.start, self.rho_inf = asked, start, rho_inf
         self.at_rest: Any = None
+        self.planned: tuple[Any, Plan] | None = None
         self.marches: dict[str, tuple[Any, March]] = {}  # a net, and a march of it, by the method
 
     def serves(self, scene: Scene) -> bool:
@@ -63,7 +65,7 @@ class Repeated:
         if not self.serves(scene):
             return None
         begin = self.begin(scene) if begin is None else begin
-        plan = planned(scene, begin, self.asked)
+        plan = self.plan_of(scene, begin)
         scheme = schemes.scheme(plan.choice.method)
         if plan.adaptive or scheme.keeps_constraints or not scheme.own or plan.choice.dt != self.asked.dt:
             return None
@@ -75,6 +77,18 @@ class Repeated:
         if out.interrupted:
             raise RunInterrupt(run)
         return judged(run, plan.choice.limit, False)
+
+    def plan_of(self, scene: Scene, begin: State) -> Plan:
+        """`planned`, which is the same for scenes with the same names and kinds of parts where method and step are given and the
+        method is stable at any step."""
+        names = begin.model.node_of  # which models share that are built one from another
+        if self.planned is None or self.planned[0] is not names:
+            plan = planned(scene, begin, self.asked)
+            numbers_count = self.asked.method is None or not isinstance(schemes.scheme(self.asked.method).limit, NoLimit)
+            self.planned = None if numbers_count else (names, plan)
+            return plan
+        check_start(scene, begin)
+        return self.planned[1]
 
     def begin(self, scene: Scene) -> State:
         """State that a run of a scene starts from."""

@@ -101,7 +101,7 @@ class Varied:
                 parts[section][number] = _renamed(made[like], part)
             else:
                 parts[section][number] = made[section, entry] = self._part(part, section, entry, held, values)
-        return replace(scene, **parts)
+        return _like(scene, parts["cables"]) if set(parts) == {"cables"} else replace(scene, **parts)
 
     def _part(self, part: Any, section: str, entry: Any, held: list[tuple[str, Field]], values: Mapping[str, Any]) -> Any:
         """A part with other values: a copy where they are fields of its own, read from its table where they are within one."""
@@ -116,6 +116,15 @@ class Varied:
             if set(changes) <= own and not any(isinstance(value, list | dict | str) for value in changes.values()):
                 return replace(part, **changes, **({} if excluded is None else {excluded: None if excluded == "BA" else 0.0}))
         return part_from_dict(section, entry, {key: value for key, value in table.items() if value is not None and key != excluded})
+
+
+def _like(scene: Scene, cables: list[Cable]) -> Scene:
+    """A scene with other cables of the same names and ends, of which a Scene asks no more; cuts ask for segments, too."""
+    if scene.cable_cuts:
+        return replace(scene, cables=cables)
+    made = object.__new__(Scene)
+    vars(made).update({field.name: getattr(scene, field.name) for field in fields(scene)}, cables=tuple(cables))
+    return made
 
 
 def _renamed(made: Cable, other: Cable) -> Cable:

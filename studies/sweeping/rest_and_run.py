@@ -20,7 +20,7 @@ def rest_and_run(scene: Scene, settings: dict | None, rests: bool) -> tuple[Stat
     Parameters
     ----------
     scene : Scene
-    settings : of `simulate`, for a run; None for none
+    settings : of `simulate`, words and numbers, for a run; None for none
     rests : bool, whether the scene at rest is measured
 
     Returns
@@ -28,15 +28,14 @@ def rest_and_run(scene: Scene, settings: dict | None, rests: bool) -> tuple[Stat
     rest : State or None
     run : Run or None, whose arrays the next row of this thread may overwrite
     """
-    start = (settings or {}).get("start", "equilibrium")
-    repeated = _repeated({} if settings is None else settings)
-    from_rest = isinstance(start, str) and start == "equilibrium"
+    repeated, start = _repeated(settings or {}), (settings or {}).get("start", "equilibrium")
     rest = repeated.rest(scene) if rests else None
     if settings is None:
         return rest, None
-    run = repeated.run(scene, rest if from_rest else None)
+    begin = rest if start == "equilibrium" else None
+    run = repeated.run(scene, begin)
     if run is None:
-        run = simulate(scene, **(settings | ({"start": rest} if rest is not None and from_rest else {})))
+        run = simulate(scene, **(settings if begin is None else settings | {"start": begin}))
     return rest, run
 
 

@@ -2,11 +2,13 @@
 
 import os
 import signal
+import threading
 import time
 
 import pytest
 
 from integrators.ctrl_c import SIGNALS, ctrl_c_later
+from integrators.marching.interruptible import interruptible
 
 
 @pytest.mark.parametrize("number", SIGNALS)
@@ -23,3 +25,26 @@ def test_what_a_handler_raises_waits(number):
         assert done == called == [number] and signal.getsignal(number) is handler
     finally:
         signal.signal(number, was)
+
+
+def test_ctrl_c_in_a_short_march_waits_for_its_end(ctrl_c):
+    """A short march runs in the thread that asks for it, and what it did is handed over."""
+
+    def march(stop):
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.01)
+        return threading.current_thread(), stop[0]
+
+    (thread, stop), interrupted = interruptible(march, short=True)
+    assert interrupted and thread is threading.main_thread() and stop == 0
+
+
+def test_ctrl_c_ends_a_long_march(ctrl_c):
+    def march(stop):
+        os.kill(os.getpid(), signal.SIGINT)
+        while not stop[0]:
+            time.sleep(0.001)
+        return threading.current_thread()
+
+    thread, interrupted = interruptible(march)
+    assert interrupted and thread is not threading.main_thread()
