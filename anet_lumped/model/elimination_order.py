@@ -10,8 +10,9 @@ from anet_lumped.model.net import Points
 def minimum_degree(names, links, last=(), after=()):
     """Elimination order of the free points by least fill, and each one's later neighbours (fill included).
 
-    Those in ``last`` come after all others, and each in the dict ``after`` behind the neighbour that this names. Of points with equally many neighbours the first of ``names`` comes first. A heap holds
-    for each point how many neighbours it had at any time; entries that have been overtaken are passed over.
+    Those in ``last`` come after all others, and each in the dict ``after`` behind the neighbour that this names. Of points with
+    equally many neighbours the first of ``names`` comes first. A heap holds for each point how many neighbours it had at any time;
+    entries that have been overtaken are passed over.
     """
     neighbours = {name: set() for name in names}
     for a, b in links:

@@ -258,7 +258,7 @@ class Run:
         return np.linalg.norm(np.concatenate(parts), axis=1)
 
     def reaction(self, name: str) -> np.ndarray:
-        """(k, 3) force of a fixed or driven point, of what drives or pins a body, or of the "ground" on the net [N], see `end_forces`."""
+        """(k, 3) force of a fixed or driven point, of what drives or pins a body or of the "ground" [N], see `end_forces`."""
         return np.concatenate([end_forces.reaction(rows, self.scene, name) for rows in end_forces.rows_of_run(self)])
 
     def touchdown_length(self, cable: str) -> np.ndarray:

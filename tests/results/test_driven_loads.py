@@ -26,8 +26,8 @@ def deck(**given):
 
 def test_it_changes_the_momentum_of_all_that_it_carries():
     """R = d/dt of the momenta of cable and pole, by central differences, + m a of the deck, less all weights and the drag."""
-    pole = rod_body("pole", (-0.3, 0.0, 2.9), (-0.4, 0.1, 2.0), diameter=0.03, mass_per_length=0.6, segments=3)
-    pole = Body("pole", rods=pole.rods, attachments=pole.attachments, rotation=pole.rotation, pinned="a", pinned_to="deck.hinge")
+    of_rod = dict(diameter=0.03, mass_per_length=0.6, segments=3)
+    pole = rod_body("pole", (-0.3, 0.0, 2.9), (-0.4, 0.1, 2.0), **of_rod, pinned="a", pinned_to="deck.hinge")
     cable = Cable("deck.hook", "w", length=0.8, mass_per_length=0.1, EA=500.0, zeta=0.1, segments=4, diameter=1e-6)
     effects = [Gravity(G), Air(RHO, Uniform(tuple(WIND)))]
     scene = Scene([Free("w", mass=0.4)], [cable], effects, bodies=[deck(), pole])
@@ -55,7 +55,9 @@ def test_it_changes_the_momentum_of_all_that_it_carries():
 @pytest.mark.parametrize("depth", [0.0, 0.4, 5.0])
 def test_at_rest_it_is_weight_less_buoyancy(depth):
     """A box of 1 x 2 x 0.8 m, by Archimedes; the cable is slack and light."""
-    box = deck(CdA=(0, 0, 0), hull=(1.0, 2.0, 0.8), centre_of_mass=(0, 0, 0), path=paths.external((0.0, 0.0, 0.4 - depth)), turning=None)
+    box = deck(
+        CdA=(0, 0, 0), hull=(1.0, 2.0, 0.8), centre_of_mass=(0, 0, 0), path=paths.external((0.0, 0.0, 0.4 - depth)), turning=None
+    )
     cable = Cable("bed", "deck", length=9.0, mass_per_length=1e-9, EA=1e3, segments=2, diameter=1e-6, compression="linear")
     scene = Scene([Fixed("bed", (0, 0, -9))], [cable], [Gravity(G), Water(1000.0)], bodies=[box])
     rest = equilibrium(scene)
@@ -67,7 +69,12 @@ def test_at_rest_it_is_weight_less_buoyancy(depth):
 def test_the_ground_carries_what_is_driven_into_it():
     box = deck(CdA=(0, 0, 0), contact_area=0.5, path=paths.external((0.0, 0.0, 0.09)), turning=None, mass=None, inertia=None)
     cable = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e3, segments=2, diameter=0.01)
-    scene = Scene([Fixed("a", (0, 0, 2)), Fixed("b", (0.9, 0, 2))], [cable], [Gravity(G), Ground(0.0, stiffness=1e5, damping=0.0)], bodies=[box])
+    scene = Scene(
+        [Fixed("a", (0, 0, 2)), Fixed("b", (0.9, 0, 2))],
+        [cable],
+        [Gravity(G), Ground(0.0, stiffness=1e5, damping=0.0)],
+        bodies=[box],
+    )
     rest = equilibrium(scene)
     push = 1e5 * 0.5 * 0.01
     assert_allclose(rest.reaction("deck"), (0.0, 0.0, -push), rtol=1e-9, atol=1e-9)

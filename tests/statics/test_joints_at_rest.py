@@ -77,6 +77,8 @@ def test_a_chain_of_bodies_hangs_down_from_what_holds_it(above):
 
 def test_what_is_pinned_to_a_free_body_has_no_rest_where_nothing_holds_that():
     first, second = bar("first", 0.6, at=(0.0, 0.0, 0.0), pinned=None), bar("second", 0.4, pinned_to="first.tip")
-    scene = Scene([Fixed("a", (0, 0, 0)), Fixed("b", (1, 0, 0))], [rope("a", "b", length=1.1)], [Gravity(G)], bodies=[first, second])
+    scene = Scene(
+        [Fixed("a", (0, 0, 0)), Fixed("b", (1, 0, 0))], [rope("a", "b", length=1.1)], [Gravity(G)], bodies=[first, second]
+    )
     with pytest.raises(NoRestError, match=r'nothing holds body "first" and the \d+ others it is tied to'):
         equilibrium(scene)
