@@ -2,18 +2,20 @@
 
 A body that moves freely is `Free`, one that is pinned at its origin `CoupledPinned`, whose origin the calling program holds, and
 one whose motion is prescribed `Coupled`. Its attachments are points of type `Body1`, called as in the body; one called "" is its
-origin. Its rods are rods on it. Refused is what MoorDyn's body does not have: a hull, contact with the bottom, moments of inertia
-that are not along its axes, buoyancy elsewhere than at the centre of mass, and a pin elsewhere than at the origin.
+origin. Its rods are rods on it. A rod that is pinned to another body is a rod of type `Body1Pinned`. Refused is what MoorDyn's body
+does not have: a hull, contact with the bottom, moments of inertia that are not along its axes, buoyancy elsewhere than at the
+centre of mass, and a pin elsewhere than at the origin.
 
 One `CdA` and one `CdA_rotation` are written as `2|0`. Of three or six numbers MoorDyn 2.7.2 passes over the first.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from anet_lumped.checks import SceneError, Vector, quoted
-from anet_lumped.prescribed.turning import turned_by
+from anet_lumped.prescribed.turning import matrix_of, turned_by
 from anet_lumped.scene.body import Body
 from anet_lumped.scene.body_mass import tensor
 from anet_lumped.scene.rod import Rod
@@ -26,7 +28,7 @@ def body_points(scene: Scene) -> dict[str, str]:
     """Columns of a point but for its number, for each attachment, and for each origin at which a cable ends, by name."""
     ends = {end for cable in scene.cables for end in (cable.start, cable.end)}
     found = {}
-    for i, body in enumerate(scene.bodies, start=1):
+    for i, body in enumerate(_written(scene), start=1):
         if body.name in ends:
             found[body.name] = f"Body{i} 0.0 0.0 0.0 0 0 0 0{named('')}"
         for name, (x, y, z) in body.places:
@@ -34,12 +36,34 @@ def body_points(scene: Scene) -> dict[str, str]:
     return found
 
 
+def rod_ends(scene: Scene) -> dict[str, str]:
+    """What a line calls the ends of rods that are pinned to bodies, "R2B", by the names of their points."""
+    first = sum(len(body.rods) for body in _written(scene)) + 1
+    ends = (f"{body.name}.{end}" for body in _pinned_rods(scene) for end in "ab")
+    return {name: f"R{first + k // 2}{'AB'[k % 2]}" for k, name in enumerate(ends)}
+
+
+def _written(scene: Scene) -> list[Body]:
+    """The bodies that are bodies of the file."""
+    return [body for body in scene.bodies if not body.is_jointed]
+
+
+def _pinned_rods(scene: Scene) -> list[Body]:
+    """The bodies that are rods of the file, pinned to bodies."""
+    return [body for body in scene.bodies if body.is_jointed]
+
+
 def body_rows(scene: Scene) -> list[str]:
     """Lines of the sections BODIES, ROD TYPES and RODS; none without bodies."""
     if not scene.bodies:
         return []
-    rods = [(i, rod, _rod_type(rod, body)) for i, body in enumerate(scene.bodies, start=1) for rod in body.rods]
-    types = {row: f"rod{number}" for number, row in enumerate(dict.fromkeys(row for _, _, row in rods), start=1)}
+    bodies = _written(scene)
+    rods = [
+        (f"Body{i}", (*rod.start, *rod.end), rod, _rod_type(rod, body))
+        for i, body in enumerate(bodies, start=1) for rod in body.rods
+    ]  # fmt: skip
+    rods += [_pinned_rod(scene, body, bodies) for body in _pinned_rods(scene)]
+    types = {row: f"rod{number}" for number, row in enumerate(dict.fromkeys(row for *_, row in rods), start=1)}
     of_rods = [
         "--------------------- ROD TYPES ---------------------",
         "TypeName Diam Mass/m Cd Ca CdEnd CaEnd",
@@ -49,8 +73,8 @@ def body_rows(scene: Scene) -> list[str]:
         "ID RodType Attachment Xa Ya Za Xb Yb Zb NumSegs RodOutputs",
         "(#) (name) (#/key) (m) (m) (m) (m) (m) (m) (-) (-)",
         *(
-            f"{number} {types[row]} Body{i} {' '.join(map(repr, (*rod.start, *rod.end)))} {rod.segments} -{named(rod.name)}"
-            for number, (i, rod, row) in enumerate(rods, start=1)
+            f"{number} {types[row]} {hold} {' '.join(map(repr, ends))} {rod.segments} -{named(rod.name)}"
+            for number, (hold, ends, rod, row) in enumerate(rods, start=1)
         ),
     ]
     return [
@@ -58,8 +82,30 @@ def body_rows(scene: Scene) -> list[str]:
         "--------------------- BODIES ---------------------",
         "ID Attachment X0 Y0 Z0 r0 p0 y0 Mass CG I Volume CdA Ca",
         "(#) (-) (m) (m) (m) (deg) (deg) (deg) (kg) (m) (kg-m^2) (m^3) (m^2) (-)",
-        *(f"{i} {_body(body)}{named(body.name)}" for i, body in enumerate(scene.bodies, start=1)),
+        *(f"{i} {_body(body)}{named(body.name)}" for i, body in enumerate(bodies, start=1)),
     ]
+
+
+def _pinned_rod(scene: Scene, body: Body, bodies: list[Body]) -> tuple[str, tuple[float, ...], Rod, str]:
+    """What holds a rod that is pinned to a body, its ends in the axes of that body, the rod with the name of its body, its type."""
+    other = next((one for one in bodies if body.pinned_to in {point.name for point in one.points}), None)
+    rod = body.rods[0] if len(body.rods) == 1 else None
+    is_plain = rod is not None and body.mass is None and not any(body.CdA) and not body.displaced and not body.contact_area
+    if other is None or rod is None or not is_plain or {("a", rod.start), ("b", rod.end)} != set(body.places) or body.pinned != "a":
+        raise SceneError(
+            'What is pinned to another point must be one rod, as `rod_body` makes it, pinned at its end "a" to a body that is '
+            f"pinned to none, to be written for MoorDyn, but body {quoted(body.name)} is otherwise."
+        )
+    place = np.array(next(point.arm for point in other.points if point.name == body.pinned_to))
+    along = _axes(other).T @ _axes(body) @ np.subtract(rod.end, rod.start)
+    ends = (*place.tolist(), *(place + along).tolist())
+    return f"Body{bodies.index(other) + 1}Pinned", ends, replace(rod, name=body.name), _rod_type(rod, body)
+
+
+def _axes(body: Body) -> np.ndarray:
+    """Rotation matrix (3, 3) with which a body starts."""
+    turning = body.motion[1] if body.is_driven else None
+    return matrix_of(body.rotation if turning is None else turned_by(turning.at(0.0)[0], body.rotation))
 
 
 def _body(body: Body) -> str:

@@ -1,10 +1,10 @@
 """The rods of a MoorDyn file, and lines that end at them: `R1A` is end A of rod 1.
 
 A rod that is free is a `Body` of its own, one that is pinned is held at its end A; a rod on a body that moves by itself is a `Rod`
-of that body. Its ends are "rod1.a" and "rod1.b". A rod that is fixed or coupled, by itself or on such a body, does not move by
-itself: its ends are fixed or driven points, and no load on it is computed. Rods that no line ends at are left out, but for those on
-bodies. A rod without a length, NumSegs 0, has neither mass nor drag in MoorDyn (Rod::setup), wherever its end B is given: it is a
-point at its end A, "rod1".
+of that body, or, if it turns there ("Body1Pinned"), a `Body` whose end A is pinned to that body. Its ends are "rod1.a" and
+"rod1.b". A rod that is fixed or coupled, by itself or on such a body, does not move by itself: its ends are fixed or driven points,
+and no load on it is computed. Rods that no line ends at are left out, but for those on bodies. A rod without a length, NumSegs 0,
+has neither mass nor drag in MoorDyn (Rod::setup), wherever its end B is given: it is a point at its end A, "rod1".
 
 MoorDyn's rods have no drag and no added mass along them but at their end caps (MoorDyn2.cpp: readRodProps).
 """
@@ -22,6 +22,7 @@ from anet_lumped.scene.rod_body import rod_body
 from anet_lumped.scene.scene import Driven, Fixed, Free
 
 from .moordyn_attachments import Attachment, Hold, attachment
+from .moordyn_bodies import Frame
 from .moordyn_findings import Findings
 from .moordyn_lines import end_of_rod
 from .moordyn_points import OnMovingBody, Places
@@ -113,14 +114,15 @@ def _read(number: int, row: Row, held: Attachment, types: Mapping[str, Row], own
     hold = held.hold
     at: dict[str, Vector] = {"A": a, "B": b}
     if hold is Hold.BODY:
-        if held.number not in places.frames:
-            raise row.error(f"a rod must be on a body in BODIES, but body {held.number} is not there.")
-        if held.pinned:
-            raise row.error("a rod that turns on a body is not supported; it must be Body and a number alone.")
-        frame = places.frames[held.number]
-        if frame is None:  # said of the body
+        frame = _frame_of(row, held.number, places)
+        if frame is None:
             return
         at = {end: frame.place_of(place) for end, place in at.items()}
+        if held.pinned and frame.hold is not Hold.FIXED:
+            pinned_to = _hinge(row, name, held.number, frame, a, (places, at["A"]))
+            row.findings.remark(f"End A of rod {quoted(name)} is pinned to {quoted(pinned_to)}, and the rod turns about it.")
+            _own_body(row, name, at, own, into, segments=segments, pinned="a", pinned_to=pinned_to, **_of(types, row))
+            return
         if frame.hold is Hold.FREE:
             found.on_bodies.setdefault(held.number, []).append(made(row, Rod, name, a, b, segments=segments, **_of(types, row)))
             for end in own:
@@ -130,12 +132,9 @@ def _read(number: int, row: Row, held: Attachment, types: Mapping[str, Row], own
             return
         hold = frame.hold
     if hold is Hold.FREE or held.pinned:
-        body = made(row, rod_body, name, a, b, segments=segments, pinned="a" if held.pinned else None, **_of(types, row))
-        found.bodies.append(body)
         if held.pinned:
             row.findings.remark(f"End A of rod {quoted(name)} stays where it is, while the rod turns about it.")
-        for end in own:
-            _put(places, end, OnMovingBody(f"{name}.{end[-1].lower()}"), at)
+        _own_body(row, name, at, own, into, segments=segments, pinned="a" if held.pinned else None, **_of(types, row))
         return
     row.findings.remark(f"Rod {quoted(name)} does not move by itself: lines are held at its ends, and no load on it is computed.")
     for end in own:
@@ -144,15 +143,20 @@ def _read(number: int, row: Row, held: Attachment, types: Mapping[str, Row], own
         _put(places, end, point, at)
 
 
+def _frame_of(row: Row, number: int, places: Places) -> Frame | None:
+    """The body that a rod is on; None for one that is refused itself."""
+    if number not in places.frames:
+        raise row.error(f"a rod must be on a body in BODIES, but body {number} is not there.")
+    return places.frames[number]
+
+
 def _put_point(row: Row, name: str, held: Attachment, at: Vector, own: list[str], places: Places) -> None:
     """Put a rod without a length into places: one point, at which the lines of both its ends are joined."""
     hold = held.hold
     point: Fixed | Driven | Free | OnMovingBody
     if hold is Hold.BODY:
-        if held.number not in places.frames:
-            raise row.error(f"a rod must be on a body in BODIES, but body {held.number} is not there.")
-        frame = places.frames[held.number]
-        if frame is None:  # said of the body
+        frame = _frame_of(row, held.number, places)
+        if frame is None:
             return
         if frame.hold is Hold.FREE:
             places.attachments[held.number].append((name, at))
@@ -167,6 +171,33 @@ def _put_point(row: Row, name: str, held: Attachment, at: Vector, own: list[str]
     for end in own:
         places.points[end], places.at[end] = point, at
         places.smooth.add(end)
+
+
+def _own_body(row: Row, name: str, at: Mapping[str, Vector], own: list[str], into: tuple[Places, Rods], **fields: Any) -> None:
+    """Put a rod that is a body of its own into rods, and its ends at which lines end into places."""
+    into[1].bodies.append(made(row, rod_body, name, at["A"], at["B"], **fields))
+    for end in own:
+        _put(into[0], end, OnMovingBody(f"{name}.{end[-1].lower()}"), at)
+
+
+def _hinge(row: Row, rod: str, number: int, frame: Frame, place: Vector, into: tuple[Places, Vector]) -> str:
+    """Name of the point of a body at which a rod turns: that of a point there, or one of its own.
+
+    ``place`` is in the axes of the body, the place in ``into`` in those of the world.
+    """
+    places, at = into
+    if frame.hold is Hold.FREE:
+        attachments = places.attachments[number]
+        name = next((name for name, other in attachments if other == place), None)
+        if name is None and place == (0.0, 0.0, 0.0):
+            return frame.name
+        if name is None:
+            name = rod
+            attachments.append((name, place))
+        return f"{frame.name}.{name}"
+    places.points[rod] = Driven(f"{rod}.pin", made(row, paths.external, at))
+    places.at[rod] = at
+    return f"{rod}.pin"
 
 
 def _put(places: Places, end: str, point: Fixed | Driven | OnMovingBody, at: Mapping[str, Vector]) -> None:

@@ -17,7 +17,7 @@ from typing import Any
 from anet_lumped.checks import SceneError, quoted, shown
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene, check_scene
 
-from .moordyn_body_rows import body_points, body_rows
+from .moordyn_body_rows import body_points, body_rows, rod_ends
 from .moordyn_rows import named
 from .moordyn_seafloor import seafloor_text
 
@@ -94,7 +94,8 @@ def moordyn_text(
     rows = [_type(cable, bends, curves) for cable in scene.cables]
     types = {row: f"type{number}" for number, row in enumerate(dict.fromkeys(rows), start=1)}
     of_bodies = body_points(scene)
-    number = {name: i for i, name in enumerate([*(point.name for point in scene.points), *of_bodies], start=1)}
+    number: dict[str, Any] = {name: i for i, name in enumerate([*(point.name for point in scene.points), *of_bodies], start=1)}
+    number |= rod_ends(scene)
     lines = [
         "--------------------- MoorDyn Input File ---------------------",
         "written by anet-lumped",

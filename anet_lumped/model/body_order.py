@@ -1,8 +1,8 @@
 """The points of a scene in the order of their nodes, and the place of rigid bodies in the system over the free points.
 
 A body has two unknowns of three numbers there, how far it shifts and how far it turns. They are eliminated with the free points in
-the order of least fill: bodies that carry a net before the points at which it meets. A body that is pinned to another one has a third
-unknown, the force of the joint. Nothing resists a force, so that it is eliminated behind the shift of its body.
+the order of least fill: bodies that carry a net before the points at which it meets. A body that is pinned to another one has a
+third unknown, the force of the joint. Nothing resists a force, so that it is eliminated behind the shift of its body.
 """
 
 from itertools import combinations

@@ -68,8 +68,8 @@ class Bodies(NamedTuple):
     """Rigid bodies that move freely or are pinned; the nodes of body b are ``node[node_at[b]:node_at[b + 1]]``.
 
     The first two nodes of each body lend their rows to its unknowns in the system over the free points: how far its centre of mass
-    shifts, and how far it turns; where it is pinned to another body, the third one lends its row to the force of the joint. `tables`
-    names the columns of ``joined``, ``joint``, ``joint_pairs``, ``state`` and ``jointed``.
+    shifts, and how far it turns; where it is pinned to another body, the third one lends its row to the force of the joint.
+    `tables` names the columns of ``joined``, ``joint``, ``joint_pairs``, ``state`` and ``jointed``.
     """
 
     first: int  # first node that a body carries; ``n_free`` if there are none

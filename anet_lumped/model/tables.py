@@ -113,21 +113,22 @@ JOINED_COLUMNS = 14
 # [N] and moment [N m]; the matrix of the moment over the turn (nine columns by rows), at first of inertia alone [N m]; radius of
 # gyration [m]; and five numbers by which a Newton step is judged: inertial moment over the square of a turn [N m], sums of
 # stiffness and of force times arm [N], [N m], and the last shift and turn [m], [rad]; the largest coordinate of its nodes [m]; and
-# of a step of `LAW_BETWEEN` what it begins with: the reference point [m] and the angular velocity [rad/s]; force and moment that are
-# out of balance, with the tensions by the law and with the predicted ones [N], [N m].
+# of a step of `LAW_BETWEEN` what it begins with: the reference point [m] and the angular velocity [rad/s]; force and moment that
+# are out of balance, with the tensions by the law and with the predicted ones [N], [N m].
 BODY_INERTIA, BODY_FORCE, BODY_MOMENT, BODY_TURNING, BODY_RADIUS, BODY_SECOND_ORDER, BODY_COORDINATE = 0, 1, 4, 7, 16, 17, 22
 BODY_BEFORE, BODY_SPIN_BEFORE = 23, 26
 BODY_BY_LAW, BODY_AS_PREDICTED = 29, 35
 BODY_COLUMNS = 41
 
-# `Bodies.joint`, one row a body that is pinned to a point which is no place of the world: the body and the other one, -1 for a fixed
-# or driven point; the positions in `Bodies.node` of the points that meet, -1 likewise; the node that it is pinned to; the node that
-# lends its row to the force of the joint; and the blocks (force, shift), (shift, force), (force, turn) and (turn, force) of the body
-# and of the other one. The first bodies come first.
+# `Bodies.joint`, one row a body that is pinned to a point which is no place of the world: the body and the other one, -1 for a
+# fixed or driven point; the positions in `Bodies.node` of the points that meet, -1 likewise; the node that it is pinned to; the
+# node that lends its row to the force of the joint; and the blocks (force, shift), (shift, force), (force, turn) and (turn, force)
+# of the body and of the other one. The first bodies come first.
 JOINT_BODY, JOINT_OTHER, JOINT_POSITION, JOINT_OTHER_POSITION, JOINT_OTHER_NODE, JOINT_UNKNOWN, JOINT_BLOCKS = range(7)
 JOINT_COLUMNS = 14
 
-# `Bodies.joint_pairs`, one row for two joints at one body: both, and the blocks (first, second) and (second, first) of their system.
+# `Bodies.joint_pairs`, one row for two joints at one body: both, and the blocks (first, second) and (second, first) of their
+# system.
 JOINT_FIRST, JOINT_SECOND, JOINT_FIRST_SECOND, JOINT_SECOND_FIRST = range(4)
 
 # `Bodies.jointed`, one row a body: its reference point [m]; the three matrices of `bodies.inertia.Inertia`; force and moment on it

@@ -40,8 +40,8 @@ def blow_at_joints(model: Any, t: float, q: np.ndarray, v: np.ndarray) -> tuple[
         free = [body for body in parents_first(model.scene.bodies) if not body.is_driven]
         name = free[joints[worst, JOINT_BODY]].name
         raise InputError(
-            f"A body must start where it is pinned, but {quoted(name)} starts {apart[worst]:.3g} m from it; State.moved takes along "
-            "what is pinned to the body that it moves."
+            f"A body must start where it is pinned, but {quoted(name)} starts {apart[worst]:.3g} m from it; State.moved takes "
+            "along what is pinned to the body that it moves."
         )
     if np.abs(v[own] - v[other]).max() <= ALIKE * np.abs(v).max():
         return None

@@ -1,7 +1,8 @@
 """What acts on a body whose motion is prescribed: no part of the motion of the net, but of the force that drives the body.
 
-Weight, air, water and ground act on a body that is driven as they would on one that moves freely and is at the same place in the same
-motion. With the force f_k of the effects on its nodes, their masses and added masses B_k and their accelerations a_k, driving it takes
+Weight, air, water and ground act on a body that is driven as they would on one that moves freely and is at the same place in the
+same motion. With the force f_k of the effects on its nodes, their masses and added masses B_k and their accelerations a_k, driving
+it takes
 
     sum B_k a_k - f_k
 
@@ -42,12 +43,13 @@ def alone(scene: Scene, name: str) -> Model:
         left = None if left is None else left.without_bodies(names)
         if left is not None:
             effects.append(left)
-    own = {"mass": body.mass, "inertia": body.inertia}
-    if not body.mass and not any(rod.mass_per_length for rod in body.rods):
-        own["mass"] = MASSLESS
-    if own["mass"] and own["inertia"] is None:
-        own["inertia"] = (0.4 * own["mass"],) * 3
-    free = replace(body, path=None, turning=None, at=body.motion[0].at(0.0)[0], **own)
+    mass, inertia = body.mass, body.inertia
+    if not mass and not any(rod.mass_per_length for rod in body.rods):
+        mass = MASSLESS
+    if mass and inertia is None:
+        inertia = (0.4 * mass,) * 3
+    at = tuple(body.motion[0].at(0.0)[0].tolist())
+    free = replace(body, path=None, turning=None, at=at, mass=mass, inertia=inertia)
     ends = [Free("[start]", at=(0.0, 0.0, 0.0)), Free("[end]", at=(1.0, 0.0, 0.0))]
     cable = Cable("[start]", "[end]", length=1.0, mass_per_length=1.0, EA=1.0, segments=1, diameter=1.0)  # effects ask for one
     return build.__wrapped__(Pieces(ends, [cable], effects, bodies=[free]))
@@ -93,6 +95,7 @@ def _accelerations(now: Any, name: str, model: Model) -> np.ndarray:
     """Accelerations of the nodes of a driven body, (k, n, 3) [m/s2]."""
     body, a = now.left.model.scene.body(name), np.zeros((len(now.t), model.n, 3))
     for point in model.scene.bodies[0].points:
-        path = TurningPath.of(*body.motion, body.rotation, point.arm)
+        origin, turning = body.motion
+        path = TurningPath.of(origin, turning, body.rotation, point.arm)
         a[:, model.node_of[point.name]] = [path.at(t)[2] for t in now.t.tolist()]
     return a

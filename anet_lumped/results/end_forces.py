@@ -6,10 +6,10 @@ of the node, the cable pulls at its point by
 
     F = T n + f - (m I + A) a .
 
-The end tension is the size of F. A support acts on the net by R = -sum F over the cables that end there, and on bodies that are pinned
-to it. What drives a body acts against what else acts on that, too (`driven_loads`). Of a state at rest a = 0.
-A fixed point has none, a driven point that of its path; a free point that of all forces on it, (M I + A) a = sum T n + f; and the
-points of a body that of the body (`body_accelerations`).
+The end tension is the size of F. A support acts on the net by R = -sum F over the cables that end there, and on bodies that are
+pinned to it. What drives a body acts against what else acts on that, too (`driven_loads`). Of a state at rest a = 0. A fixed point
+has none, a driven point that of its path; a free point that of all forces on it, (M I + A) a = sum T n + f; and the points of a
+body that of the body (`body_accelerations`).
 """
 
 from collections.abc import Iterator

@@ -266,7 +266,7 @@ class Run:
         return cycles(self.t, self.end_tension(cable, self.scene.cable(cable).end if point is None else point))
 
     def reaction(self, name: str) -> np.ndarray:
-        """(k, 3) force of a fixed or driven point, of what drives or pins a body, or of the "ground" on the net [N], see `end_forces`."""
+        """(k, 3) force of a fixed or driven point, of what drives or pins a body or of the "ground" [N], see `end_forces`."""
         return np.concatenate([end_forces.reaction(rows, self.scene, name) for rows in end_forces.rows_of_run(self)])
 
     def touchdown_length(self, cable: str) -> np.ndarray:

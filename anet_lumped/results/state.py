@@ -157,7 +157,7 @@ class State:
         return float(np.linalg.norm(end_forces.end_force(end_forces.rows_of_state(self), self.scene, cable, point)))
 
     def reaction(self, name: str) -> np.ndarray:
-        """(3,) force of a fixed or driven point, of what drives or pins a body, or of the "ground" on the net [N], see `end_forces`."""
+        """(3,) force of a fixed or driven point, of what drives or pins a body or of the "ground" [N], see `end_forces`."""
         return end_forces.reaction(end_forces.rows_of_state(self), self.scene, name)[0]
 
     @property

@@ -56,7 +56,8 @@ class Body:
     """A rigid body, to whose attachments cables are tied: a cable ends at "quad1.hook", or at the body's origin, "quad1".
 
     It moves freely, unless it is `pinned` or its motion is prescribed by `path` and `turning`. Lengths within the body are measured
-    from its origin, along its own axes. Air, water and ground do not act on a body whose motion is prescribed.
+    from its origin, along its own axes. What acts on a body whose motion is prescribed counts in the force that drives it,
+    `Run.reaction`.
 
     A ball joint holds two bodies together where one is pinned to the other: ``pinned="root", pinned_to="platform.hinge"``.
 
@@ -133,7 +134,7 @@ class Body:
             check_name(self.pinned_to, "point that a body is pinned to")
             if self.pinned is None:
                 raise SceneError(
-                    'Argument `pinned_to` needs `pinned`, an attachment of the body or "" for its origin, which stays there, but '
+                    'Argument `pinned` must be given with `pinned_to`, as an attachment of the body or "" for its origin, but '
                     f"{owner} has pinned_to={shown(self.pinned_to)} alone."
                 )
         if self.path is None and (self.pinned_to is None or self.at is not None):

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -44,7 +45,7 @@ def placed(bodies: Sequence[Body], points: Sequence[Point]) -> tuple[Body, ...]:
     """
     if not any(body.is_jointed for body in bodies):
         return tuple(bodies)
-    places = {point.name: point.at for point in points if isinstance(point, Fixed)}
+    places: dict[str, Any] = {point.name: point.at for point in points if isinstance(point, Fixed)}
     places |= {point.name: point.path.at(0.0)[0] for point in points if isinstance(point, Driven)}
     known = {*places, *(name for body in bodies for name in _names(body))}
     found: dict[str, Body] = {}
@@ -71,7 +72,7 @@ def placed(bodies: Sequence[Body], points: Sequence[Point]) -> tuple[Body, ...]:
 
 
 def joined_to(bodies: Sequence[Body], name: str) -> list[Body]:
-    """The body called ``name`` and all that move freely and are joined to it, by joints to one another, each behind its first one."""
+    """The body called ``name`` and all that move freely and that joints tie to it, each behind that to which it is pinned."""
     free = [body for body in parents_first(bodies) if not body.is_driven]
     owner = {name: body.name for body in free for name in _names(body)}
     joints = [(body.name, owner[body.pinned_to]) for body in free if body.pinned_to is not None and body.pinned_to in owner]

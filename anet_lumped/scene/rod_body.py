@@ -10,7 +10,9 @@ from .body import Body
 from .rod import Rod
 
 
-def rod_body(name: str, start: Vector, end: Vector, *, pinned: str | None = None, **of_rod: Any) -> Body:
+def rod_body(
+    name: str, start: Vector, end: Vector, *, pinned: str | None = None, pinned_to: str | None = None, **of_rod: Any
+) -> Body:
     """A body that is one rod with its mass, at whose ends "name.a" and "name.b" cables are tied.
 
     Its origin is at the start, and its third axis runs along the rod.
@@ -20,6 +22,7 @@ def rod_body(name: str, start: Vector, end: Vector, *, pinned: str | None = None
     name : name of the body
     start, end : (3,) array_like [m], where its ends start
     pinned : "a" or "b" for an end that stays where it is, None for a free rod
+    pinned_to : point at which that end stays, "platform.hinge" of another body, or a driven or fixed point; it must start there
     of_rod : `diameter`, `mass_per_length`, `segments` and the coefficients of a `Rod`
 
     Raises
@@ -39,4 +42,4 @@ def rod_body(name: str, start: Vector, end: Vector, *, pinned: str | None = None
     top = (0.0, 0.0, length)
     rod = Rod("rod", (0.0, 0.0, 0.0), top, **of_rod)
     ends = {"a": (0.0, 0.0, 0.0), "b": top}
-    return Body(name, at=start, rotation=tuple(turn.tolist()), attachments=ends, rods=[rod], pinned=pinned)
+    return Body(name, at=start, rotation=tuple(turn.tolist()), attachments=ends, rods=[rod], pinned=pinned, pinned_to=pinned_to)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from anet_lumped import Cable, CableCut, Driven, Fixed, Free, Rod, Scene, SceneError, equilibrium, paths, rod_body
+from anet_lumped import Body, Cable, CableCut, Driven, Fixed, Free, Rod, Scene, SceneError, equilibrium, paths, rod_body
 from anet_lumped.effects import Bending, Gravity, Water
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
@@ -87,6 +87,25 @@ def test_a_rod_may_be_all_that_a_body_weighs():
     assert deck.scene.bodies[0].mass is None and deck.scene.bodies[0].whole.total == pytest.approx(20 * 77.7, rel=1e-14)
 
 
+@pytest.mark.parametrize("word", ["Body1Pinned", "Body1Pin"])
+@pytest.mark.parametrize("frame", ["Free", "Fixed", "Coupled"])
+def test_a_rod_that_turns_on_a_body(word, frame):
+    """On one that moves by itself it is pinned to an attachment, on one that others move to a driven point, or to its place."""
+    deck = read(("--- POINTS", BODY.replace("Free", frame)), (ROD, f"1 pole {word} 0 0 -10 0 0 10 4 -"))
+    pole = deck.scene.body("rod1")
+    assert pole.rods[0].diameter == 0.25 and deck.scene.cables[0].end == "rod1.a"
+    assert pole.at == pytest.approx((-10.0, 0.0, -75.0), abs=1e-12)  # of 75 m, turned by 90 degrees
+    assert deck.scene.point("rod1.b").at == pytest.approx((10.0, 0.0, -75.0), abs=1e-12)
+    if frame == "Fixed":
+        assert (pole.pinned, pole.pinned_to) == ("a", None)
+    elif frame == "Free":
+        body = deck.scene.body("body1")
+        assert (pole.pinned, pole.pinned_to) == ("a", "body1.rod1") and body.attachments == (("rod1", (0.0, 0.0, -10.0)),)
+        assert not body.rods and 'End A of rod "rod1" is pinned to "body1.rod1", and the rod turns about it.' in deck.remarks
+    else:
+        assert pole.pinned_to == "rod1.pin" and isinstance(deck.scene.point("rod1.pin"), Driven)
+
+
 @pytest.mark.parametrize("word", ["Fixed", "Coupled"])
 def test_ends_of_a_rod_on_a_body_that_others_move_are_points(word):
     deck = read(("--- POINTS", BODY.replace("Free", word)), (ROD, "1 pole Body1 0 0 -10 0 0 10 4 -"))
@@ -110,7 +129,6 @@ def test_ends_of_a_rod_on_a_body_that_others_move_are_points(word):
         ([(ROD, "1 pole Free -10 0 -75 10 0 -75 1.5 -")], r"line 12, .*NumSegs must be an integer of at least 0"),
         ([(ROD, "1 pole Free -10 0 -75 -10 0 -75 4 -")], r"line 12, .*A rod must have a length"),
         ([(ROD, "1 pole Body2 -10 0 -75 10 0 -75 4 -")], r"line 12, .*a rod must be on a body in BODIES, but body 2 is not there"),
-        ([("--- POINTS", BODY), (ROD, "1 pole Body1Pinned 0 0 0 1 0 0 4 -")], r"line 12, .*a rod that turns on a body is not"),
         ([("--- POINTS", BODY.replace("900", "0")), (ROD, "1 pole Body1 0 0 0 1 0 0 4 -")], r"line 16, .*must have no inertia I"),
         ([(TYPE, "pole 0.25 77.7 1.6 1.0 1.5")], r"line 8, .*a type of rods must have 7 columns .* but has 6"),
         ([(TYPE, f"{TYPE} 0 0.1")], r"line 8, .*columns of types of rods behind CaEnd are not supported, but are 0 0\.1"),
@@ -129,6 +147,49 @@ def scene_of(*rods, **fields):
     body = rod_body("spar", (0.0, 0.0, -20.0), (3.0, 0.0, -24.0), **(OF_ROD | fields))
     points = [Fixed("pa", (-5.0, 0.0, -15.0)), Fixed("pb", (8.0, 0.0, -18.0))]
     return Scene(points, cables, [Gravity(9.81), Water(1000.0)], bodies=[body])
+
+
+def deck_with_poles(**first):
+    """A deck with two poles that turn at it, and a line at one of them."""
+    deck = Body(
+        "deck", mass=900.0, inertia=(400.0, 500.0, 600.0), at=(0.0, 1.0, -20.0), rotation=(0.1, 0.2, -0.3),
+        attachments={"hinge": (1.0, 0.0, 0.5), "eye": (-1.0, 0.0, 0.0)},
+    )  # fmt: skip
+    points = [Fixed("pa", (-5.0, 0.0, -15.0)), Fixed("pb", (8.0, 0.0, -18.0))]
+    line = dict(length=8.0, segments=4, EA=1e5, mass_per_length=1.0, diameter=0.1, compression="damped")
+    cables = [Cable("pa", "deck.eye", **line), Cable("pb", "pole.b", **line)]
+    at = Scene([Fixed("far", (0, 0, 0)), *points], [Cable("far", "deck", **line)], bodies=[deck]).point("deck.hinge").at
+    end = (at[0] + 1.0, at[1] - 0.5, at[2] + 4.0)
+    pole = rod_body("pole", at, end, **dict(OF_ROD, pinned="a", pinned_to="deck.hinge") | first)
+    spar = rod_body("spar", deck.at, (deck.at[0], deck.at[1] + 2.0, deck.at[2] - 3.0), **OF_ROD, pinned="a", pinned_to="deck")
+    return Scene(points, cables, [Gravity(9.81), Water(1000.0)], bodies=[pole, deck, spar])
+
+
+def test_rods_that_turn_on_a_body_are_written_and_read_back():
+    scene = deck_with_poles()
+    text = moordyn_text(scene)
+    assert "Body1Pinned 1.0 0.0 0.5 " in text and " 2 R1B 8.0 4 " in text
+    back = deck_from_text(text).scene
+    assert back.cables == scene.cables and back.points == scene.points
+    for given in scene.bodies:
+        body = back.body(given.name)
+        assert (body.rods, body.attachments, body.pinned, body.pinned_to) == (
+            given.rods,
+            given.attachments,
+            given.pinned,
+            given.pinned_to,
+        )
+        assert body.rotation == pytest.approx(given.rotation, abs=1e-13) and body.at == pytest.approx(given.at, abs=1e-13)
+
+
+@pytest.mark.parametrize("given", [{"pinned": "b", "pinned_to": "deck.hinge"}, {"pinned_to": "pb"}])
+def test_what_else_is_pinned_is_not_written(given):
+    scene = deck_with_poles()
+    pole = replace(scene.bodies[0], at=None, **given)
+    with pytest.raises(
+        SceneError, match=r'must be one rod, as `rod_body` makes it, pinned at its end "a" to a body .*"pole" is otherwise'
+    ):
+        moordyn_text(replace(scene, bodies=[pole, *scene.bodies[1:]]))
 
 
 def test_a_rod_is_written_and_read_back():

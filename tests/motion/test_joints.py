@@ -161,8 +161,8 @@ DECK = Body(
 
 def carried(*effects, deck=DECK):
     """A pole that hangs at a driven deck, and a cable with a weight at the pole."""
-    pole = rod_body("pole", (0.0, 0.0, 0.0), (0.1, 0.0, -0.8), diameter=0.03, mass_per_length=0.6, segments=3)
-    pole = replace(pole, at=None, pinned="a", pinned_to="deck.hinge")
+    start, of_rod = deck.points[1].path.at(0.0)[0], dict(diameter=0.03, mass_per_length=0.6, segments=3)
+    pole = rod_body("pole", start, start + np.array((0.1, 0.0, -0.8)), **of_rod, pinned="a", pinned_to="deck.hinge")
     cable = Cable("pole.b", "w", length=0.5, mass_per_length=0.05, EA=1e4, zeta=0.1, segments=4, diameter=0.01)
     return Scene([Free("w", mass=0.2)], [cable], [Gravity(G), *effects], bodies=[pole, deck])
 
@@ -184,7 +184,7 @@ def test_a_pole_at_a_driven_deck_tends_to_dop853(effects):
 
 
 def test_a_deck_that_moves_at_once_strikes_what_hangs_at_it():
-    """The impulse moves the pole as one that turns about the hinge: (J + m c^2) w = -m c x v about it, with the place c of its middle."""
+    """The impulse moves the pole as one that turns about the hinge: J w = -m c x v about it, with the place c of its middle."""
     deck = replace(DECK, path=paths.harmonic((0.0, 0.0, 1.0), (0.1, 0.0, 0.0), frequency=0.5), turning=None)
     scene = carried(deck=deck)
     run = simulate(scene, 0.01, method="edmc", dt=0.01, start=equilibrium(scene))
@@ -242,7 +242,10 @@ def test_scenes_and_runs_are_saved_with_joints(tmp_path):
 def test_far_from_the_origin_joints_are_as_near_it():
     far = np.array([5e5, -3e5, 0.0])
     points, cables = (
-        [replace(ELSEWHERE[0][0], at=tuple(far + (5, 0, 0))), replace(ELSEWHERE[0][1], at=tuple(far + (6, 0, 0)))],
+        [
+            replace(ELSEWHERE[0][0], at=tuple(far + np.array((5, 0, 0)))),
+            replace(ELSEWHERE[0][1], at=tuple(far + np.array((6, 0, 0)))),
+        ],
         ELSEWHERE[1],
     )
     near = simulate(pair(Gravity(G)), 0.5, method="edmc", dt=0.005, start="straight")
@@ -266,7 +269,7 @@ def test_what_joints_cannot_be_is_said():
     def made(*bodies):
         return Scene(points, cables, bodies=bodies)
 
-    with pytest.raises(SceneError, match=r"Argument `pinned_to` needs `pinned`.*body \"lower\" has pinned_to='upper.low' alone"):
+    with pytest.raises(SceneError, match=r"Argument `pinned` must be given with `pinned_to`.*has pinned_to='upper.low' alone"):
         replace(other, pinned=None)
     with pytest.raises(SceneError, match=r'must name a fixed or driven point.*has pinned_to="upper.lo", did you mean "upper.low"'):
         made(one, replace(other, pinned_to="upper.lo"))

@@ -26,8 +26,8 @@ def deck(**given):
 
 def test_it_changes_the_momentum_of_all_that_it_carries():
     """R = d/dt of the momenta of cable and pole, by central differences, + m a of the deck, less all weights and the drag."""
-    pole = rod_body("pole", (-0.3, 0.0, 2.9), (-0.4, 0.1, 2.0), diameter=0.03, mass_per_length=0.6, segments=3)
-    pole = Body("pole", rods=pole.rods, attachments=pole.attachments, rotation=pole.rotation, pinned="a", pinned_to="deck.hinge")
+    of_rod = dict(diameter=0.03, mass_per_length=0.6, segments=3)
+    pole = rod_body("pole", (-0.3, 0.0, 2.9), (-0.4, 0.1, 2.0), **of_rod, pinned="a", pinned_to="deck.hinge")
     cable = Cable("deck.hook", "w", length=0.8, mass_per_length=0.1, EA=500.0, zeta=0.1, segments=4, diameter=1e-6)
     effects = [Gravity(G), Air(RHO, Uniform(tuple(WIND)))]
     scene = Scene([Free("w", mass=0.4)], [cable], effects, bodies=[deck(), pole])

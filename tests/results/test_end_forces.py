@@ -124,7 +124,9 @@ def test_what_has_no_end_tension_or_reaction_is_refused():
     rest = equilibrium(held_net())
     with pytest.raises(InputError, match=r'an end tension where it ends, at "s0" or "p0" for cable "s0-p0", but "s1" was given'):
         rest.end_tension("s0-p0", "s1")
-    with pytest.raises(InputError, match=r'the force of a fixed or driven point, of a driven body or .* but "p0" moves freely'):
+    with pytest.raises(
+        InputError, match=r'the force of a fixed or driven point, of a driven body, of the pin .* but "p0" moves freely'
+    ):
         rest.reaction("p0")
     with pytest.raises(InputError, match=r'There is no ground that could have a reaction, and no point "ground", in this scene'):
         rest.reaction("ground")

@@ -10,7 +10,7 @@ from .vectors import applied, cross, dot, minus, plus, put, row, scaled
 
 @inlined
 def pulled(net, b, q, v, f):
-    """Reference point, `Inertia`, angular velocity, and force and moment of the forces f on a body, less what its rotation takes."""
+    """Reference point, `Inertia`, angular velocity, and force and moment of the forces f on a body, less what its spin takes."""
     bodies = net.bodies
     mass, reference = reference_of(net, b, q)
     inertia = inertia_with_fluid(net, b, mass, reference, q)
@@ -33,7 +33,7 @@ def acceleration_at(reference, spin, shift, turn, place):
 
 @inlined
 def put_inertial_forces(net, b, q, v, f, reference, spin, shift, turn):
-    """Write each node's mass times its acceleration to the rows of a body in f; returns the power that accelerates the fluid [W]."""
+    """Write each node's mass times its acceleration to the rows of a body in f; returns the power that moves the fluid [W]."""
     bodies, power = net.bodies, 0.0
     for k in range(bodies.node_at[b], bodies.node_at[b + 1]):
         i = bodies.node[k]

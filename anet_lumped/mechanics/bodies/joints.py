@@ -1,13 +1,14 @@
 """Ball joints between bodies outside a Newton step: they keep velocities, accelerations and places together.
 
-A joint pulls with the force f at a node of the body that is pinned, and with -f at a node of the other one. A pull on node l of a body
-gives its node k the acceleration W_kl f, see `mechanics.links.bodies`. So that the points of all joints move alike,
+A joint pulls with the force f at a node of the body that is pinned, and with -f at a node of the other one. A pull on node l of a
+body gives its node k the acceleration W_kl f, see `mechanics.links.bodies`. So that the points of all joints move alike,
 
     sum over joints m of (+-W_jm) f_m = g_j ,
 
-with the difference g_j between what the other body's point has and what the own point has: of velocities, f is an impulse; of places,
-to first order in the turns, what shifts and turns the bodies by the least sum m |d|^2; of accelerations, f is the force of the joint.
-Impulses act at one place on both bodies, so that momenta stay, and what they take is the kinetic energy of the difference.
+with the difference g_j between what the other body's point has and what the own point has: of velocities, f is an impulse; of
+places, to first order in the turns, what shifts and turns the bodies by the least sum m |d|^2; of accelerations, f is the force of
+the joint. Impulses act at one place on both bodies, so that momenta stay, and what they take is the kinetic energy of the
+difference.
 """
 
 from numba import float64, int64, types
@@ -158,7 +159,7 @@ def _put_gaps(net, x, share):
 
 @internal
 def _close_velocities(net_address, q, v, share):
-    """Take a share of the difference of velocities out of all joints, by impulses; returns work of driven points, and energy taken [J]."""
+    """Take a share of the difference of velocities out of all joints, by impulses; returns work put in and energy taken [J]."""
     net = view_net(net_address)
     bodies, put_in, gained = net.bodies, 0.0, 0.0
     _put_inertias(net_address, q)
@@ -182,8 +183,8 @@ def _close_velocities(net_address, q, v, share):
 def settle_joints(stage, net_address, base, q, v):
     """Make velocities at joints agree at the end of a step of edmc, which would swing from step to step, see ARCHITECTURE.md.
 
-    With the numerical damper left out, they keep that swing. Returns the work of driven points at joints in the step, and the energy
-    taken [J].
+    With the numerical damper left out, they keep that swing. Returns the work of driven points at joints in the step, and the
+    energy taken [J].
     """
     net, put_in = view_net(net_address), 0.0
     bodies, between = net.bodies, stage.law == LAW_BETWEEN

@@ -80,7 +80,7 @@ def group_of(net, b, base, q):
 
 @inlined
 def hung_at_joint(net, j, group, theta, base, q):
-    """`Group` of the body of joint j, turned by theta from base, with its point at the joint where that to which it is pinned is."""
+    """`Group` of the body of joint j, turned by theta from base, with its point at the joint on that to which it is pinned."""
     joint = net.bodies.joint[j]
     pivot = net.bodies.node[joint[JOINT_POSITION]]
     arm = turned(theta, minus(row(base, pivot), group.before))
