@@ -8,6 +8,7 @@ os.environ["ANET_LUMPED_QUIET"] = "1"  # tests compare what is told on stderr
 if version("jax").startswith("0.10."):  # JAX 0.12 without its optimisations gives wrong derivatives of `where`
     os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")  # what JAX compiles here runs for milliseconds
 
+import gc
 import signal
 import subprocess
 import sys
@@ -18,7 +19,14 @@ import pytest
 from integrators.schemes.record import Scheme
 
 COMPILED_FIRST = (
-    "from anet_lumped import effects; from anet_lumped.effects import fluid_on_bodies; list(effects.REGISTRY.values())",
+    """if True:
+    from anet_lumped import effects
+    from anet_lumped.effects import fluid_on_bodies
+    from anet_lumped.flight import laws, pilot_kernel
+    from anet_lumped.mechanics import changing_lengths
+
+    list(effects.REGISTRY.values())
+    """,
     """if True:
     from anet_lumped import Cable, Driven, Fixed, Free, Scene, equilibrium, paths, simulate
     from anet_lumped.effects import Gravity
@@ -42,6 +50,17 @@ def pytest_xdist_setupnodes(config):
         processes = [subprocess.Popen([sys.executable, "-c", statements], cwd=config.rootpath) for statements in COMPILED_FIRST]
         for process in processes:
             process.wait()  # should one fail, a test will say why
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Look for garbage neither while files of tests are imported nor, later, in what these have imported: that stays."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 @pytest.fixture
