@@ -6,6 +6,7 @@ write. Without reference counts, and without wrappers that no caller needs, a fu
 
 import numba
 
+from . import typing_rules  # noqa: F401  which every kernel is compiled with
 from .compile_once import compile_for
 from .kept_code import KeptCode
 

@@ -1,7 +1,8 @@
 """The report: runs the studies, cheap and telling ones first, and writes the page after each of them.
 
 Studies that compare times run alone, in this process. Of the others two run at once, each in a process beside this one: one
-compiles, draws or waits for its last rows while the other has rows to run.
+compiles, draws or waits for its last rows while the other has rows to run. Before all of them two processes compile what most need:
+the first studies run alone, and would compile on one core.
 """
 
 import contextlib
@@ -15,6 +16,7 @@ from pathlib import Path
 from studies.shown.page import Entry, State, write_page
 from studies.shown.sentences import listed
 from studies.study import NAMES, Part, module_of, run_study
+from studies.sweeping.compiled_ahead import compile_ahead
 from studies.sweeping.folder_lock import locked
 from studies.sweeping.provenance import provenance
 from studies.sweeping.side_processes import SideProcesses
@@ -108,6 +110,9 @@ def _write(out, names, full, executor, at_once, tell):
         return entries[name], out / name, executor
 
     try:
+        write()
+        if at_once > 1:
+            compile_ahead()
         with contextlib.closing(_run_all(names, at_once, begin)) as results:
             for name, result in results:
                 entries[name] = result if isinstance(result, Entry) else _failed(entries[name], result)

@@ -63,6 +63,7 @@ from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, INERTIA_SIGNATURE, TA
 
 HEADER, BODY_INDEX, ROD_INDEX, CAP_INDEX = 5, 6, 3, 2  # numbers before all others, and nodes of each body, segment and cap
 BODY_NUMBERS, SEGMENT_NUMBERS, CAP_NUMBERS = 19, 8, 4
+LIFTS = np.bool_(True)  # buoyancy acts; for a True that is written out Numba compiles anew what it is passed to
 PAIRS = 6  # of the first four nodes of a body: (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)
 
 
@@ -357,13 +358,13 @@ def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
 @njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
     """Add the forces of the module; returns the power that those without an energy take [W]."""
-    return _on_bodies(t, q, q, v, 0.0, True, index, params, f)
+    return _on_bodies(t, q, q, v, 0.0, LIFTS, index, params, f)
 
 
 @njit(TANGENT_SIGNATURE, cache=True, error_model="numpy")
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     """Subtract the slopes of `force`, but for what the module says is left out."""
-    _slopes(t, q, q, v, 0.0, True, index, params, c_q, c_v, D, near)
+    _slopes(t, q, q, v, 0.0, LIFTS, index, params, c_q, c_v, D, near)
 
 
 @njit(ENERGY_SIGNATURE, cache=True, error_model="numpy")

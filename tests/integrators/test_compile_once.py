@@ -1,5 +1,6 @@
 """Compiling: each function once whatever threads ask for it, and never by halves whenever Ctrl-C comes."""
 
+import gc
 import signal
 import threading
 import time
@@ -9,7 +10,7 @@ import numba
 import pytest
 from numba.core import event
 
-from integrators.compile_once import compile_for, once
+from integrators.compile_once import compile_for, compiling, once
 from integrators.ctrl_c import ctrl_c_later
 from integrators.jit import njit
 
@@ -137,3 +138,19 @@ def test_other_threads_leave_the_handler_alone(ctrl_c):
             return signal.getsignal(signal.SIGINT)
 
     assert in_threads(handler_within) == [signal.default_int_handler] * 8
+
+
+@pytest.mark.parametrize("enabled", [True, False])
+def test_garbage_waits_while_something_is_compiled(enabled):
+    """And only then, also if compiling fails."""
+    was_enabled = gc.isenabled()
+    (gc.enable if enabled else gc.disable)()
+    try:
+        with pytest.raises(ZeroDivisionError), compiling():
+            with compiling():
+                assert not gc.isenabled()
+            assert not gc.isenabled()
+            raise ZeroDivisionError
+        assert gc.isenabled() is enabled
+    finally:
+        (gc.enable if was_enabled else gc.disable)()

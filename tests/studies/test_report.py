@@ -224,10 +224,13 @@ def quick_entry(entry, out, executor=None):
 
 def test_studies_run_two_at_once_and_those_that_compare_times_alone(monkeypatch, tmp_path):
     """One that fails and one whose process dies take no other with them; that of times runs here, when nothing else does."""
+    ahead = []
+    monkeypatch.setattr(report, "compile_ahead", lambda: ahead.append((tmp_path / PAGE).exists()))
     monkeypatch.setattr(report, "run_entry", quick_entry)
     names, told = ["order", "speed", "length_error", "stability_map", "energy_rise", "model_mismatch"], []
     assert [module_of(name).STUDY.compares_times for name in names] == [False, True, False, False, False, False]
     write_report(tmp_path, names=names, at_once=2, tell=told.append)
+    assert ahead == [True]  # once, with a page to look at
     starts = [one.name for one in told if one.state is State.RUNNING]
     assert starts == ["order", "length_error", "stability_map", "energy_rise", "model_mismatch", "speed"]
     assert [one.number for one in told if one.state is State.RUNNING] == [1, 2, 3, 4, 5, 6]
@@ -252,6 +255,7 @@ def endless_entry(entry, out, executor=None):
 
 
 def test_ctrl_c_ends_both_studies_in_order(monkeypatch, tmp_path):
+    monkeypatch.setattr(report, "compile_ahead", lambda: None)
     monkeypatch.setattr(report, "run_entry", endless_entry)
 
     def stop():

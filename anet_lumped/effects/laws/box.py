@@ -18,6 +18,8 @@ Source: Archimedes, On Floating Bodies, for the force; Kuhn, IBM J. Res. Dev. 4 
 
 from typing import NamedTuple
 
+import numpy as np
+
 from anet_lumped.compiled.jit import inlined_law, law
 
 
@@ -31,6 +33,7 @@ class Immersed(NamedTuple):
 
 NOTHING = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 """Sums over the pieces of a box: I; V and its first moments (4); area, first and second moments of the waterplane (10)."""
+X, Y, Z = np.arange(3)  # numbers of axes; for a literal 0, 1 or 2 Numba would compile anew the function that it is passed to
 
 
 @inlined_law
@@ -64,9 +67,9 @@ def _with_triangle(sums, area, a, b, c):
     return (
         q[0], q[1], q[2], q[3], q[4], q[5] + area,
         q[6] + third * (a[0] + b[0] + c[0]), q[7] + third * (a[1] + b[1] + c[1]), q[8] + third * (a[2] + b[2] + c[2]),
-        q[9] + twelfth * _product(a, b, c, 0, 0), q[10] + twelfth * _product(a, b, c, 0, 1),
-        q[11] + twelfth * _product(a, b, c, 0, 2), q[12] + twelfth * _product(a, b, c, 1, 1),
-        q[13] + twelfth * _product(a, b, c, 1, 2), q[14] + twelfth * _product(a, b, c, 2, 2),
+        q[9] + twelfth * _product(a, b, c, X, X), q[10] + twelfth * _product(a, b, c, X, Y),
+        q[11] + twelfth * _product(a, b, c, X, Z), q[12] + twelfth * _product(a, b, c, Y, Y),
+        q[13] + twelfth * _product(a, b, c, Y, Z), q[14] + twelfth * _product(a, b, c, Z, Z),
     )  # fmt: skip
 
 

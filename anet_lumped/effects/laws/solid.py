@@ -25,10 +25,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from anet_lumped.compiled.jit import law
+from anet_lumped.compiled.jit import inlined_law, law
 
 NUMBERS = 17
 OUTSIDE = -1  # instead of the number of the nearest face of the core
+X, Y, Z = np.arange(3)  # numbers of axes; for a literal 0, 1 or 2 Numba would compile anew each function that it is passed to
 
 
 class Between(NamedTuple):
@@ -100,6 +101,12 @@ def depth(q, i, params, first):
     return params[first + 16] - _beyond(u, core)[1] + _within(u[0], u[1], u[2], core)[0]
 
 
+@inlined_law
+def _item(three, j):
+    """The item j of three, without an index: for one that varies Numba writes code that may raise."""
+    return three[0] if j == 0 else (three[1] if j == 1 else three[2])
+
+
 @law
 def _one(a, b):
     return 1.0 if a == b else 0.0
@@ -122,7 +129,7 @@ def _secant_within(j, k, u_a, u_b, core):
     after, face = _within(u_b[0], u_b[1] if j > 0 else u_a[1], u_b[2] if j > 1 else u_a[2], core)
     if face == face_before:
         return -_one(face, j), 0.0
-    change = u_b[j] - u_a[j]
+    change = _item(u_b, j) - _item(u_a, j)
     secant = (after - before) / change
     slope = (_one(face_before, k) if k < j else 0.0) - (_one(face, k) if k <= j else 0.0)
     return secant, (slope - _one(j, k) * secant) / change
@@ -133,17 +140,17 @@ def _row(j, u_a, u_b, core):
     """Secant of s over u_j, the slope of s in u_j at b, and the slopes of the secant in u_b (3,) [1/m]."""
     (w_a, L_a), (w_b, L_b), (_, face) = _beyond(u_a, core), _beyond(u_b, core), _within(u_b[0], u_b[1], u_b[2], core)
     per, per_b = (1.0 / (L_a + L_b) if L_a + L_b > 0.0 else 0.0), (1.0 / L_b if L_b > 0.0 else 0.0)
-    e, (ramp, of_ramp) = per * (w_a[j] + w_b[j]), _ramp(u_a[j], u_b[j], core[j])
-    within, to_0 = _secant_within(j, 0, u_a, u_b, core)
-    to_1, to_2 = _secant_within(j, 1, u_a, u_b, core)[1], _secant_within(j, 2, u_a, u_b, core)[1]
+    e, (ramp, of_ramp) = per * (_item(w_a, j) + _item(w_b, j)), _ramp(_item(u_a, j), _item(u_b, j), _item(core, j))
+    within, to_0 = _secant_within(j, X, u_a, u_b, core)
+    to_1, to_2 = _secant_within(j, Y, u_a, u_b, core)[1], _secant_within(j, Z, u_a, u_b, core)[1]
     turning = (
-        to_0 - _turned(j, 0, e, ramp * per, per_b * w_b[0]),
-        to_1 - _turned(j, 1, e, ramp * per, per_b * w_b[1]),
-        to_2 - _turned(j, 2, e, ramp * per, per_b * w_b[2]),
+        to_0 - _turned(j, X, e, ramp * per, per_b * w_b[0]),
+        to_1 - _turned(j, Y, e, ramp * per, per_b * w_b[1]),
+        to_2 - _turned(j, Z, e, ramp * per, per_b * w_b[2]),
     )
     own = e * of_ramp
-    turning = turning[0] - own * _one(j, 0), turning[1] - own * _one(j, 1), turning[2] - own * _one(j, 2)
-    return within - e * ramp, -per_b * w_b[j] - _one(face, j), turning
+    turning = turning[0] - own * _one(j, X), turning[1] - own * _one(j, Y), turning[2] - own * _one(j, Z)
+    return within - e * ramp, -per_b * _item(w_b, j) - _one(face, j), turning
 
 
 @law
@@ -157,10 +164,12 @@ def _along(k, l, x_a, x_b, u, rows):
     """Along the axes k and l of the solid: G and the gradient at b along k, and dG_k/dx_b[l]; ``u`` are merged, u_a and u_b."""
     merged, u_a, u_b = u
     i, j = _coordinate_of_axis(merged, k), _coordinate_of_axis(merged, l)
-    both, (g, at_end, turning) = u_a[i] + u_b[i], rows[i]
-    e = (x_a[k] + x_b[k]) / both if both > 0.0 else 0.0
-    n_k, n_l = (x_b[k] / u_b[i] if u_b[i] > 0.0 else 0.0), (x_b[l] / u_b[j] if u_b[j] > 0.0 else 0.0)
-    slope = turning[j] * e * n_l
+    u_i, x_k, (g, at_end, turning) = _item(u_b, i), _item(x_b, k), _item(rows, i)
+    both = _item(u_a, i) + u_i
+    e = (_item(x_a, k) + x_k) / both if both > 0.0 else 0.0
+    u_j = _item(u_b, j)
+    n_k, n_l = (x_k / u_i if u_i > 0.0 else 0.0), (_item(x_b, l) / u_j if u_j > 0.0 else 0.0)
+    slope = _item(turning, j) * e * n_l
     if both > 0.0:
         slope += g * (_one(k, l) - _one(i, j) * e * n_l) / both
     return g * e, at_end * n_k, slope
@@ -182,11 +191,11 @@ def between(base, q, i, params, first):
     x_a, x_b, core = _seen(base, i, params, first), _seen(q, i, params, first), _core(params, first)
     merged = params[first + 12]
     u_a, u_b = _coordinates(x_a, merged), _coordinates(x_b, merged)
-    rows = _row(0, u_a, u_b, core), _row(1, u_a, u_b, core), _row(2, u_a, u_b, core)
+    rows = _row(X, u_a, u_b, core), _row(Y, u_a, u_b, core), _row(Z, u_a, u_b, core)
     u = merged, u_a, u_b
-    xx, xy, xz = _along(0, 0, x_a, x_b, u, rows), _along(0, 1, x_a, x_b, u, rows), _along(0, 2, x_a, x_b, u, rows)
-    yx, yy, yz = _along(1, 0, x_a, x_b, u, rows), _along(1, 1, x_a, x_b, u, rows), _along(1, 2, x_a, x_b, u, rows)
-    zx, zy, zz = _along(2, 0, x_a, x_b, u, rows), _along(2, 1, x_a, x_b, u, rows), _along(2, 2, x_a, x_b, u, rows)
+    xx, xy, xz = _along(X, X, x_a, x_b, u, rows), _along(X, Y, x_a, x_b, u, rows), _along(X, Z, x_a, x_b, u, rows)
+    yx, yy, yz = _along(Y, X, x_a, x_b, u, rows), _along(Y, Y, x_a, x_b, u, rows), _along(Y, Z, x_a, x_b, u, rows)
+    zx, zy, zz = _along(Z, X, x_a, x_b, u, rows), _along(Z, Y, x_a, x_b, u, rows), _along(Z, Z, x_a, x_b, u, rows)
     x, y, z = (  # rows of dG/db along the axes of the solid, with columns along those of the world
         _back((xx[2], xy[2], xz[2]), params, first),
         _back((yx[2], yy[2], yz[2]), params, first),
