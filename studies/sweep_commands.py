@@ -18,10 +18,9 @@ JOBS = 16  # of Slurm by default
 
 def add_sweep_commands(app: typer.Typer) -> None:
     """Give a program the commands of this file."""
-    sample = "anet-lumped sweep net_held --vary 'EA~lognormal(1e4,0.2)' --vary p0.mass=0.02:0.05 --sample saltelli:64"
-    app.command(epilog=f"Examples: anet-lumped sweep net_held --vary EA=1e2:1e6:9log --vary segments=5,10 (EA in N); {sample}")(
-        sweep
-    )
+    grid = "anet-lumped sweep net_held --vary EA=1e2:1e6:9log --vary segments=5,10"
+    sampled = "anet-lumped sweep net_held --vary 'EA~lognormal(1e4,0.2)' --vary p0.mass=0.02:0.05 --sample saltelli:64"
+    app.command(epilog=f"Example: {grid}   (EA in N), or {sampled}")(sweep)
     app.command(epilog="Example: anet-lumped gather results/sweep-net_held   (after sweep ... --shard 1/2 and --shard 2/2)")(gather)
     app.command(epilog="Example: anet-lumped show results/sweep-net_held   (then open results/sweep-net_held/sweep.html)")(show)
     app.command()(measures)

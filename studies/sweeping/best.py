@@ -223,8 +223,8 @@ def best(
             save_table(table, out / "rows")
     good = [line for line in found if line["status"] == "done" and all(bound.is_met(line) for bound in bounds)]
     good = [line for line in good if math.isfinite(_number(line.get(wanted)))]
-    row = (max if large else min)(good, key=lambda line: line[wanted], default=None)
-    return Best(row, table)
+    line = (max if large else min)(good, key=lambda line: line[wanted], default=None)
+    return Best(None if line is None else {name: line[name] for name in (*names, *asked)}, table)
 
 
 def _of_columns(function):

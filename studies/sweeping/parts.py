@@ -293,17 +293,11 @@ class PartTask:
         return results, seconds
 
 
-class NumberedRows(Sequence):
-    """Rows that carry their numbers, as a `PartTask` takes them."""
+class NumberedRows(dict):
+    """Rows by their numbers that carry them, as a `PartTask` takes them."""
 
-    def __init__(self, rows: Sequence[dict]):
-        self.rows = rows
-
-    def __len__(self) -> int:
-        return len(self.rows)
-
-    def __getitem__(self, number):
-        return {NUMBER: number, **self.rows[number]}
+    def __getitem__(self, number: int) -> dict:
+        return {NUMBER: number, **super().__getitem__(number)}
 
 
 def gathered(out: Path) -> tuple[list[dict], list[str], list[int], list[Path]]:

@@ -18,6 +18,7 @@ from anet_lumped.limits import BYTES, check_most
 from studies.sweeping.provenance import provenance
 
 LARGE = "large"
+OF_JSON = (int, float, bool, type(None))  # which need no look at their characters
 PARTS = "parts"  # folder of the parts that many processes share, see `parts`
 FORCED_AFTER = 0.5  # [s]; to force every line to the disk would take longer than a short row
 
@@ -144,6 +145,8 @@ def key(row: dict, names: list[str]) -> str:
 
 def plain(value: Any) -> Any:
     """The same value in JSON's own types, which NumPy's, tuples and paths are not; characters that UTF-8 lacks are "?"."""
+    if isinstance(value, dict) and all(type(one) in OF_JSON for one in value.values()):
+        return dict(value)
     text = json.dumps(value, ensure_ascii=False, default=lambda x: x.tolist() if hasattr(x, "tolist") else str(x))
     return json.loads(text.encode("utf-8", "replace"))
 

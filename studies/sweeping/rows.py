@@ -78,23 +78,22 @@ def run_rows(
     """
     check_workers(workers)
     run = BatchRunner(function, check_budget(budget))
-    rows = list(_counted(map(plain, rows)))
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    asked = {key(row, names): number for number, row in enumerate(rows)}
+    rows, names, total = _own_rows(rows, shard)
+    asked = {key(row, names): number for number, row in rows.items()}
     if len(asked) < len(rows):
         raise RowsError(f"Rows must differ in their inputs, but {len(rows) - len(asked)} of {len(rows)} are repeated.")
     out = None if out is None else Path(out)
-    wanted, lock = (range(len(rows)), LOCK) if shard is None else (shard.numbers(len(rows)), f"{LOCK}-{shard}")
+    lock = LOCK if shard is None else f"{LOCK}-{shard}"
     with locked(out, lock):
         lines, log = {}, None
         settings = {"identity": plain(identity or {}), "columns": columns}
         if shard is not None:
             out = out.resolve()
-            lines, log = open_parts(out, shard, names, len(rows), **settings)
+            lines, log = open_parts(out, shard, names, total, **settings)
         elif out is not None:
             kept, log = open_log(out, names, asked, resume=resume, **settings)
             lines = {asked[one]: line for one, line in kept.items()}
-        todo = [number for number in wanted if number not in lines]
+        todo = [number for number in rows if number not in lines]
         threading.Thread(target=importlib.import_module, args=("pandas",), daemon=True).start()  # while the workers start
         in_parts = shard is not None and executor is not None
         with log or contextlib.nullcontext(), contextlib.ExitStack() as stack:
@@ -114,9 +113,9 @@ def run_rows(
                         log.append(number, line)
             except KeyboardInterrupt:
                 on_disk = f", which are in {log.path}" if log else ""
-                raise KeyboardInterrupt(f"Stopped after {len(lines)} of {len(wanted)} rows{on_disk}.") from None
-        table = table_of([lines[number] for number in wanted], names)
-        if out is not None and len(wanted) == len(rows):
+                raise KeyboardInterrupt(f"Stopped after {len(lines)} of {len(rows)} rows{on_disk}.") from None
+        table = table_of([lines[number] for number in rows], names)
+        if out is not None and len(rows) == total:
             save_table(table, out / "rows", heads)
         return table
 
@@ -194,11 +193,15 @@ def table_of(lines: list[dict], names: list[str]):
     return table
 
 
-def _counted(rows):
-    """The rows, as long as they are not too many for one table."""
-    for number, row in enumerate(rows, 1):
-        check_most(ROWS, number, "This table")
-        yield row
+def _own_rows(rows, shard):
+    """Rows by their numbers, all of them or those of a shard; names of their inputs; how many rows there are in all."""
+    own, names, number = {}, {}, -1
+    for number, row in enumerate(rows):
+        check_most(ROWS, number + 1, "This table")
+        names.update(dict.fromkeys(row))
+        if shard is None or number % shard.count == shard.number - 1:
+            own[number] = plain(row)
+    return own, list(names), number + 1
 
 
 def _with_progress(results, total, label):

@@ -7,7 +7,7 @@ section 5.
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -136,8 +136,8 @@ def _from(distribution, whole):
     return Input(values, low, high)
 
 
-def sampled(text: str, inputs: Mapping[str, Input], seed: int) -> list[dict]:
-    """Rows of a sample: inputs, and the number of the point as `POINT`; of Saltelli's besides the matrix as `MATRIX`.
+def sampled(text: str, inputs: Mapping[str, Input], seed: int) -> Iterator[dict]:
+    """Rows of a sample, one after the other: inputs, number of the point as `POINT`, and of Saltelli's the matrix as `MATRIX`.
 
     Parameters
     ----------
@@ -156,25 +156,27 @@ def sampled(text: str, inputs: Mapping[str, Input], seed: int) -> list[dict]:
     check_most(ROWS, number * (d + 2 if kind == "saltelli" else 1), f"The sample {text}")
     random = np.random.default_rng(seed)
     if kind == "lhs":
-        return _rows(inputs, qmc.LatinHypercube(d, rng=random).random(number))
+        return _rows(_columns(inputs, qmc.LatinHypercube(d, rng=random).random(number)))
     if kind == "sobol":
-        return _rows(inputs, qmc.Sobol(d, rng=random).random(number))
+        return _rows(_columns(inputs, qmc.Sobol(d, rng=random).random(number)))
     both = qmc.Sobol(2 * d, bits=64, rng=random).random(number)
     first, second = both[:, :d], both[:, d:]
-    rows = [row | {MATRIX: "A"} for row in _rows(inputs, first)] + [row | {MATRIX: "B"} for row in _rows(inputs, second)]
-    for i, name in enumerate(inputs):
-        mixed = first.copy()
-        mixed[:, i] = second[:, i]
-        rows += [row | {MATRIX: f"A with {name} of B"} for row in _rows(inputs, mixed)]
-    return rows
+    of_a, of_b = _columns(inputs, first), _columns(inputs, second)
+    mixed = {f"A with {name} of B": of_a | {name: of_b[name]} for name in inputs}
+    matrices = {"A": of_a, "B": of_b} | mixed
+    return (row | {MATRIX: matrix} for matrix, columns in matrices.items() for row in _rows(columns))
 
 
-def _rows(inputs, shares):
-    columns = [found.values(shares[:, i]) for i, found in enumerate(inputs.values())]
-    for name, column in zip(inputs, columns, strict=True):
+def _columns(inputs, shares):
+    columns = {name: found.values(shares[:, i]) for i, (name, found) in enumerate(inputs.items())}
+    for name, column in columns.items():
         if any(isinstance(value, float) and not math.isfinite(value) for value in column):
             raise VaryError(f"A sample must be of finite numbers, but that of `{name}` is not.")
-    return [{POINT: j, **dict(zip(inputs, values, strict=True))} for j, values in enumerate(zip(*columns, strict=True))]
+    return columns
+
+
+def _rows(columns):
+    return ({POINT: j, **dict(zip(columns, values, strict=True))} for j, values in enumerate(zip(*columns.values(), strict=True)))
 
 
 def inputs_of(row: Mapping) -> dict:

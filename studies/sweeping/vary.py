@@ -3,7 +3,7 @@
 import itertools
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 
 from anet_lumped.checks import shown
@@ -91,15 +91,15 @@ def whole_inputs(scene: Scene, vary: Mapping) -> dict[str, bool]:
     return whole
 
 
-def grid(values: dict[str, list]) -> list[dict]:
-    """Every combination of the values, a dict of inputs each; the last name varies fastest.
+def grid(values: dict[str, list]) -> Iterator[dict]:
+    """Every combination of the values, a dict of inputs each, one after the other; the last name varies fastest.
 
     Raises
     ------
     InputError : they are more than `limits.ROWS`
     """
     check_most(ROWS, math.prod(map(len, values.values())), f"The grid of {', '.join(values)}")
-    return [dict(zip(values, point, strict=True)) for point in itertools.product(*values.values())]
+    return (dict(zip(values, point, strict=True)) for point in itertools.product(*values.values()))
 
 
 def apply(scene: Scene, inputs: dict) -> tuple[Scene, dict]:

@@ -12,7 +12,7 @@ import pickle
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, wait
 from importlib.util import find_spec
 from multiprocessing.process import BaseProcess
@@ -50,7 +50,7 @@ class Pool(NamedTuple):
 def through_executor(
     executor: Executor,
     run: Callable,
-    rows: Sequence[dict],
+    rows: Sequence[dict] | Mapping[int, dict],
     numbers: Iterable[int] | None = None,
     pace: "Pace | None" = None,
     strict: bool = False,
@@ -61,7 +61,7 @@ def through_executor(
     ----------
     executor : any of `concurrent.futures`
     run : see above
-    rows : dicts of inputs
+    rows : dicts of inputs, by their numbers
     numbers : of the rows that are to be done; all by default
     pace : how many rows a worker is given at a time; without, all are given out at once, one by one
     strict : whether an error that is not of a row ends all; else the rows that it came with are failed ones
@@ -105,7 +105,9 @@ class OwnPool:
         if self.pool:  # waits for its thread, which else may find its pipe closed as the interpreter ends
             self.pool.executor.shutdown(cancel_futures=True)
 
-    def results(self, rows: Sequence[dict], numbers: Iterable[int] | None = None) -> Iterator[tuple[int, dict]]:
+    def results(
+        self, rows: Sequence[dict] | Mapping[int, dict], numbers: Iterable[int] | None = None
+    ) -> Iterator[tuple[int, dict]]:
         """Yield (number, result) of those rows as they finish."""
         queue = deque(range(len(rows)) if numbers is None else numbers)
         while queue:

@@ -30,6 +30,8 @@ COMMANDS = [
     "fly",
     "check",
     "sweep",
+    "gather",
+    "show",
     "measures",
     "study",
     "mismatch",

@@ -48,7 +48,7 @@ def in_this_process(*arguments, **options):
 )
 @pytest.mark.parametrize("kind", ["sobol:256", "lhs:200"])
 def test_a_sample_follows_its_distribution(hanging, spec, distribution, kind):
-    rows = sampled(kind, read_inputs(hanging, {"EA": spec, "end.mass": "0.1:0.2"}), seed=3)
+    rows = list(sampled(kind, read_inputs(hanging, {"EA": spec, "end.mass": "0.1:0.2"}), seed=3))
     assert [row[POINT] for row in rows] == list(range(len(rows))) == list(range(int(kind.split(":")[1])))
     shares = distribution.cdf([row["EA"] for row in rows])
     # one value in each of n equal shares; 12 digits of a value may take it over the edge of its share
@@ -58,12 +58,14 @@ def test_a_sample_follows_its_distribution(hanging, spec, distribution, kind):
 
 def test_a_sample_is_that_of_its_seed(hanging):
     inputs = read_inputs(hanging, {"EA": "1e3:2e3"})
-    one, again, other = (sampled("sobol:8", inputs, seed) for seed in (1, 1, 2))
+    one, again, other = (list(sampled("sobol:8", inputs, seed)) for seed in (1, 1, 2))
     assert one == again != other
 
 
 def test_words_lists_and_whole_numbers_are_sampled(hanging):
-    rows = sampled("sobol:64", read_inputs(hanging, {"segments": "5:8", "method": "edmc,verlet", "EA": [1.0, 2.0, 4.0, 8.0]}), 0)
+    rows = list(
+        sampled("sobol:64", read_inputs(hanging, {"segments": "5:8", "method": "edmc,verlet", "EA": [1.0, 2.0, 4.0, 8.0]}), 0)
+    )
     assert {row["segments"] for row in rows} == {5, 6, 7, 8} and all(type(row["segments"]) is int for row in rows)
     assert [sum(row["method"] == name for row in rows) for name in ("edmc", "verlet")] == [32, 32]
     assert {row["EA"]: sum(other["EA"] == row["EA"] for other in rows) for row in rows} == {1.0: 16, 2.0: 16, 4.0: 16, 8.0: 16}
@@ -121,7 +123,7 @@ def ishigami(row):
 @pytest.fixture(scope="module")
 def ishigami_table():
     uniform = Input(lambda shares: (math.pi * (2.0 * shares - 1.0)).tolist(), -math.pi, math.pi)
-    rows = sampled("saltelli:1024", {"x1": uniform, "x2": uniform, "x3": uniform}, seed=1)
+    rows = list(sampled("saltelli:1024", {"x1": uniform, "x2": uniform, "x3": uniform}, seed=1))
     assert len(rows) == 5 * 1024
     lines = [row | {"y": ishigami(row), "flat": 3.0, "word": "a", "status": "done", "reason": ""} for row in rows]
     return pandas.DataFrame(lines)

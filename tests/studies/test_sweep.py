@@ -69,7 +69,7 @@ def test_what_varies_is_a_name_and_a_specification_once():
 
 
 def test_a_grid_holds_every_combination(net):
-    rows = grid(read_values(net, {"segments": "5,10", "method": ["edmc", "rk4"], "dt": "0.1:0.2:2"}))
+    rows = list(grid(read_values(net, {"segments": "5,10", "method": ["edmc", "rk4"], "dt": "0.1:0.2:2"})))
     assert len(rows) == 8
     assert rows[1] == {"segments": 5, "method": "edmc", "dt": 0.2}
 
