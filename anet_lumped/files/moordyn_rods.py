@@ -115,11 +115,11 @@ def _read(number: int, row: Row, held: Attachment, types: Mapping[str, Row], own
     if hold is Hold.BODY:
         if held.number not in places.frames:
             raise row.error(f"a rod must be on a body in BODIES, but body {held.number} is not there.")
-        if held.pinned:
-            raise row.error("a rod that turns on a body is not supported; it must be Body and a number alone.")
         frame = places.frames[held.number]
         if frame is None:  # said of the body
             return
+        if held.pinned and frame.hold is Hold.FREE:
+            raise row.error("a rod that turns on a body that moves by itself is not supported; it must be Body and a number alone.")
         at = {end: frame.place_of(place) for end, place in at.items()}
         if frame.hold is Hold.FREE:
             found.on_bodies.setdefault(held.number, []).append(made(row, Rod, name, a, b, segments=segments, **_of(types, row)))
@@ -130,7 +130,9 @@ def _read(number: int, row: Row, held: Attachment, types: Mapping[str, Row], own
             return
         hold = frame.hold
     if hold is Hold.FREE or held.pinned:
-        body = made(row, rod_body, name, a, b, segments=segments, pinned="a" if held.pinned else None, **_of(types, row))
+        body = made(
+            row, rod_body, name, at["A"], at["B"], segments=segments, pinned="a" if held.pinned else None, **_of(types, row)
+        )
         found.bodies.append(body)
         if held.pinned:
             row.findings.remark(f"End A of rod {quoted(name)} stays where it is, while the rod turns about it.")

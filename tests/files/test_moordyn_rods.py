@@ -110,7 +110,10 @@ def test_ends_of_a_rod_on_a_body_that_others_move_are_points(word):
         ([(ROD, "1 pole Free -10 0 -75 10 0 -75 1.5 -")], r"line 12, .*NumSegs must be an integer of at least 0"),
         ([(ROD, "1 pole Free -10 0 -75 -10 0 -75 4 -")], r"line 12, .*A rod must have a length"),
         ([(ROD, "1 pole Body2 -10 0 -75 10 0 -75 4 -")], r"line 12, .*a rod must be on a body in BODIES, but body 2 is not there"),
-        ([("--- POINTS", BODY), (ROD, "1 pole Body1Pinned 0 0 0 1 0 0 4 -")], r"line 12, .*a rod that turns on a body is not"),
+        (
+            [("--- POINTS", BODY), (ROD, "1 pole Body1Pinned 0 0 0 1 0 0 4 -")],
+            r"line 12, .*a rod that turns on a body that moves by itself is",
+        ),
         ([("--- POINTS", BODY.replace("900", "0")), (ROD, "1 pole Body1 0 0 0 1 0 0 4 -")], r"line 16, .*must have no inertia I"),
         ([(TYPE, "pole 0.25 77.7 1.6 1.0 1.5")], r"line 8, .*a type of rods must have 7 columns .* but has 6"),
         ([(TYPE, f"{TYPE} 0 0.1")], r"line 8, .*columns of types of rods behind CaEnd are not supported, but are 0 0\.1"),
@@ -240,6 +243,14 @@ def test_rods_without_a_length_on_a_body():
     assert deck.scene.cables[1].end == "body1.rod3" and deck.scene.point("body1.rod3").at == (0.0, 0.0, -5.0)
     with pytest.raises(DeckError, match=r"line 14, .*a rod must be on a body in BODIES, but body 1 is not there"):
         deck_from_text(CABLE.replace("3 joint Coupled", "3 joint Body1"))
+
+
+def test_a_rod_that_turns_on_a_body_that_is_held():
+    """As one that is pinned at the place of its end A; body 1 lies at (0, 0, -75), turned by 90 degrees about y."""
+    body = ("--- POINTS", BODY.replace("1 Free", "1 Fixed"))
+    (rod,) = read(body, (ROD, "1 pole Body1Pinned 0 0 -10 0 0 10 4 -")).scene.bodies
+    (same,) = read((ROD, ROD.replace("Free", "Pinned"))).scene.bodies
+    assert rod.pinned == same.pinned == "a" and rod.at == pytest.approx(same.at, abs=1e-12)
 
 
 def test_a_number_behind_pinned_is_passed_over():
