@@ -72,8 +72,9 @@ def sweep(
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
     as_json: Json = False,
 ):
-    """Measure a scene over a grid or a sample of inputs, or search the best. Runs in parallel; rows are on disk as they finish, a picture at the end.
+    """Measure a scene over a grid or a sample of inputs, or search the best.
 
+    Runs in parallel; rows are on disk as they finish, a picture at the end.
     With --on and --shard what is done is kept without --resume, and the folder must be one that all machines see.
     """
     _check_together(sample, best, constraint, on, shard)

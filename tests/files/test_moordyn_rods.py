@@ -303,5 +303,13 @@ def test_rods_without_a_length_on_a_body():
         deck_from_text(CABLE.replace("3 joint Coupled", "3 joint Body1"))
 
 
+def test_a_rod_that_turns_on_a_body_that_is_held():
+    """As one that is pinned at the place of its end A; body 1 lies at (0, 0, -75), turned by 90 degrees about y."""
+    body = ("--- POINTS", BODY.replace("1 Free", "1 Fixed"))
+    (rod,) = read(body, (ROD, "1 pole Body1Pinned 0 0 -10 0 0 10 4 -")).scene.bodies
+    (same,) = read((ROD, ROD.replace("Free", "Pinned"))).scene.bodies
+    assert rod.pinned == same.pinned == "a" and rod.at == pytest.approx(same.at, abs=1e-12)
+
+
 def test_a_number_behind_pinned_is_passed_over():
     assert read((ROD, ROD.replace("Free", "Pinned1"))).scene == read((ROD, ROD.replace("Free", "Pinned"))).scene
