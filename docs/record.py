@@ -16,7 +16,7 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).parent
-FIGURES = (".svg", ".gif")
+FIGURES = (".svg", ".gif", ".png")
 sys.path.insert(0, str(HERE / "extensions"))
 
 from generated import filled  # noqa: E402

@@ -4,7 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from . import colours
 from .motion import DRIFTS
+from .outlines import outline
+from .surroundings import surroundings
 
 FLAT = 0.02  # of the widest extent: what a second view must show at least
 
@@ -70,3 +73,36 @@ def draw_cables(axes: Any, q: np.ndarray, ends: np.ndarray, plane: tuple[int, in
     axes.add_collection(lines, autolim=True)
     axes.autoscale_view()
     return lines
+
+
+def draw_around(axes: Any, scene: Any, q: np.ndarray, plane: tuple[int, int]) -> None:
+    """Draw obstacles, a level ground and the still surface of water, as far as they lie where a structure is.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    scene : Scene
+    q : (..., 3) float64 [m], places of the structure
+    plane : (across, up)
+    """
+    around = surroundings(scene, np.zeros(3))
+    places = q.reshape(-1, 3)
+    box = np.array([places.min(axis=0), places.max(axis=0)]) + np.array([[-0.5], [0.5]]) * 0.1 * np.ptp(places)
+    for solid in around.obstacles:
+        for line in outline(solid, box):
+            axes.plot(*line[:, list(plane)].T, color=colours.OBSTACLE, lw=0.8, zorder=0)
+    for level, colour in ((around.ground, colours.GROUND), (around.water, colours.WATER)):
+        if plane[1] == 2 and level is not None and level.normal[2] == 1.0 and box[0, 2] <= level.height <= box[1, 2]:
+            axes.axhline(level.height, color=colour, lw=1.2, zorder=0)
+
+
+def draw_bodies(axes: Any, model: Any, q: np.ndarray, plane: tuple[int, int], colour: Any) -> None:
+    """Draw each rigid body as lines from its origin to its attachments, q (n, 3) [m]."""
+    arms = [
+        (model.node(body.name), model.node(point.name))
+        for body in model.scene.bodies
+        for point in body.points
+        if point.name.startswith(f"{body.name}.")
+    ]
+    if arms:
+        draw_cables(axes, q, np.array(arms), plane, colors=colour, linewidths=3.0)

@@ -10,7 +10,7 @@ import numpy as np
 
 from .motion import broken_at
 from .palette import look, width
-from .planes import along_with, draw_cables, label, planes_of
+from .planes import along_with, draw_around, draw_bodies, draw_cables, label, planes_of
 from .tension_figure import draw_over_time, most_loaded
 from .verdict import verdict
 
@@ -72,7 +72,10 @@ def _shapes(axes: Any, run: Any, rows: np.ndarray, q: np.ndarray, plane: tuple[i
         grey = f"{0.85 - 0.85 * row / max(rows[-1], 1):.2f}"
         holds = run.t[row] <= breaks
         draw_cables(axes, at, run.model.ends[holds], plane, colors=grey, linewidths=1.0, label=f"t = {run.t[row]:.3g} s")
-        axes.plot(at[:, plane[0]], at[:, plane[1]], ".", color=grey, ms=2)
+        draw_bodies(axes, run.model, at, plane, grey)
+        axes.plot(*at[np.unique(run.model.ends)][:, plane].T, ".", color=grey, ms=2)
+    if not travels:
+        draw_around(axes, run.scene, q, plane)
     axes.set(xlabel=label(plane[0], travels), ylabel=label(plane[1], travels))
     axes.set_aspect("equal", adjustable="datalim")
 

@@ -8,7 +8,7 @@ from anet_lumped.checks import printable
 
 from . import colours
 from .motion import broken_at, kind_of
-from .planes import draw_cables, label, planes_of
+from .planes import draw_around, draw_bodies, draw_cables, label, planes_of
 
 NAMED = 12  # points, up to which their names are written
 ROUNDING = 1e-14  # of EA: what a tension is that rounding of places alone makes
@@ -41,6 +41,8 @@ def plot_state(state: Any) -> Any:
     for axes, plane in zip(panels, planes, strict=True):
         draw_cables(axes, state.q, ends[pulls], plane, colors=scale.to_rgba(T[pulls]), linewidths=2.0)
         draw_cables(axes, state.q, ends[~pulls], plane, colors=colours.SLACK, linewidths=1.5, linestyles=":")
+        draw_bodies(axes, state.model, state.q, plane, "0.4")
+        draw_around(axes, state.scene, state.q, plane)
         _points(axes, state, plane)
         axes.set(xlabel=label(plane[0], False), ylabel=label(plane[1], False))
         axes.set_aspect("equal", adjustable="datalim")

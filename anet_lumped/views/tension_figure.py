@@ -9,6 +9,7 @@ from anet_lumped.checks import printable
 from .palette import look, width
 
 CABLES = 8  # that a panel shows at most: those with the largest tensions
+ROOM = 36  # letters of four names in a legend, which a panel has room for
 Loaded = list[tuple[str, np.ndarray]]
 
 
@@ -72,7 +73,8 @@ def most_loaded(run: Any) -> Loaded:
 
 
 def _name_cables(axes: Any, run: Any) -> None:
-    axes.legend(frameon=False, fontsize=8, ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    columns = 4 if sum(map(len, axes.get_legend_handles_labels()[1][:4])) <= ROOM else 2
+    axes.legend(frameon=False, fontsize=8, ncols=columns, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     for text in axes.get_legend().get_texts():
         text.set(text=printable(text.get_text()), parse_math=False)  # names may hold $
     if len(run.scene.cables) > CABLES:

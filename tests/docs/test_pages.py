@@ -44,8 +44,8 @@ def test_examples_print_what_the_page_says(page, tmp_path, monkeypatch):
         assert example.is_timed or alike(printed, example.said), (
             f"{example.code}\nprinted\n{printed}\nbut the page says\n{example.said}"
         )
-    for figure in re.findall(r"\]\((figures/\w+\.\w+)\)", text_of(page)):
-        assert (tmp_path / figure.removeprefix("figures/")).is_file(), f"no code on the page writes {figure}"
+    for figure in re.findall(r"\]\((?:\.\./)?figures/(\w+\.\w+)\)", text_of(page)):
+        assert (tmp_path / figure).is_file(), f"no code on the page writes {figure}"
 
 
 def test_the_example_of_the_readme_runs(tmp_path):
