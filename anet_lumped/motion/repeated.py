@@ -110,9 +110,9 @@ class Repeated:
         return judged(run, choice.limit, False)
 
     def rooms(self, most: int, bytes_of_all: float) -> int:
-        """Number of runs, up to ``most``, whose rows the arrays of so many bytes hold."""
+        """Number of runs, up to ``most``, whose rows arrays of so many bytes hold; 1 before the first run."""
         kept = [sum(part.nbytes for part in march.saved) for _, march in self.marches.values()]
-        return max(1, min(most, int(bytes_of_all / max(kept, default=1.0))))
+        return max(1, min(most, int(bytes_of_all / max(kept)))) if kept else 1
 
     def plan_of(self, scene: Scene, begin: State) -> Plan:
         """`planned`, which is the same for scenes with the same names and kinds of parts where method and step are given and the

@@ -1,6 +1,5 @@
 """Many runs on one machine: scenes, or one scene with other numbers, moved side by side, and what came of them by names."""
 
-import contextvars
 import os
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -156,7 +155,7 @@ def each_run(
 
     def run() -> None:
         try:
-            contextvars.copy_context().run(work)
+            work()
         except BaseException as error:  # of no run alone
             raised.append(error)
             stopped.set()
