@@ -1,5 +1,6 @@
 """Runs of scenes that differ in their numbers alone, on arrays that are made once: what a run takes beside its march is little."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,13 +17,22 @@ from anet_lumped.statics.starts import Start, start_state
 from integrators import schemes
 from integrators.linear_stability import NoLimit
 from integrators.marching.fixed_steps import FixedSteps
-from integrators.marching.march import March
+from integrators.marching.march import March, Outcome
 
 from .legs import Settings
 from .own_methods import net_and_system, run_of
 from .plan import Asked, Plan, check_start, planned
 from .times import Leg
 from .verdict import judged
+
+
+@dataclass
+class Ready:
+    """A run that is to be marched, or was: the state that it starts from, its plan, and how its march ended."""
+
+    begin: State
+    plan: Plan
+    out: Outcome | None = None
 
 
 class Repeated:
@@ -62,6 +72,13 @@ class Repeated:
         InputError, EquilibriumError : as of `simulate`
         RunInterrupt : Ctrl-C
         """
+        ready = self.prepare(scene, begin)
+        if ready is None or not self.march(ready):
+            return None
+        return self.judge(ready)
+
+    def prepare(self, scene: Scene, begin: State | None = None) -> "Ready | None":
+        """State and plan of a run; None if it has to be marched in another way. Arguments and exceptions are those of `run`."""
         if not self.serves(scene):
             return None
         begin = self.begin(scene) if begin is None else begin
@@ -69,14 +86,33 @@ class Repeated:
         scheme = schemes.scheme(plan.choice.method)
         if plan.adaptive or scheme.keeps_constraints or not scheme.own or plan.choice.dt != self.asked.dt:
             return None
-        march = self.march_of(begin, plan)
-        if march is None:
-            return None
-        out = march.march(begin.q, begin.v)
-        run = run_of(begin.model, plan.choice, out, Settings(False, (0.0, 0.0), self.rho_inf))
+        return Ready(begin, plan)
+
+    def march(self, ready: "Ready", room: int = 0) -> bool:
+        """March a run, whose rows go to arrays with a number; False if it has to be marched in another way."""
+        march = self.march_of(ready.begin, ready.plan, room)
+        if march is not None:
+            ready.out = march.march(ready.begin.q, ready.begin.v)
+        return march is not None
+
+    def judge(self, ready: "Ready") -> Run:
+        """Run that was marched, with its status, its warnings and the cause of its failure.
+
+        Raises
+        ------
+        RunInterrupt : Ctrl-C
+        """
+        choice, out = ready.plan.choice, ready.out
+        assert out is not None
+        run = run_of(ready.begin.model, choice, out, Settings(False, (0.0, 0.0), self.rho_inf))
         if out.interrupted:
             raise RunInterrupt(run)
-        return judged(run, plan.choice.limit, False)
+        return judged(run, choice.limit, False)
+
+    def rooms(self, most: int, bytes_of_all: float) -> int:
+        """Number of runs, up to ``most``, whose rows arrays of so many bytes hold; 1 before the first run."""
+        kept = [sum(part.nbytes for part in march.saved) for _, march in self.marches.values()]
+        return max(1, min(most, int(bytes_of_all / max(kept)))) if kept else 1
 
     def plan_of(self, scene: Scene, begin: State) -> Plan:
         """`planned`, which is the same for scenes with the same names and kinds of parts where method and step are given and the
@@ -107,7 +143,7 @@ class Repeated:
             found = rest_on(self.at_rest, scene)
         return equilibrium(scene) if found is None else found
 
-    def march_of(self, begin: State, plan: Plan) -> March | None:
+    def march_of(self, begin: State, plan: Plan, room: int = 0) -> March | None:
         """A march that is ready for a scene; None if its arrays are of other shapes than those of the first one."""
         model, choice = begin.model, plan.choice
         leg = Leg(begin.t, begin.t + self.asked.t_end, begin.t, begin.t + self.asked.t_end, self.asked.save_every)
@@ -122,7 +158,7 @@ class Repeated:
         inverse = np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(-1, 3)
         march.system.per_mass[:] = inverse
         march.system = march.system._replace(largest=largest_distance(model.scene))
-        march.renew(times)
+        march.renew(times, room)
         return march
 
     def _made(self, model: Model, method: str, times: FixedSteps, rows: int) -> tuple[Any, March]:

@@ -1,9 +1,10 @@
 """Many runs on one machine: scenes, or one scene with other numbers, moved side by side, and what came of them by names."""
 
-import contextvars
 import os
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,9 +19,11 @@ from anet_lumped.scene.varied import SETTINGS, Varied
 from anet_lumped.statics.starts import Start
 
 from .plan import Asked, check_arguments
-from .repeated import Repeated
+from .repeated import Ready, Repeated
 from .simulate import quiet_in_this_thread, simulate
 from .times import Leg, save_times
+
+TOGETHER, BYTES_TOGETHER = 32, 1.6e7  # runs that a thread takes at a time, and the most bytes of their rows
 
 
 class Given(NamedTuple):
@@ -114,27 +117,50 @@ def each_run(
     others = {name: value for name, value in settings.items() if name in ("error", "tension_error") and value is not None}
     asked = Asked(t_end, *(settings[name] for name in ("method", "dt", "save_every", "rtol", "atol")))
     numbers, taking, stopped = iter(range(given.count)), threading.Lock(), threading.Event()
+    raised: list[BaseException] = []
+
+    def attempt(k: int, part: Callable[..., Any], *arguments: Any) -> Any:
+        """What a part of the k-th run gives; None if it raised, after which this run alone has failed."""
+        try:
+            return part(*arguments)
+        except Exception as error:
+            fail(k, error)
+            return None
 
     def work() -> None:
         quiet_in_this_thread()
-        repeated = Repeated(asked, settings["start"], settings["rho_inf"])
+        repeated, fair = Repeated(asked, settings["start"], settings["rho_inf"]), max(1, given.count // (4 * workers))
         while not stopped.is_set():
+            most = 1 if others else repeated.rooms(min(TOGETHER, fair), BYTES_TOGETHER)
             with taking:
-                k = next(numbers, None)
-                if k is None:
+                scenes = [(k, attempt(k, given.scene_of, k)) for k in islice(numbers, most)]
+            if not scenes:
+                return
+            # each part for all of them: code and tables of a part that runs again and again are at hand, and not after a march
+            scenes = [(k, scene) for k, scene in scenes if scene is not None]
+            ready = [(k, scene, None if others else attempt(k, prepared, repeated, scene)) for k, scene in scenes]
+            ready = [one for one in ready if others or one[2] is not None]
+            for room, (k, _, one) in enumerate(ready):
+                if isinstance(one, Ready):
+                    attempt(k, repeated.march, one, room)
+                if stopped.is_set():
                     return
-                try:
-                    scene = given.scene_of(k)
-                except Exception as error:  # this run alone has failed
-                    fail(k, error)
-                    continue
-            try:
-                run = repeated.run(scene) if not others else None
-                take(k, simulate(scene, t_end, **settings) if run is None else run)
-            except Exception as error:
-                fail(k, error)
+            for k, scene, one in ready:
+                if isinstance(one, Ready) and one.out is not None:
+                    run = attempt(k, repeated.judge, one)
+                else:
+                    run = attempt(k, partial(simulate, scene, t_end, **settings))
+                if run is not None:
+                    attempt(k, take, k, run)
 
-    threads = [threading.Thread(target=contextvars.copy_context().run, args=(work,), daemon=True) for _ in range(workers)]
+    def run() -> None:
+        try:
+            work()
+        except BaseException as error:  # of no run alone
+            raised.append(error)
+            stopped.set()
+
+    threads = [threading.Thread(target=run, daemon=True) for _ in range(workers)]
     try:
         for thread in threads:
             thread.start()
@@ -142,22 +168,31 @@ def each_run(
             thread.join()
     finally:
         stopped.set()
+    if raised:
+        raise raised[0]
 
 
 def _saved_times(
     begin: float, t_end: float, save_every: float | None, dt: float | None, rtol: float | None, atol: float | None
 ) -> np.ndarray:
     """Times at which all runs save [s]."""
-    if rtol is not None or atol is not None or save_every is not None:
-        return save_times(begin, begin + t_end, save_every)
+    end, fixed = begin + t_end, rtol is None and atol is None
+    if fixed and dt is not None and save_every is not None:
+        Leg(begin, end, begin, end, save_every).stride(dt)  # refuses times that are no multiple of the step
+    if not fixed or save_every is not None:
+        return save_times(begin, end, save_every)
     if dt is None:
         raise InputError(
             "Runs that choose their steps must be given the times at which all save, but neither `save_every` nor `dt` is given."
         )
-    end = begin + t_end
     stride, _ = Leg(begin, end, begin, end, None).stride(dt)
     t = begin + np.arange(0, int(t_end / dt) + 1, stride) * dt
     return np.append(t[t < end - 1e-6 * dt], end)
+
+
+def prepared(repeated: Repeated, scene: Scene) -> Ready | bool:
+    """A run that is ready to be marched; False if `simulate` has to."""
+    return repeated.prepare(scene) or False
 
 
 def _given(scenes: Any, vary: Any) -> Given:

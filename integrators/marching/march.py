@@ -88,11 +88,8 @@ class March:
         self.scheme, self.system, self.times, self.words = scheme, system, times, words_in_memory(system)
         self.adaptive, (times_or_rows, observed) = isinstance(times, AdaptiveSteps), saves
         t = np.array(times_or_rows, float) if self.adaptive else np.empty(times_or_rows)
-        rows = len(t)
-        self.saved = Saved(
-            t, np.empty((rows, n, 3)), np.empty((rows, n, 3)), np.zeros((rows, ENERGIES)), np.empty((rows, observed)),
-            np.full(rows, np.nan),
-        )  # fmt: skip
+        self.saved = _rows(t, n, observed)
+        self.rooms = [self.saved]
         self.state = StepState(np.empty((n, 3)), np.empty((n, 3)), np.zeros((scheme.memory_rows, n, 3)), np.zeros(BALANCE))
         self.counts = np.zeros(COUNTS, np.int64)
         step = first_class(compile_for(scheme.step, STEP))
@@ -113,14 +110,23 @@ class March:
         self.loop, self.short = entry_point(loop), not self.adaptive and steps * n < SHORT
         self.given = stepper, times, loop_argument, self.state, self.scratch, *room, self.saved
 
-    def renew(self, times: FixedSteps) -> None:
-        """Make ready to march once more, with other fixed steps, as many as before; what the last march saved is overwritten."""
-        self.times = times
-        stepper, _, *others, saved = self.given
-        self.given = stepper, times, *others, saved
-        for numbers in (self.state.memory, self.state.balance, self.counts, saved.energy):
+    def renew(self, times: FixedSteps, room: int = 0) -> None:
+        """Make ready to march once more, with other fixed steps, as many as before.
+
+        Parameters
+        ----------
+        times : FixedSteps
+        room : int
+            Number of the arrays in which the next march saves; what the last march saved in these is overwritten.
+        """
+        while len(self.rooms) <= room:
+            self.rooms.append(_rows(np.empty_like(self.saved.t), self.saved.q.shape[1], self.saved.observed.shape[1]))
+        self.times, self.saved = times, self.rooms[room]
+        stepper, _, *others, _ = self.given
+        self.given = stepper, times, *others, self.saved
+        for numbers in (self.state.memory, self.state.balance, self.counts, self.saved.energy):
             numbers.fill(0)
-        saved.error.fill(np.nan)
+        self.saved.error.fill(np.nan)
         self.words[-1:].view(np.float64)[0] = self.system.largest
 
     def march(self, q, v) -> Outcome:
@@ -141,7 +147,7 @@ class March:
             saved.error[:rows] += (
                 self.scheme.error_shift * times.dt * np.maximum.accumulate(np.abs(saved.v[:rows]).max(axis=(1, 2)))
             )
-        return Outcome(status, t, node, Saved(*(part[:rows] for part in saved)), counts, wall_time, interrupted, *more)
+        return Outcome(status, t, node, Saved(*(part[:rows] for part in saved)), counts.copy(), wall_time, interrupted, *more)
 
 
 def march(
@@ -149,3 +155,9 @@ def march(
 ) -> Outcome:
     """March a system once, from the state q, v (n, 3) float64 [m], [m/s]; the rest is as of a `March`."""
     return March(scheme, system, data_address, times, len(q), saves, parameters).march(q, v)
+
+
+def _rows(t, n, observed) -> Saved:
+    """Room for the rows of a march of n nodes at times ``t`` (k,)."""
+    q, v, energy = np.empty((len(t), n, 3)), np.empty((len(t), n, 3)), np.zeros((len(t), ENERGIES))
+    return Saved(t, q, v, energy, np.empty((len(t), observed)), np.full(len(t), np.nan))

@@ -158,6 +158,7 @@ def test_a_scene_without_a_rest_has_a_reason():
         (net(), {"vary": {"EA": [1e3, 1e4], "zeta": [0.1]}}, "a value for every run"),
         ([net()], {"keep": ("tensions",)}, "did you mean `tension`|has 'tensions'|tension"),
         ([net()], {"dt": None}, "neither `save_every` nor `dt` is given"),
+        ([net()], {"save_every": 0.015}, "`save_every` must be a multiple of the step"),
         ([net()], {"workers": 0}, "`workers` must be an integer from 1"),
         ([net()], {"method": "edmcc"}, "Argument `method` must be one of"),
     ],
