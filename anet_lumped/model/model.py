@@ -165,6 +165,11 @@ class Model:
         return link_tables(self)
 
     @cached_property
+    def shares_of_first_springs(self):
+        """(n_cables,) float64: share of EA that the first spring of each cable's curve has; 1 without a curve."""
+        return np.array([own[0][1] if own else 1.0 for own in (cable.springs for cable in self.scene.cables)])
+
+    @cached_property
     def springs_of_cables(self):
         """What the law of each cable takes as its spring, see `effects.axial`, as arrays (n_cables,), filled up with empty rows."""
         springs = [cable.springs for cable in self.scene.cables]
@@ -172,7 +177,7 @@ class Model:
         for c, own in enumerate(springs):
             more = np.reshape(own[1:], (-1, 2))
             rows[: len(more), :, c] = more
-        share = np.array([own[0][1] if own else 1.0 for own in springs])
+        share = self.shares_of_first_springs
         return share * self.axial[:, AXIAL_STIFFNESS], self.axial[:, AXIAL_PUSH_SHARE], self.axial[:, AXIAL_L0], rows, 0, len(rows)
 
     @cached_property

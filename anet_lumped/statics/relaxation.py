@@ -21,6 +21,7 @@ from integrators.stage import LAW_BACKWARD, Stage
 SHORT = 0.1  # first tau over sqrt(L/g)
 GROWTH = 4.0  # of tau from one pseudo-step to the next
 LONGEST = 1e4  # last tau over the first one
+AT_REST = 1e-10  # of the load: out-of-balance force from which longer pseudo-steps gain nothing
 STEPS, ITERATIONS = 400, 20  # largest number of pseudo-steps, and of Newton iterations in each
 
 
@@ -118,7 +119,9 @@ def relaxed(model, net, q, load, pace=QUICK):
             continue
         moved = float(np.abs(q - before).max())
         best = moved / (moving * tau**2)  # inertial force of the last step, which its forces balance, over the load
-        if best <= 1e-13 or (tau >= longest and moved <= 1e-14 * length):
+        if tau >= longest and (best <= 1e-13 or moved <= 1e-14 * length):
+            break
+        if best <= 1e-13 and _unbalanced(net, q) <= AT_REST * load:  # else dampers of contacts hold it, and not inertia
             break
         if tau < longest:
             tau *= growth if iterations < ITERATIONS // 2 else 1.0

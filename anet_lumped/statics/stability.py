@@ -107,7 +107,7 @@ def segments(model: Model, net: Any, q: np.ndarray) -> Segments:
     (a, b), axial = model.ends.T, net.axial[model.cable_of]
     d = q[b] - q[a]
     l = np.maximum(np.linalg.norm(d, axis=1), 1e-12 * axial[:, AXIAL_L0])
-    share = np.array([own[0][1] if own else 1.0 for own in (cable.springs for cable in model.scene.cables)])[model.cable_of]
+    share = model.shares_of_first_springs[model.cable_of]
     _, pushes, _, springs, first, last = model.springs_of_cables
     spring = (
         share * axial[:, AXIAL_STIFFNESS],
