@@ -220,8 +220,8 @@ def _sensitivities(out, table):
 
 def _give_rows(table, as_json, where, more=None, failed=False, heads=None):
     """Print the rows, with units in the ``heads`` of columns, and say where they are; exit with 1 if some are not done."""
-    shown = table if as_json else table.head(SHOWN).rename(columns=heads or {})
-    give({"rows": shown.to_dict("records"), **(more or {})}, as_json)
+    rows = {"rows": (table if as_json else table.head(SHOWN).rename(columns=heads or {})).to_dict("records")}
+    give(rows | (more or {}) if as_json or not more else more, as_json)  # the rows of a sample say nothing that these do not
     bad = int((table["status"] != "done").sum())
     tell(f"{len(table)} rows in {where}" + (f", {bad} of them not done." if bad else "."))
     if bad or failed:
