@@ -104,13 +104,13 @@ def _slope(x, k):
     return (lambda x, k: 0.0) if _is_number(x) else None
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def seeded(x, y, z):
     """Three variables as dual numbers: the slope of each is 1 in itself and 0 in the others."""
     return dual(x, 1.0, 0.0, 0.0), dual(y, 0.0, 1.0, 0.0), dual(z, 0.0, 0.0, 1.0)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def constant(x, y, z):
     """Three numbers as dual numbers whose slopes are 0."""
     return dual(x, 0.0, 0.0, 0.0), dual(y, 0.0, 0.0, 0.0), dual(z, 0.0, 0.0, 0.0)

@@ -33,34 +33,34 @@ ROUNDING = 512.0 * 2.220446049250313e-16
 hardly anything is then left."""
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _gradient(E):
     """Gradient in the outer slopes of an energy."""
     return value_of(slope(E, 0)), value_of(slope(E, 1)), value_of(slope(E, 2))
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _minus(a, b):
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _combined(x, a, y, b):
     return x * a[0] + y * b[0], x * a[1] + y * b[1], x * a[2] + y * b[2]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _size(g, q):
     """Sum of |g_x q_x|: what rounding of a position leaves in an energy, over that of 1."""
     return abs(g[0] * q[0]) + abs(g[1] * q[1]) + abs(g[2] * q[2])
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _times(E, D):
     """Second derivatives of an energy times D by its outer slopes: a vector by the inner ones."""
     x, y, z = slope(E, 0), slope(E, 1), slope(E, 2)
@@ -71,7 +71,7 @@ def _times(E, D):
     )
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _transposed_times(E, D):
     """The same by the inner slopes: a vector by the outer ones."""
     x, y, z = slope(E, 0), slope(E, 1), slope(E, 2)
@@ -82,7 +82,7 @@ def _transposed_times(E, D):
     )
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _correction(r, rounding, square):
     """Factor c of D in G, and c_r and c_D of its change dc = c_r dr + c_D D . dD; ``square`` is |D|^2."""
     if abs(r) <= 1e-30 * rounding or square == 0.0:
@@ -93,7 +93,7 @@ def _correction(r, rounding, square):
     return c, counts * counts * (1.0 + 9.0 * noise) / square, -2.0 * c / square
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _damper(damper, square, V_a, V_b):
     """gamma of the module's docstring and its derivative in V_b, for ``square`` = (omega h/2)^2."""
     if V_a <= 0.0 or damper == 0.0:
@@ -106,13 +106,13 @@ def _damper(damper, square, V_a, V_b):
     return twice * (x_b - x_a) * per, twice * x_a * per * per / x_b
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _mobility(g, mass):
     """|g|^2/m, 0 for a node that does not move, whose mass is given as 0."""
     return _dot(g, g) / mass if mass > 0.0 else 0.0
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _add_block(block, weight, E, c, D, of_c, G, of_gamma):
     """Add weight (H/2 + c I + D of_c^T) + G of_gamma^T, H by the outer slopes of E in rows and the inner ones in columns."""
     for x in range(3):
@@ -122,7 +122,7 @@ def _add_block(block, weight, E, c, D, of_c, G, of_gamma):
         block[x, x] += weight * c
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _add_block_transposed(block, weight, E, c, D, of_c, G, of_gamma):
     """Add weight (H/2 + c I + D of_c^T) + G of_gamma^T, H by the inner slopes of E in rows and the outer ones in columns."""
     for y in range(3):
@@ -132,7 +132,7 @@ def _add_block_transposed(block, weight, E, c, D, of_c, G, of_gamma):
         block[y, y] += weight * c
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _cancel(g_i, g_j):
     """Whether the gradients of both nodes cancel to rounding."""
     both = _combined(1.0, g_i, 1.0, g_j)

@@ -19,23 +19,17 @@ from . import energy_steps
 from .seeds import add, constant, position, seeded
 
 
-@njit(error_model="numpy")
-def _subtract_row(block, x, c, f):
-    block[x, 0] -= c * slope(f, 0)
-    block[x, 1] -= c * slope(f, 1)
-    block[x, 2] -= c * slope(f, 2)
-
-
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _subtract(block, c, f):
     """Subtract c times the slopes of a force from a block."""
     fx, fy, fz = f
-    _subtract_row(block, 0, c, fx)
-    _subtract_row(block, 1, c, fy)
-    _subtract_row(block, 2, c, fz)
+    for y in range(3):
+        block[0, y] -= c * slope(fx, y)
+        block[1, y] -= c * slope(fy, y)
+        block[2, y] -= c * slope(fz, y)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _add_second(block, c, E):
     """Add c times the second derivatives of an energy to a block: outer slopes give its rows, inner slopes its columns."""
     for x in range(3):
@@ -43,7 +37,7 @@ def _add_second(block, c, E):
             block[x, y] += c * slope(slope(E, x), y)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _add_second_transposed(block, c, E):
     """The same with rows and columns exchanged."""
     for x in range(3):
