@@ -287,6 +287,16 @@ def _kept(run: Run, known: Known, wanted: Wanted) -> bool:
     return known.error <= wanted.of_places(run) and known.tension_error <= wanted.tension_error
 
 
+def _or_are_saved(run: Run) -> str:
+    """What hides jumps of a tension besides the steps: saved states that are farther apart than those."""
+    every = float(np.diff(run.t).max(initial=0.0))
+    return (
+        f", or its peak is between saved states, {every:.2g} s apart, of which a smaller save_every has more"
+        if every > 1.5 * run.dt
+        else ""
+    )
+
+
 def told(
     run: Run, known: Known, wanted: Wanted, how: str = "", too_short: float | None = None, beyond: Beyond | None = None
 ) -> Run:
@@ -316,10 +326,10 @@ def told(
     if known.tension_error > wanted.tension_error:
         found.append(
             f"the largest tension is known to {known.tension_error:.1%} where {wanted.tension_error:.1%} are wanted: "
-            "it jumps faster than the steps resolve"
+            f"it jumps faster than the steps resolve{_or_are_saved(run)}"
         )
     if too_short is not None:
-        found.append(f"dt={too_short:.3g} s was tried too, and told larger errors, of rounding and of Newton's tolerance")
+        found.append(f"dt={too_short:.3g} s was tried too, and told larger errors, of rounding or of vibrations that it shows")
     if beyond is not None:
         wish = f"error={allowed:.2g}" if known.error > allowed else f"tension_error={wanted.tension_error:.2g}"
         found.append(

@@ -1,5 +1,5 @@
 """Warnings attached to a completed run: energy lost or added by its steps, cables too long for their tension, no limit in sight,
-points that nothing has moved, obstacles that were not seen.
+points that nothing has moved, obstacles that were not seen, errors that the motion may have multiplied.
 
 A run with a warning is done all the same: a method that damps the motion is asked for by name, and a rest may be right that
 was reached by wrong damping. But a reader of its swing or its stretch must know. On the catalogue of hard cases
@@ -13,6 +13,7 @@ import numpy as np
 from anet_lumped.checks import quoted
 from anet_lumped.results.audit import SHARE
 from anet_lumped.results.energy_balance import error_of_steps
+from anet_lumped.results.free_flight import MULTIPLIED, first_loose
 from anet_lumped.results.tension_error import lowest_axial_mode
 from anet_lumped.scene.platform import driven_from_outside
 from anet_lumped.scene.scene import Driven
@@ -36,6 +37,7 @@ class Finding(Enum):
     FAR_FROM_LIMIT = "two extrapolated runs that are far apart"
     STOOD_STILL = "points that are driven from outside, which nothing has moved"
     THROUGH_AN_OBSTACLE = "cables that may have gone through an obstacle"
+    MULTIPLIED_ERRORS = "errors that the motion may have multiplied"
 
 
 def findings(run, adaptive=False):
@@ -58,6 +60,7 @@ def findings(run, adaptive=False):
         Finding.FAR_FROM_LIMIT: _far_from_limit(run, step),
         Finding.STOOD_STILL: _stood_still(run),
         Finding.THROUGH_AN_OBSTACLE: _through_an_obstacle(run, step),
+        Finding.MULTIPLIED_ERRORS: _multiplied_errors(run),
     }
     return {finding: text for finding, text in texts.items() if text}
 
@@ -116,6 +119,24 @@ def _through_an_obstacle(run, step):
                 f"obstacle, {2.0 * narrowest:.2g} m, so that it may have gone through; take more segments."
             )
     return ""
+
+
+def _multiplied_errors(run):
+    """Errors of a motion that goes loose, which may be beyond `SHARE` of the longest cable, and which no second run has shown.
+
+    By what steps have left out: all that a run tells of its errors takes a tenth of the time of a short one.
+    """
+    if run.kept is not None or run.extrapolated or run.audit is not None or run.error_growth is None:
+        return ""
+    if MULTIPLIED * run.error_growth[-1] <= SHARE * max(cable.length for cable in run.scene.cables):
+        return ""
+    since = first_loose(run)
+    if since is None:
+        return ""
+    return (
+        f"{run.method}: nodes of cables are loose from t={since:.4g} s on, and such a motion may multiply errors: those of places "
+        f"may be up to {MULTIPLIED:g} times what run.error_estimate tells; audit=True, or error=... without dt, compares two runs."
+    )
 
 
 def _halving_step(run):

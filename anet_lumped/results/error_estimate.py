@@ -2,7 +2,8 @@
 
 What the steps leave out adds up in the march (`integrators.marching.error_growth`), and nodes that fly keep what their velocity is
 off by (`free_flight`). Both fade as the motion does: dampers and drag that take the power D of a motion of the energy E let its
-amplitude, and the errors in it, fade at the rate D/2E.
+amplitude, and the errors in it, fade at the rate D/2E. A break comes too early or too late by
+what is off before it, and that goes on (`break_errors`).
 
 Besides, energy that the method took is missing in the motion, and what it gave is too much: of an amplitude A, which goes with the
 square root of the energy, a share E_lost/2E. A swing that starts at rest goes 2A. Where all is lost the motion is off by its whole
@@ -21,6 +22,7 @@ from anet_lumped.results.energy_balance import BY_DAMPERS, BY_EFFECTS, BY_METHOD
 from anet_lumped.scene.scene import Driven
 from integrators import schemes
 
+from .break_errors import break_errors
 from .free_flight import flight_errors, loose
 from .tension_error import lowest_axial_mode, vibration_lost
 
@@ -43,6 +45,7 @@ def place_errors(run: Any) -> np.ndarray:
         return run.error_growth
     flies = loose(run)
     left_out = _faded(run.error_growth + flight_errors(run, flies), run.energy)
+    left_out += break_errors(run, left_out)
     told = run.error_factor * (left_out + _lost_way(run, float(flies.any(axis=1).mean())))
     return np.minimum(told, max(float(np.abs(run.q - run.q[0]).max()), float(run.error_growth[0])))
 

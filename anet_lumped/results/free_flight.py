@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+MULTIPLIED = 50.0  # times the error that a run tells of a motion that goes loose: what it may be
+WITHIN = 4.0  # times an error that is told, which most are within
 OF_SECOND_DIFFERENCE = 0.7  # of the velocities where a segment goes slack: what the velocity that a node flies with is off by
 
 
@@ -30,7 +32,23 @@ def loose(run: Any) -> np.ndarray:
 
 def goes_loose(run: Any) -> bool:
     """Whether a node of a cable of several segments has none that is taut at a saved time after the start."""
-    return bool((loose(run) & _of_several_segments(run))[1:].any())
+    return first_loose(run) is not None
+
+
+def first_loose(run: Any) -> float | None:
+    """First saved time after the start at which a node of a cable of several segments has none that is taut [s]; None: never."""
+    if not (run.segment_tension[1:] <= 0.0).any():  # a small part of the time of what follows
+        return None
+    found = np.flatnonzero((loose(run) & _of_several_segments(run))[1:].any(axis=1))
+    return float(run.t[1 + found[0]]) if len(found) else None
+
+
+def multiplied(run: Any) -> float:
+    """Times the errors told of places that they may be: 1, or `MULTIPLIED` of a motion that goes loose, as far as nodes go."""
+    if not run.error_estimate or not goes_loose(run):
+        return 1.0
+    times = min(float(np.abs(run.q - run.q[0]).max()) / run.error_estimate, MULTIPLIED)
+    return times if times > WITHIN else 1.0
 
 
 def _falls(scene: Any) -> bool:

@@ -16,7 +16,7 @@ from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
-from . import end_forces, error_estimate, labelled, run_file, tension_error, touchdown
+from . import end_forces, error_estimate, free_flight, labelled, run_file, tension_error, touchdown
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, Event
@@ -168,6 +168,15 @@ class Run:
     def error_estimate(self) -> float | None:
         """Largest error of a place over the run [m], estimated; None if it is not known."""
         return None if self.error is None else float(self.error[-1])
+
+    @cached_property
+    def multiplies(self) -> float:
+        """Times the errors told of places that they may be: 1, or more of a motion that goes loose (`free_flight.multiplied`).
+
+        1 where runs with two steps have been compared, which shows what the motion multiplies.
+        """
+        compared = self.kept is not None or self.extrapolated or self.audit is not None
+        return 1.0 if compared else free_flight.multiplied(self)
 
     @cached_property
     def tension_error(self) -> float:

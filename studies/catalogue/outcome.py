@@ -46,6 +46,7 @@ CAUSE_OF_FINDING = {
     Finding.TAKEN_BY_METHOD: "lost energy",
     Finding.EXCESS_LENGTH: "length",
     Finding.FAR_FROM_LIMIT: "no limit",
+    Finding.MULTIPLIED_ERRORS: "errors",
 }
 
 

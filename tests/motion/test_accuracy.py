@@ -127,7 +127,7 @@ def test_a_run_that_is_gone_back_to_says_which_shorter_step_was_tried():
     choice = Choice("edmc", 0.02, "", math.inf, ())
     run = keep_error(march, choice, Wanted(1e-12, 1e-12), 1.0, 1.0)
     assert run.dt == tried[0] == 0.02 and len(tried) == 2 and not run.kept
-    words = f"; dt={tried[1]:.3g} s was tried too, and told larger errors, of rounding and of Newton's tolerance"
+    words = f"; dt={tried[1]:.3g} s was tried too, and told larger errors, of rounding or of vibrations that it shows"
     assert run.reason.endswith(words) and run.warnings[-1].endswith(words + ".")
 
 
@@ -175,6 +175,17 @@ def test_a_run_whose_first_steps_cost_much_may_cost_eight_times_as_much():
     assert Budget(limited=False).parts(coarse, 8) == 8
     verlet = simulate(swing(), 0.1, start="straight", method="verlet")
     assert cost(verlet) == pytest.approx(verlet.work.steps * verlet.model.n_free * EXPLICIT_COST / IMPLICIT_COST)
+
+
+def test_a_tension_that_is_not_kept_between_saved_states_asks_for_more_of_them():
+    """The damper of a cable that catches a weight is at its peak at once; steps are a tenth of what is saved."""
+    cable = Cable("a", "b", length=1.0, mass_per_length=1e-6, EA=2e3, BA=100.0, segments=1)
+    points = [Fixed("a", (0.0, 0.0, 0.0)), Free("b", mass=1.0, at=(0.0, 0.0, 0.0))]
+    scene = Scene(points, [cable], [Gravity(9.81)])
+    run = simulate(scene, 1.0, start="straight", save_every=0.01)
+    assert run.kept is False
+    assert "or its peak is between saved states, 0.01 s apart, of which a smaller save_every has more" in run.reason
+    assert accuracy._or_are_saved(simulate(loose(), 0.1, start="straight", dt=0.01)) == ""
 
 
 def test_at_rest_nothing_is_refined():

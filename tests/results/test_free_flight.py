@@ -8,7 +8,7 @@ import pytest
 from anet_lumped import Cable, Driven, Fixed, Free, Scene, State, equilibrium, paths, simulate
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model.build import build
-from anet_lumped.results.free_flight import OF_SECOND_DIFFERENCE, flight_errors, goes_loose, loose
+from anet_lumped.results.free_flight import MULTIPLIED, OF_SECOND_DIFFERENCE, first_loose, flight_errors, goes_loose, loose
 from anet_lumped.results.state import segment_tensions
 
 G = 9.81
@@ -96,3 +96,24 @@ def test_a_weight_below_a_support_that_shakes(frequency, most):
     run = simulate(scene, 4.0, method="edmc", dt=0.01, save_every=0.04)
     fine = simulate(scene, 4.0, method="edmc", dt=0.01 / 16, save_every=0.04, extrapolate=True)
     assert 0.5 < run.error_estimate / np.linalg.norm(run.q - fine.q, axis=2).max() < most
+
+
+def dropped(dt=0.01, t_end=1.0, **options):
+    """A cable without dampers, let go from horizontal: it whips."""
+    cable = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e4, segments=10)
+    scene = Scene([Fixed("a", (0.0, 0.0, 0.0)), Free("b", at=(1.0, 0.0, 0.0))], [cable], [Gravity(G)])
+    return simulate(scene, t_end, start="straight", method="edmc", dt=dt, **options)
+
+
+def test_a_run_that_goes_loose_says_that_it_may_multiply_errors():
+    """Where it matters: times 50, what a short step leaves out is below a hundredth of the length."""
+    run = dropped()
+    since = first_loose(run)
+    (text,) = [text for text in run.warnings if "multiply errors" in text]
+    assert f"loose from t={since:.4g} s on" in text and f"may be up to {MULTIPLIED:g} times what run.error_estimate tells" in text
+    assert 4.0 < run.multiplies <= MULTIPLIED and not loose(run)[1 : np.searchsorted(run.t, since)].any()
+    assert not any("multiply" in text for text in dropped(dt=5e-5, t_end=0.6).warnings)
+    for compared in (dropped(audit=10.0), dropped(extrapolate=True)):
+        assert compared.multiplies == 1.0 and not any("multiply" in text for text in compared.warnings)
+    held = simulate(hanging(), 1.0, method="edmc", dt=0.1)
+    assert held.multiplies == 1.0 and first_loose(held) is None

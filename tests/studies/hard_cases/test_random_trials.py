@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from anet_lumped import Cable, Fixed, Free, InputError, Scene, SceneError, simulate
 from anet_lumped.effects import Gravity
+from anet_lumped.results.run import Run
 from studies.catalogue import random_trials
 from studies.catalogue.random_trials import FAILED, GAINED, HELD, REFUSED, Random, Trial, attempt, draw, try_many
 
@@ -119,3 +120,14 @@ def test_a_refusal_has_words(changes, words):
 def test_a_gain_is_counted_for_those_that_promise_nothing(monkeypatch):
     tampered(monkeypatch, lambda run: run.energy.__setitem__((-1, 0), 100.0))
     assert attempt(trial("midpoint"))[0] == GAINED
+
+
+def test_an_error_told_far_too_small_fails(monkeypatch):
+    """A swing that tells a thousandth of what it knows; a run that says that its motion multiplies errors is not judged."""
+    swing = trial(t_end=0.4)
+    assert attempt(swing) == (HELD, "")
+    tampered(monkeypatch, lambda run: object.__setattr__(run, "error_factor", 1e-3))
+    outcome, why = attempt(swing)
+    assert outcome == FAILED and "edmc tells an error of" in why and "but an eighth of its step is" in why
+    monkeypatch.setattr(Run, "multiplies", 50.0)
+    assert attempt(swing) == (HELD, "")
