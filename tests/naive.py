@@ -129,7 +129,8 @@ def residual(model, stage, base, target, q):
             e = (before + d) / (l_a + l)
             omega = max(top_frequency(model, *two, cable) for one, *two in segments(model) if one is cable)
             s = omega * stage.tau / 2
-            T, _ = tension_between(cable, l_a, l, stage.tau, stage.dissipation * s**2 / (1 + s**2))
+            lacking = stage.dissipation * s**2 / (1 + s**2) - cable.dashpot / stage.tau * L0 / cable.EA
+            T, _ = tension_between(cable, l_a, l, stage.tau, max(lacking, 0.0))
         else:
             then = l_a if stage.law == LAW_BACKWARD else e @ before
             if cable.compression == "none":  # the damper acts on the change of the taut part of the length

@@ -279,19 +279,25 @@ def force(t, q, v, index, params, f):
 @inlined_law
 def _segment_slopes(s, i, j, flow_i, flow_j, v1, v2, t, per_l, wet, lift, numbers, waves, c_q, c_v, D, near):
     """Subtract the slopes of the force on both nodes of a segment; ``lift`` [N] is the part of its buoyancy that w multiplies."""
-    for side in range(2):
-        node, flow, V, w, k = (i, flow_i, v1, wet[1], wet[3]) if side == 0 else (j, flow_j, v2, wet[2], wet[5])
-        if node >= D.shape[0]:
-            continue
-        u, own, other = _difference(flow[2], V), D[node], near[s, side]
-        side_sign = 2.0 * side - 1.0
-        subtract_segment_slopes(u, flow[3], t, per_l, w * numbers[2], w * numbers[3], side_sign, c_q, c_v, own, other)
-        if waves:
-            subtract_inertia_slopes(flow[4], flow[5], t, per_l, w * numbers[5], numbers[6], numbers[7], side_sign, c_q, own, other)
-        if k != 0.0 or wet[4] != 0.0:
-            F = segment_force(u, flow[4], t, numbers[2], numbers[3], numbers[5], numbers[6], numbers[7])
-            _subtract_share_slope(own, F, lift, c_q * k, flow[1])
-            _subtract_share_slope(other, F, lift, c_q * wet[4], flow_j[1] if side == 0 else flow_i[1])
+    if i < D.shape[0]:
+        shares = wet[1], wet[3], wet[4]
+        _end_slopes(-1.0, flow_i, flow_j[1], v1, t, per_l, shares, lift, numbers, waves, c_q, c_v, D[i], near[s, 0])
+    if j < D.shape[0]:
+        shares = wet[2], wet[5], wet[4]
+        _end_slopes(1.0, flow_j, flow_i[1], v2, t, per_l, shares, lift, numbers, waves, c_q, c_v, D[j], near[s, 1])
+
+
+@inlined_law
+def _end_slopes(side, flow, other_up, V, t, per_l, shares, lift, numbers, waves, c_q, c_v, own, other):
+    """Subtract the slopes of the force on the node at one end of a segment; ``shares`` are its w and the slopes of that [1/m]."""
+    u, (w, k, k_other) = _difference(flow[2], V), shares
+    subtract_segment_slopes(u, flow[3], t, per_l, w * numbers[2], w * numbers[3], side, c_q, c_v, own, other)
+    if waves:
+        subtract_inertia_slopes(flow[4], flow[5], t, per_l, w * numbers[5], numbers[6], numbers[7], side, c_q, own, other)
+    if k != 0.0 or k_other != 0.0:
+        F = segment_force(u, flow[4], t, numbers[2], numbers[3], numbers[5], numbers[6], numbers[7])
+        _subtract_share_slope(own, F, lift, c_q * k, flow[1])
+        _subtract_share_slope(other, F, lift, c_q * k_other, other_up)
 
 
 @inlined_law

@@ -150,13 +150,15 @@ def penalty(stage, net, c):
 
 @inlined
 def numerical_damper(stage, net, c):
-    """Largest numerical damper of a cable's segments [N/m]: alpha k s^2/(1 + s^2), with s = omega h/2 and alpha = ``dissipation``.
+    """Largest numerical damper of a cable's segments [N/m]: what alpha k s^2/(1 + s^2) is above the physical one, c/h.
 
-    omega is the highest frequency of a segment. The damper acts in full where the step h does not resolve omega; where it does, the
-    damper is of third order in the step.
+    Here s = omega h/2 with the highest frequency omega of a segment, and alpha = ``dissipation``. The damper acts in full where the
+    step h does not resolve omega; where it does, the damper is of third order in the step. With both dampers together k/2 a
+    vibration that the step does not resolve is gone after one step; more of them would only slow the stretching.
     """
     square = 0.25 * stage.tau * stage.tau * column(net.axial, c, AXIAL_OMEGA_SQUARED)
-    return stage.dissipation * column(net.axial, c, AXIAL_STIFFNESS) * (square / (1.0 + square))
+    full = stage.dissipation * column(net.axial, c, AXIAL_STIFFNESS) * (square / (1.0 + square))
+    return max(full - column(net.axial, c, AXIAL_DAMPER) / stage.tau, 0.0)
 
 
 @inlined

@@ -9,6 +9,7 @@ from anet_lumped import (
     Fixed,
     Free,
     Scene,
+    State,
     simulate,
 )
 from anet_lumped.effects import Gravity
@@ -84,3 +85,16 @@ def test_carried_net():
     # order 2 in smooth motion: 0.35, 0.087, 0.022 and 0.001 mm; the last one is near Newton's tolerance
     slope = np.polyfit(np.log(list(runs)[:4]), np.log(off[:4]), 1)[0]
     assert slope == pytest.approx(2.0, abs=0.15)
+
+
+@pytest.mark.parametrize(("share", "left"), [(0.0, 0.0), (0.1, 0.0), (0.4, 0.0), (1.0, 1.0 / 3.0)])
+@pytest.mark.parametrize("compression", ["linear", "none", "damped"])
+def test_a_stretch_that_the_step_does_not_resolve_is_gone_after_one(compression, share, left):
+    """(a - 1/2)/(a + 1/2) of it is left, a = max(share, 1/2): the numerical damper fills c/h = share k up to k/2."""
+    h, k, stretch = 0.01, 1e8, 1e-4
+    law = dict(length=1.0, mass_per_length=1e-3, EA=k, BA=share * k * h, segments=1, compression=compression)
+    scene = Scene([Fixed("top", (0, 0, 0)), Free("tip", mass=1.0)], [Cable("top", "tip", **law)])
+    start = State.of(scene, points={"tip": (0.0, 0.0, -1.0 - stretch)})
+    run = simulate(scene, h, method="edmc", dt=h, start=start)
+    after = -run.position("tip")[-1, 2] - 1.0
+    assert after == pytest.approx(left * stretch, abs=1e-3 * stretch)  # 4/(h omega)^2 = 4e-4: what the step resolves

@@ -118,19 +118,32 @@ def subtract_segment_slopes(u, gradient, t, per_l, normal, along, side, c_q, c_v
     speed = vector_length(n[0], n[1], n[2])
     a, c = normal * speed, 2.0 * along * abs(s)
     b = normal / speed if speed > 0.0 else 0.0
-    turning = side * c_q * per_l
-    for x in range(3):
-        df_du = (
-            (c - a) * t[x] * t[0] + b * n[x] * n[0] + (a if x == 0 else 0.0),
-            (c - a) * t[x] * t[1] + b * n[x] * n[1] + (a if x == 1 else 0.0),
-            (c - a) * t[x] * t[2] + b * n[x] * n[2] + (a if x == 2 else 0.0),
-        )
-        for y in range(3):
-            across = (1.0 if x == y else 0.0) - t[x] * t[y]
-            df_dd = turning * ((0.5 * c - a) * s * across + (c - a) * t[x] * n[y] - s * b * n[x] * n[y])
-            df_du_gradient = df_du[0] * gradient[y] + df_du[1] * gradient[3 + y] + df_du[2] * gradient[6 + y]
-            own[x, y] -= df_dd + c_q * df_du_gradient - c_v * df_du[y]
-            other[x, y] += df_dd
+    factors, turning = (a, b, c, s), side * c_q * per_l
+    _subtract_row(0, (1.0, 0.0, 0.0), t[0], n[0], t, n, factors, turning, gradient, c_q, c_v, own, other)
+    _subtract_row(1, (0.0, 1.0, 0.0), t[1], n[1], t, n, factors, turning, gradient, c_q, c_v, own, other)
+    _subtract_row(2, (0.0, 0.0, 1.0), t[2], n[2], t, n, factors, turning, gradient, c_q, c_v, own, other)
+
+
+@inlined_law
+def _subtract_row(x, e, tx, nx, t, n, factors, turning, gradient, c_q, c_v, own, other):
+    """Row x, of the unit vector e, of `subtract_segment_slopes`.
+
+    Entries of tuples are named one by one: compiled code that takes an entry by a variable branches over all of them, which took
+    twenty times as long as the arithmetic.
+    """
+    a, b, c, s = factors
+    du0 = (c - a) * tx * t[0] + b * nx * n[0] + a * e[0]
+    du1 = (c - a) * tx * t[1] + b * nx * n[1] + a * e[1]
+    du2 = (c - a) * tx * t[2] + b * nx * n[2] + a * e[2]
+    dd0 = turning * ((0.5 * c - a) * s * (e[0] - tx * t[0]) + (c - a) * tx * n[0] - s * b * nx * n[0])
+    dd1 = turning * ((0.5 * c - a) * s * (e[1] - tx * t[1]) + (c - a) * tx * n[1] - s * b * nx * n[1])
+    dd2 = turning * ((0.5 * c - a) * s * (e[2] - tx * t[2]) + (c - a) * tx * n[2] - s * b * nx * n[2])
+    own[x, 0] -= dd0 + c_q * (du0 * gradient[0] + du1 * gradient[3] + du2 * gradient[6]) - c_v * du0
+    own[x, 1] -= dd1 + c_q * (du0 * gradient[1] + du1 * gradient[4] + du2 * gradient[7]) - c_v * du1
+    own[x, 2] -= dd2 + c_q * (du0 * gradient[2] + du1 * gradient[5] + du2 * gradient[8]) - c_v * du2
+    other[x, 0] += dd0
+    other[x, 1] += dd1
+    other[x, 2] += dd2
 
 
 @inlined_law
@@ -146,9 +159,15 @@ def subtract_point_slopes(u, gradient, coefficient, c_q, c_v, own):
     speed = vector_length(u[0], u[1], u[2])
     a = coefficient * speed
     b = coefficient / speed if speed > 0.0 else 0.0
-    for x in range(3):
-        for y in range(3):
-            df_du_gradient = (
-                b * u[x] * (u[0] * gradient[y] + u[1] * gradient[3 + y] + u[2] * gradient[6 + y]) + a * gradient[3 * x + y]
-            )
-            own[x, y] -= c_q * df_du_gradient - c_v * (b * u[x] * u[y] + (a if x == y else 0.0))
+    along0 = u[0] * gradient[0] + u[1] * gradient[3] + u[2] * gradient[6]
+    along1 = u[0] * gradient[1] + u[1] * gradient[4] + u[2] * gradient[7]
+    along2 = u[0] * gradient[2] + u[1] * gradient[5] + u[2] * gradient[8]
+    own[0, 0] -= c_q * (b * u[0] * along0 + a * gradient[0]) - c_v * (b * u[0] * u[0] + a)
+    own[0, 1] -= c_q * (b * u[0] * along1 + a * gradient[1]) - c_v * (b * u[0] * u[1])
+    own[0, 2] -= c_q * (b * u[0] * along2 + a * gradient[2]) - c_v * (b * u[0] * u[2])
+    own[1, 0] -= c_q * (b * u[1] * along0 + a * gradient[3]) - c_v * (b * u[1] * u[0])
+    own[1, 1] -= c_q * (b * u[1] * along1 + a * gradient[4]) - c_v * (b * u[1] * u[1] + a)
+    own[1, 2] -= c_q * (b * u[1] * along2 + a * gradient[5]) - c_v * (b * u[1] * u[2])
+    own[2, 0] -= c_q * (b * u[2] * along0 + a * gradient[6]) - c_v * (b * u[2] * u[0])
+    own[2, 1] -= c_q * (b * u[2] * along1 + a * gradient[7]) - c_v * (b * u[2] * u[1])
+    own[2, 2] -= c_q * (b * u[2] * along2 + a * gradient[8]) - c_v * (b * u[2] * u[2] + a)

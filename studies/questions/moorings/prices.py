@@ -10,7 +10,7 @@ from studies.questions.moorings.motion import Peer, own_run, prepare, tensions
 
 SAVED = 0.1  # [s]
 REPEATS = 3
-OWN_STEPS = (0.1, 0.05, 1 / 30, 0.025, 0.0125, 1 / 120, 0.00625, 0.003125)  # [s]
+OWN_STEPS = (0.1, 0.05, 1 / 30, 0.025, 0.02, 1 / 60, 0.0125, 1 / 120, 0.00625, 0.003125)  # [s]
 OWN_FINE = 0.1 / 128
 OWN_METHODS = {
     "edmc": {},
