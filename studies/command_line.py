@@ -33,6 +33,7 @@ from studies.options import (
     Start,
     Step,
     Tension,
+    Whole,
     folder,
 )
 from studies.quantities import metres, newtons
@@ -45,7 +46,6 @@ from studies.telling import announce_compiling, tell, tell_lines, tell_what_take
 app = typer.Typer(no_args_is_help=True, add_completion=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 REPORT = Path("results/report")
-SHOWN = 60  # rows of a sweep on the screen
 
 
 def _save_run(run, out):
@@ -93,7 +93,9 @@ app.command(epilog="Example: anet-lumped new mine.toml --like tether   (then: an
 
 
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
-def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False, effect: Added = ()):
+def equilibrium(
+    scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False, effect: Added = (), whole: Whole = False
+):
     """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point.
 
     With --out also the places of all nodes (nodes.csv) and a picture (rest.png).
@@ -107,7 +109,7 @@ def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Js
         write_nodes(state, out / "nodes.csv")
         state.plot().savefig(out / "rest.png", dpi=110)
 
-    give(rest_summary(state), as_json, out, "equilibrium", save)
+    give(rest_summary(state), as_json, out, "equilibrium", save, whole)
 
 
 @app.command(epilog="Example: anet-lumped simulate loose_cable --t-end 0.6 --start straight --method edmc --dt 0.01")
@@ -130,6 +132,7 @@ def simulate(
     audit: Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")] = False,
     out: Out = None,
     as_json: Json = False,
+    whole: Whole = False,
 ):
     """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, positions at the end [m].
 
@@ -157,7 +160,7 @@ def simulate(
         _save_run(run, out)
         write_asked(scene, run, out)
 
-    give(run_summary(run), as_json, out, "run", save)
+    give(run_summary(run), as_json, out, "run", save, whole)
     if not run.ok:
         raise typer.Exit(1)
 
@@ -179,6 +182,7 @@ def fly(
     effect: Added = (),
     out: Out = None,
     as_json: Json = False,
+    whole: Whole = False,
 ):
     """Fly a scene with quadrotors, which start where they hover. Tables and files are those of simulate.
 
@@ -199,7 +203,7 @@ def fly(
         run = fly(loaded, controller_for(loaded, flight), flight.t_end, dt=dt, quadrotors=quadrotors, save_every=save_every)
     except RunInterrupt as stopped:
         run = stopped.run
-    give(run_summary(run), as_json, out, "run", lambda: _save_run(run, out))
+    give(run_summary(run), as_json, out, "run", lambda: _save_run(run, out), whole)
     if not run.ok:
         raise typer.Exit(1)
 
@@ -267,11 +271,12 @@ def check(
     change: Changes = (),
     effect: Added = (),
     as_json: Json = False,
+    whole: Whole = False,
 ):
     """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
     from studies.shown.summary import prediction_summary
 
-    give(prediction_summary(changed(load(scene, "equilibrium"), change, effect), dt), as_json)
+    give(prediction_summary(changed(load(scene, "equilibrium"), change, effect), dt), as_json, whole=whole)
 
 
 @app.command(epilog="Example: anet-lumped sweep net_held --vary EA=1e2:1e6:9log --vary segments=5,10  (EA in N)")
@@ -297,6 +302,7 @@ def sweep(
     workers: Annotated[int | None, typer.Option(help="Processes; one a core by default.", min=1)] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
     as_json: Json = False,
+    whole: Whole = False,
 ):
     """Measure a scene over a grid of inputs. Runs in parallel; rows are on disk as they finish, a picture at the end."""
     from studies.sweeping.workers import start_early
@@ -317,8 +323,8 @@ def sweep(
         raise typer.Exit(130) from None
     heads = with_units(loaded, table.columns)
     save_sweep(table, list(parse_vary(vary)), heads, out)
-    shown = table if as_json else table.head(SHOWN).rename(columns=heads)
-    give({"rows": shown.to_dict("records")}, as_json)
+    shown = table if as_json else table.rename(columns=heads)
+    give({"rows": shown.to_dict("records")}, as_json, whole=whole)
     bad = int((table["status"] != "done").sum())
     tell(f"{len(table)} rows in {out}/rows.parquet and .csv, drawn in sweep.png" + (f", {bad} of them not done." if bad else "."))
     if bad:
@@ -369,6 +375,7 @@ def mismatch(
     effect: Added = (),
     out: Out = None,
     as_json: Json = False,
+    whole: Whole = False,
 ):
     """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable.
 
@@ -380,7 +387,7 @@ def mismatch(
 
     scene = changed(load(scene, "equilibrium"), change, effect)
     found, save, ok = compared(scene, markers, tension, shift, up, out)
-    give(found, as_json, out, "mismatch", save)
+    give(found, as_json, out, "mismatch", save, whole)
     raise typer.Exit(0 if ok else 1)
 
 
