@@ -262,6 +262,8 @@ def effects(
     loaded = changed(load(scene, "effects"), change, effect)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
     give(effects_summary(found), as_json, out, "effects", lambda: write_effects(found, out / "effects.csv"))
+    if found.left_out:
+        raise typer.Exit(130)
 
 
 @app.command(epilog="Example: anet-lumped check net_held --dt 1ms")

@@ -131,6 +131,7 @@ def effects_summary(found) -> dict:
         "asked_for": f"{found.of} within {found.error:g} {found.unit}",
         "numerical_error_of_this_comparison": f"{found.known_to:.3g} {found.unit}",
         "simulated_for": f"{found.t_end:.4g} s by edmc at dt={found.dt:.3g} s",
+        **({"stopped_before": ", ".join(found.left_out)} if found.left_out else {}),
         "notes": [f"{one.effect}: {one.reason}" for one in found.verdicts if one.verdict not in (NEEDED, NEGLIGIBLE)],
     }
 
