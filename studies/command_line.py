@@ -33,6 +33,7 @@ from studies.options import (
     Start,
     Step,
     Tension,
+    Whole,
     folder,
 )
 from studies.quantities import metres, newtons
@@ -93,7 +94,9 @@ app.command(epilog="Example: anet-lumped new mine.toml --like tether   (then: an
 
 
 @app.command(epilog="Example: anet-lumped equilibrium net_held --out results/rest")
-def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False, effect: Added = ()):
+def equilibrium(
+    scene: Scene, change: Changes = (), out: Out = None, as_json: Json = False, effect: Added = (), whole: Whole = False
+):
     """Find the shape at rest. Stretch [-], sag [m] and tension [N] of each cable, position [m] of each free point.
 
     With --out also the places of all nodes (nodes.csv) and a picture (rest.png).
@@ -107,7 +110,7 @@ def equilibrium(scene: Scene, change: Changes = (), out: Out = None, as_json: Js
         write_nodes(state, out / "nodes.csv")
         state.plot().savefig(out / "rest.png", dpi=110)
 
-    give(rest_summary(state), as_json, out, "equilibrium", save)
+    give(rest_summary(state), as_json, out, "equilibrium", save, whole)
 
 
 @app.command(epilog="Example: anet-lumped simulate loose_cable --t-end 0.6 --start straight --method edmc --dt 0.01")
@@ -130,6 +133,7 @@ def simulate(
     audit: Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")] = False,
     out: Out = None,
     as_json: Json = False,
+    whole: Whole = False,
 ):
     """Run a scene. Status, work, energy [J], stretch [-] and tension [N] of each cable, positions at the end [m].
 
@@ -157,7 +161,7 @@ def simulate(
         _save_run(run, out)
         write_asked(scene, run, out)
 
-    give(run_summary(run), as_json, out, "run", save)
+    give(run_summary(run), as_json, out, "run", save, whole)
     if not run.ok:
         raise typer.Exit(1)
 
@@ -179,6 +183,7 @@ def fly(
     effect: Added = (),
     out: Out = None,
     as_json: Json = False,
+    whole: Whole = False,
 ):
     """Fly a scene with quadrotors, which start where they hover. Tables and files are those of simulate.
 
@@ -199,7 +204,7 @@ def fly(
         run = fly(loaded, controller_for(loaded, flight), flight.t_end, dt=dt, quadrotors=quadrotors, save_every=save_every)
     except RunInterrupt as stopped:
         run = stopped.run
-    give(run_summary(run), as_json, out, "run", lambda: _save_run(run, out))
+    give(run_summary(run), as_json, out, "run", lambda: _save_run(run, out), whole)
     if not run.ok:
         raise typer.Exit(1)
 
@@ -258,6 +263,8 @@ def effects(
     loaded = changed(load(scene, "effects"), change, effect)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
     give(effects_summary(found), as_json, out, "effects", lambda: write_effects(found, out / "effects.csv"))
+    if found.left_out:
+        raise typer.Exit(130)
 
 
 @app.command(epilog="Example: anet-lumped check net_held --dt 1ms")
@@ -267,11 +274,12 @@ def check(
     change: Changes = (),
     effect: Added = (),
     as_json: Json = False,
+    whole: Whole = False,
 ):
     """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
     from studies.shown.summary import prediction_summary
 
-    give(prediction_summary(changed(load(scene, "equilibrium"), change, effect), dt), as_json)
+    give(prediction_summary(changed(load(scene, "equilibrium"), change, effect), dt), as_json, whole=whole)
 
 
 add_sweep_commands(app)
@@ -309,6 +317,7 @@ def mismatch(
     effect: Added = (),
     out: Out = None,
     as_json: Json = False,
+    whole: Whole = False,
 ):
     """Compare with the catenary or with markers. RMSE [m], R², length [m], sag [m] and tension [N] of each cable.
 
@@ -320,7 +329,7 @@ def mismatch(
 
     scene = changed(load(scene, "equilibrium"), change, effect)
     found, save, ok = compared(scene, markers, tension, shift, up, out)
-    give(found, as_json, out, "mismatch", save)
+    give(found, as_json, out, "mismatch", save, whole)
     raise typer.Exit(0 if ok else 1)
 
 

@@ -7,12 +7,11 @@ from typing import Annotated
 import typer
 
 from studies.added_effects import Added
-from studies.options import TIME, Changes, Json, Method, Scene, Step, folder
+from studies.options import TIME, Changes, Json, Method, Scene, Step, Whole, folder
 from studies.scenes import changed, load
 from studies.shown.given import give
 from studies.telling import tell
 
-SHOWN = 60  # rows of a sweep on the screen
 JOBS = 16  # of Slurm by default
 
 
@@ -71,6 +70,7 @@ def sweep(
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows in the folder and do the rest.")] = False,
     as_json: Json = False,
+    whole: Whole = False,
 ):
     """Measure a scene over a grid or a sample of inputs, or search the best.
 
@@ -112,7 +112,7 @@ def sweep(
         heads = with_units(loaded, table.columns)
         save_sweep(table, list(varied), heads, out)
         more = _sensitivities(out, table)
-        _give_rows(table, as_json, f"{out}/rows.parquet and .csv, drawn in sweep.png", more, heads=heads)
+        _give_rows(table, as_json, f"{out}/rows.parquet and .csv, drawn in sweep.png", more, heads=heads, whole=whole)
     else:
         _give_rows(table, as_json, f"{out}/parts; when all shards are done, anet-lumped gather {out} puts them together")
 
@@ -218,10 +218,12 @@ def _sensitivities(out, table):
     return {} if found is None else {"sensitivities": found.to_dict("records")}
 
 
-def _give_rows(table, as_json, where, more=None, failed=False, heads=None):
+def _give_rows(table, as_json, where, more=None, failed=False, heads=None, whole=False):
     """Print the rows, with units in the ``heads`` of columns, and say where they are; exit with 1 if some are not done."""
-    rows = {"rows": (table if as_json else table.head(SHOWN).rename(columns=heads or {})).to_dict("records")}
-    give(rows | (more or {}) if as_json or not more else more, as_json)  # the rows of a sample say nothing that these do not
+    rows = {"rows": (table if as_json else table.rename(columns=heads or {})).to_dict("records")}
+    give(
+        rows | (more or {}) if as_json or not more else more, as_json, whole=whole
+    )  # the rows of a sample say nothing that these do not
     bad = int((table["status"] != "done").sum())
     tell(f"{len(table)} rows in {where}" + (f", {bad} of them not done." if bad else "."))
     if bad or failed:

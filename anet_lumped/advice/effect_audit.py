@@ -5,6 +5,7 @@ small enough for the question: it is halved until the run without any change is 
 cable where they are largest, speeds and tensions are those of the run.
 """
 
+import logging
 import math
 from dataclasses import dataclass, replace
 from typing import Any
@@ -22,6 +23,7 @@ from anet_lumped.statics.equilibrium import EquilibriumError
 from .audited_effects import Audited, InputMissing, Scales, audited_in, scales
 from .recommend import scale_of_motion, two_swings
 
+LOG = logging.getLogger(__name__)
 SAVES = 40  # times at which runs are compared
 KNOWN_TO = 0.1  # of the error, the run at the step that is used
 DECIDES = 3.0  # times what the motion is known to: changes of a chaotic motion differ by chance
@@ -73,6 +75,7 @@ class EffectAudit:
     error : float [m] or [N], asked for
     known_to : float [m] or [N], how far the run of the scene as it was given is from one with half the step
     dt, t_end : float [s]
+    left_out : tuple of str, effects that Ctrl-C left without a verdict
     """
 
     verdicts: tuple[Verdict, ...]
@@ -82,6 +85,7 @@ class EffectAudit:
     known_to: float
     dt: float
     t_end: float
+    left_out: tuple[str, ...] = ()
 
     def __getitem__(self, effect: str) -> Verdict:
         return {verdict.effect: verdict for verdict in self.verdicts}[effect]
@@ -140,11 +144,17 @@ def audit_effects(
     runs = _Runs(error, at, tension, t_end, start, SHARE_OF_TIME_SCALE * scale)
     reference, known_to = runs.reference(scene)
     sizes = scales(reference, 2.0 * math.pi * scale)
-    found = [
-        _verdict(name, audited, scene, reference, runs, sizes, known_to, water_level) for name, audited in audited_in(scene).items()
-    ]
+    asked, found = audited_in(scene), []
+    try:
+        for number_of, (name, audited) in enumerate(asked.items(), 1):
+            LOG.info("effect %d of %d: %s", number_of, len(asked), name)
+            found.append(_verdict(name, audited, scene, reference, runs, sizes, known_to, water_level))
+    except KeyboardInterrupt:
+        if not found:
+            raise
     of = at or tension or ", ".join(point.name for point in scene.points if isinstance(point, Free)) or "all nodes"
-    return EffectAudit(tuple(found), of, "N" if tension else "m", error, known_to, runs.dt, t_end)
+    unit, left_out = "N" if tension else "m", tuple(asked)[len(found) :]
+    return EffectAudit(tuple(found), of, unit, error, known_to, runs.dt, t_end, left_out)
 
 
 class _Runs:

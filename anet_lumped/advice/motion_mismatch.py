@@ -13,6 +13,7 @@ run is late. Positions are those of the scene's frame.
 import math
 import re
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -79,6 +80,12 @@ class MotionMismatch:
     tensions: list[ChannelMismatch]
     markers: list[ChannelMismatch]
     curves: dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]
+
+    def plot(self) -> Any:
+        """A figure of matplotlib: what was measured and what the run has over time, the channels that differ most."""
+        from anet_lumped.views.series_figure import plot_series
+
+        return plot_series(self)
 
 
 def compare_motion(

@@ -1,8 +1,8 @@
 """A result that a command gives: saved first, then printed."""
 
 
-def give(result, as_json=False, out=None, stem="", save=lambda: None):
-    """Save a result in the folder `out` if there is one, with what `save` writes there besides; then print it.
+def give(result, as_json=False, out=None, stem="", save=lambda: None, whole=False):
+    """Save a result in the folder `out` if there is one, with what `save` writes there besides; then print it, long tables `whole`.
 
     In this order nothing is lost where stdout is closed or full.
     """
@@ -21,4 +21,4 @@ def give(result, as_json=False, out=None, stem="", save=lambda: None):
     if as_json:
         print(to_json(result))
     else:
-        show(result)
+        show(result, whole)

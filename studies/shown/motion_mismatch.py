@@ -2,11 +2,6 @@
 
 from dataclasses import asdict
 
-import numpy as np
-
-from anet_lumped.views.palette import BLACK, VERMILION
-
-MOST_PANELS = 8  # of the picture
 FEWEST_STATES = 400  # that are saved, and more where more was measured
 MOST_STATES = 5000
 UNSURE = "What was measured hardly tells the shift of the clock: others are nearly as good. Give the right one by --shift."
@@ -67,27 +62,9 @@ def _row(channel, unit):
 
 
 def plot(run, found):
-    """Figure of what was measured and of the model over time, a panel for each channel, those that differ most first."""
-    from matplotlib.figure import Figure
-
+    """The figure of a comparison, with what is wrong with its run."""
     from anet_lumped.views.run_figure import mark_failures
 
-    channels = [*found.tensions, *found.markers]
-    shown = sorted(channels, key=lambda one: -one.rmse / max(one.measured_peak, 1e-300))[:MOST_PANELS]
-    figure = Figure(figsize=(9.5, 0.8 + 1.9 * len(shown)), layout="constrained")
-    panels = np.atleast_1d(figure.subplots(len(shown), 1, sharex=True))
-    for panel, channel in zip(panels, shown, strict=True):
-        t, measured, model = found.curves[channel.name]
-        marker = measured.shape[1] == 3
-        for k in range(measured.shape[1]):
-            panel.plot(t, measured[:, k], ".", color=BLACK, ms=2.5, label=None if k else "measured")
-            panel.plot(t, model[:, k], color=VERMILION, lw=1.1, label=None if k else "model")
-            if marker:
-                panel.annotate("xyz"[k], (t[-1], model[-1, k]), xytext=(4, 0), textcoords="offset points", fontsize=8, va="center")
-        panel.set_title(channel.name, fontsize=9, loc="left", parse_math=False)
-        panel.set_ylabel("place [m]" if marker else "tension [N]")
-        panel.spines[["top", "right"]].set_visible(False)
-    panels[-1].set_xlabel("time of the run [s]")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=2, frameon=False, fontsize=9)
+    figure = found.plot()
     mark_failures(figure, run)
     return figure

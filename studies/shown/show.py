@@ -3,6 +3,7 @@
 import json
 import math
 import sys
+from collections import Counter
 from numbers import Integral, Real
 
 from anet_lumped.checks import printable
@@ -20,8 +21,9 @@ UNIT = {word: unit for unit, words in UNITS.items() for word in words.split()}  
 OF_NAMES = dict.fromkeys(("by_dampers", "by_effects", "by_method", "in_play"), "J")
 SUFFIXES = "m mm um cm kg g s ms us ns N J Hz percent degrees".split()  # that are the unit of a name that ends so
 COMPOUND_UNITS = {"_Ns_per_m": "N·s/m", "_N_per_m": "N/m", "_rad_per_s": "rad/s", "_m_per_s": "m/s", "_per_s": "1/s"}
-MOST_ROWS = 200  # of a table on the screen
 MOST_DIGITS = 7  # of a number in a column whose values hardly differ
+LEAST_CHANGE = 1e-5  # of the largest number of a column: a smaller change is none
+MOST_ROWS, MOST_WORDS = 60, 4  # of a table that is printed in full, and words of a column that are counted in its summary
 WIDE = 10  # columns; a wider table of few rows is shown on its side
 
 
@@ -30,20 +32,27 @@ def as_json(result: dict) -> str:
     return json.dumps(_strict(result), indent=1)
 
 
-def show(result: dict) -> None:
-    """Print a result on stdout: lists of dicts as tables, other values as lines."""
+def show(result: dict, whole: bool = False) -> None:
+    """Print a result on stdout: lists of dicts as tables, other values as lines.
+
+    Of a table of more than MOST_ROWS rows a summary is printed, unless all of it is asked for.
+    """
     from rich.console import Console
 
     # A file or pipe has no width of its own; 80 columns would break every table.
     console = Console(width=None if sys.stdout.isatty() else 160, highlight=False, markup=False, emoji=False)
     for title, value in result.items():
         if isinstance(value, list) and value and isinstance(value[0], dict):
-            console.print(_table(title, value[:MOST_ROWS]))
-            if len(value) > MOST_ROWS:
-                print(f"{MOST_ROWS} of {len(value)} {_words(title)}; all of them with --json.")
+            short = len(value) > MOST_ROWS and not whole
+            console.print(
+                _table(f"{title}, {len(value)} rows; --all prints them", summed_up(value)) if short else _table(title, value)
+            )
         elif isinstance(value, list):
-            for line in value:
+            lines = value if whole or len(value) <= MOST_ROWS else value[:MOST_WORDS]
+            for line in lines:
                 print(f"{_words(title)}: {printable(str(line))}")
+            if len(lines) < len(value):
+                print(f"{_words(title)}: {len(value) - len(lines)} more like these; --all prints them")
         else:
             print(f"{_head(title)}: {as_text(value)}")
 
@@ -84,14 +93,15 @@ def column_texts(values, digits: int = 4) -> list[str]:
     if len(numbers) < 2 or not all(value is None or (isinstance(value, Real) and not isinstance(value, bool)) for value in values):
         return [as_text(value, digits) for value in values]
     low, high = min(numbers), max(numbers)
+    signed = [value for value in values if _is_fraction(value)]
+    spread = (max(signed) - min(signed)) / high
+    if LEAST_CHANGE < spread < 10.0 ** (1 - digits):  # so that two digits of it show
+        digits = min(2 - math.floor(math.log10(spread)), MOST_DIGITS)
     scientific = high >= 1e6 or high < 1e-3 or high >= 1e5 * low
-    for more in range(digits, MOST_DIGITS + 1):
-        decimals = more - 1
-        if not scientific:
-            decimals = max(0, more - 1 - math.floor(math.log10(high)), 2 - math.floor(math.log10(low)))
-        texts = [f"{value:.{decimals}{'e' if scientific else 'f'}}" if _is_fraction(value) else as_text(value) for value in values]
-        if len(set(texts)) >= len(set(map(repr, values))):
-            break
+    decimals = digits - 1
+    if not scientific:
+        decimals = max(0, digits - 1 - math.floor(math.log10(high)), 2 - math.floor(math.log10(low)))
+    texts = [f"{value:.{decimals}{'e' if scientific else 'f'}}" if _is_fraction(value) else as_text(value) for value in values]
     return _shortened([text.replace("e+0", "e").replace("e-0", "e-").replace("e+", "e") for text in texts])
 
 
@@ -113,13 +123,38 @@ def _shortened(texts):
     ]
 
 
+def summed_up(rows: list[dict]) -> list[dict]:
+    """A row for each column of a long table: the minimum, mean and maximum of its numbers, or how often which word."""
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    label = next((name for name in names if isinstance(rows[0].get(name), str)), None)
+    found = []
+    for name in names:
+        values = [row.get(name) for row in rows]
+        numbers = [(value, k) for k, value in enumerate(values) if _is_number(value)]
+        if numbers and all(value is None or _is_number(value) or value != value for value in values):
+            (low, first), (high, last) = min(numbers), max(numbers)
+            where = [f"{rows[k][label]}" if label else f"row {k + 1}" for k in (first, last)]
+            mean = sum(value for value, _ in numbers) / len(numbers)
+            found.append({"": _head(name), "minimum": low, "at": where[0], "mean": mean, "maximum": high, "at ": where[1]})
+        elif name != label:
+            counts = Counter(as_text(value) for value in values).most_common(MOST_WORDS)
+            found.append({"": _head(name), "at": ", ".join(f"{word or 'none'} ({count})" for word, count in counts)})
+    return found
+
+
+def _is_number(value):
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+
+
 def _table(title, rows):
     from rich import box
     from rich.table import Table
 
     names = list(dict.fromkeys(name for row in rows for name in row))
     table = Table(title=_words(title), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
-    lines = list(zip(*(column_texts([row.get(name) for row in rows]) for name in names), strict=True))
+    of_one_kind = "minimum" not in names  # and not a summary, whose rows are of several quantities
+    columns = [[row.get(name) for row in rows] for name in names]
+    lines = list(zip(*(column_texts(own) if of_one_kind else [as_text(one) for one in own] for own in columns), strict=True))
     heads = [_head(name) for name in names]
     on_its_side = len(names) > WIDE > len(rows)
     if on_its_side:

@@ -11,6 +11,7 @@ from anet_lumped.scene.scene import Free
 from studies.shown.show import as_text
 from studies.sweeping.measures import sag
 
+ROUNDING = 1e-12  # of a net's size: what is left of a place that is 0
 SOFT = 0.01  # static stretch worth a warning: cords under their working load stay below it
 
 
@@ -130,6 +131,7 @@ def effects_summary(found) -> dict:
         "asked_for": f"{found.of} within {found.error:g} {found.unit}",
         "numerical_error_of_this_comparison": f"{found.known_to:.3g} {found.unit}",
         "simulated_for": f"{found.t_end:.4g} s by edmc at dt={found.dt:.3g} s",
+        **({"stopped_before": ", ".join(found.left_out)} if found.left_out else {}),
         "notes": [f"{one.effect}: {one.reason}" for one in found.verdicts if one.verdict not in (NEEDED, NEGLIGIBLE)],
     }
 
@@ -274,7 +276,13 @@ def _ranges(numbers):
 def _points(state):
     """Positions of the points that move."""
     free = [point.name for point in state.scene.points if isinstance(point, Free)]
-    return [{"point": name} | _xyz(state.position(name)) for name in free]
+    return [{"point": name} | _xyz(_place(state, name)) for name in free]
+
+
+def _place(state, name):
+    """Position of a point or body, with 0 in place of what rounding leaves of it."""
+    at = state.position(name)
+    return np.where(np.abs(at) < ROUNDING * np.ptp(state.q), 0.0, at)
 
 
 def _peak_at(run, cable, point):
@@ -297,7 +305,7 @@ def _reactions(state):
 def _bodies(title, state):
     """A table of the places of bodies and of their rotations, as unit quaternions, if there are any."""
     rows = [
-        {"body": body.name} | _xyz(state.position(body.name)) | {"quaternion_wxyz": state.quaternion(body.name).tolist()}
+        {"body": body.name} | _xyz(_place(state, body.name)) | {"quaternion_wxyz": state.quaternion(body.name).tolist()}
         for body in state.scene.bodies
     ]
     return {title: rows} if rows else {}

@@ -10,6 +10,7 @@ import pytest
 from systems import four_cables, loose_cable
 
 from anet_lumped import Cable, Fixed, Free, Scene, SceneError, load_scene, simulate
+from anet_lumped.advice import effect_audit
 from anet_lumped.advice.effect_audit import NEEDED, NEGLIGIBLE, STIFF, UNDECIDED, UNKNOWN, USE_RIGID, audit_effects
 from anet_lumped.effects import REGISTRY, Air, Bending, Effect, Gravity, Ground, ViscousDamping, node_force
 from anet_lumped.effects.flow.wind import Uniform
@@ -71,6 +72,21 @@ def test_a_hung_mass_in_closed_form():
 def test_an_error_decides():
     for error, verdict in ((1e-2, NEGLIGIBLE), (1e-4, NEEDED)):
         assert audit_effects(hung(EA=1e3), error, t_end=0.5)["payload"].verdict == verdict
+
+
+def test_ctrl_c_leaves_the_verdicts_that_there_are(monkeypatch):
+    def interrupted(name, *given, verdict=effect_audit._verdict):
+        if name == "payload":
+            raise KeyboardInterrupt
+        return verdict(name, *given)
+
+    monkeypatch.setattr(effect_audit, "_verdict", interrupted)
+    found = audit_effects(hung(), 1e-3, t_end=0.2)
+    judged = [verdict.effect for verdict in found.verdicts]
+    assert judged and found.left_out[0] == "payload" and not set(judged) & set(found.left_out)
+    monkeypatch.setattr(effect_audit, "_verdict", lambda *given: interrupted("payload"))
+    with pytest.raises(KeyboardInterrupt):
+        audit_effects(hung(), 1e-3, t_end=0.2)
 
 
 def test_without_weight_it_goes_on_from_rest():

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from anet_lumped import load_scene, simulate
+from anet_lumped import equilibrium, load_scene, simulate
 from studies.command_line import main
 
 CLOCK, FROM = 40.0, 0.15  # [s] of the first sample: on the clock of the measurement, and in the run
@@ -23,7 +23,7 @@ def measured(tmp_path):
     """Files of tensions and of tracks of the carried net, with 3 % more tension and noise of 2 mm and 0.02 N."""
     run = simulate(load_scene("net_carried"), 2.0, dt=5e-3, save_every=5e-3)
     t, noise = np.arange(0.0, 1.6, 0.01), np.random.default_rng(1).standard_normal
-    pulls = np.interp(t + FROM, run.t, run.tension("s0-p0")[:, -1])
+    pulls = np.interp(t + FROM, run.t, run.end_tension("s0-p0", "p0"))
     places = np.column_stack([np.interp(t + FROM, run.t, axis) for axis in run.position("p0").T]) + 2e-3 * noise((len(t), 3))
     tensions = np.column_stack([CLOCK + t, 1.03 * pulls + 0.02 * noise(len(t))])
     np.savetxt(tmp_path / "tension.csv", tensions, delimiter=",", header="t,s0-p0", comments="")
@@ -41,6 +41,33 @@ def test_a_motion_is_compared_and_drawn(measured, capsys):
     assert tension["name"] == "s0-p0" and 0.015 < tension["rmse_N"] < 0.035
     assert marker["rmse_m"] == pytest.approx(2e-3 * np.sqrt(3.0), rel=0.15)  # of three noises; 160 samples
     assert (measured / "mismatch.png").stat().st_size > 10_000
+
+
+def test_an_export_of_motive_over_time_and_of_one_shape(measured, capsys):
+    """The track of p0 as Motive has it, y up, beside a marker of another name; then markers of a net that hangs still."""
+    with np.load(measured / "track.npz") as track:
+        t, (x, y, z) = track["t"], track["p0"].T
+    heads = ["Format Version,1.23,Length Units,Meters", ",Type" + ",Marker" * 6, ",Name,Net:p0,Net:p0,Net:p0,Lamp,Lamp,Lamp"]
+    heads += [",," + ",".join(["Position"] * 6), "Frame,Time (Seconds),X,Y,Z,X,Y,Z"]
+    rows = [f"{k},{t[k]:.6f},{x[k]:.6f},{z[k]:.6f},{-y[k]:.6f},9,9,9" for k in range(len(t))]
+    (measured / "take.csv").write_text("\n".join(heads + rows) + "\n", encoding="utf-8")
+    assert call("mismatch", "net_carried", "--markers", measured / "take.csv", "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["left_out"] == "Lamp" and found["markers"][0]["rmse_m"] == pytest.approx(2e-3 * np.sqrt(3.0), rel=0.15)
+
+    shape = equilibrium(load_scene("net_held")).shape("s0-p0")[1:-1]
+    names = [f"Net:{k}" for k in range(len(shape))]
+    heads[1:4] = [line + ",".join(each for each in words for _ in "xyz") for line, words in (
+        (",Type,", ["Marker"] * len(shape)), (",Name,", names), (",,", ["Position"] * len(shape)))]  # fmt: skip
+    heads[4] = "Frame,Time (Seconds)" + ",X,Y,Z" * len(shape)
+    rows = [f"{k},{k / 100}," + ",".join(f"{x:.6f},{z:.6f},{-y:.6f}" for x, y, z in shape) for k in range(3)]
+    (measured / "still.csv").write_text("\n".join(heads + rows) + "\n", encoding="utf-8")
+    assert call("mismatch", "net_held", "--markers", measured / "still.csv", "--out", measured / "still", "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["markers"] == len(shape) and found["farthest_markers"][0]["distance_mm"] < 0.01
+    assert load_scene(measured / "still" / "fitted.toml").cable("s0-p0").length == pytest.approx(1.0, abs=1e-4)
+    assert len((measured / "still" / "markers.csv").read_text().splitlines()) == len(shape) + 1
+    assert (measured / "still" / "mismatch.png").stat().st_size > 10_000
 
 
 def test_a_given_shift_and_one_without_a_motion(measured, capsys):

@@ -7,7 +7,7 @@ import pytest
 from anet_lumped import Cable, Fixed, Free, Scene, load_scene
 from anet_lumped.effects import Gravity
 from anet_lumped.results.rainflow import cycles
-from studies.shown.show import column_texts
+from studies.shown.show import column_texts, show, summed_up
 from studies.shown.sweep_figure import plot_sweep
 from studies.sweeping.units import unit_of
 
@@ -64,7 +64,8 @@ def test_units_of_parts_whose_names_have_dots():
     [
         ([1e3, 1e4, 1e6], ["1e3", "1e4", "1e6"]),
         ([0.1524374, 0.1522, 0.15203], ["0.1524", "0.1522", "0.1520"]),
-        ([1.11690, 1.11691], ["1.11690", "1.11691"]),  # as many digits as tell them apart
+        ([1.11690, 1.1170], ["1.1169", "1.1170"]),  # as many digits as tell them apart
+        ([1.1169, 1.1169001], ["1.117", "1.117"]),  # but rounding is no change
         ([146.4, 9.123, 0.0], ["146.40", "9.12", "0"]),
         ([8.24e-4, 8.25e-5, None], ["8.24e-4", "8.25e-5", ""]),
         ([100.0, 250.0], ["100", "250"]),
@@ -75,6 +76,28 @@ def test_units_of_parts_whose_names_have_dots():
 )
 def test_one_format_a_column(values, texts):
     assert column_texts(values) == texts
+
+
+def test_a_long_table_is_summed_up():
+    rows = [{"cable": f"c{k}", "tension": float((k * 7) % 100), "segments": 5, "slack": "0-3" if k < 2 else ""} for k in range(100)]
+    tension, segments, slack = summed_up(rows)
+    assert (tension["minimum"], tension["at"], tension["mean"], tension["maximum"], tension["at "]) == (
+        0.0,
+        "c0",
+        49.5,
+        99.0,
+        "c57",
+    )
+    assert segments["minimum"] == segments["maximum"] == 5 and slack["at"] == "none (98), 0-3 (2)"
+
+
+def test_all_of_a_long_table_is_printed_where_asked_for(capsys):
+    rows = [{"cable": f"c{k}", "tension": k + 0.5} for k in range(61)]
+    show({"cables": rows})
+    assert "cables, 61 rows; --all prints them" in (said := capsys.readouterr().out) and len(said.splitlines()) < 8
+    show({"cables": rows}, whole=True)
+    said = capsys.readouterr().out
+    assert all(f"c{k} " in said for k in range(61))
 
 
 def test_rainflow_of_the_standard():
