@@ -100,10 +100,10 @@ class RunTable:
         rows = np.minimum(np.searchsorted(self.t, t - tolerance), len(self.t) - 1)
         of_run = np.flatnonzero(np.abs(self.t[rows] - t) <= tolerance)
         if len(of_run) == 0 or len(set(rows[of_run].tolist())) < len(of_run):
-            raise ValueError("A run saved other times than those that are kept.")
+            raise InputError("Runs of one table must save at the same times, but this one saved others.")
         first, last = int(rows[of_run[0]]), int(rows[of_run[-1]])
         if last - first + 1 != len(of_run):
-            raise ValueError("A run lacks times that are kept.")
+            raise InputError("Runs of one table must save at the same times, but this one lacks some of them.")
         return slice(first, last + 1), of_run
 
     def dataset(self, varied: dict[str, np.ndarray]) -> Any:
