@@ -27,7 +27,10 @@ def lengths(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def maps(tmp_path_factory):
-    return quick(stability_map, tmp_path_factory.mktemp("stability_map"))
+    """Without the shortest steps of the first look, which take most of its time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(planes, "STEPS", planes.STEPS[2:])
+        return quick(stability_map, tmp_path_factory.mktemp("stability_map"))
 
 
 @pytest.mark.parametrize(
@@ -98,7 +101,7 @@ def test_every_cell_lies_on_the_predicted_side(maps):
 @pytest.mark.parametrize("scheme", ["edmc", "backward_euler"])
 def test_energy_never_rises(maps, scheme):
     cells = maps["planes"].query("scheme == @scheme")
-    assert len(cells) == 72 and cells["whip_rise"].max() < 1e-6  # Newton's tolerance on force
+    assert len(cells) == 60 and cells["whip_rise"].max() < 1e-6  # Newton's tolerance on force
 
 
 def test_energy_tells_what_survival_hides(maps):
