@@ -6,6 +6,7 @@ and functions by value instead would cost as much as a step of eighty nodes.
 """
 
 import ctypes
+import hashlib
 
 import numpy as np
 from llvmlite import ir
@@ -53,11 +54,15 @@ def count_words(kind):
 
 
 class _View(types.Type):
-    """A named tuple of Numba type ``kind`` at an address."""
+    """A named tuple of Numba type ``kind`` at an address.
+
+    Its name is part of the name of each compiled function that is given one. All fields of a net would make these names so long
+    that they were half of what is kept of compiled code, and took a good part of the time to compile it.
+    """
 
     def __init__(self, kind):
         self.kind = kind
-        super().__init__(f"View({kind})")
+        super().__init__(f"View({kind.instance_class.__name__} {hashlib.sha256(str(kind).encode()).hexdigest()[:16]})")
 
 
 @register_model(_View)

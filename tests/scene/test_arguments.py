@@ -120,7 +120,7 @@ NONE = {
     ("air", "wind"), ("air", "surface"), ("water", "current"), ("water", "wave"),
     ("water", "waves"), ("water", "g"), ("shapes.Cylinder", "edge"), ("shapes.Box", "edge"),
     ("waves.Jonswap", "spreading"), ("waves.PiersonMoskowitz", "spreading"),
-    ("load", "cables"), ("rope", "tension"), ("Body", "pinned"), ("Body", "path"), ("Body", "turning"),
+    ("load", "cables"), ("rope", "tension"), ("Body", "pinned"), ("Body", "pinned_to"), ("Body", "path"), ("Body", "turning"),
     ("Body", "hull"), ("paths.samples", "ends"), ("paths.samples", "periods"), ("signals.samples", "ends"),
     ("signals.samples", "periods"), ("paths.lift", "hold"), ("PayloadChange", "volume"), ("PayloadChange", "CdA"),
 }  # fmt: skip
