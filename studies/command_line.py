@@ -43,6 +43,7 @@ from studies.stop_signals import stop_signals
 from studies.streams import PrintError, standard_streams
 from studies.sweep_commands import add_sweep_commands
 from studies.telling import announce_compiling, tell, tell_lines, tell_what_takes_long
+from studies.winches import Winches, with_winches
 
 app = typer.Typer(no_args_is_help=True, add_completion=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -128,6 +129,7 @@ def simulate(
     change: Changes = (),
     effect: Added = (),
     move: Move = (),
+    winch: Winches = (),
     error: Annotated[float | None, typer.Option(help="Error of places to keep, as in 1mm; chosen if not given.", **LENGTH)] = None,
     tension_error: Annotated[float | None, typer.Option(help="Error of the largest tension to keep, over it; 0.02 is 2 %.")] = None,
     audit: Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")] = False,
@@ -147,6 +149,7 @@ def simulate(
 
     ready = moved(changed(load(scene, "simulate"), change, effect), move, t_end)
     begin = read_start(start, ready) if start.lower().endswith(".csv") else start
+    ready = with_winches(ready, winch, t_end, begin)
     try:
         run = simulate(
             ready, t_end, method=method, dt=dt, rtol=rtol, start=begin, save_every=save_every, extrapolate=extrapolate, audit=audit,

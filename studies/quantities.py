@@ -6,6 +6,7 @@ import typer
 
 TIMES = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0, "s": 1.0}
 LENGTHS = {"mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6, "km": 1e3, "m": 1.0}
+SPEEDS = {"mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1.0 / 3.6, "m/s": 1.0}
 FORCES = {"kN": 1e3, "mN": 1e-3, "N": 1.0}
 DAMPERS = {"mNms": 1e-3, "Nms": 1.0}  # of a joint that turns
 
@@ -18,6 +19,11 @@ def seconds(text: str) -> float:
 def metres(text: str) -> float:
     """Metres in a text such as 1mm, 0.05 cm, 20um or 0.001."""
     return _amount(text, LENGTHS, "a length such as 1mm, 0.05cm or 0.001")
+
+
+def metres_per_second(text: str) -> float:
+    """Metres per second in a text such as 0.2m/s, 5 cm/s or 0.2."""
+    return _amount(text, SPEEDS, "a speed such as 0.2m/s, 5cm/s or 0.2")
 
 
 def newtons(text: str) -> float:

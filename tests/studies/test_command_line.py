@@ -18,6 +18,7 @@ import typer
 from test_report import fake_study
 from test_rows import start_and_wait_for_rows, wait_for_end_of
 
+from anet_lumped import load_run
 from anet_lumped.files.scene_file import SCENES
 from studies import command_line
 from studies.command_line import main
@@ -132,7 +133,6 @@ def test_simulate_tells_what_happened(tmp_path, capsys):
 
 
 def test_an_audit_that_fails_is_in_the_status_the_files_and_the_exit_status(tmp_path, capsys):
-    from anet_lumped import load_run
 
     loose = ["simulate", "loose_cable", "--start", "straight", "--method", "edmc", "--audit", "--out", tmp_path]
     assert call(*loose, "--t-end", 2.5, "--dt", 0.02) == 1
@@ -299,6 +299,18 @@ def test_a_platform_moves_a_mooring_file_and_its_channels_are_written(tmp_path, 
     assert (tmp_path / "out" / "rode.Line1.out").is_file()
     assert call(*arguments) == 0
     assert 'Nothing moves in this run: point "point2" is driven from outside' in capsys.readouterr().out
+
+
+def test_a_winch_keeps_a_tension(tmp_path, capsys):
+    """Steady within its band of a twentieth; at a speed that it cannot reach the tension would be that of a fixed length."""
+    arguments = ["simulate", "tether", "--t-end", "2s", "--out", tmp_path / "out"]
+    assert call(*arguments, "--winch", "tether=140N@winch,2m/s") == 0
+    kept = load_run(tmp_path / "out" / "run.nc").end_tension("tether", "winch")
+    assert call(*arguments) == 0
+    fixed = load_run(tmp_path / "out" / "run.nc").end_tension("tether", "winch")
+    assert abs(kept[-1] - 140.0) < 8.0 < abs(fixed[-1] - 140.0)
+    assert call(*arguments, "--winch", "tether=140N") == 2
+    assert "A winch must be as tether=30N@ground,0.2m/s" in capsys.readouterr().err
 
 
 def test_all_that_is_refused_of_a_mooring_file_is_told_line_by_line(tmp_path, capsys):
