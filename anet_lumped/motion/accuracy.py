@@ -46,6 +46,7 @@ LEAST_OF_TOLD = 0.05  # of the error that a run tells of itself, which is left o
 LEAST_OF_TENSION = 0.5  # the same of the largest tension, of which two runs may agree by chance
 BUDGET = 5e7  # Newton iterations times moving nodes of all runs: some 15 s on one core, a minute in waves; or, if that is more,
 BUDGET_OF_FIRST = 8.0  # times those of a run with the steps of the first choice
+ASKED = 10.0  # times that budget, where an error is asked for
 
 
 class Wanted(NamedTuple):
@@ -93,17 +94,17 @@ class Budget:
 
     Parameters
     ----------
-    limited : bool, whether there is such a limit
+    times : float, times `BUDGET` and `BUDGET_OF_FIRST`
     """
 
-    def __init__(self, limited: bool) -> None:
-        self.limited, self.most, self.spent = limited, math.inf, 0.0
+    def __init__(self, times: float = 1.0) -> None:
+        self.times, self.most, self.spent = times, math.inf, 0.0
 
     def spend(self, run: Run, of_first: float, share: float = 1.0) -> Run:
         """Count a run over a ``share`` of the whole time, whose steps are ``of_first`` of those of the first choice; return it."""
         self.spent += cost(run)
-        if self.limited and self.most == math.inf:
-            self.most = max(BUDGET, BUDGET_OF_FIRST * of_first * cost(run) / share)
+        if self.most == math.inf:
+            self.most = self.times * max(BUDGET, BUDGET_OF_FIRST * of_first * cost(run) / share)
         return run
 
     def parts(self, run: Run, wished: int, share: float = 1.0) -> int:
@@ -113,10 +114,14 @@ class Budget:
 
 
 class Beyond(NamedTuple):
-    """Steps that the budget does not allow: the ``parts`` in which they take those of the last run, and the ``budget``."""
+    """Steps that the budget does not allow: the ``parts`` in which they take those of the last run, and the ``budget``.
+
+    ``asked`` tells whether the errors were asked for.
+    """
 
     parts: int
     budget: float
+    asked: bool
 
 
 def cost(run: Run) -> float:
@@ -132,7 +137,7 @@ def keep_error(
     duration: float,
     span: float,
     instead: Callable[[Run, float], Run | None] | None = None,
-    limited: bool = True,
+    asked: bool = False,
 ) -> Run:
     """March with steps short enough for the errors that are wanted.
 
@@ -147,15 +152,16 @@ def keep_error(
     instead : callable(run, parts) -> Run or None
         Asked before steps are taken in ``parts``, of which a run over some time says that they are needed: a run by another method,
         if that is cheaper and keeps the error.
-    limited : bool
-        Whether no run is begun with which all runs would cost more than `BUDGET`, or `BUDGET_OF_FIRST` times the first choice.
+    asked : bool
+        Whether the errors were asked for. No run is begun with which all runs would cost more than `BUDGET` and `BUDGET_OF_FIRST`
+        times the first choice; or `ASKED` times that.
 
     Returns
     -------
     Run
         The last one; `Run.reason` says what was kept. If it is not "done", nothing more was tried.
     """
-    first, budget = choice.dt, Budget(limited)
+    first, budget = choice.dt, Budget(ASKED if asked else 1.0)
     if duration > FEWEST_STEPS * first:
         pilot = march(choice, span * max(1.0, math.floor(PILOT * duration / span)) if span < duration else PILOT * duration)
         if pilot.ok:
@@ -177,7 +183,7 @@ def keep_error(
             return other
         wished, parts = parts, budget.parts(run, parts)
         if parts < 2:
-            return told(run, known, wanted, beyond=Beyond(wished, budget.most))
+            return told(run, known, wanted, beyond=Beyond(wished, budget.most, asked))
         coarser, before, before_choice, choice = run, known, choice, _finer(choice, parts, span)
         took = parts * run.wall_time
         LOG.info("with dt=%.3g s places are known to %.2g m, the largest tension to %.2g", run.dt, known.error, known.tension_error)
@@ -289,12 +295,8 @@ def _kept(run: Run, known: Known, wanted: Wanted) -> bool:
 
 def _or_are_saved(run: Run) -> str:
     """What hides jumps of a tension besides the steps: saved states that are farther apart than those."""
-    every = float(np.diff(run.t).max(initial=0.0))
-    return (
-        f", or its peak is between saved states, {every:.2g} s apart, of which a smaller save_every has more"
-        if every > 1.5 * run.dt
-        else ""
-    )
+    farther = float(np.diff(run.t).max(initial=0.0)) > 1.5 * run.dt
+    return ", or its peak is between saved states, of which a smaller save_every has more" if farther else ""
 
 
 def told(
@@ -332,9 +334,10 @@ def told(
         found.append(f"dt={too_short:.3g} s was tried too, and told larger errors, of rounding or of vibrations that it shows")
     if beyond is not None:
         wish = f"error={allowed:.2g}" if known.error > allowed else f"tension_error={wanted.tension_error:.2g}"
+        more = "" if beyond.asked else f"{wish} has {ASKED:g} times that, and "
         found.append(
-            f"shorter steps may keep it, beyond the default's budget, {beyond.budget:.2g} Newton iterations times nodes; "
-            f"{wish} has none and goes on, next with dt={run.dt / beyond.parts:.2g} s in about {beyond.parts} times this run's time"
+            f"shorter steps may keep it, beyond the budget of {beyond.budget:.2g} Newton iterations times nodes; {more}"
+            f"dt={run.dt / beyond.parts:.2g} s is next, which takes about {beyond.parts} times this run's time"
         )
     said = "; ".join(found)
     text = f"{run.method} with {how}: {said}."

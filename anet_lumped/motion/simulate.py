@@ -22,6 +22,7 @@ from integrators.schemes.record import Origin, Scheme
 from .accuracy import TENSION_ERROR, Wanted, keep_error
 from .choice import Choice, by_links, links_are_cheaper
 from .extrapolation import extrapolated, method_to_extrapolate
+from .judged_states import as_asked, judged_every
 from .legs import Settings, march_legs
 from .link_legs import SLACK_ALLOWED, slack_time
 from .plan import Asked, check_arguments, planned
@@ -83,8 +84,8 @@ def simulate(
         Errors to keep, of places and of the largest tension over that tension: the step is made shorter until the run's own
         estimates are within them (`Run.error_estimate`, `Run.tension_error`). None, and neither method nor step given, keeps 1 mm
         in a metre of the longest cable, 5 % of the motion, and 2 % of the largest tension, as far as that costs no more than some
-        15 s of one core or 8 times the first step (`motion.accuracy`). What is not kept, past a whip, in chaos or beyond that
-        budget, ``Run.reason`` and a warning say, from when on, and how to go further.
+        15 s of one core or 8 times the first step; with errors given, ten times that (`motion.accuracy`). What is not kept, past a
+        whip, in chaos or beyond that budget, ``Run.reason`` and a warning say, from when on, and how to go further.
     audit : bool or float [m]
         Run again with half the step or a tenth of the tolerance, and compare: ``Run.audit`` estimates the error of the run, and its
         status is "audit failed" if that is above the number given (True: 1 % of the longest cable, 5 % of the motion) or if
@@ -149,15 +150,18 @@ def simulate(
         run = by_tolerance(choice)
     elif asked or by_default:
         _check_keeps_error(scheme, dt, adaptive, extrapolate)
+        choice, every = judged_every(choice, save_every, t_end)
 
         def march(choice: Choice, duration: float) -> Run:
-            return whole(choice, save_every=save_every, t_end=begin.t + duration)
+            return whole(choice, save_every=every, t_end=begin.t + duration)
 
         jointed = any(body.is_jointed for body in scene.bodies)  # links take none
         rigid = by_default and not jointed and all(cable.inextensible for cable in scene.cables)
-        run = keep_error(march, choice, wanted, t_end, save_every or t_end, by_links_instead if rigid else None, limited=not asked)
+        run = keep_error(march, choice, wanted, t_end, save_every or t_end, by_links_instead if rigid else None, asked=asked)
         if rigid and run.ok and not run.kept:  # what multiplies errors leaves less of those of order 8
             run = by_links_instead(run, math.inf) or run
+        if save_every is not None and every != save_every:
+            run = as_asked(run, save_every, wanted.tension_error)
     else:
         run = whole(choice, save_every=save_every)
     if run.method != choice.method:

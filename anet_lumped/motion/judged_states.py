@@ -1,0 +1,64 @@
+"""States by which a run judges its errors where a user saves few of them: a peak of a tension must not be lost between two.
+
+Frames of a film are a 25th of a second apart, and a snap is over in a hundredth. So a run that keeps an error is marched with some
+`times.SAVES` states, and those that were asked for are returned, with a warning where their largest tension is not that of the run.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from anet_lumped.results.run import Run
+
+from .choice import Choice
+from .times import SAVES
+
+
+def judged_every(choice: Choice, save_every: float | None, duration: float) -> tuple[Choice, float | None]:
+    """Time between states that are judged, and the choice with steps that meet them.
+
+    Parameters
+    ----------
+    choice : Choice, with a whole number of steps between saved states
+    save_every : float or None [s], between states that are asked for
+    duration : float [s]
+
+    Returns
+    -------
+    choice : Choice
+        Its step is shorter by less than one in twenty, or the same.
+    every : float or None [s], a part of ``save_every``, or that itself if it saves enough states
+    """
+    if save_every is None or duration / save_every >= SAVES:
+        return choice, save_every
+    steps = round(save_every / choice.dt)
+    stride = max(1, math.floor(steps * duration / save_every / SAVES))
+    parts = math.ceil(steps / stride)
+    return replace(choice, dt=save_every / (parts * stride)), save_every / parts
+
+
+def as_asked(run: Run, save_every: float, tension_error: float) -> Run:
+    """The states of a run that were asked for, ``save_every`` [s] apart.
+
+    Where their largest tension is less than that of the run by more than ``tension_error`` of it, the run says so in a warning, and
+    has not kept what it should.
+    """
+    apart = (run.t - run.t[0]) / save_every
+    rows = np.abs(apart - np.round(apart)) < 1e-6
+    rows[-1] = True
+    some = {
+        name: getattr(run, name)[rows]
+        for name in ("t", "q", "v", "energy", "segment_tension", "error_growth", "q_near", "crept")
+        if getattr(run, name) is not None
+    }
+    peak, shown = float(run.segment_tension.max(initial=0.0)), float(some["segment_tension"].max(initial=0.0))
+    found = replace(run, **some)
+    if not run.ok or peak - shown <= tension_error * peak:
+        return found
+    at = float(run.t[run.segment_tension.max(axis=1).argmax()])
+    said = (
+        f"the largest tension is {peak:.4g} N at t={at:.4g} s, but {shown:.4g} N in the states that are saved; "
+        "a smaller save_every shows it"
+    )
+    return replace(found, reason=f"{run.reason}; {said}", warnings=(*run.warnings, f"{run.method}: {said}."), kept=False)
