@@ -76,7 +76,7 @@ def test_shapes_and_points_of_a_run():
         np.testing.assert_array_equal(shape[:, -1], run.position(cable.end))
         np.testing.assert_array_equal(last.tension(cable.name), run.tension(cable.name)[-1])
         assert last.length(cable.name) == pytest.approx(run.length(cable.name)[-1], rel=1e-15)  # sums in another order
-    assert last.t == run.t[-1] and last.scene is scene
+    assert last.t == run.t[-1] and last.scene == scene
     np.testing.assert_array_equal(last.velocity("x"), run.velocity("x")[-1])
 
 
