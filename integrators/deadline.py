@@ -10,9 +10,13 @@ _of_thread = threading.local()
 
 @contextmanager
 def deadline(seconds: float | None) -> Iterator[None]:
-    """Within it a compiled march of this thread that goes on after so many seconds [s] ends, as by Ctrl-C; None is no limit."""
+    """Within it a compiled march of this thread that goes on after so many seconds [s] ends, as by Ctrl-C; None is no limit.
+
+    A deadline within another one does not put that off.
+    """
     before = getattr(_of_thread, "at", None)
-    _of_thread.at = before if seconds is None else time.monotonic() + seconds
+    own = before if seconds is None else time.monotonic() + seconds
+    _of_thread.at = own if before is None else min(before, own)
     try:
         yield
     finally:

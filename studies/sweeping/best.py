@@ -140,7 +140,7 @@ def best(
     """
     from scipy.optimize import NonlinearConstraint, differential_evolution
 
-    check_workers(workers)
+    check_workers(workers, elsewhere=executor is not None)
     wanted, large = read_objective(objective)
     bounds = [read_constraint(text) for text in constraints]
     inputs = read_inputs(scene, vary)

@@ -29,7 +29,7 @@ def library() -> dict[str, str]:
     home, text = Path(__file__).parents[2], hashlib.sha256()
     for path in sorted(path for name in ("anet_lumped", "integrators", "studies") for path in (home / name).rglob("*.py")):
         text.update(path.relative_to(home).as_posix().encode() + b"\0" + path.read_bytes())
-    return {name: importlib.metadata.version(name) for name in PACKAGES} | {"its text": text.hexdigest()[:12]}
+    return {name: importlib.metadata.version(name) for name in PACKAGES} | {"source of anet-lumped": text.hexdigest()[:12]}
 
 
 def _commit():

@@ -53,7 +53,7 @@ def run_rows(
     function : picklable, dict of inputs -> dict of results
     rows : dicts of inputs, all different, of values that JSON holds
     executor : where the rows run; by default a pool of processes, rebuilt when one of them dies
-    workers : processes of that pool; by default one for each core that this process may use
+    workers : processes of that pool, by default one for each core that this process may use; or rows that the executor runs at once
     out : folder for `rows.jsonl` and `meta.json`, and at the end for `rows.parquet` and `rows.csv`
     resume : keep the lines that `out` holds (but for crashed ones) and do the rest
     identity : what else the results depend on (JSON values): rows with another identity are not resumed
@@ -76,7 +76,7 @@ def run_rows(
     WorkerError : workers that do not come up or, with parts, cannot do what they are given
     KeyboardInterrupt : on Ctrl-C, its message says how many rows are kept and where
     """
-    check_workers(workers)
+    check_workers(workers, elsewhere=executor is not None)
     run = BatchRunner(function, check_budget(budget))
     rows, names, total = _own_rows(rows, shard)
     asked = {key(row, names): number for number, row in rows.items()}

@@ -31,6 +31,7 @@ CRASHED = {
 }
 BROKEN = {"status": "crashed", "reason": "the executor broke before this row came back"}
 MOST_WORKERS = 32  # on any machine; on one of many cores, four for each
+MOST_ELSEWHERE = 1_000_000  # of an executor
 PRELOADED = "studies.sweeping.preloaded"  # imported once, by the process that workers are forked from
 BATCH_SECONDS, LARGEST_BATCH = 0.1, 64  # of work that a worker is given at a time, so that short rows need not travel one by one
 
@@ -156,14 +157,14 @@ def kernels_are_on_disk() -> bool:
     return any(next(folder.rglob("*.nbi"), None) for folder in folders)
 
 
-def check_workers(workers: int | None) -> None:
-    """Refuse a number of workers that is none, or more than this machine could ever keep busy.
+def check_workers(workers: int | None, elsewhere: bool = False) -> None:
+    """Refuse a number of workers that is none, or more than this machine, or any `elsewhere`, could ever keep busy.
 
     Raises
     ------
     InputError
     """
-    most = max(MOST_WORKERS, 4 * available_cores())
+    most = MOST_ELSEWHERE if elsewhere else max(MOST_WORKERS, 4 * available_cores())
     whole = isinstance(workers, Integral) and not isinstance(workers, bool)
     if workers is not None and not (whole and 1 <= workers <= most):
         raise InputError(f"Argument `workers` must be an integer from 1 to {most}, but it is {shown(workers)}.")

@@ -31,6 +31,7 @@ def in_this_process(*arguments, **options):
 def test_the_largest_load_that_a_stretch_allows(hanging, tmp_path, monkeypatch):
     """The stretch is g (m + mu L/2)/EA: the largest m for a stretch of 0.05 % and EA of 10 kN is 0.5/9.81 · 10 - 0.1."""
     monkeypatch.setattr(search, "ALIKE", 5e-3)
+    monkeypatch.setattr(search, "PER_INPUT", 5)
     found = in_this_process(hanging, VARY, "max tension:top", constraints=["stretch<=5e-4"], out=tmp_path)
     mass = 5e-4 * 1e4 / 9.81 - 0.1
     assert found.row["tension:top"] == pytest.approx(9.81 * (mass + 0.2), rel=1e-2)  # twice what is alike

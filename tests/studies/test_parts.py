@@ -58,8 +58,8 @@ def is_table(found, expected):
 
 
 def do_shard(out, number, count, function=square):
-    with ThreadPoolExecutor(1) as executor:
-        return run_rows(function, ROWS, executor=executor, out=out, shard=Shard(number, count), **SETTINGS)
+    with ThreadPoolExecutor(1) as executor:  # which counts as many workers, as a cluster has
+        return run_rows(function, ROWS, executor=executor, workers=1000, out=out, shard=Shard(number, count), **SETTINGS)
 
 
 def in_own_pool(out, shard):
