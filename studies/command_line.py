@@ -342,7 +342,7 @@ def measures():
     for row in rows:
         del row["function"], row["of_ground"]
         row["source"] += ", from" if row.pop("over_time") else ""
-    give({"measures": rows})
+    give({"measures": rows}, whole=True)
 
 
 @app.command(epilog="Example: anet-lumped study length_error --quick --out results/length_error")
