@@ -97,7 +97,7 @@ def column_texts(values, digits: int = 4) -> list[str]:
     spread = (max(signed) - min(signed)) / high
     if LEAST_CHANGE < spread < 10.0 ** (1 - digits):  # so that two digits of it show
         digits = min(2 - math.floor(math.log10(spread)), MOST_DIGITS)
-    scientific = high >= 1e6 or high < 1e-3 or high >= 1e5 * low
+    scientific = high >= 1e6 or high < 1e-3 or low < 1e-4 or high >= 1e5 * low
     decimals = digits - 1
     if not scientific:
         decimals = max(0, digits - 1 - math.floor(math.log10(high)), 2 - math.floor(math.log10(low)))

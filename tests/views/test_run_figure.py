@@ -37,7 +37,7 @@ def test_a_passed_audit_gives_its_error_and_unit():
     run = simulate(four_cables(carried=True), 1.0, method="edmc", dt=0.01, audit=True)
     said, red = words(plot_run(run))
     assert not red and said.startswith("audit passed (edmc") and f"positions to {as_length(run.audit.error)} (estimate" in said
-    assert "10 mm allowed" in said and f"energy accounted for to {run.audit.imbalance:.1g}" in said
+    assert "5 mm allowed" in said and f"energy accounted for to {run.audit.imbalance:.1g}" in said
     assert words(plot_run(simulate(four_cables(), 0.1, method="edmc", dt=0.01)))[0].startswith(
         "finished (edmc, t = 0 to 0.1 s); accuracy not checked (--audit)"
     )
