@@ -7,8 +7,9 @@ import numpy as np
 from anet_lumped.checks import SceneError, quoted
 from anet_lumped.effects.effect import PAID_OUT
 from anet_lumped.model.net import Lengths
-from anet_lumped.prescribed.paths import Harmonic, Path, pack
+from anet_lumped.prescribed.paths import DEGREE, Harmonic, Path, pack
 from anet_lumped.prescribed.signals import Signal
+from anet_lumped.prescribed.smoothstep import smoothstep
 
 SHORTEST = 1e-3  # of a cable's length, what may be left of it
 
@@ -161,6 +162,20 @@ def at_time(scene, t):
     return lengths
 
 
+def places(path, t):
+    """Positions of a path at many times (k,) [s], (k, 3) [m]: those of `Path.at`, but for rounding."""
+    piece = np.maximum(np.searchsorted(path.breaks, t, side="right") - 1, 0)
+    tau = np.maximum(t - path.breaks[piece], 0.0)
+    q = np.zeros((len(t), 3))
+    for i in range(DEGREE, -1, -1):
+        q = q * tau[:, None] + path.coefficients[piece, i]
+    if path.sine is not None:
+        amplitude, omega, phase, ramp = path.sine
+        grown = np.ones_like(t) if ramp == 0.0 else smoothstep(np.clip(t / ramp, 0.0, 1.0))[0]
+        q += np.outer(grown * np.sin(omega * t + phase), amplitude)
+    return q
+
+
 def shortest(scene, t0, t_end):
     """Smallest length of each cable that changes, from a time to another, by its name [m].
 
@@ -174,7 +189,7 @@ def shortest(scene, t0, t_end):
         terms = _path(paid), _path(strain)
         inside = [path.breaks[(path.breaks > t0) & (path.breaks < t_end)] for path in terms]
         times = np.unique(np.concatenate([np.linspace(t0, t_end, LOOKS if t_end > t0 else 1), *inside]))
-        paid_out, strained = (path.places(times)[:, 0] for path in terms)
+        paid_out, strained = (places(path, times)[:, 0] for path in terms)
         left = (length + paid_out) * (1.0 + strained)
         if not left.min() > SHORTEST * length:
             raise SceneError(

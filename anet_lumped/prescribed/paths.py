@@ -15,7 +15,7 @@ import numpy as np
 from anet_lumped.checks import LARGEST, SceneError, Vector, check_count, check_direction, check_number, check_vector, shown
 from anet_lumped.limits import ROWS, check_most
 
-from .smoothstep import ramped, smoothstep
+from .smoothstep import ramped
 
 DEGREE = 6  # the integral of the quintic smoothstep; a spline needs 3
 SHORTEST_RAMP = 1e-6  # [s]; far below, the coefficients velocity/ramp⁵ overflow
@@ -62,19 +62,6 @@ class Path:
     def start(self) -> Vector:
         """Position at t = 0 [m]."""
         return tuple(self.at(0.0)[0].tolist())
-
-    def places(self, t: np.ndarray) -> np.ndarray:
-        """Return positions at many times (k,) [s], (k, 3) [m]; those of `at`, but for rounding."""
-        piece = np.maximum(np.searchsorted(self.breaks, t, side="right") - 1, 0)
-        tau = np.maximum(t - self.breaks[piece], 0.0)
-        q = np.zeros((len(t), 3))
-        for i in range(DEGREE, -1, -1):
-            q = q * tau[:, None] + self.coefficients[piece, i]
-        if self.sine is not None:
-            amplitude, omega, phase, ramp = self.sine
-            grown = np.ones_like(t) if ramp == 0.0 else smoothstep(np.clip(t / ramp, 0.0, 1.0))[0]
-            q += np.outer(grown * np.sin(omega * t + phase), amplitude)
-        return q
 
     def at(self, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return position [m], velocity [m/s] and acceleration [m/s²] at time `t` [s], each (3,).

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from anet_lumped.checks import InputError
+from anet_lumped.model.rest_lengths import places
 from anet_lumped.prescribed.path_kernel import TABLE, evaluate
 from anet_lumped.prescribed.paths import circle, harmonic, lift, line, pack, samples, seen_from
 
@@ -41,7 +42,7 @@ def test_compiled_equals_plain(t):
 def test_places_at_many_times(path):
     times = np.linspace(-1.0, 9.0, 41)
     # the same few terms, summed in another order
-    np.testing.assert_allclose(path.places(times), [path.at(t)[0] for t in times], rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(places(path, times), [path.at(t)[0] for t in times], rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("paths", [[], [LINE], [RECORDED, RECORDED], [SWING], PATHS], ids=len)
