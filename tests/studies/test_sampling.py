@@ -44,7 +44,7 @@ def in_this_process(*arguments, **options):
         ("weibull(8,2)", stats.weibull_min(2, scale=8)),
         (stats.gamma(2.0, scale=1e3), stats.gamma(2.0, scale=1e3)),
     ],
-    ids=str,
+    ids=lambda given: given if isinstance(given, str) else given.dist.name,
 )
 @pytest.mark.parametrize("kind", ["sobol:256", "lhs:200"])
 def test_a_sample_follows_its_distribution(hanging, spec, distribution, kind):
