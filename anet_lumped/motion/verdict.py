@@ -1,13 +1,17 @@
-"""The verdict on a run: whether its method added energy, what speaks against it, and why it failed."""
+"""The verdict on a run: whether its method added energy, whether its error is known, what speaks against it, and why it failed."""
 
 from dataclasses import replace
 
 from anet_lumped.results.run import STATUS, Run
+from integrators import schemes
 from integrators.system import DIVERGED, UNCONVERGED
 
 from .energy_gain import GAINED, flag_energy_gain
 from .failure_messages import with_cause
 from .run_warnings import warnings_of
+
+# Steps that a run must have taken for an error to be seen in them: `error_growth` needs p + 1 of them for one difference.
+LEAST_STEPS, DIFFERENCES = 10, 2
 
 
 def judged(run: Run, limit: float, adaptive: bool) -> Run:
@@ -19,9 +23,20 @@ def judged(run: Run, limit: float, adaptive: bool) -> Run:
     limit : float [s], largest stable step that was predicted for its method
     adaptive : bool, whether its steps were chosen by a tolerance
     """
+    if _knows_no_error(run, adaptive):
+        run = replace(run, error_growth=None)
     if run.ok:
         run = flag_energy_gain(run, limit, adaptive)
     if run.ok:
         found = warnings_of(run, adaptive)
         run = replace(run, warnings=run.warnings + found) if found else run
     return with_cause(run) if run.status in (STATUS[DIVERGED], STATUS[UNCONVERGED], GAINED) else run
+
+
+def _knows_no_error(run: Run, adaptive: bool) -> bool:
+    """Whether a run has too few steps for an error to be seen in them, and no other run beside it."""
+    scheme = schemes.scheme(run.method)
+    if adaptive or not scheme.own or run.kept is not None or run.extrapolated or run.error_growth is None:
+        return False
+    least = max(LEAST_STEPS, DIFFERENCES * ((scheme.error_order or scheme.order) + 1))
+    return round((run.t[-1] - run.t[0]) / run.dt) < least

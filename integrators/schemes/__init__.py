@@ -38,12 +38,15 @@ def scheme(name: str) -> Scheme:
     return next(one for one in vars(module).values() if isinstance(one, Scheme) and one.name == name)
 
 
-@cache
 def names(**wanted: Any) -> tuple[str, ...]:
     """Names of the schemes, in the order of the registry, whose records have all the values wanted.
 
     ``names(own=True, explicit=False)`` are the implicit schemes of this package. Schemes for systems with constraints, which march
     no others, are among them only if ``keeps_constraints=True`` is wanted.
     """
-    wanted = {"keeps_constraints": False} | wanted
-    return tuple(name for name in MODULES if all(getattr(scheme(name), key) == value for key, value in wanted.items()))
+    return _names(tuple(MODULES), tuple(({"keeps_constraints": False} | wanted).items()))
+
+
+@cache
+def _names(known: tuple[str, ...], wanted: tuple[tuple[str, Any], ...]) -> tuple[str, ...]:
+    return tuple(name for name in known if all(getattr(scheme(name), key) == value for key, value in wanted))

@@ -124,7 +124,7 @@ LOOSE = loose_cable()
         (dict(method="verlet", rho_inf=0.5), "`rho_inf` belongs to edmc and generalised_alpha, but the method is verlet"),
         (dict(method="edmc", rho_inf=1.5), "`rho_inf` must lie between 0 and 1, but it is 1.5"),
         (dict(method="edmc", dt=0.01, save_every=0.015), "multiple of the step, but save_every=0.015 s and dt=0.01 s"),
-        (dict(start="rest"), '`start` must be "equilibrium", "straight" or a State, but it is \'rest\''),
+        (dict(start="rest"), '`start` must be "equilibrium", "calm", "straight" or a State, but it is \'rest\''),
         (dict(start=None), "`start` must be .* but it is None"),
         (
             dict(start=equilibrium(loose_cable(segments=7))),

@@ -47,8 +47,11 @@ def test_it_changes_the_momentum_of_all_that_it_carries():
     hook = run.scene.point("deck.hook").path
     rate += half * np.array([hook.at(t)[2] for t in run.t[inner]])
     mass = run.model.mass[free].sum() + 5.0 + half
-    found = run.reaction("deck")[inner]
-    assert_allclose(found, rate - mass * DOWN - drag - wind_on_pole, atol=2e-3 * np.abs(found).max())
+    found, taut = run.reaction("deck")[inner], run.segment_tension > 0.0
+    kinks = np.flatnonzero((taut[1:] != taut[:-1]).any(axis=1))  # of the momenta, which central differences do not see
+    smooth = np.abs(np.arange(len(run.t))[inner, None] - kinks).min(axis=1) > 2
+    assert smooth.mean() > 0.7
+    assert_allclose(found[smooth], (rate - mass * DOWN - drag - wind_on_pole)[smooth], atol=2e-3 * np.abs(found).max())
     assert np.abs(wind_on_pole).max() > 5e-3 * np.abs(found).max() and np.abs(drag).max() > 0.1 * np.abs(found).max()
 
 

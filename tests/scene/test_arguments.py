@@ -252,7 +252,7 @@ def test_what_else_may_be_taken_for_a_scene_or_a_state():
 
 @pytest.mark.parametrize("value", [np.zeros((21, 3)), [1], None, 3, "straigt"], ids=str)
 def test_a_start_that_is_none_is_named_in_short(value):
-    with pytest.raises(InputError, match=r'`start` must be "equilibrium", "straight" or a State, but it is .*') as refused:
+    with pytest.raises(InputError, match=r'`start` must be "equilibrium", "calm", "straight" or a State, but it is .*') as refused:
         simulate(Scene(POINTS, [CABLE], [REGISTRY["gravity"]()]), 0.1, start=value)
     assert len(str(refused.value)) < 300
 
