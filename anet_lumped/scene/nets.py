@@ -182,9 +182,7 @@ def grid(
     ------
     SceneError : no counts of meshes, no four corners, a word that is none, neither ``cable`` nor ``netting``
     """
-    if not isinstance(meshes, Sequence | np.ndarray) or len(meshes) != 2:
-        raise SceneError(f"Argument `meshes` must be two numbers of meshes, but a grid has meshes={shown(meshes)}.")
-    across, along = (check_count("meshes", count, "a grid") for count in meshes)
+    across, along = _counts(meshes, "a grid")
     if not isinstance(pattern, str) or pattern not in PATTERNS:
         raise SceneError(f"Argument `pattern` must be one of {', '.join(PATTERNS)}, but a grid has pattern={shown(pattern)}.")
     at = _array(corners, (4, 3), "corners", "a grid")
@@ -254,9 +252,7 @@ def cone(
     ------
     SceneError : fewer than three meshes around, a size that cannot be, a name that is none
     """
-    if not isinstance(meshes, Sequence | np.ndarray) or len(meshes) != 2:
-        raise SceneError(f"Argument `meshes` must be two numbers of meshes, but a cone has meshes={shown(meshes)}.")
-    around, down = (check_count("meshes", count, "a cone") for count in meshes)
+    around, down = _counts(meshes, "a cone")
     if around < 3:
         raise SceneError(f"A cone must have at least 3 meshes around, but it has {around}.")
     radius, depth = (check_number(key, x, "m", "a cone", sign="positive") for key, x in (("radius", radius), ("depth", depth)))
@@ -368,6 +364,14 @@ def _places(points: Any, name: str) -> dict[str, np.ndarray]:
     if isinstance(points, Mapping):
         return {key: np.array(check_vector("at", at, "m", f"point {quoted(key)}")) for key, at in points.items()}
     return {f"{name}{i}": place for i, place in enumerate(_array(points, (-1, 3), "points", "a net"))}
+
+
+def _counts(meshes: Any, owner: str) -> tuple[int, int]:
+    """The two numbers of meshes of a net."""
+    if not isinstance(meshes, Sequence | np.ndarray) or len(meshes) != 2:
+        raise SceneError(f"Argument `meshes` must be two numbers of meshes, but {owner} has meshes={shown(meshes)}.")
+    first, second = (check_count("meshes", count, owner) for count in meshes)
+    return first, second
 
 
 def _array(value: Any, shape: tuple[int, int], argument: str, owner: str) -> np.ndarray:

@@ -41,7 +41,7 @@ from .rotation import reference_of
 from .settling import stiffen_body
 from .shape import keep_shape
 from .stage import NO_VECTOR, out_of_balance, pass_to_other
-from .vectors import added, cross, dot, inertia_of, minus, plus, put, put_three, row, scaled, three, turned
+from .vectors import added, cross, dot, inertia_of, minus, nine, plus, put, put_three, row, scaled, three, turned
 
 _f2 = float64[:, ::1]
 
@@ -61,19 +61,10 @@ def _put_inertia(net, b, reference, inertia):
 
 
 @inlined
-def _matrix(numbers, i):
-    """Nine numbers of a flat array from the i-th on."""
-    return (
-        numbers[i], numbers[i + 1], numbers[i + 2], numbers[i + 3], numbers[i + 4], numbers[i + 5], numbers[i + 6], numbers[i + 7],
-        numbers[i + 8],
-    )  # fmt: skip
-
-
-@inlined
 def _inertia(own):
     """The `Inertia` that a row of ``bodies.jointed`` holds."""
     at = JOINTED_INERTIA
-    return Inertia(_matrix(own, at), _matrix(own, at + 9), _matrix(own, at + 18))
+    return Inertia(nine(own, at), nine(own, at + 9), nine(own, at + 18))
 
 
 @inlined

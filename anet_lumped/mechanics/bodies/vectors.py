@@ -16,6 +16,15 @@ def three(numbers, i):
 
 
 @inlined
+def nine(numbers, i):
+    """Nine numbers of a flat array from the i-th on: a matrix by rows."""
+    return (
+        numbers[i], numbers[i + 1], numbers[i + 2], numbers[i + 3], numbers[i + 4], numbers[i + 5], numbers[i + 6], numbers[i + 7],
+        numbers[i + 8],
+    )  # fmt: skip
+
+
+@inlined
 def put_three(numbers, i, x):
     """Write three numbers of a flat array from the i-th on."""
     numbers[i], numbers[i + 1], numbers[i + 2] = x[0], x[1], x[2]

@@ -13,7 +13,7 @@ from anet_lumped.compiled.jit import inlined, on_demand
 from anet_lumped.mechanics.bodies.inertia import Inertia, inertia_with_fluid, moved_by
 from anet_lumped.mechanics.bodies.rotation import reference_of
 from anet_lumped.mechanics.bodies.shape import keep_shape
-from anet_lumped.mechanics.bodies.vectors import cross, dot, minus, plus, put, row
+from anet_lumped.mechanics.bodies.vectors import cross, dot, minus, nine, plus, put, row
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     BODY_MEETING_BODY,
@@ -32,19 +32,10 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 @inlined
-def _matrix(numbers, i):
-    """Nine numbers of a flat array from the i-th on."""
-    return (
-        numbers[i], numbers[i + 1], numbers[i + 2], numbers[i + 3], numbers[i + 4], numbers[i + 5], numbers[i + 6], numbers[i + 7],
-        numbers[i + 8],
-    )  # fmt: skip
-
-
-@inlined
 def _inertia(links, b):
     """`Inertia` of body b as `mobility_bodies` left it."""
     own = links.body[b]
-    return Inertia(_matrix(own, LINKED_BODY_PER_MASS), _matrix(own, LINKED_BODY_CARRIED), _matrix(own, LINKED_BODY_TURNING))
+    return Inertia(nine(own, LINKED_BODY_PER_MASS), nine(own, LINKED_BODY_CARRIED), nine(own, LINKED_BODY_TURNING))
 
 
 @inlined
