@@ -91,6 +91,7 @@ def test_a_load_is_brought_to_its_place():
     assert load[:, 1].max() < 1.02
 
 
+@pytest.mark.slow
 def test_tuned_weights_overshoot_more():
     """They hardly weigh velocities."""
     run = fly(CORD, predictive(CORD, START + AHEAD, weights=TUNED), 2.4)

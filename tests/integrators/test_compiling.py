@@ -131,7 +131,12 @@ def imported():
 
 
 @pytest.mark.parametrize(
-    ("cache", "quiet", "lines"), [("None", None, 1), ("None", "1", 0), ("__import__('numba').core.caching.NullCache()", None, 0)]
+    ("cache", "quiet", "lines"),
+    [
+        ("None", None, 1),
+        pytest.param("None", "1", 0, marks=pytest.mark.slow),
+        pytest.param("__import__('numba').core.caching.NullCache()", None, 0, marks=pytest.mark.slow),
+    ],
 )
 def test_a_program_is_told_once_of_what_is_kept_on_the_disk(imported, cache, quiet, lines):
     """Made up: Numba says twice that it compiles something that it keeps, or does not keep."""

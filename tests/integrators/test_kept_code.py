@@ -167,6 +167,7 @@ def test_what_is_there_is_read_where_nothing_can_be_written(toy, monkeypatch):
     assert loads(load().kernel) == (1, 0)
 
 
+@pytest.mark.slow
 def test_two_processes_that_compile_at_once(toy):
     """Into one empty folder, each for other types first."""
     folder, _ = toy

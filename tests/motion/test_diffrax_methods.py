@@ -56,7 +56,12 @@ CURVE = {"EA": None, "tension_strain": ((0.2, 200.0), (0.5, 350.0))}  # [N], hal
 # no free point; shorter cables beside longer ones and single segments; every cable between two free points; a bent spring
 @pytest.mark.parametrize(
     ("name", "elastic"),
-    [("between supports", {}), ("parallel", {}), ("wheel", {}), pytest.param("parallel", CURVE, id="parallel, by a curve")],
+    [
+        pytest.param("between supports", {}, marks=pytest.mark.slow),
+        ("parallel", {}),
+        pytest.param("wheel", {}, marks=pytest.mark.slow),
+        pytest.param("parallel", CURVE, id="parallel, by a curve", marks=pytest.mark.slow),
+    ],
 )
 def test_force_and_structured_solve(name, elastic):
     """Against the compiled force, and against a dense solve with the analytic Jacobian; slack and taut segments."""
@@ -213,6 +218,7 @@ def carried():
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["Tsit5", "Kvaerno5"])
 def test_methods_agree_on_a_carried_net(carried, method):
     run, other = carried[method], carried["DOP853"]
@@ -245,6 +251,7 @@ def hung(x=None, compression="none", zeta=0.05, EA=1e3):
     return Scene([Driven("a", path), Free("b", at=(0.97, 0.0, 0.0))], [cable], [Gravity(9.81)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compression", SWITCHES)
 def test_a_cable_dropped_slack(compression):
     """From slack to taut and swinging, against edmc at 40 microseconds, whose own error is of second order."""

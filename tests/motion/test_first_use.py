@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 
 THREADS = """
@@ -99,6 +101,7 @@ def test_threads_that_first_use_the_library_at_once_give_what_one_thread_gives()
     assert printed(THREADS) == "all equal"
 
 
+@pytest.mark.slow
 def test_ctrl_c_while_compiling_leaves_a_library_that_works(tmp_path):
     """Each function is compiled before Ctrl-C is raised, so that trying again goes on."""
     assert printed(INTERRUPTED, NUMBA_CACHE_DIR=str(tmp_path)) == "True True"

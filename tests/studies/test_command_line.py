@@ -165,7 +165,10 @@ SAVING = {
 
 @pytest.mark.parametrize(
     ("how", "command"),
-    [*(("closed", command) for command in SAVING), ("full", ("equilibrium", "net_held"))],
+    [
+        *(pytest.param("closed", command, marks=() if command[0] == "simulate" else pytest.mark.slow) for command in SAVING),
+        ("full", ("equilibrium", "net_held")),
+    ],
     ids=lambda given: given if isinstance(given, str) else given[0],
 )
 def test_what_is_not_printed_is_saved_all_the_same(how, command, tmp_path):

@@ -72,6 +72,7 @@ def rows():
     return found
 
 
+@pytest.mark.slow
 def test_each_effect_alone_and_all_together(rows, monkeypatch):
     """Two turns of all effects, as what is timed is no matter here; the quick study has some effects."""
     monkeypatch.setattr(effects_cost, "TIMES", FEWER["TIMES"])
@@ -97,6 +98,7 @@ def test_a_library_without_other_effects_is_the_same(rows):
     assert all(found.pairs == FEWER["QUICK_PROCESSES"] for found in effects_cost.ratios(rows["libraries"]).values())
 
 
+@pytest.mark.slow
 def test_a_library_whose_effects_are_all_imported():
     (row, *_) = [row for row in effects_cost.libraries(1, ("imported",))]
     assert row["effects_imported"].split() == list(REGISTRY.library) and row["verlet_ns"] > 0 and row["newton_ns"] > 0

@@ -30,6 +30,7 @@ def dask_address():
         yield cluster.scheduler_address
 
 
+@pytest.mark.slow
 def test_a_worker_of_dask_that_is_killed_is_made_up_for_and_the_table_is_that_of_one_process(dask_address, tmp_path, one_process):  # noqa: F811
     function = partial(noted, folder=tmp_path, killed_at=20)
     with machines_on("dask", dask_address) as machines:
@@ -41,6 +42,7 @@ def test_a_worker_of_dask_that_is_killed_is_made_up_for_and_the_table_is_that_of
     assert set(calls(tmp_path)) == set(range(30))
 
 
+@pytest.mark.slow
 def test_a_sweep_on_dask_from_the_command_line_goes_on_with_its_parts(dask_address, tmp_path, capsys):
     def call(*more):
         with pytest.raises(SystemExit) as ended:
@@ -75,6 +77,7 @@ def mpiexec():
     return [found, "-n", "2", sys.executable, "-c", "from studies.command_line import main; main()"]
 
 
+@pytest.mark.slow
 def test_two_ranks_of_mpi_make_the_table_of_one_process(tmp_path):
     here = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]), "HYDRA_LAUNCHER": "fork"}
     begun = {"cwd": tmp_path, "env": here, "capture_output": True, "text": True, "timeout": 300}
@@ -92,6 +95,7 @@ def share(folder, fails=False, **given):
     return run_rows(partial(noted, folder=folder), ROWS, out=folder, **given, **SETTINGS)
 
 
+@pytest.mark.slow
 def test_an_array_of_jobs_makes_the_table_of_one_process(tmp_path, one_process, monkeypatch):  # noqa: F811
     """Jobs of this machine, by the library that submits them to Slurm; the second of them fails, and its shard is done again."""
     pytest.importorskip("submitit")

@@ -18,6 +18,7 @@ def rows(tmp_path_factory):
         return measured.compute(quick=True, executor=executor, out=tmp_path_factory.mktemp("measured"))
 
 
+@pytest.mark.slow
 def test_the_chain_is_as_near_as_the_answer_says(rows):
     """The slower motion within its experiment's scatter twice over; the faster one to what an independent code is off by."""
     chain = rows["chain"].set_index(["setting", "period_s"])
@@ -33,6 +34,7 @@ def test_the_chain_is_as_near_as_the_answer_says(rows):
     assert fitted.rms_N < 0.8 < slow.rms_N and chain.loc[(tables.TUNED, 1.25)].rms_N < 4.0
 
 
+@pytest.mark.slow
 def test_the_answer_follows_from_the_rows(rows):
     assert set(rows) == set(measured.TABLES) and set(measured.plot(rows)) == {"chain", "sensitivity"}
     text = measured.answer(rows)

@@ -222,6 +222,7 @@ def quick_entry(entry, out, executor=None):
     return replace(entry, state=State.FAILED, reason=about)
 
 
+@pytest.mark.slow
 def test_studies_run_two_at_once_and_those_that_compare_times_alone(monkeypatch, tmp_path):
     """One that fails and one whose process dies take no other with them; that of times runs here, when nothing else does."""
     ahead = []

@@ -14,6 +14,7 @@ def rows(monkeypatch):
     return speed.compute(quick=True)
 
 
+@pytest.mark.slow
 def test_costs_and_paces(rows):
     costs = rows["costs"].pivot(index="nodes", columns="what", values="cost_a_node_ns")
     assert costs.index.tolist() == [21, 41, 81] and np.isfinite(costs.to_numpy()).all() and (costs.to_numpy() > 0.0).all()
@@ -26,6 +27,7 @@ def test_costs_and_paces(rows):
     assert paces.p0_error_mm[5e-3] < 0.3 * paces.p0_error_mm[20e-3] < 0.3  # second order, against another method
 
 
+@pytest.mark.slow
 def test_figure_and_answer(rows):
     assert set(speed.plot(rows)) == {"speed"}
     first, *_ = speed.answer(rows).split("\n\n")

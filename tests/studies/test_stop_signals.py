@@ -164,8 +164,15 @@ def test_a_flight_that_is_stopped_is_saved(monkeypatch, tmp_path):
     assert run.status == "interrupted" and 0.0 < run.t[-1] < 1e4 and "stopped by the user" in (tmp_path / "run.json").read_text()
 
 
-@pytest.mark.parametrize("whole_group", [False, True])
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize(
+    ("number", "whole_group"),
+    [
+        (signal.SIGTERM, True),
+        (signal.SIGHUP, False),
+        pytest.param(signal.SIGTERM, False, marks=pytest.mark.slow),
+        pytest.param(signal.SIGHUP, True, marks=pytest.mark.slow),
+    ],
+)
 def test_a_sweep_that_is_stopped_leaves_its_rows_and_nothing_else(number, whole_group, tmp_path):
     process = start_and_wait_for_rows(tmp_path, *PROGRAM, *SLOW, "--out", str(tmp_path))
     for _ in range(5):

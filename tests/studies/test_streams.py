@@ -71,6 +71,7 @@ def test_closed_streams_take_what_is_printed(redirected, stdout, stderr):
     assert (done.returncode, done.stdout, done.stderr) == (0, stdout, stderr)
 
 
+@pytest.mark.slow
 @needs_shell
 def test_a_full_device_is_told_once_and_not_again_as_python_ends():
     """Python's own exit status would be 120. It keeps what is printed until then, as it is not told to write at once."""

@@ -86,6 +86,7 @@ def test_implicit_step_has_no_floor(lengths):
     assert (cure[(cure["scheme"] == "rk4") & (cure["EA_N"] >= 1e4)]["ended"] == "diverged").all()
 
 
+@pytest.mark.slow
 def test_every_cell_lies_on_the_predicted_side(maps):
     cells = maps["planes"]
     assert {"plane", "scheme", "dt_s", "EA_N", "damper_Ns_per_m", "rest_growth", "whip_rise"} <= set(cells)
@@ -98,18 +99,21 @@ def test_every_cell_lies_on_the_predicted_side(maps):
     assert unstable[~limited & ~implicit].all()  # explicit Euler, which nothing keeps from swinging ever higher
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["edmc", "backward_euler"])
 def test_energy_never_rises(maps, scheme):
     cells = maps["planes"].query("scheme == @scheme")
     assert len(cells) == 60 and cells["whip_rise"].max() < 1e-6  # Newton's tolerance on force
 
 
+@pytest.mark.slow
 def test_energy_tells_what_survival_hides(maps):
     midpoint = maps["planes"].query("scheme == 'midpoint' and whip_rise > 1")
     assert len(midpoint) and (midpoint["whip_ended"] == GAINED).any()  # and its status tells
     assert planes.survived(midpoint).any()
 
 
+@pytest.mark.slow
 def test_measured_borders(maps):
     """Exact for the linear chain, 10 % asked for on the one that cannot push; explicit Euler grows slowly at its border."""
     table = maps["borders"]
@@ -119,6 +123,7 @@ def test_measured_borders(maps):
     assert np.allclose(rest[slow], 1.0, atol=0.1)
 
 
+@pytest.mark.slow
 def test_failures_of_the_thesis(maps):
     table = maps["thesis"].set_index(["scheme", "change"])
     for scheme in ("symplectic_euler", "verlet", "rk4"):
@@ -127,6 +132,7 @@ def test_failures_of_the_thesis(maps):
     assert table.loc["edmc", "stable"].all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", [length_error, stability_map], ids=lambda module: module.__name__)
 def test_figures_and_words(module, lengths, maps):
     rows = lengths if module is length_error else maps

@@ -173,6 +173,7 @@ def rows():
         yield study.compute(quick=True)
 
 
+@pytest.mark.slow
 def test_tables_hold_every_model_and_case(rows):
     assert set(rows) == set(study.TABLES)
     models = {tables.SAMPLED, tables.DESCENDED, tables.BALANCED}
@@ -184,17 +185,20 @@ def test_tables_hold_every_model_and_case(rows):
         assert (rows[name]["status"] == "done").all() and (rows[name]["error_mm"] > 0.0).all()
 
 
+@pytest.mark.slow
 def test_only_models_with_motion_follow_it(rows):
     for _, table in rows["motions"].groupby("motion"):
         errors = table.set_index("model")["error_mm"]
         assert errors[[tables.LUMPED, tables.LUMPED_DEFAULT]].max() < 1.0 < 10.0 < errors[tables.BALANCED]
 
 
+@pytest.mark.slow
 def test_edmc_loses_energy_and_never_gains_it(rows):
     change = rows["motions"].set_index("model")["energy_change_percent"][[tables.LUMPED, tables.LUMPED_DEFAULT]]
     assert change.between(-1.0, 0.0).all()
 
 
+@pytest.mark.slow
 def test_figures_and_answer(rows):
     drawings = study.plot(rows)
     assert set(drawings) == {"cost_and_error", "root_finders"}
@@ -207,6 +211,7 @@ def test_figures_and_answer(rows):
     assert ("MuJoCo is not installed" in text) != twin.installed()
 
 
+@pytest.mark.slow
 def test_without_the_engine_no_word_is_of_links(rows):
     bare = {name: table for name, table in rows.items()}
     for name in ("rest", "motions", "steps"):

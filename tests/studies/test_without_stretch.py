@@ -17,6 +17,7 @@ def rows():
         yield study.compute()
 
 
+@pytest.mark.slow
 def test_methods_tend_to_one_motion(rows):
     done = rows["runs"][rows["runs"]["status"] == "done"]
     assert set(done["motion"]) == {motion.name for motion in study.motions()}
@@ -28,12 +29,14 @@ def test_methods_tend_to_one_motion(rows):
             assert errors[:-1] / errors[1:] == pytest.approx(4.0, rel=0.2)
 
 
+@pytest.mark.slow
 def test_elastic_cables_tend_to_it_as_the_inverse_of_their_stiffness(rows):
     table = rows["elastic"]
     slope = np.polyfit(np.log(table["EA_N"]), np.log(table["apart_mm"]), 1)[0]
     assert slope == pytest.approx(-1.0, abs=0.05)  # the next term is of the order of the strain, some per cent at EA = 1e3 N
 
 
+@pytest.mark.slow
 def test_figure_and_answer(rows):
     assert set(study.plot(rows)) == {"cost"}
     words = study.answer(rows)

@@ -177,6 +177,7 @@ def test_all_methods_are_tried():
     assert {DEFAULT, *schemes.names(own=True), EXTRAPOLATED} == {"explicit_euler", *ALWAYS, *IN_TURN, *PUMPS}
 
 
+@pytest.mark.slow
 def test_diffrax_holds():
     """One scene and method, for which JAX compiles."""
     assert try_case(CASES["quadrotors apart, 1e3 N"](), "Tsit5").outcome == HELD

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from anet_lumped import Cable, Fixed, Free, InputError, Scene, SceneError, simulate
 from anet_lumped.effects import Gravity
+from anet_lumped.motion import accuracy
 from anet_lumped.results.run import Run
 from studies.catalogue import random_trials
 from studies.catalogue.random_trials import FAILED, GAINED, HELD, REFUSED, Random, Trial, attempt, draw, try_many
@@ -18,6 +19,8 @@ from studies.catalogue.random_trials import FAILED, GAINED, HELD, REFUSED, Rando
 def test_no_run_fails(monkeypatch, data):
     """No NaN called success, no error but the library's own, no energy out of nothing where a method promises none."""
     monkeypatch.setattr(random_trials, "MOST_COMPARED", 2000)  # one run in sixty takes more, and four times those beside it
+    monkeypatch.setattr(accuracy, "BUDGET", 1e5)  # what is drawn depends on what else was imported: some runs would take minutes
+    monkeypatch.setattr(accuracy, "BUDGET_OF_FIRST", 1.0)
     monkeypatch.setattr(random_trials, "_told", lambda trial, run: (HELD, ""))  # a share of them is off: `study error_estimate`
     try:
         trial = draw(Drawn(data))

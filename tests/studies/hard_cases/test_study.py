@@ -19,6 +19,7 @@ def rows(tmp_path_factory):
         return hard_cases.compute(quick=True, executor=executor, out=tmp_path_factory.mktemp("hard_cases"))
 
 
+@pytest.mark.slow
 def test_every_pair_has_an_outcome(rows):
     runs = rows["runs"]
     assert len(runs) == len(hard_cases.QUICK_CASES) * len(hard_cases.QUICK_METHODS)
@@ -41,6 +42,7 @@ def test_a_failure_that_an_audit_finds_has_a_star():
     assert hard_cases.label(SimpleNamespace(**(run | {"outcome": REFUSED, "cause": "energy"})), statements) == "energy"
 
 
+@pytest.mark.slow
 def test_what_failed_has_a_statement_that_does_not_hold(rows):
     statements = rows["statements"]
     for run in rows["failed"].itertuples():
@@ -50,6 +52,7 @@ def test_what_failed_has_a_statement_that_does_not_hold(rows):
     assert statements.merge(held)["holds"].all()
 
 
+@pytest.mark.slow
 def test_figure_and_answer(rows):
     (drawing,) = hard_cases.plot(rows).values()
     labels = [text.get_text() for text in drawing.figure.axes[0].texts]
@@ -63,6 +66,7 @@ def test_figure_and_answer(rows):
     assert "There is no failure for an audit of the run" in words
 
 
+@pytest.mark.slow
 def test_the_answer_of_failures_names_them(rows):
     """Made up: the default fails in one case, verlet and midpoint in one each, of which an audit finds one; edmc gains energy."""
     runs, statements = rows["runs"].copy(), rows["statements"].copy()
