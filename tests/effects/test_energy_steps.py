@@ -65,7 +65,7 @@ def acting(effect, model, t, h, base, damper):
 
 
 @pytest.mark.parametrize("damper", [0.0, 0.5])
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", [pytest.param(law, marks=pytest.mark.slow if law in ("well", "sling") else ()) for law in LAWS])
 @pytest.mark.parametrize("seed", range(3))
 def test_it_does_the_work_of_the_energy_and_its_derivative_is_exact(law, damper, seed):
     """The energy falls by the work of the force, what the damper takes and what the law's own time takes; Taylor's remainder."""

@@ -170,10 +170,10 @@ def test_own_drag_is_that_of_air():
 @pytest.mark.parametrize(
     "effect",
     [
-        own_magnet(strength=0.02, at=(0.1, 0.2, -3.0), beat=2.0),
+        pytest.param(own_magnet(strength=0.02, at=(0.1, 0.2, -3.0), beat=2.0), marks=pytest.mark.slow),
         own_damping(rate=0.5),
         own_spring(),
-        own_leash(),
+        pytest.param(own_leash(), marks=pytest.mark.slow),
     ],
     ids=lambda effect: type(effect).__name__,
 )

@@ -154,7 +154,7 @@ def spring_solution(t):
     return a * np.sin(t) + b * np.cos(t) + np.exp(-LOSS / 2 * t) * (p * np.cos(nu * t) + r * np.sin(nu * t))
 
 
-@pytest.mark.parametrize("method", DIFFRAX)
+@pytest.mark.parametrize("method", [pytest.param(m, marks=() if m == "Kvaerno5" else pytest.mark.slow) for m in DIFFRAX])
 def test_closed_form_and_how_a_lost_force_ends_it(method):
     out = spring_march(method)
     assert out.status == DONE and out.node == -1 and out.reason == ""

@@ -22,6 +22,7 @@ def rows():
         yield study.compute(quick=True)
 
 
+@pytest.mark.slow
 def test_rows_of_flights(rows):
     table = rows["flights"].set_index(["flight", "step_ms"])
     assert list(table.index) == [(study.NET, 20.0), (study.NET, 10.0), (study.SWAY, 20.0)]
@@ -44,6 +45,7 @@ def test_the_period_of_a_sway():
     assert np.isnan(study.sway_period(run, "p0"))
 
 
+@pytest.mark.slow
 def test_figures_and_answer(rows):
     words = study.answer(rows)
     assert words.startswith(f"The largest tension of {study.NET} and sway is the same within 1 % at all their steps, ")
@@ -56,6 +58,7 @@ def test_figures_and_answer(rows):
         assert drawn == {"steps"}
 
 
+@pytest.mark.slow
 def test_without_casadi_the_answer_says_what_is_left_out(rows):
     words = study.answer(rows | {"loads": pd.DataFrame(), "loads_in_time": pd.DataFrame()})
     assert "CasADi is not installed" in words and "Model-predictive control with" not in words

@@ -188,6 +188,7 @@ def study(cache):
         return work_precision.compute(quick=True, out=cache)
 
 
+@pytest.mark.slow
 def test_parts_of_the_error_add_up(study):
     """The whole is at most the sum of its parts, and at least the largest less the others: they are distances."""
     table = study["total_error"]
@@ -197,6 +198,7 @@ def test_parts_of_the_error_add_up(study):
     assert (whole >= 2 * largest - parts.sum(axis=1) - 1e-9).all()
 
 
+@pytest.mark.slow
 def test_parts_behave_as_their_causes(study):
     """Stretch falls as 1/EA, the error of segments as their number squared; 2 % from the next power."""
     table = study["total_error"]
@@ -221,6 +223,7 @@ def test_the_discretisation_error_at_rest_is_that_of_the_catenary_net(cache):
     assert divided > 1e-5 and limit < divided / 50
 
 
+@pytest.mark.slow
 def test_the_quick_study_answers(study, tmp_path):
     runs = study["runs"]
     assert (runs["status"] == "done").all() and set(runs["engine"]) == {contestants.OURS}
@@ -241,6 +244,7 @@ def test_the_quick_study_answers(study, tmp_path):
     assert isinstance(pd.read_parquet(tmp_path / "runs.parquet"), pd.DataFrame)
 
 
+@pytest.mark.slow
 def test_the_quick_study_compares_in_pairs(study):
     """The library's own choice beside its best method, at the error of the choice, on both motions."""
     pairs = study["pairs"]
