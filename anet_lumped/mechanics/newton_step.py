@@ -86,7 +86,8 @@ def _cable_finish(stage, net, c):
 
     No bound is known where the law is not a straight line over the step: for a tension-strain curve; and for a segment that cannot
     push, if it was not linearised as taut or becomes shorter than its rest length. A positive tension does not show that it stays
-    longer: the secant from a taut length to a short one is positive too.
+    longer: the secant from a taut length to a short one is positive too. With `LAW_BETWEEN` it must be longer at the base as well:
+    the secant from a short length x_a to a taut one x is k/2 x^2/(x - x_a), whose tangent is wrong by any share of it for small x.
     """
     first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
     end = column(net.cable, c, CABLE_END)
@@ -108,10 +109,14 @@ def _cable_finish(stage, net, c):
         step_square = dx * dx + dy * dy + dz * dz
         stiffness, lengthening = load(segment, shifted(s, 0, SEGMENT_COLUMNS, SEGMENT_STIFFNESS)), gx * dx + gy * dy + gz * dz
         if one_way:
-            stretch, _, _, numerical = load_four(segment, shifted(s, 0, SEGMENT_COLUMNS, SEGMENT_STRETCH))
+            before, stretch, _, _ = load_four(segment, shifted(s, 0, SEGMENT_COLUMNS, SEGMENT_STRETCH_BEFORE))
+            numerical = load(segment, shifted(s, 0, SEGMENT_COLUMNS, SEGMENT_NUMERICAL_DAMPER))
             taut_slope = taut.undamped_slope + numerical if stage.law == LAW_BETWEEN else taut.undamped_slope
             linearised_as_taut = (stretch > 0.0) | (stiffness + a > (1.0 - 1e-9) * taut_slope)
-            largest_force = max(largest_force, select(linearised_as_taut & (stretch + lengthening > 0.0), 0.0, UNKNOWN_FORCE))
+            stays_taut = linearised_as_taut & (stretch + lengthening > 0.0)
+            if stage.law == LAW_BETWEEN:
+                stays_taut = stays_taut & (before > 0.0)
+            largest_force = max(largest_force, select(stays_taut, 0.0, UNKNOWN_FORCE))
         T = select(stiffness != 0.0, T + a * lengthening, T)
         store(net.tension, s, T)
         turned_force = abs(T * per_length - a) * math.sqrt(step_square) + T * per_length * per_length * step_square

@@ -17,9 +17,9 @@ EPS = np.finfo(float).eps
 STARTS = ("loose", "crumpled", "spot", "overstretched")
 
 
-def hard_start(model, kind):
+def hard_start(model, kind, seed=0):
     """A loose cable at rest: level, a random walk, all nodes on one spot, or 50 % overstretched."""
-    nodes, rng = model.nodes("a-b"), np.random.default_rng(0)
+    nodes, rng = model.nodes("a-b"), np.random.default_rng(seed)
     x, N = np.zeros((len(nodes), 3)), len(nodes) - 1
     if kind == "crumpled":
         turn = rng.normal(size=(N, 3))
@@ -38,13 +38,14 @@ def hard_run(method, kind, EA, zeta, dt):
     return simulate(scene, t_end, method=method, dt=dt, save_every=dt, start=hard_start(build(scene), kind))
 
 
-def energy_of_errors(run, tolerance=NEWTON_TOLERANCE):
+def energy_of_errors(run, tolerance=NEWTON_TOLERANCE, law_at_places=True):
     """Energy that Newton's tolerance and rounding may add in each step of a run saved at every step [J].
 
     E_b - E_a = -(what is dissipated, >= 0) + r . (q_b - q_a) for `edmc`, and <= for backward Euler by convexity, where r is
     the force left out of balance: at most ``tolerance`` times the largest force on a node (here from its acceleration and
     weight) plus 4 eps (T + (k + c/h) |q|), the rounding that `residual` allows for. Beside it the rounding of the
-    energies themselves, with the 4 eps |q| that Newton's method may leave in every length, at both ends of the step.
+    energies themselves, with the 4 eps |q| that Newton's method may leave in every length, at both ends of the step. Where no stage
+    takes its tensions by the law at rounded places (``law_at_places``), but those that Newton predicts, (k + c/h) |q| is no part.
     """
     model, h = run.model, np.diff(run.t)
     m = model.mass[: model.n_free, None]
@@ -53,7 +54,7 @@ def energy_of_errors(run, tolerance=NEWTON_TOLERANCE):
     tension = np.max([run.tension(cable.name).max(axis=1) for cable in model.scene.cables], axis=0)
     tension = np.maximum(tension[1:], tension[:-1])
     reach, k, c = np.abs(run.q).max(), model.axial[:, AXIAL_STIFFNESS].max(), model.axial[:, AXIAL_DAMPER].max()
-    noise = 4 * EPS * (tension + (k + c / h) * reach)
+    noise = 4 * EPS * (tension + law_at_places * (k + c / h) * reach)
     way = np.abs(np.diff(q, axis=0)).sum((1, 2))
     rounding = 64 * EPS * np.abs(run.energy[1:]).sum(axis=1) + 8 * EPS * tension * reach * model.n_segments
     return (tolerance * force + noise) * way + rounding
@@ -74,6 +75,17 @@ def test_energy_never_rises(method, kind):
                 assert np.isfinite(run.q).all() and np.isfinite(run.v).all() and np.isfinite(run.energy).all(), case
                 total = run.energy[:, :3].sum(axis=1)
                 assert np.all(np.diff(total) <= energy_of_errors(run)), case
+
+
+@pytest.mark.parametrize(("zeta", "seed"), [(300, 17), (300, 18), (500, 1), (500, 12), (700, 3), (700, 51), (1000, 35)])
+def test_a_segment_that_a_step_makes_taut_is_not_solved_by_one_tangent(zeta, seed):
+    """The secant from a slack length is no straight line: a step that took it for one left 61 N where the law asks for 0.08 N.
+
+    The worst of 780 crumpled starts, of which 8 then gained 2 to 22 times what Newton's tolerance may add in a step, and now none.
+    """
+    scene = loose_cable(1e9, zeta)
+    run = simulate(scene, 0.85, method="edmc", dt=1e-3, save_every=1e-3, start=hard_start(build(scene), "crumpled", seed))
+    assert run.ok and np.all(np.diff(run.energy[:, :3].sum(axis=1)) <= energy_of_errors(run, law_at_places=False))
 
 
 def random_curve(rng, shape):
