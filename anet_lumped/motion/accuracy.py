@@ -46,7 +46,7 @@ LEAST_OF_TOLD = 0.05  # of the error that a run tells of itself, which is left o
 LEAST_OF_TENSION = 0.5  # the same of the largest tension, of which two runs may agree by chance
 BUDGET = 5e7  # Newton iterations times moving nodes of all runs: some 15 s on one core, a minute in waves; or, if that is more,
 BUDGET_OF_FIRST = 8.0  # times those of a run with the steps of the first choice
-ASKED = 10.0  # times that budget, where an error is asked for
+ASKED = 10.0  # times that budget, for an error that is asked for
 
 
 class Wanted(NamedTuple):
@@ -90,33 +90,31 @@ class Known(NamedTuple):
 
 
 class Budget:
-    """What all runs together may cost, in Newton iterations times moving nodes; see `cost`.
+    """What all runs together may cost, in Newton iterations times moving nodes; see `cost`."""
 
-    Parameters
-    ----------
-    times : float, times `BUDGET` and `BUDGET_OF_FIRST`
-    """
-
-    def __init__(self, times: float = 1.0) -> None:
-        self.times, self.most, self.spent = times, math.inf, 0.0
+    def __init__(self) -> None:
+        self.most, self.spent = math.inf, 0.0
 
     def spend(self, run: Run, of_first: float, share: float = 1.0) -> Run:
         """Count a run over a ``share`` of the whole time, whose steps are ``of_first`` of those of the first choice; return it."""
         self.spent += cost(run)
         if self.most == math.inf:
-            self.most = self.times * max(BUDGET, BUDGET_OF_FIRST * of_first * cost(run) / share)
+            self.most = max(BUDGET, BUDGET_OF_FIRST * of_first * cost(run) / share)
         return run
 
-    def parts(self, run: Run, wished: int, share: float = 1.0) -> int:
-        """Number of steps, ``wished`` at most and 1 at least, in which each step of such a run may be taken in another run."""
-        left = (self.most - self.spent) * share / max(cost(run), 1.0)
+    def parts(self, run: Run, wished: int, share: float = 1.0, asked: bool = False) -> int:
+        """Number of steps, ``wished`` at most and 1 at least, in which each step of such a run may be taken in another run.
+
+        For an error that is ``asked`` for they may cost `ASKED` times as much.
+        """
+        left = (self.most * (ASKED if asked else 1.0) - self.spent) * share / max(cost(run), 1.0)
         return max(min(wished, math.floor(min(left, 1e9))), 1)
 
 
 class Beyond(NamedTuple):
     """Steps that the budget does not allow: the ``parts`` in which they take those of the last run, and the ``budget``.
 
-    ``asked`` tells whether the errors were asked for.
+    ``asked`` tells whether the error that is not kept was asked for.
     """
 
     parts: int
@@ -137,7 +135,7 @@ def keep_error(
     duration: float,
     span: float,
     instead: Callable[[Run, float], Run | None] | None = None,
-    asked: bool = False,
+    asked: tuple[bool, bool] = (False, False),
 ) -> Run:
     """March with steps short enough for the errors that are wanted.
 
@@ -152,16 +150,20 @@ def keep_error(
     instead : callable(run, parts) -> Run or None
         Asked before steps are taken in ``parts``, of which a run over some time says that they are needed: a run by another method,
         if that is cheaper and keeps the error.
-    asked : bool
-        Whether the errors were asked for. No run is begun with which all runs would cost more than `BUDGET` and `BUDGET_OF_FIRST`
-        times the first choice; or `ASKED` times that.
+    asked : tuple of bool
+        Whether the error of places was asked for, and that of the largest tension. No run is begun with which all runs would cost
+        more than `BUDGET` and `BUDGET_OF_FIRST` times the first choice; or `ASKED` times that, for an error that was asked for.
 
     Returns
     -------
     Run
         The last one; `Run.reason` says what was kept. If it is not "done", nothing more was tried.
     """
-    first, budget = choice.dt, Budget(ASKED if asked else 1.0)
+    first, budget = choice.dt, Budget()
+
+    def affordable(run: Run, wishes: tuple[int, int], share: float) -> int:
+        return max(budget.parts(run, wish, share, one) for wish, one in zip(wishes, asked, strict=True))
+
     if duration > FEWEST_STEPS * first:
         pilot = march(choice, span * max(1.0, math.floor(PILOT * duration / span)) if span < duration else PILOT * duration)
         if pilot.ok:
@@ -170,20 +172,22 @@ def keep_error(
             if other is not None:
                 return other
             budget.spend(pilot, 1.0, share)
-            choice = _finer(choice, budget.parts(pilot, _parts(pilot, wanted, _alone(pilot), share), share), span)
+            choice = _finer(choice, affordable(pilot, _parts(pilot, wanted, _alone(pilot), share), share), span)
     run, in_vain, as_far_before = budget.spend(march(choice, duration), choice.dt / first), (False, False), False
     known = _alone(run)
     while run.ok:
-        parts = _parts(run, wanted, known, 1.0, choice.dt / first, in_vain)
-        parts = min(parts, int(most_of(STEPS) * choice.dt / duration))
-        if parts < 2:
+        most = int(most_of(STEPS) * choice.dt / duration)
+        for_places, for_tensions = _parts(run, wanted, known, 1.0, choice.dt / first, in_vain)
+        wishes = min(for_places, most), min(for_tensions, most)
+        if max(wishes) < 2:
             break
         other = instead(run, _wish(run, wanted, 1.0, known.of_told)) if instead is not None and known.apart == math.inf else None
         if other is not None:
             return other
-        wished, parts = parts, budget.parts(run, parts)
+        parts = affordable(run, wishes, 1.0)
         if parts < 2:
-            return told(run, known, wanted, beyond=Beyond(wished, budget.most, asked))
+            one = asked[0] if known.error > wanted.of_places(run) else asked[1]
+            return told(run, known, wanted, beyond=Beyond(max(wishes), budget.most * (ASKED if one else 1.0), one))
         coarser, before, before_choice, choice = run, known, choice, _finer(choice, parts, span)
         took = parts * run.wall_time
         LOG.info("with dt=%.3g s places are known to %.2g m, the largest tension to %.2g", run.dt, known.error, known.tension_error)
@@ -222,8 +226,8 @@ def _alone(run: Run) -> Known:
 
 def _parts(
     run: Run, wanted: Wanted, known: Known, share: float, of_first: float = 1.0, in_vain: tuple[bool, bool] = (False, False)
-) -> int:
-    """Number of steps that each step of a run should be replaced by.
+) -> tuple[int, int]:
+    """Numbers of steps that each step of a run should be replaced by, for its places and for its largest tension.
 
     As what is ``known`` of its errors over a ``share`` of the whole time asks for; its steps are ``of_first`` of those that were
     chosen first, and shorter ones were ``in_vain`` for places, or for tensions.
@@ -231,12 +235,12 @@ def _parts(
     scheme = schemes.scheme(run.method)
     order = scheme.error_order or scheme.order or 1
     places, tensions = known.error / share / wanted.of_places(run), known.tension_error / wanted.tension_error
-    wishes = [1]
+    for_places = for_tensions = 1
     if places > 1.0 and not in_vain[0]:
-        wishes.append(min(math.ceil((places / AIM) ** (1.0 / order)), int(MOST_FOR_PLACES * of_first)))
+        for_places = min(math.ceil((places / AIM) ** (1.0 / order)), int(MOST_FOR_PLACES * of_first), MOST_AT_ONCE)
     if tensions > (AIM if known.apart == math.inf else 1.0) and not in_vain[1]:
-        wishes.append(min(math.ceil((tensions / AIM) ** 0.5), int(MOST_FOR_TENSIONS * of_first)))
-    return min(max(wishes), MOST_AT_ONCE)
+        for_tensions = min(math.ceil((tensions / AIM) ** 0.5), int(MOST_FOR_TENSIONS * of_first), MOST_AT_ONCE)
+    return max(for_places, 1), max(for_tensions, 1)
 
 
 def _parts_as_it_falls(known: Known, before: Known, parts: int, allowed: float) -> float:

@@ -84,8 +84,8 @@ def simulate(
         Errors to keep, of places and of the largest tension over that tension: the step is made shorter until the run's own
         estimates are within them (`Run.error_estimate`, `Run.tension_error`). None, and neither method nor step given, keeps 1 mm
         in a metre of the longest cable, 5 % of the motion, and 2 % of the largest tension, as far as that costs no more than some
-        15 s of one core or 8 times the first step; with errors given, ten times that (`motion.accuracy`). What is not kept, past a
-        whip, in chaos or beyond that budget, ``Run.reason`` and a warning say, from when on, and how to go further.
+        15 s of one core or 8 times the first step; for one that is given, ten times that (`motion.accuracy`). What is not kept,
+        past a whip, in chaos or beyond that budget, ``Run.reason`` and a warning say, from when on, and how to go further.
     audit : bool or float [m]
         Run again with half the step or a tenth of the tolerance, and compare: ``Run.audit`` estimates the error of the run, and its
         status is "audit failed" if that is above the number given (True: 1 % of the longest cable, 5 % of the motion) or if
@@ -125,7 +125,7 @@ def simulate(
             choice = replace(choice, warnings=(*choice.warnings, text))
     settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
     whole = partial(march_legs, _march_of(scheme), scene, start=begin, t_end=begin.t + t_end, settings=settings)
-    asked = error is not None or tension_error is not None
+    asked = error is not None, tension_error is not None
     by_default = method is None and dt is None and not adaptive and not extrapolate
     wanted = Wanted(error, TENSION_ERROR if tension_error is None else tension_error)
     length = max(cable.length for cable in scene.cables)
@@ -146,9 +146,9 @@ def simulate(
         found = by_tolerance(other, RUNS_INSTEAD)
         return found if found.kept and slack_time(found) <= SLACK_ALLOWED * t_end else None
 
-    if asked and scheme.embedded and rtol is None and atol is None:
+    if any(asked) and scheme.embedded and rtol is None and atol is None:
         run = by_tolerance(choice)
-    elif asked or by_default:
+    elif any(asked) or by_default:
         _check_keeps_error(scheme, dt, adaptive, extrapolate)
         choice, every = judged_every(choice, save_every, t_end)
 

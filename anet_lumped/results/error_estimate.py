@@ -1,9 +1,11 @@
 """What a run knows of the errors of its places, as far as its steps, its method and its lost energy tell.
 
 What the steps leave out adds up in the march (`integrators.marching.error_growth`), and nodes that fly keep what their velocity is
-off by (`free_flight`). Both fade as the motion does: dampers and drag that take the power D of a motion of the energy E let its
-amplitude, and the errors in it, fade at the rate D/2E. A break comes too early or too late by
-what is off before it, and that goes on (`break_errors`).
+off by (`free_flight`). A break comes too early or too late by what is off before it, and that goes on (`break_errors`).
+
+Errors of steps and flights fade as the motion does: dampers and drag that take the power D of a motion of the energy E let its
+amplitude, and the errors in it, fade at the rate D/2E. E is kinetic energy and what springs hold beyond their least: a net that is
+let go stretched many times gives its dampers far more than it moves with, and forgets little of where it went meanwhile.
 
 Besides, energy that the method took is missing in the motion, and what it gave is too much: of an amplitude A, which goes with the
 square root of the energy, a share E_lost/2E. A swing that starts at rest goes 2A. Where all is lost the motion is off by its whole
@@ -18,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.results.energy_balance import BY_DAMPERS, BY_EFFECTS, BY_METHOD, KINETIC, SWINGS, lost_share, moved_share
+from anet_lumped.results.energy_balance import BY_DAMPERS, BY_EFFECTS, BY_METHOD, ELASTIC, KINETIC, SWINGS, lost_share, moved_share
 from anet_lumped.scene.scene import Driven
 from integrators import schemes
 
@@ -77,7 +79,8 @@ def _faded(growth: np.ndarray, energy: np.ndarray) -> np.ndarray:
 
     rows = len(growth)
     width = max(1, rows // SWINGS)
-    motion = maximum_filter1d(energy[:, KINETIC], 2 * width + 1, mode="nearest")  # of a swing the kinetic energy comes and goes
+    stored = energy[:, ELASTIC] - energy[:, ELASTIC].min()
+    motion = maximum_filter1d(energy[:, KINETIC] + stored, 2 * width + 1, mode="nearest")  # of a swing it comes and goes
     taken = np.maximum(np.diff(energy[:, BY_DAMPERS] + energy[:, BY_EFFECTS]), 0.0)
     decay = np.minimum(taken / np.maximum(motion[1:] + motion[:-1], 1e-300), FORGOTTEN)
     keeps = np.exp(-decay)

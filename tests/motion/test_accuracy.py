@@ -165,6 +165,8 @@ def test_the_default_stops_at_its_budget_and_an_error_that_is_asked_for_goes_on(
     monkeypatch.setattr(accuracy, "BUDGET_OF_FIRST", 1.0)
     asked = simulate(loose(), 1.0, start="straight", error=1e-3)  # has ten times that
     assert asked.dt == run.dt and "the budget of 1e+05 Newton iterations times nodes; dt=" in asked.reason
+    other = simulate(loose(), 1.0, start="straight", error=0.5)  # the largest tension has not, which was not asked for
+    assert other.dt > run.dt and "the budget of 1e+04 Newton iterations times nodes; tension_error=0.02 has 10" in other.reason
 
 
 def test_a_run_whose_first_steps_cost_much_may_cost_eight_times_as_much():

@@ -44,6 +44,11 @@ def test_random_trials_are_the_same_again_and_of_every_kind():
     assert not [one for one in found if one["outcome"] == FAILED]
 
 
+def test_a_net_let_go_stretched_many_times_forgets_little_of_its_errors():
+    """Of 17 times its length, by dampers that take 1e5 times what it moves with: "kept 0.35 mm" was off by 6.5 mm."""
+    assert attempt(draw(Random((7, 530)))) == (HELD, "")
+
+
 def test_without_surroundings_scenes_have_gravity_and_viscous_damping_alone():
     scenes = [draw(Random((7, number)), surroundings=False).scene for number in (0, 2, 4, 5, 6, 7, 8, 9, 10)]
     assert {type(effect).__name__ for scene in scenes for effect in scene.effects} == {"Gravity", "ViscousDamping"}
