@@ -1,7 +1,8 @@
 """Bodies of a MoorDyn file: those that others move, or nobody, and those that move by themselves.
 
 A body that is fixed or coupled is a frame: its mass, its inertia and its drag are the business of who moves it. A body that is
-free, or pinned, is a `Body` with the points and the rods on it. All are turned as a platform is, see `six_motions`.
+free, or pinned, is a `Body` with the points and the rods on it. "CoupledPinned" is pinned at its origin to a driven point,
+"body1.pin". All are turned as a platform is, see `six_motions`.
 
 MoorDyn's body has its weight and its buoyancy at its centre of gravity, its drag and its added mass at its origin (Body.cpp).
 """
@@ -31,7 +32,8 @@ class Frame(NamedTuple):
     hold : Hold.FIXED, Hold.COUPLED, or Hold.FREE of one that moves by itself
     six : its place [m] and its three angles [rad]
     name : of the body in the scene
-    pinned : whether its origin stays where it is while it turns
+    pinned : whether it turns about its origin, whose place is prescribed
+    coupled : whether others move that origin, or the body
     row : where it stands
     """
 
@@ -39,7 +41,13 @@ class Frame(NamedTuple):
     six: tuple[float, ...]
     name: str
     pinned: bool
+    coupled: bool
     row: Row
+
+    @property
+    def pin(self) -> str | None:
+        """Name of the driven point to which it is pinned, None without one."""
+        return f"{self.name}.pin" if self.pinned and self.coupled else None
 
     def place_of(self, point: Vector) -> Vector:
         """Place (3,) [m] of a point that is given in the axes of the body."""
@@ -95,7 +103,8 @@ def _frame(number: int, row: Row) -> Frame:
     place = [row.number(2 + x, name) for x, name in enumerate(("X0", "Y0", "Z0"))]
     angles = [math.radians(row.number(5 + x, name)) for x, name in enumerate(("r0", "p0", "y0"))]
     assert hold is not None or pinned
-    return Frame(Hold.FREE if pinned or hold is None else hold, (*place, *angles), row.name or f"body{number}", pinned, row)
+    name = row.name or f"body{number}"
+    return Frame(Hold.FREE if pinned or hold is None else hold, (*place, *angles), name, pinned, hold is Hold.COUPLED, row)
 
 
 def moving_body(frame: Frame, attachments: list[tuple[str, Vector]], rods: list[Rod]) -> Body:
@@ -120,7 +129,11 @@ def moving_body(frame: Frame, attachments: list[tuple[str, Vector]], rods: list[
             f"Added mass of body {name} acts at its centre of gravity, as its buoyancy does; MoorDyn has it at the origin."
         )
     if frame.pinned:
-        row.findings.remark(f"The origin of body {name} stays where it is, while the body turns about it.")
+        row.findings.remark(
+            f"Body {name} turns about its origin, which is pinned to {quoted(frame.pin)}."
+            if frame.pin
+            else f"The origin of body {name} stays where it is, while the body turns about it; MoorDyn's C++ version lets it fall."
+        )
     given: dict[str, Any] = {}
     if mass or not any(rod.mass_per_length for rod in rods):
         given = {"mass": mass, "inertia": _three(inertia)}
@@ -129,7 +142,8 @@ def moving_body(frame: Frame, attachments: list[tuple[str, Vector]], rods: list[
     return made(
         row, Body, frame.name, at=frame.six[:3], rotation=frame.rotation, attachments=attachments, rods=rods,
         centre_of_mass=centre, centre_of_buoyancy=centre if volume else (0.0, 0.0, 0.0), volume=volume,
-        CdA=_three(along), CdA_rotation=_three(turning), Ca=_three(Ca), pinned="" if frame.pinned else None, **given,
+        CdA=_three(along), CdA_rotation=_three(turning), Ca=_three(Ca),
+        pinned="" if frame.pinned else None, pinned_to=frame.pin, **given,
     )  # fmt: skip
 
 

@@ -1,10 +1,11 @@
 """Bodies of a scene → rows of MoorDyn's input file.
 
-A body that moves freely is `Free`, one that is pinned at its origin `CoupledPinned`, whose origin the calling program holds, and
-one whose motion is prescribed `Coupled`. Its attachments are points of type `Body1`, called as in the body; one called "" is its
-origin. Its rods are rods on it. A rod that is pinned to another body is a rod of type `Body1Pinned`. Refused is what MoorDyn's body
-does not have: a hull, contact with the bottom, moments of inertia that are not along its axes, buoyancy elsewhere than at the
-centre of mass, and a pin elsewhere than at the origin.
+A body that moves freely is `Free`, one that is pinned at its origin `CoupledPinned`, whose origin the calling program holds or
+moves, and one whose motion is prescribed `Coupled`. A driven point is not written where all that it holds is such a body. The
+attachments of a body are points of type `Body1`, called as in the body; one called "" is its origin. Its rods are rods on it. A rod
+that is pinned to another body is a rod of type `Body1Pinned`. Refused is what MoorDyn's body does not have: a hull, contact with
+the bottom, moments of inertia that are not along its axes, buoyancy elsewhere than at the centre of mass, and a pin elsewhere than
+at the origin.
 
 One `CdA` and one `CdA_rotation` are written as `2|0`. Of three or six numbers MoorDyn 2.7.2 passes over the first.
 """
@@ -19,7 +20,7 @@ from anet_lumped.prescribed.turning import matrix_of, turned_by
 from anet_lumped.scene.body import Body
 from anet_lumped.scene.body_mass import tensor
 from anet_lumped.scene.rod import Rod
-from anet_lumped.scene.scene import Scene
+from anet_lumped.scene.scene import Driven, Scene
 
 from .moordyn_rows import named
 
@@ -43,14 +44,23 @@ def rod_ends(scene: Scene) -> dict[str, str]:
     return {name: f"R{first + k // 2}{'AB'[k % 2]}" for k, name in enumerate(ends)}
 
 
+def pins(scene: Scene) -> set[str]:
+    """Names of the driven points at which bodies of the file turn and no cable ends."""
+    return {body.pinned_to for body in _written(scene) if body.pinned_to} - {
+        end for cable in scene.cables for end in (cable.start, cable.end)
+    }
+
+
 def _written(scene: Scene) -> list[Body]:
     """The bodies that are bodies of the file."""
-    return [body for body in scene.bodies if not body.is_jointed]
+    driven = {point.name for point in scene.points if isinstance(point, Driven)}
+    return [body for body in scene.bodies if not body.is_jointed or body.pinned_to in driven]
 
 
 def _pinned_rods(scene: Scene) -> list[Body]:
     """The bodies that are rods of the file, pinned to bodies."""
-    return [body for body in scene.bodies if body.is_jointed]
+    written = _written(scene)
+    return [body for body in scene.bodies if body not in written]
 
 
 def body_rows(scene: Scene) -> list[str]:

@@ -5,7 +5,7 @@ from outside: it stays where it is unless it is given a path, a platform that ca
 fixed or coupled is what its body is; on a body that moves by itself it is an attachment.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from anet_lumped.checks import SceneError, Vector, shown
@@ -86,10 +86,20 @@ def read_points(rows: list[Row], bodies: list[Row], carrying: set[int], coupled:
     found.frames.update(read_bodies(bodies, used | carrying, findings))
     found.attachments.update({number: [] for number, frame in found.frames.items() if frame and frame.hold is Hold.FREE})
     _check_coupled(coupled, held, found.frames, findings)
+    for frame in filter(None, found.frames.values()):
+        if frame.pin:
+            put_pin(found, frame.pin, frame.six[:3], frame.row)
     for number, row in good:
         with findings.refusing():
             _read(number, row, held[number], coupled.get(number), found)
     return found
+
+
+def put_pin(places: Places, name: str, at: Sequence[float], row: Row) -> str:
+    """Put the driven point into ``places`` to which a body or a rod of a row is pinned; returns its name."""
+    x, y, z = at
+    places.points[name], places.at[name] = Driven(name, made(row, paths.external, (x, y, z))), (x, y, z)
+    return name
 
 
 def _read(number: int, row: Row, held: Attachment, path: Path | None, found: Places) -> None:

@@ -1,10 +1,11 @@
 """The rods of a MoorDyn file, and lines that end at them: `R1A` is end A of rod 1.
 
-A rod that is free is a `Body` of its own, one that is pinned is held at its end A; a rod on a body that moves by itself is a `Rod`
-of that body, or, if it turns there ("Body1Pinned"), a `Body` whose end A is pinned to that body. Its ends are "rod1.a" and
-"rod1.b". A rod that is fixed or coupled, by itself or on such a body, does not move by itself: its ends are fixed or driven points,
-and no load on it is computed. Rods that no line ends at are left out, but for those on bodies. A rod without a length, NumSegs 0,
-has neither mass nor drag in MoorDyn (Rod::setup), wherever its end B is given: it is a point at its end A, "rod1".
+A rod that is free is a `Body` of its own, one that is pinned is held at its end A, by a driven point "rod1.pin" if it is
+"CoupledPinned"; a rod on a body that moves by itself is a `Rod` of that body, or, if it turns there ("Body1Pinned"), a `Body` whose
+end A is pinned to that body. Its ends are "rod1.a" and "rod1.b". A rod that is fixed or coupled, by itself or on such a body, does
+not move by itself: its ends are fixed or driven points, and no load on it is computed. Rods that no line ends at are left out, but
+for those on bodies. A rod without a length, NumSegs 0, has neither mass nor drag in MoorDyn (Rod::setup), wherever its end B is
+given: it is a point at its end A, "rod1".
 
 MoorDyn's rods have no drag and no added mass along them but at their end caps (MoorDyn2.cpp: readRodProps).
 """
@@ -25,12 +26,13 @@ from .moordyn_attachments import Attachment, Hold, attachment
 from .moordyn_bodies import Frame
 from .moordyn_findings import Findings
 from .moordyn_lines import end_of_rod
-from .moordyn_points import OnMovingBody, Places
+from .moordyn_points import OnMovingBody, Places, put_pin
 from .moordyn_rows import WORD, Row, made
 
 TYPE_COLUMNS = 7  # TypeName, Diam, Mass/m, Cd, Ca, CdEnd, CaEnd
 COLUMNS = 11  # ID, RodType, Attachment, Xa, Ya, Za, Xb, Yb, Zb, NumSegs, RodOutputs
 PINNED = re.compile(r"pin(ned)?\d*", re.IGNORECASE)  # by itself; a number behind it is passed over
+STAYS = "stays where it is, while the rod turns about it."
 OF_TYPE = ((1, "Diam", "diameter"), (2, "Mass/m", "mass_per_length"), (3, "Cd", "Cdn"), (4, "Ca", "Can"))
 OF_ENDS = ((5, "CdEnd", "Cd_end"), (6, "CaEnd", "Ca_end"))
 
@@ -113,17 +115,15 @@ def _read(number: int, row: Row, held: Attachment, types: Mapping[str, Row], own
         return
     hold = held.hold
     at: dict[str, Vector] = {"A": a, "B": b}
+    pin = None
     if hold is Hold.BODY:
         frame = _frame_of(row, held.number, places)
         if frame is None:
             return
         at = {end: frame.place_of(place) for end, place in at.items()}
         if held.pinned and frame.hold is not Hold.FIXED:
-            pinned_to = _hinge(row, name, held.number, frame, a, (places, at["A"]))
-            row.findings.remark(f"End A of rod {quoted(name)} is pinned to {quoted(pinned_to)}, and the rod turns about it.")
-            _own_body(row, name, at, own, into, segments=segments, pinned="a", pinned_to=pinned_to, **_of(types, row))
-            return
-        if frame.hold is Hold.FREE:
+            pin = _hinge(row, name, held.number, frame, a, (places, at["A"]))
+        elif frame.hold is Hold.FREE:
             found.on_bodies.setdefault(held.number, []).append(made(row, Rod, name, a, b, segments=segments, **_of(types, row)))
             for end in own:
                 ends_name = f"{name}.{end[-1].lower()}"
@@ -131,10 +131,14 @@ def _read(number: int, row: Row, held: Attachment, types: Mapping[str, Row], own
                 _put(places, end, OnMovingBody(f"{frame.name}.{ends_name}"), at)
             return
         hold = frame.hold
+    elif held.pinned and hold is Hold.COUPLED:
+        pin = put_pin(places, f"{name}.pin", a, row)
     if hold is Hold.FREE or held.pinned:
         if held.pinned:
-            row.findings.remark(f"End A of rod {quoted(name)} stays where it is, while the rod turns about it.")
-        _own_body(row, name, at, own, into, segments=segments, pinned="a" if held.pinned else None, **_of(types, row))
+            held_there = f"is pinned to {quoted(pin)}, and the rod turns about it." if pin else STAYS
+            row.findings.remark(f"End A of rod {quoted(name)} {held_there}")
+        of_rod = _of(types, row)
+        _own_body(row, name, at, own, into, segments=segments, pinned="a" if held.pinned else None, pinned_to=pin, **of_rod)
         return
     row.findings.remark(f"Rod {quoted(name)} does not move by itself: lines are held at its ends, and no load on it is computed.")
     for end in own:
@@ -195,9 +199,7 @@ def _hinge(row: Row, rod: str, number: int, frame: Frame, place: Vector, into: t
             name = rod
             attachments.append((name, place))
         return f"{frame.name}.{name}"
-    places.points[rod] = Driven(f"{rod}.pin", made(row, paths.external, at))
-    places.at[rod] = at
-    return f"{rod}.pin"
+    return put_pin(places, f"{rod}.pin", at, row)
 
 
 def _put(places: Places, end: str, point: Fixed | Driven | OnMovingBody, at: Mapping[str, Vector]) -> None:

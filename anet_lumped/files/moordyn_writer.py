@@ -17,7 +17,7 @@ from typing import Any
 from anet_lumped.checks import SceneError, quoted, shown
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene, check_scene
 
-from .moordyn_body_rows import body_points, body_rows, rod_ends
+from .moordyn_body_rows import body_points, body_rows, pins, rod_ends
 from .moordyn_rows import named
 from .moordyn_seafloor import seafloor_text
 
@@ -93,8 +93,9 @@ def moordyn_text(
     curves = _curves(scene, stem)
     rows = [_type(cable, bends, curves) for cable in scene.cables]
     types = {row: f"type{number}" for number, row in enumerate(dict.fromkeys(rows), start=1)}
-    of_bodies = body_points(scene)
-    number: dict[str, Any] = {name: i for i, name in enumerate([*(point.name for point in scene.points), *of_bodies], start=1)}
+    of_bodies, left_out = body_points(scene), pins(scene)
+    points = [point for point in scene.points if point.name not in left_out]
+    number: dict[str, Any] = {name: i for i, name in enumerate([*(point.name for point in points), *of_bodies], start=1)}
     number |= rod_ends(scene)
     lines = [
         "--------------------- MoorDyn Input File ---------------------",
@@ -107,7 +108,7 @@ def moordyn_text(
         "--------------------- POINTS ---------------------",
         "ID Type X Y Z Mass Volume CdA Ca",
         "(#) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)",
-        *(f"{number[point.name]} {_point(point, places[point.name])}" for point in scene.points),
+        *(f"{number[point.name]} {_point(point, places[point.name])}" for point in points),
         *(f"{number[name]} {row}" for name, row in of_bodies.items()),
         "--------------------- LINES ---------------------",
         "ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs",

@@ -19,7 +19,7 @@ def driven_from_outside(scene: Scene) -> tuple[str, ...]:
 def platform(
     scene: Scene, motions: SixMotions, t_end: float, *, points: Sequence[str] | None = None, origin: Vector = (0.0, 0.0, 0.0)
 ) -> Scene:
-    """Return the scene with points that move as those of one rigid platform.
+    """Return the scene with points that move as those of one rigid platform; what is pinned to them follows.
 
     Parameters
     ----------
@@ -58,4 +58,5 @@ def platform(
     starts = {name: by_name[name].path.at(0.0)[0].tolist() for name in names}
     moved = dict(zip(starts, point_paths(motions, list(starts.values()), LATER * t_end, origin), strict=True))
     every: list[Point] = [Driven(point.name, moved[point.name]) if point.name in moved else point for point in scene.points]
-    return replace(scene, points=every)
+    bodies = [replace(body, at=None) if body.is_jointed else body for body in scene.bodies]  # where their joints now start
+    return replace(scene, points=every, bodies=bodies)

@@ -119,16 +119,25 @@ def _quiet(text, dt, scheme):
 
 
 def _coupled_places(module, handle):
-    """Places, and angles, of all that is coupled, as MoorDyn wants them in one row; and where each begins in it."""
+    """Places, and angles, of all that is coupled, as MoorDyn wants them in one row; and where each begins in it.
+
+    What is pinned takes its place alone. MoorDyn 2.7.2 counts three numbers too many for each such body, and passes over the last.
+    """
     found, origins = [], []
     for i in range(module.GetNumberBodies(handle)):
         body = module.GetBody(handle, i + 1)
-        if module.GetBodyType(body) not in (module.BODY_TYPE_FIXED, module.BODY_TYPE_FREE):  # coupled, or coupled and pinned
+        kind = module.GetBodyType(body)
+        if kind not in (module.BODY_TYPE_FIXED, module.BODY_TYPE_FREE):  # coupled, or coupled and pinned
             origins.append(len(found))
-            found += [*module.GetBodyPos(body), *module.GetBodyAngle(body)]
+            found += [*module.GetBodyPos(body), *(module.GetBodyAngle(body) if kind == module.BODY_TYPE_COUPLED else ())]
+    for i in range(module.GetNumberRods(handle)):
+        rod = module.GetRod(handle, i + 1)
+        if module.GetRodType(rod) == module.ROD_TYPE_CPLDPIN:
+            origins.append(len(found))
+            found += module.GetRodNodePos(rod, 0)
     for i in range(module.GetNumberPoints(handle)):
         point = module.GetPoint(handle, i + 1)
         if module.GetPointType(point) == module.POINT_TYPE_COUPLED:
             origins.append(len(found))
             found += module.GetPointPos(point)
-    return np.array(found, dtype=float), origins
+    return np.array(found + [0.0] * (module.NCoupledDOF(handle) - len(found)), dtype=float), origins
