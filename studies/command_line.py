@@ -235,6 +235,8 @@ def recommend(
     limit = newtons(error) if tension else metres(error)
     found = recommend(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, realtime=realtime)
     give(recommendation_summary(found, scene, change, effect), as_json)
+    if found.left_out:
+        raise typer.Exit(130)
     if not found.fast_enough:
         pace = found.best.times_real_time
         tell(f"within {error} it runs {pace:.3g} times faster than real time, and not {realtime:g} times; allow a larger error.")

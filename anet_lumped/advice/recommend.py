@@ -8,6 +8,7 @@ import logging
 import math
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -81,12 +82,13 @@ class Recommendation:
     t_end, start : float [s] and str, simulated
     error : float [m] or [N], asked for
     segments_error, time_error : float [m] or [N], parts of the error, estimated
-    checked_error : float [m] or [N], against a run with twice the segments and half the step
-    elasticity : float [m] or [N], how far the same net that does not stretch is from it
+    checked_error : float or None [m] or [N], against a run with twice the segments and half the step
+    elasticity : float or None [m] or [N], how far the same net that does not stretch is from it
     fast_enough : bool, whether it reaches the pace asked for
     rigid : Candidate or None
         `links` for the same cables with EA = inf, where that changes places by less than the error allows and runs faster than the
         best.
+    left_out : str, what Ctrl-C has left out, empty if nothing; errors that are not known are None then
     """
 
     scene: Scene
@@ -98,11 +100,12 @@ class Recommendation:
     error: float
     segments_error: float
     time_error: float
-    checked_error: float
-    elasticity: float
+    checked_error: float | None
+    elasticity: float | None
     fast_enough: bool
     rigid: Candidate | None = None
     tension: str | None = None
+    left_out: str = ""
 
     @property
     def unit(self) -> str:
@@ -119,9 +122,10 @@ class Recommendation:
     def __repr__(self) -> str:
         counts = sorted(set(self.segments.values()))
         segments = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+        error = "not checked" if self.checked_error is None else f"{self.checked_error:.2g} {self.unit}"
         return (
             f"<Recommendation: {segments} segments a cable, {self.best}, "
-            f"error {self.checked_error:.2g} {self.unit} (asked {self.error:g} {self.unit}), "
+            f"error {error} (asked {self.error:g} {self.unit}), "
             f"{self.best.times_real_time:.4g} times real time>"
         )
 
@@ -133,13 +137,15 @@ class Recommendation:
             for name, one in named.items()
             if one
         ]
+        checked = "" if self.checked_error is None else f", checked {self.checked_error:.3g} {unit}"
         return "\n".join(
             [
                 *lines,
                 "segments: " + ", ".join(f"{name} {count}" for name, count in self.segments.items()),
                 f"error of {self.of}: asked {self.error:g} {unit}, of segments "
-                f"{self.segments_error:.3g} {unit}, of time {self.time_error:.3g} {unit}, checked {self.checked_error:.3g} {unit}",
-                f"without stretch: {self.elasticity:.3g} {unit} away",
+                f"{self.segments_error:.3g} {unit}, of time {self.time_error:.3g} {unit}{checked}",
+                *([] if self.elasticity is None else [f"without stretch: {self.elasticity:.3g} {unit} away"]),
+                *([f"stopped before {self.left_out}"] if self.left_out else []),
                 f"simulated for {self.t_end:.4g} s from {self.start}" + ("" if self.fast_enough else "; slower than was asked for"),
             ]
         )
@@ -161,6 +167,8 @@ def recommend(
     realtime: float | None = None,
 ) -> Recommendation:
     """Find the cheapest segments, method and step for which places, or a tension, are within an error.
+
+    Ctrl-C ends the search with what it has found, once there is a method that keeps its part of the error.
 
     Parameters
     ----------
@@ -202,37 +210,57 @@ def recommend(
         scene.cable(tension)
     scale = scale_of_motion(scene, start)
     search = _Search(scene, tuple(free) if at is None else (at,), t_end or two_swings(scene, scale), start, scale, tension)
-    share = 0.5 * error
-    for _ in range(ATTEMPTS):
-        count, segments_error = search.segments(share)
-        candidates = search.candidates(count, share)
-        checked = search.check(count, candidates[0])
-        if checked <= error:
-            break
-        share *= 0.7 * error / checked
-    else:
-        unit = search.unit
-        raise RecommendError(f"An error of {error:g} {unit} was not reached: a finer run is still {checked:.3g} {unit} away.")
-    best, runner_up = candidates[0], candidates[1] if len(candidates) > 1 else None
-    elasticity = search.elasticity(count, best)
-    rigid = None
-    if best.method != "links" and elasticity + checked <= error:
-        rigid = search.by_links(search.without_stretch(count), share)
+    share, found = 0.5 * error, None
+    left_out = "other methods and the check by a finer run"
+    try:
+        for _ in range(ATTEMPTS):
+            count, segments_error = search.segments(share)
+            methods: list[Candidate] = []
+            for one in search.candidates(count, share):
+                methods = sorted([*methods, one], key=lambda c: -c.times_real_time)
+                found = _as_far(search, count, segments_error, methods, error, realtime)
+            assert found is not None  # the first method keeps its share, or there is an error
+            found = replace(found, checked_error=search.check(count, found.best))
+            checked = cast(float, found.checked_error)
+            if checked <= error:
+                break
+            share *= 0.7 * error / checked
+        else:
+            unit = search.unit
+            raise RecommendError(f"An error of {error:g} {unit} was not reached: a finer run is still {checked:.3g} {unit} away.")
+        left_out = "the same cables without stretch"
+        elasticity, best = search.elasticity(count, found.best), found.best
+        found = replace(found, elasticity=elasticity)
+        if best.method != "links" and elasticity + checked <= error:
+            rigid = search.by_links(search.without_stretch(count), share)
+            if rigid is not None and rigid.times_real_time > best.times_real_time:
+                found = replace(found, rigid=rigid)
+    except KeyboardInterrupt:
+        if found is None:
+            raise
+        return replace(found, left_out=left_out)
+    return found
+
+
+def _as_far(
+    search: "_Search", count: int, segments_error: float, methods: list[Candidate], error: float, realtime: float | None
+) -> Recommendation:
+    """What is known once some methods, the cheapest first, keep their part of the error."""
+    best = methods[0]
     return Recommendation(
         scene=search.divided(count),
         best=best,
-        runner_up=runner_up,
+        runner_up=methods[1] if len(methods) > 1 else None,
         points=search.points,
         t_end=search.t_end,
-        start=start,
+        start=search.start,
         error=error,
         segments_error=segments_error,
         time_error=best.error,
-        checked_error=checked,
-        elasticity=elasticity,
+        checked_error=None,
+        elasticity=None,
         fast_enough=realtime is None or best.times_real_time >= realtime,
-        rigid=rigid if rigid is not None and rigid.times_real_time > best.times_real_time else None,
-        tension=tension,
+        tension=search.tension,
     )
 
 
@@ -319,21 +347,23 @@ class _Search:
             count = enough
         raise RecommendError(f"The error does not fall as the square of the segments: {error:.3g} {self.unit} at {count} of them.")
 
-    def candidates(self, count: int, share: float) -> list[Candidate]:
-        """Methods that keep a share of the error, the cheapest first."""
-        scene = self.divided(count)
+    def candidates(self, count: int, share: float) -> Iterator[Candidate]:
+        """Methods that keep a share of the error."""
+        yield from (one for one in self._methods(self.divided(count), share) if one and one.error <= share)
+
+    def _methods(self, scene: Scene, share: float) -> Iterator[Candidate | None]:
         plain = cast(Candidate, self.fixed(scene, share))  # None is for extrapolation alone
-        found = [plain, self.adaptive(scene, share)]
+        yield plain
+        yield self.adaptive(scene, share)
         if all(cable.breaking_tension is None for cable in scene.cables):
-            found.append(self.fixed(scene, share, extrapolate=True, least=cast(float, plain.dt)))
+            yield self.fixed(scene, share, extrapolate=True, least=cast(float, plain.dt))
         if all(cable.inextensible for cable in scene.cables):
-            found.append(self.by_links(scene, share))
+            yield self.by_links(scene, share)
         if not any(cable.inextensible for cable in scene.cables):
             limit = predict(scene, schemes=("verlet",)).limits["verlet"].step
             dt, implicit = self.step(SHARE_OF_LIMIT * limit), self.t_end / plain.times_real_time
             if EXPLICIT_COST * build(scene).n * self.t_end / dt < PATIENCE * implicit:
-                found.append(self.candidate(scene, "verlet", self.halves(scene, "verlet", dt), dt=dt))
-        return sorted((c for c in found if c and c.error <= share), key=lambda c: -c.times_real_time)
+                yield self.candidate(scene, "verlet", self.halves(scene, "verlet", dt), dt=dt)
 
     def halves(self, scene: Scene, method: str, dt: float, order: int = 2, **options: Any) -> float:
         """Error of a step of a method [m]."""

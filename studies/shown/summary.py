@@ -112,10 +112,14 @@ def recommendation_summary(found, scene, change=(), added=()) -> dict:
                 f"asked_{unit}": size * found.error,
                 f"segments_{unit}": size * found.segments_error,
                 f"time_{unit}": size * found.time_error,
-                f"checked_{unit}": size * found.checked_error,
-                f"elasticity_{unit}": size * found.elasticity,
+                **{
+                    f"{name}_{unit}": size * value
+                    for name, value in (("checked", found.checked_error), ("elasticity", found.elasticity))
+                    if value is not None
+                },
             }
         ],
+        **({"stopped_before": found.left_out} if found.left_out else {}),
         "simulated_for_s": found.t_end,
         "command": f"anet-lumped simulate {scene} --t-end {found.t_end:.4g} --method {best.method} {stepping} "
         f"{'' if found.start == 'equilibrium' else f'--start {found.start} '}{sets}",
