@@ -153,10 +153,10 @@ class FluidOnBodies(Effect):
 
 @inlined_law
 def _fluid(params):
-    """Level, current, wave, whether it is air, buoyancy per volume; where the numbers of bodies begin."""
+    """Level, numbers of current and waves, whether it is air, buoyancy per volume; where the numbers of bodies begin."""
     begin = HEADER + int(params[1])
     end = begin + int(params[2])
-    return params[0], params[HEADER:begin], params[begin:end], params[3] > 0.0, params[4], end
+    return params[0], (params[HEADER:begin], params[begin:end]), params[3] > 0.0, params[4], end
 
 
 @inlined_law
@@ -204,8 +204,8 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
 
     ``lifts`` says whether buoyancy acts; its power counts in a wave.
     """
-    level, current, wave, dry, per_volume, begin = _fluid(params)
-    power, counts = 0.0, len(wave) > 0
+    level, motion, dry, per_volume, begin = _fluid(params)
+    power, counts = 0.0, len(motion[1]) > 0
     for k in range(index[0]):
         at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
         o, b = index[at], index[at + 4]
@@ -215,7 +215,7 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
             axis_of(origin, _middle(base, q, index[at + 3])),
         )  # fmt: skip
         axes, centre = (e1, e2, e3), _middle(base, q, b)
-        flow, V = flow_at(t, centre, level, current, wave), _velocity(base, q, v, per_h, b)
+        flow, V = flow_at(t, centre, level, motion), _velocity(base, q, v, per_h, b)
         share, _ = _sphere(flow[0], numbers[3], dry)
         if numbers[10] > 0.0:
             down = centre[2] - flow[0]
@@ -244,14 +244,14 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
                 _add(f, p, 1.0, turn)
                 _add(f, o, -1.0, turn)
                 power -= dot(turn, of_p)
-        drag = axes_drag(_minus(flow_at(t, origin, level, current, wave)[2], V), axes, numbers[0:3])
+        drag = axes_drag(_minus(flow_at(t, origin, level, motion)[2], V), axes, numbers[0:3])
         _add(f, o, share, drag)
         power -= share * dot(drag, V)
     at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
     for s in range(index[1]):
         i, j, numbers = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], params[begin + SEGMENT_NUMBERS * s :]
         q1, q2 = _middle(base, q, i), _middle(base, q, j)
-        flow_i, flow_j, d = flow_at(t, q1, level, current, wave), flow_at(t, q2, level, current, wave), _minus(q2, q1)
+        flow_i, flow_j, d = flow_at(t, q1, level, motion), flow_at(t, q2, level, motion), _minus(q2, q1)
         w1, w2, _, _, _ = _along(flow_i[0], flow_j[0], numbers[1], dry)
         tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
         for side in range(2):
@@ -267,7 +267,7 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
     for s in range(index[2]):
         i, j, numbers = index[at + CAP_INDEX * s], index[at + CAP_INDEX * s + 1], params[begin + CAP_NUMBERS * s :]
         q1, q2, V = _middle(base, q, i), _middle(base, q, j), _velocity(base, q, v, per_h, i)
-        flow, d = flow_at(t, q1, level, current, wave), _minus(q1, q2)
+        flow, d = flow_at(t, q1, level, motion), _minus(q1, q2)
         w, _ = _sphere(flow[0], numbers[1], dry)
         tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
         F = segment_force(_minus(flow[2], V), flow[4], (tx, ty, tz), 0.0, numbers[2], numbers[3], -1.0, 0.0)
@@ -287,12 +287,12 @@ def _subtract_share_slope(block, force, slope, up):
 @law
 def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
     """Subtract c_q df/dq + c_v df/dv of `_on_bodies`, but for what the module says is left out."""
-    level, current, wave, dry, per_volume, begin = _fluid(params)
+    level, motion, dry, per_volume, begin = _fluid(params)
     for k in range(index[0]):
         at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
         o, b, row = index[at], index[at + 4], index[at + 5]
         origin, centre = _middle(base, q, o), _middle(base, q, b)
-        flow, M = flow_at(t, centre, level, current, wave), numbers[5]
+        flow, M = flow_at(t, centre, level, motion), numbers[5]
         share, slope = _sphere(flow[0], numbers[3], dry)
         if numbers[10] > 0.0:
             down = centre[2] - flow[0]
@@ -303,7 +303,7 @@ def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
                 add_lift_slopes(index, at, numbers, c_q * per_volume, wet.H, NONE, NONE, D, near)
         elif lifts:
             _subtract_share_slope(D[b], (0.0, 0.0, numbers[4]), c_q * slope, flow[1])
-        flow_o = flow_at(t, origin, level, current, wave)
+        flow_o = flow_at(t, origin, level, motion)
         V = _velocity(base, q, v, per_h, o)
         u = _minus(flow_o[2], V)
         for a in range(3):
@@ -315,7 +315,7 @@ def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
                 p = index[at + 1 + b1]
                 of_p = _minus(_velocity(base, q, v, per_h, p), V)
                 subtract_turning_slopes(of_p, e3, share * numbers[16 + a], numbers[9], c_v, D[o], D[p], near[row + b1])
-            if len(wave) > 0:
+            if len(motion[1]) > 0:
                 m, s = c_q * share * M, c_q * slope * M * (1.0 + numbers[6 + a]) * dot(flow[4], e)
                 for x in range(3):
                     for y in range(3):
@@ -325,7 +325,7 @@ def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
     for s in range(index[1]):
         i, j, row = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], index[at + ROD_INDEX * s + 2]
         numbers, q1, q2 = params[begin + SEGMENT_NUMBERS * s :], _middle(base, q, i), _middle(base, q, j)
-        flow_i, flow_j, d = flow_at(t, q1, level, current, wave), flow_at(t, q2, level, current, wave), _minus(q2, q1)
+        flow_i, flow_j, d = flow_at(t, q1, level, motion), flow_at(t, q2, level, motion), _minus(q2, q1)
         w1, w2, k11, k12, k22 = _along(flow_i[0], flow_j[0], numbers[1], dry)
         tx, ty, tz, per_l = tangent_of(d[0], d[1], d[2], numbers[0])
         for side in range(2):
@@ -334,7 +334,7 @@ def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
             subtract_segment_slopes(
                 u, flow[3], (tx, ty, tz), per_l, w * numbers[2], w * numbers[3], sign, c_q, c_v, own, other
             )  # fmt: skip
-            if len(wave) > 0:
+            if len(motion[1]) > 0:
                 subtract_inertia_slopes(
                     flow[4], flow[5], (tx, ty, tz), per_l, w * numbers[5], numbers[6], numbers[7], sign, c_q, own, other
                 )  # fmt: skip
@@ -347,7 +347,7 @@ def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
     for s in range(index[2]):
         i, j, numbers = index[at + CAP_INDEX * s], index[at + CAP_INDEX * s + 1], params[begin + CAP_NUMBERS * s :]
         q1, q2 = _middle(base, q, i), _middle(base, q, j)
-        flow, d = flow_at(t, q1, level, current, wave), _minus(q1, q2)
+        flow, d = flow_at(t, q1, level, motion), _minus(q1, q2)
         (w, slope), u = _sphere(flow[0], numbers[1], dry), _minus(flow[2], _velocity(base, q, v, per_h, i))
         tx, ty, tz, per_l = tangent_of(d[0], d[1], d[2], numbers[0])
         subtract_segment_slopes(u, flow[3], (tx, ty, tz), 0.0, 0.0, w * numbers[2], 1.0, c_q, c_v, D[i], D[i])
@@ -370,9 +370,9 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
 @njit(ENERGY_SIGNATURE, cache=True, error_model="numpy")
 def energy(t, q, index, params):
     """-sum rho g V H of spheres, -sum rho g V e of segments and sum rho g I of hulls [J]; none in a wave, nor in air."""
-    level, _, wave, dry, per_volume, begin = _fluid(params)
+    level, motion, dry, per_volume, begin = _fluid(params)
     total = 0.0
-    if len(wave) > 0 or dry:
+    if len(motion[1]) > 0 or dry:
         return 0.0
     for k in range(index[0]):
         at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
@@ -390,8 +390,8 @@ def energy(t, q, index, params):
 @njit(WHOLE_STEP_SIGNATURE, cache=True, error_model="numpy")
 def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     """Force over a whole step: `force` in its middle, but for buoyancy in still water, whose work is the change of its energy."""
-    level, _, wave, dry, per_volume, begin = _fluid(params)
-    waves, per_h = len(wave) > 0, 1.0 / h
+    level, motion, dry, per_volume, begin = _fluid(params)
+    waves, per_h = len(motion[1]) > 0, 1.0 / h
     dissipated = h * _on_bodies(t, base, q, q, per_h, waves, index, params, f)
     _slopes(t, base, q, q, per_h, waves, index, params, 0.5, per_h, D, near)
     if waves or dry:
@@ -424,10 +424,10 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
 @njit(INERTIA_SIGNATURE, cache=True, error_model="numpy")
 def inertia(t, q, index, params, A):
     """Add the added masses, see the module."""
-    level, _, wave, _, _, begin = _fluid(params)
+    level, motion, _, _, begin = _fluid(params)
     for k in range(index[0]):
         at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
-        o, b, height = index[at], index[at + 4], height_at(t, q, index[at + 4], level, wave)
+        o, b, height = index[at], index[at + 4], height_at(t, q, index[at + 4], level, motion)
         share = point_share(height, numbers[3])[0]
         if numbers[10] > 0.0:
             share = hull_share(hull_immersed(q, q, q[b, 2] - height, index, at, numbers), numbers)
@@ -439,7 +439,7 @@ def inertia(t, q, index, params, A):
         i, j, numbers = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], params[begin + SEGMENT_NUMBERS * s :]
         d = _minus(_middle(q, q, j), _middle(q, q, i))
         tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
-        _, w1, w2, _, _, _ = wetted(height_at(t, q, i, level, wave), height_at(t, q, j, level, wave), numbers[1])
+        _, w1, w2, _, _, _ = wetted(height_at(t, q, i, level, motion), height_at(t, q, j, level, motion), numbers[1])
         add_mass(w1 * numbers[5], numbers[6], numbers[7], (tx, ty, tz), A[i])
         add_mass(w2 * numbers[5], numbers[6], numbers[7], (tx, ty, tz), A[j])
     at, begin = at + ROD_INDEX * index[1], begin + SEGMENT_NUMBERS * index[1]
@@ -447,5 +447,5 @@ def inertia(t, q, index, params, A):
         i, j, numbers = index[at + CAP_INDEX * s], index[at + CAP_INDEX * s + 1], params[begin + CAP_NUMBERS * s :]
         d = _minus(_middle(q, q, i), _middle(q, q, j))
         tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
-        w, _, _ = submerged_share(height_at(t, q, i, level, wave), numbers[1])
+        w, _, _ = submerged_share(height_at(t, q, i, level, motion), numbers[1])
         add_mass(w * numbers[3], 0.0, 1.0, (tx, ty, tz), A[i])

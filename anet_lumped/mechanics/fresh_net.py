@@ -89,7 +89,7 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
         added_mass=np.zeros((model.n_free if has_added_mass else 0, 3, 3)),
         breaking_tension=model.breaking_tension,
         observed_tension=np.zeros(len(model.breaking_tension)),
-        remembered=np.zeros((16 + 2 * creeps) * len(model.breaking_tension) + 5),
+        remembered=np.zeros((SEGMENT_COLUMNS + 2 + 2 * creeps) * len(model.breaking_tension) + LINEARISED_COLUMNS),
         links=model.links.of_a_run() if links else NO_LINKS,
         kernels=np.zeros(KERNELS, np.int64),
     ).addressed()

@@ -39,6 +39,7 @@ from anet_lumped.model.tables import (
     KERNEL_FINISH_SINGLES,
     KERNEL_RELINEARISE_CREEP,
     LINEARISED_BEGINNING,
+    LINEARISED_CURRENT,
     LINEARISED_FIRST_STEP,
     LINEARISED_LAW,
     LINEARISED_NO_LAW,
@@ -219,6 +220,7 @@ def direction(stage, net_address):
         Bound on the force that a whole step leaves out of balance; `UNKNOWN_FORCE` if only `residual` can tell.
     """
     net = view_net(net_address)
+    net.linearised[LINEARISED_CURRENT] = 0.0
     right_side, law_force = net.right_side, net.law_force
     for i in range(net.n_interior, net.n_free):
         for x in range(3):

@@ -43,8 +43,11 @@ from anet_lumped.model.tables import (
     KERNEL_RESIDUAL_SINGLES,
     KERNEL_SET_LENGTHS,
     LINEARISED_BEGINNING,
+    LINEARISED_CURRENT,
     LINEARISED_LAW,
     LINEARISED_SAME_STEP,
+    LINEARISED_TAKEN,
+    LINEARISED_TAKEN_BY_METHOD,
     LINEARISED_TAU,
     SEGMENT_COLUMNS,
     SLOT_FORCE,
@@ -186,7 +189,7 @@ def residual(stage, base, target, q, net_address):
         (q - base)/tau is the prescribed velocity.
     net_address : int64
         Address of the net. The geometric stiffness of each segment is that of its tension in ``net.tension``. ``net.segment``,
-        ``net.diagonal`` and ``net.right_side`` are written.
+        ``net.diagonal`` and ``net.right_side`` are written; the latter holds the forces of effects on prescribed nodes.
 
     Returns
     -------
@@ -215,7 +218,7 @@ def residual(stage, base, target, q, net_address):
         W = mass[i] * stage.W if i < first_of_bodies else 0.0
         x, y, z = q[i, 0], q[i, 1], q[i, 2]
         fx, fy, fz = W * (target[i, 0] - x), W * (target[i, 1] - y), W * (target[i, 2] - z)
-        right_side[i, 0], right_side[i, 1], right_side[i, 2] = fx, fy, fz
+        right_side[i, 0], right_side[i, 1], right_side[i, 2] = (fx, fy, fz) if i < n_free else (0.0, 0.0, 0.0)
         # the largest of three components first: so the running maximum waits for one comparison a node, not for three
         largest_coordinate, scale = max(largest_coordinate, max(abs(x), abs(y), abs(z))), max(scale, max(abs(fx), abs(fy), abs(fz)))
         largest_inertia = max(largest_inertia, W)
@@ -230,14 +233,16 @@ def residual(stage, base, target, q, net_address):
     if net.near_blocks.shape[0] > 0:
         clear(net.near_blocks)
         clear(net.far_blocks)
+    taken, taken_by_method = 0.0, 0.0
     for e in range(effects.address.shape[0]):
         (index, params), addresses = numbers_of(effects, e), effects.address[e]
         if addresses[SLOT_WHOLE_STEP] != 0 and stage.law == LAW_BETWEEN:
-            as_whole_step(addresses[SLOT_WHOLE_STEP])(
+            by_effect, by_method = as_whole_step(addresses[SLOT_WHOLE_STEP])(
                 stage.t, stage.tau, stage.dissipation, base, q, index, params, right_side, diagonal, net.near_blocks, net.far_blocks
             )
+            taken, taken_by_method = taken + by_effect, taken_by_method + by_method
             continue
-        as_force(addresses[SLOT_FORCE])(stage.t, middle_q, middle_v, index, params, right_side)
+        taken += stage.tau * as_force(addresses[SLOT_FORCE])(stage.t, middle_q, middle_v, index, params, right_side)
         if addresses[SLOT_TANGENT] != 0:
             as_tangent(addresses[SLOT_TANGENT])(
                 stage.t, middle_q, middle_v, index, params, stage.theta, per_tau, diagonal, net.near_blocks, net.far_blocks
@@ -262,7 +267,8 @@ def residual(stage, base, target, q, net_address):
     inertia_noise = FORCE_ROUNDING * largest_inertia * largest_coordinate
     predicted_force, step = net.predicted_force, net.linearised[LINEARISED_BEGINNING]
     net.linearised[LINEARISED_LAW], net.linearised[LINEARISED_TAU] = stage.law, stage.tau
-    net.linearised[LINEARISED_BEGINNING] = LINEARISED_SAME_STEP
+    net.linearised[LINEARISED_BEGINNING], net.linearised[LINEARISED_CURRENT] = LINEARISED_SAME_STEP, 1.0
+    net.linearised[LINEARISED_TAKEN], net.linearised[LINEARISED_TAKEN_BY_METHOD] = taken, taken_by_method
     for i in range(net.n_interior, n):
         for x in range(3):
             predicted_force[i - net.n_interior, x] = right_side[i, x]

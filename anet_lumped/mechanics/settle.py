@@ -7,7 +7,7 @@ from numba import float64, int64, types
 from anet_lumped.compiled.jit import inlined, kernel, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, is_below, load, select, shifted, store
 from anet_lumped.effects.laws.axial import damped_changes
-from anet_lumped.effects.signatures import as_force, as_settle, as_whole_step
+from anet_lumped.effects.signatures import as_force, as_settle
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
 from anet_lumped.mechanics.creeping_law import creep_in_step, fast_spring
 from anet_lumped.mechanics.effect_forces import any_live, numbers_of, take_middle
@@ -46,8 +46,11 @@ from anet_lumped.model.tables import (
     KERNEL_TURN_BODIES,
     KERNEL_WORK_OF_LENGTHS,
     LINEARISED_BEGINNING,
+    LINEARISED_CURRENT,
     LINEARISED_LEAST_DAMPER,
     LINEARISED_NEXT_STEP,
+    LINEARISED_TAKEN,
+    LINEARISED_TAKEN_BY_METHOD,
     SEGMENT_COLUMNS,
     SEGMENT_NUMERICAL_DAMPER,
     SEGMENT_STRETCH,
@@ -55,7 +58,6 @@ from anet_lumped.model.tables import (
     SEGMENT_TENSION,
     SLOT_FORCE,
     SLOT_SETTLE,
-    SLOT_WHOLE_STEP,
 )
 from integrators.flat_view import flat
 from integrators.stage import STAGE
@@ -237,6 +239,24 @@ def settle_effects(stage, net_address, base, q, v):
     return taken
 
 
+@inlined
+def _evaluate_effects(stage, net, base, q):
+    """Write what `residual` leaves of the effects, at the positions after a Newton step that it has not seen.
+
+    Newton's method ends with such a step only where all forces are linear in the state of their node, which none over a whole
+    step is.
+    """
+    take_middle(net, 0.5, 1.0 / stage.tau, base, q)
+    for i in range(net.n_free, q.shape[0]):
+        for x in range(3):
+            net.right_side[i, x] = 0.0
+    taken = 0.0
+    for e in range(net.effects.address.shape[0]):
+        index, params = numbers_of(net.effects, e)
+        taken += as_force(net.effects.address[e, SLOT_FORCE])(stage.t, net.middle_q, net.middle_v, index, params, net.right_side)
+    net.linearised[LINEARISED_TAKEN], net.linearised[LINEARISED_TAKEN_BY_METHOD] = stage.tau * taken, 0.0
+
+
 @kernel(types.void(STAGE, _f2, _f2, _f2, int64, _f1))
 def settle(stage, base, q, v, net_address, energy):
     """Account for the energy of a step of `LAW_BETWEEN` from base to q, and damp axial ringing that the step cannot resolve.
@@ -269,7 +289,7 @@ def settle(stage, base, q, v, net_address, energy):
     energy : (4,) float64 [J], overwritten
         Energy put in; energies dissipated by dampers, by effects and by the method.
     """
-    net, h, per_h = view_net(net_address), stage.tau, 1.0 / stage.tau
+    net = view_net(net_address)
     change, right_side = net.middle_v, net.right_side
     put_in, by_effects, by_steps_of_effects, kinetic = 0.0, 0.0, 0.0, 0.0
     lengths_change, has_bodies = net.lengths.cable.shape[0] > 0, net.bodies.first < net.n_free
@@ -278,22 +298,9 @@ def settle(stage, base, q, v, net_address, energy):
     if lengths_change:
         put_in = as_work_of_lengths(net.kernels[KERNEL_WORK_OF_LENGTHS])(stage, net_address, base, q, v)
     if any_live(net):
-        take_middle(net, 0.5, per_h, base, q)
-        for i in range(net.n_free, q.shape[0]):
-            for x in range(3):
-                right_side[i, x] = 0.0
-        effects = net.effects
-        for e in range(effects.address.shape[0]):
-            index, params = numbers_of(effects, e)
-            if effects.address[e, SLOT_WHOLE_STEP] != 0:
-                taken, numerical = as_whole_step(effects.address[e, SLOT_WHOLE_STEP])(
-                    stage.t, h, stage.dissipation, base, q, index, params, right_side, net.diagonal, net.near_blocks, net.far_blocks
-                )
-                by_effects, by_steps_of_effects = by_effects + taken, by_steps_of_effects + numerical
-            else:
-                by_effects += h * as_force(effects.address[e, SLOT_FORCE])(
-                    stage.t, net.middle_q, net.middle_v, index, params, right_side
-                )
+        if net.linearised[LINEARISED_CURRENT] == 0.0:
+            _evaluate_effects(stage, net, base, q)
+        by_effects, by_steps_of_effects = net.linearised[LINEARISED_TAKEN], net.linearised[LINEARISED_TAKEN_BY_METHOD]
         for i in range(net.n_driven, q.shape[0]):
             for x in range(3):
                 put_in -= right_side[i, x] * (q[i, x] - base[i, x])

@@ -220,7 +220,7 @@ class Net(NamedTuple):
     segment: np.ndarray  # (n_segments, 14) scratch: the linearised law of each segment, columns in `tables`
     tension: np.ndarray  # (n_segments,) tension that the last Newton step predicted
     mean_tension: np.ndarray  # (n_segments,) tension, averaged over the stages of a step
-    linearised: np.ndarray  # (5,) of the stage that ``segment`` belongs to, columns in `tables`
+    linearised: np.ndarray  # (8,) of the stage that ``segment`` belongs to, columns in `tables`
     law_force: np.ndarray  # (n, 3) scratch
     predicted_force: np.ndarray  # (points, 3) scratch
     right_side: np.ndarray  # (n, 3) right-hand side, overwritten by the elimination

@@ -62,9 +62,12 @@ BORDER_COLUMNS = 4 * BORDER_UNKNOWNS
 
 # `Net.linearised`, of the stage that was linearised last: its law, or LINEARISED_NO_LAW; its tau [s]; where the next stage stands,
 # which is one of the three values below; the least share of the numerical damper in a step that begins; the step of
-# `Net.mean_tension` [s], 0 if no mean was taken.
+# `Net.mean_tension` [s], 0 if no mean was taken; 1 if no Newton step has been taken since, so that `Net.right_side` holds the
+# forces of effects on driven nodes at the positions of now; and what effects took over the step there, and their numerical
+# dampers besides [J].
 LINEARISED_LAW, LINEARISED_TAU, LINEARISED_BEGINNING, LINEARISED_LEAST_DAMPER, LINEARISED_MEAN_STEP = range(5)
-LINEARISED_COLUMNS = 5
+LINEARISED_CURRENT, LINEARISED_TAKEN, LINEARISED_TAKEN_BY_METHOD = 5, 6, 7
+LINEARISED_COLUMNS = 8
 LINEARISED_NO_LAW = -1.0
 
 # In column LINEARISED_BEGINNING: the next stage belongs to a step that has been linearised before; it begins a step that follows

@@ -7,9 +7,18 @@ from .wind.kernel import wind_at
 
 
 @inlined_law
-def flow_at(t, q, level, current, wave):
-    """At a position q: height above the surface, its slopes; velocity of the water, its gradient; acceleration, its gradient."""
-    velocity, gradient = wind_at(t, q[0], q[1], q[2], current)
+def flow_at(t, q, level, motion):
+    """At a position q: height above the surface, its slopes; velocity of the water, its gradient; acceleration, its gradient.
+
+    ``motion`` are the numbers of current and waves, both (k,) float64, or an empty tuple of water at rest. Then the last four are
+    empty tuples, too.
+    """
+    if len(motion) == 0:
+        return q[2] - level, (0.0, 0.0, 1.0), (), (), (), ()
+    current, wave = motion
+    velocity, gradient = AT_REST[1], AT_REST[2]
+    if len(current) > 0:
+        velocity, gradient = wind_at(t, q[0], q[1], q[2], current)
     if len(wave) == 0:
         return q[2] - level, (0.0, 0.0, 1.0), velocity, gradient, AT_REST[1], AT_REST[2]
     (eta, _, eta_x, eta_y), u, u_gradient, a, a_gradient = wave_at(t, q[0], q[1], q[2], wave)
@@ -23,6 +32,9 @@ def flow_at(t, q, level, current, wave):
 
 
 @inlined_law
-def height_at(t, q, i, level, wave):
-    """Height of a node above the surface [m]."""
+def height_at(t, q, i, level, motion):
+    """Height of a node above the surface [m]; ``motion`` as in `flow_at`."""
+    if len(motion) == 0:
+        return q[i, 2] - level
+    _, wave = motion
     return q[i, 2] - level - (wave_at(t, q[i, 0], q[i, 1], q[i, 2], wave)[0][0] if len(wave) > 0 else 0.0)

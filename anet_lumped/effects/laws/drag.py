@@ -101,7 +101,7 @@ def subtract_segment_slopes(u, gradient, t, per_l, normal, along, side, c_q, c_v
     ----------
     u : tuple of 3 float64 [m/s]
     gradient : tuple of 9 float64 [1/s]
-        Derivatives of the fluid's velocity with respect to position, row by row.
+        Derivatives of the fluid's velocity with respect to position, row by row; an empty tuple where they are zero.
     t, per_l : tuple of 3 float64, float64 [1/m]
         From `tangent_of`.
     normal, along : float64 [kg/m]
@@ -117,33 +117,54 @@ def subtract_segment_slopes(u, gradient, t, per_l, normal, along, side, c_q, c_v
     n = (u[0] - s * t[0], u[1] - s * t[1], u[2] - s * t[2])
     speed = vector_length(n[0], n[1], n[2])
     a, c = normal * speed, 2.0 * along * abs(s)
-    b = normal / speed if speed > 0.0 else 0.0
-    factors, turning = (a, b, c, s), side * c_q * per_l
-    _subtract_row(0, (1.0, 0.0, 0.0), t[0], n[0], t, n, factors, turning, gradient, c_q, c_v, own, other)
-    _subtract_row(1, (0.0, 1.0, 0.0), t[1], n[1], t, n, factors, turning, gradient, c_q, c_v, own, other)
-    _subtract_row(2, (0.0, 0.0, 1.0), t[2], n[2], t, n, factors, turning, gradient, c_q, c_v, own, other)
+    b, turning = normal / speed if speed > 0.0 else 0.0, side * c_q * per_l
+    k, of_tn, of_nn, of_tt = turning * (0.5 * c - a) * s, turning * (c - a), turning * s * b, c_v * (c - a)
+    turned = (of_tn * n[0] - k * t[0], of_tn * n[1] - k * t[1], of_tn * n[2] - k * t[2])
+    _add(t, turned, n, (-of_nn * n[0], -of_nn * n[1], -of_nn * n[2]), k, other)
+    at_t, of_nn = (of_tt * t[0] - turned[0], of_tt * t[1] - turned[1], of_tt * t[2] - turned[2]), of_nn + c_v * b
+    _add(t, at_t, n, (of_nn * n[0], of_nn * n[1], of_nn * n[2]), c_v * a - k, own)
+    if len(gradient) > 0:
+        _add(t, _row_times(-c_q * (c - a), t, gradient), n, _row_times(-c_q * b, n, gradient), 0.0, own)
+        subtract_multiple(c_q * a, gradient, own)
 
 
 @inlined_law
-def _subtract_row(x, e, tx, nx, t, n, factors, turning, gradient, c_q, c_v, own, other):
-    """Row x, of the unit vector e, of `subtract_segment_slopes`.
+def _row_times(factor, x, g):
+    """Row vector factor x^T G, of a vector x and a matrix G (9,)."""
+    return (
+        factor * (x[0] * g[0] + x[1] * g[3] + x[2] * g[6]),
+        factor * (x[0] * g[1] + x[1] * g[4] + x[2] * g[7]),
+        factor * (x[0] * g[2] + x[1] * g[5] + x[2] * g[8]),
+    )
+
+
+@inlined_law
+def subtract_multiple(factor, g, block):
+    """Subtract factor G from a block, of a matrix G (9,), an empty tuple for zero."""
+    if len(g) == 0:
+        return
+    for x in range(3):
+        block[0, x] -= factor * g[x]
+        block[1, x] -= factor * g[3 + x]
+        block[2, x] -= factor * g[6 + x]
+
+
+@inlined_law
+def _add(t, a, n, b, c, block):
+    """Add t a^T + n b^T + c I to a block.
 
     Entries of tuples are named one by one: compiled code that takes an entry by a variable branches over all of them, which took
     twenty times as long as the arithmetic.
     """
-    a, b, c, s = factors
-    du0 = (c - a) * tx * t[0] + b * nx * n[0] + a * e[0]
-    du1 = (c - a) * tx * t[1] + b * nx * n[1] + a * e[1]
-    du2 = (c - a) * tx * t[2] + b * nx * n[2] + a * e[2]
-    dd0 = turning * ((0.5 * c - a) * s * (e[0] - tx * t[0]) + (c - a) * tx * n[0] - s * b * nx * n[0])
-    dd1 = turning * ((0.5 * c - a) * s * (e[1] - tx * t[1]) + (c - a) * tx * n[1] - s * b * nx * n[1])
-    dd2 = turning * ((0.5 * c - a) * s * (e[2] - tx * t[2]) + (c - a) * tx * n[2] - s * b * nx * n[2])
-    own[x, 0] -= dd0 + c_q * (du0 * gradient[0] + du1 * gradient[3] + du2 * gradient[6]) - c_v * du0
-    own[x, 1] -= dd1 + c_q * (du0 * gradient[1] + du1 * gradient[4] + du2 * gradient[7]) - c_v * du1
-    own[x, 2] -= dd2 + c_q * (du0 * gradient[2] + du1 * gradient[5] + du2 * gradient[8]) - c_v * du2
-    other[x, 0] += dd0
-    other[x, 1] += dd1
-    other[x, 2] += dd2
+    block[0, 0] += t[0] * a[0] + n[0] * b[0] + c
+    block[0, 1] += t[0] * a[1] + n[0] * b[1]
+    block[0, 2] += t[0] * a[2] + n[0] * b[2]
+    block[1, 0] += t[1] * a[0] + n[1] * b[0]
+    block[1, 1] += t[1] * a[1] + n[1] * b[1] + c
+    block[1, 2] += t[1] * a[2] + n[1] * b[2]
+    block[2, 0] += t[2] * a[0] + n[2] * b[0]
+    block[2, 1] += t[2] * a[1] + n[2] * b[1]
+    block[2, 2] += t[2] * a[2] + n[2] * b[2] + c
 
 
 @inlined_law
@@ -159,15 +180,8 @@ def subtract_point_slopes(u, gradient, coefficient, c_q, c_v, own):
     speed = vector_length(u[0], u[1], u[2])
     a = coefficient * speed
     b = coefficient / speed if speed > 0.0 else 0.0
-    along0 = u[0] * gradient[0] + u[1] * gradient[3] + u[2] * gradient[6]
-    along1 = u[0] * gradient[1] + u[1] * gradient[4] + u[2] * gradient[7]
-    along2 = u[0] * gradient[2] + u[1] * gradient[5] + u[2] * gradient[8]
-    own[0, 0] -= c_q * (b * u[0] * along0 + a * gradient[0]) - c_v * (b * u[0] * u[0] + a)
-    own[0, 1] -= c_q * (b * u[0] * along1 + a * gradient[1]) - c_v * (b * u[0] * u[1])
-    own[0, 2] -= c_q * (b * u[0] * along2 + a * gradient[2]) - c_v * (b * u[0] * u[2])
-    own[1, 0] -= c_q * (b * u[1] * along0 + a * gradient[3]) - c_v * (b * u[1] * u[0])
-    own[1, 1] -= c_q * (b * u[1] * along1 + a * gradient[4]) - c_v * (b * u[1] * u[1] + a)
-    own[1, 2] -= c_q * (b * u[1] * along2 + a * gradient[5]) - c_v * (b * u[1] * u[2])
-    own[2, 0] -= c_q * (b * u[2] * along0 + a * gradient[6]) - c_v * (b * u[2] * u[0])
-    own[2, 1] -= c_q * (b * u[2] * along1 + a * gradient[7]) - c_v * (b * u[2] * u[1])
-    own[2, 2] -= c_q * (b * u[2] * along2 + a * gradient[8]) - c_v * (b * u[2] * u[2] + a)
+    x, y, z = c_v * b * u[0], c_v * b * u[1], c_v * b * u[2]
+    _add(u, (x, y, z), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), c_v * a, own)
+    if len(gradient) > 0:
+        _add(u, _row_times(-c_q * b, u, gradient), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, own)
+        subtract_multiple(c_q * a, gradient, own)

@@ -26,7 +26,7 @@ def segment_force(u, a, t, normal, along, mass, Can, Cat):
     Parameters
     ----------
     u, a : tuple of 3 float64 [m/s], [m/s2]
-        Velocity of the water less the velocity of the segment; acceleration of the water.
+        Velocity of the water less the velocity of the segment; acceleration of the water, an empty tuple where it has none.
     t : tuple of 3 float64
         Unit tangent.
     normal, along : float64 [kg/m]
@@ -40,6 +40,8 @@ def segment_force(u, a, t, normal, along, mass, Can, Cat):
     fx, fy, fz : float64 [N]
     """
     fx, fy, fz = segment_drag(u[0], u[1], u[2], t[0], t[1], t[2], normal, along)
+    if len(a) == 0:
+        return fx, fy, fz
     across = mass * (1.0 + Can)
     along_less_across = mass * (Cat - Can) * (a[0] * t[0] + a[1] * t[1] + a[2] * t[2])
     return (
@@ -60,11 +62,13 @@ def subtract_inertia_slopes(a, gradient, t, per_l, mass, Can, Cat, side, c_q, ow
     Parameters
     ----------
     a, gradient : tuples of 3 float64 [m/s2] and 9 float64 [1/s2]
-        The water's acceleration and its derivatives with respect to position, row by row.
+        The water's acceleration and its derivatives with respect to position, row by row; empty tuples where they are zero.
     t, per_l, side, own, other
         As in `drag.subtract_segment_slopes`.
     mass, Can, Cat : float64 [kg], [1], [1]
     """
+    if len(a) == 0:
+        return
     s = a[0] * t[0] + a[1] * t[1] + a[2] * t[2]
     across, along_less_across = mass * (1.0 + Can), mass * (Cat - Can)
     turning = side * c_q * per_l * along_less_across
@@ -80,14 +84,24 @@ def subtract_inertia_slopes(a, gradient, t, per_l, mass, Can, Cat, side, c_q, ow
 @inlined_law
 def add_mass(mass, Can, Cat, t, A):
     """Add M (Can (I - t t^T) + Cat t t^T) to a 3x3 block [kg]."""
-    for x in range(3):
-        for y in range(3):
-            A[x, y] += mass * ((Cat - Can) * t[x] * t[y] + (Can if x == y else 0.0))
+    across, along_less_across = mass * Can, mass * (Cat - Can)
+    x, y, z = along_less_across * t[0], along_less_across * t[1], along_less_across * t[2]
+    A[0, 0] += x * t[0] + across
+    A[0, 1] += x * t[1]
+    A[0, 2] += x * t[2]
+    A[1, 0] += y * t[0]
+    A[1, 1] += y * t[1] + across
+    A[1, 2] += y * t[2]
+    A[2, 0] += z * t[0]
+    A[2, 1] += z * t[1]
+    A[2, 2] += z * t[2] + across
 
 
 @inlined_law
 def point_force(u, a, coefficient, mass, Ca):
-    """Force on the body that a point carries, wholly under water: drag + M (1 + Ca) a, (3,) [N]."""
+    """Force on the body that a point carries, wholly under water: drag + M (1 + Ca) a, (3,) [N]; () stands for a = 0."""
     fx, fy, fz = point_drag(u[0], u[1], u[2], coefficient)
+    if len(a) == 0:
+        return fx, fy, fz
     m = mass * (1.0 + Ca)
     return fx + m * a[0], fy + m * a[1], fz + m * a[2]
