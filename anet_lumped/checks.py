@@ -42,7 +42,10 @@ def check_number(argument: str, value: Any, unit: str, owner: str, *, sign: str 
     ------
     SceneError : `value` is no number, not finite, has the wrong sign, or is too large or too small to compute with
     """
-    x, demand = number(value), f"{sign} and finite" if sign else "a finite number"
+    x = value if type(value) is float else number(value)  # without asking further: a net has a hundred thousand
+    if (0.0 <= x <= LARGEST and sign != "positive") or SMALLEST <= x <= LARGEST:
+        return x
+    demand = f"{sign} and finite" if sign else "a finite number"
     if not math.isfinite(x) or (sign == "positive" and x <= 0) or (sign == "non-negative" and x < 0):
         raise SceneError(_sentence(argument, demand, unit, owner, value))
     if abs(x) > LARGEST or (sign == "positive" and x < SMALLEST):

@@ -240,12 +240,16 @@ def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None =
         for one in map(record_of, wanted):
             limits[one.name] = SchemeLimit(np.inf, np.inf, np.inf, "", one.note) if one.takes_rigid_springs else none
         return Prediction(modes, rate, limits)
-    omega, zeta = np.array([(mode.omega, mode.zeta) for mode in modes.values()]).T
+    kinds = {(np.float32(mode.omega), np.float32(mode.zeta)): name for name, mode in reversed(modes.items())}
+    unlike = [
+        modes[name] for name in reversed(kinds.values())
+    ]  # the first of a kind: nets have thousands that rounding tells apart
+    omega, zeta = np.array([(mode.omega, mode.zeta) for mode in unlike]).T
     for one in map(record_of, wanted):
         axial = step_limit(one.name, omega, zeta, rate)
         swing = step_limit(one.name, omega * np.sqrt(strain / (1.0 + strain)), 0.0, rate)
         step = np.minimum(axial, swing)
-        cable = list(modes)[step.argmin()] if np.isfinite(step.min()) else ""
+        cable = unlike[step.argmin()].cable if np.isfinite(step.min()) else ""
         limits[one.name] = SchemeLimit(float(step.min()), float(axial.min()), float(swing.min()), cable, one.note)
     return Prediction(modes, rate, limits)
 

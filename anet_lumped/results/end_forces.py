@@ -12,7 +12,8 @@ has none, a driven point that of its path; a free point that of all forces on it
 body that of the body (`body_accelerations`).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -23,6 +24,7 @@ from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.model.remainder import Pieces, Remainder, remainder
 from anet_lumped.model.rest_lengths import numbers_at
+from anet_lumped.model.tables import CABLE_END, CABLE_FIRST_SEGMENT, CABLE_SEGMENTS, CABLE_START
 from anet_lumped.prescribed.paths import pack
 from anet_lumped.scene.joints import joined_to
 from anet_lumped.scene.payload_change import carried_from
@@ -129,13 +131,28 @@ def end_force(now: Rows, whole: Scene, cable: str, point: str, inertia: bool = T
         return np.zeros((len(now.t), 3))
     if not (inertia and now.moves) and _only_weighs(now.left.model):  # of a net with thousands of cables
         return _pull_at(now, piece, point) + 0.5 * piece.mass_per_length * piece.L0 * now.left.model.scene.gravity
-    model, alone = _half(now, piece)
-    node = model.node_of[point]
+    model, alone = _apart(now, [piece])
+    node = model.nodes(piece.name)[0 if point == piece.start else -1]
     total = _pull_at(now, piece, point) + effect_forces(model, alone)[:, node]
     if inertia and now.moves:
         mass = masses(model, alone)[:, node, None, None] * np.eye(3) + added_masses(model, alone)[:, node]
         total = total - np.einsum("kxy,ky->kx", mass, _acceleration(now, point))
     return total
+
+
+def end_forces_at_rest(now: Rows) -> np.ndarray:
+    """`end_force` of every cable of a scene at its start and its end in a state at rest, (n_cables, 2, 3) [N], all at once."""
+    model = now.left.model
+    cables, (first, count) = model.scene.cables, model.cable[:, [CABLE_FIRST_SEGMENT, CABLE_SEGMENTS]].T
+    total = np.stack([_pulls(now, first)[0], -_pulls(now, first + count - 1)[0]], axis=1)
+    total[model.flipped] = total[model.flipped, ::-1]
+    if _only_weighs(model):
+        half = np.array([0.5 * cable.mass_per_length * cable.L0 for cable in cables])
+        return total + half[:, None, None] * model.scene.gravity
+    apart, rows = _apart(now, cables)
+    ends = apart.cable[:, [CABLE_START, CABLE_END]]
+    ends[apart.flipped] = ends[apart.flipped, ::-1]
+    return total + effect_forces(apart, rows)[0, ends]
 
 
 @lru_cache(maxsize=16)
@@ -232,13 +249,17 @@ def _left(model: Model, events: tuple[Event, ...]) -> Remainder:
 
 
 @lru_cache(maxsize=256)
-def _alone(model: Model, name: str) -> Model:
-    """A cable whose ends carry nothing and move freely, so that all that is spread over cables acts on them."""
-    scene, cable = model.scene, model.scene.cable(name)
-    others: dict[str, tuple] = dict.fromkeys(scene.cable_numbers, ())
-    del others[name]
-    effects = [part.after_break(others, [cable]) for part in (effect.of_cables() for effect in scene.effects) if part is not None]
-    return build.__wrapped__(Pieces([Free(cable.start), Free(cable.end)], [cable], [one for one in effects if one is not None]))
+def _cut_apart(model: Model, names: tuple[str, ...]) -> Model:
+    """Cables whose ends carry nothing and move freely, each alone, so that all that is spread over cables acts on them."""
+    scene, others = model.scene, dict.fromkeys(model.scene.cable_numbers, ())
+    own = [scene.cable(name) for name in names]
+    for name in names:
+        del others[name]
+    if len(names) > 1:
+        own = [replace(cable, start=f"{cable.name} start", end=f"{cable.name} end") for cable in own]
+    effects = [part.after_break(others, own) for part in (effect.of_cables() for effect in scene.effects) if part is not None]
+    ends = [Free(end) for cable in own for end in (cable.start, cable.end)]
+    return build.__wrapped__(Pieces(ends, own, [one for one in effects if one is not None]))
 
 
 def _piece_at(scene: Scene, whole: Cable, point: str) -> Cable | None:
@@ -262,10 +283,11 @@ def _pull_at(now: Rows, cable: Cable, point: str) -> np.ndarray:
     return pull if model.ends[segment, 0] == model.node_of[point] else -pull
 
 
-def _half(now: Rows, cable: Cable) -> tuple[Model, Rows]:
-    """A cable alone, and its places and velocities."""
-    model = _alone(now.left.model, cable.name)
-    nodes, places = model.nodes(cable.name), now.left.model.nodes(cable.name)
+def _apart(now: Rows, cables: Sequence[Cable]) -> tuple[Model, Rows]:
+    """Cables each alone, and their places and velocities."""
+    names = tuple(cable.name for cable in cables)
+    whole, model = now.left.model, _cut_apart(now.left.model, names)
+    nodes, places = (np.concatenate([one.nodes(name) for name in names]) for one in (model, whole))
     q, v = np.empty((2, len(now.t), model.n, 3))
     q[:, nodes], v[:, nodes] = now.q[:, places], now.v[:, places]
     return model, now._replace(q=q, v=v)
@@ -368,7 +390,7 @@ def _reaction_of_ground(now: Rows, whole: Scene) -> np.ndarray:
     for cable in model.scene.cables:
         for end in (cable.start, cable.end):
             if model.node_of[end] >= model.n_free:
-                alone, rows = _half(now, cable)
+                alone, rows = _apart(now, [cable])
                 total = total + effect_forces(alone, rows, only_ground=True)[:, alone.node_of[end]]
     for body in model.scene.bodies:
         if body.is_driven and has_loads(body):

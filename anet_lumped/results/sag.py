@@ -37,6 +37,11 @@ def sag(state: Any, cable: str) -> float:
     state : State
     cable : name
     """
-    gravity, shape = state.scene.gravity, state.shape(cable)
+    gravity = state.scene.gravity
     weight = np.linalg.norm(gravity)
-    return float(below_chord(shape, shape[0], shape[-1], -gravity / weight).max()) if weight else float("nan")
+    if not weight:
+        return float("nan")
+    if state.scene.cable(cable).segments == 1:  # it is its chord
+        return 0.0
+    shape = state.shape(cable)
+    return float(below_chord(shape, shape[0], shape[-1], -gravity / weight).max())

@@ -19,8 +19,9 @@ from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_L0, AXIAL_L0_BEFORE, AX
 from integrators.stage import LAW_BACKWARD, Stage
 
 SHORT = 0.1  # first tau over sqrt(L/g)
-GROWTH = 4.0  # of tau from one pseudo-step to the next
+GROWTH, LARGE_GROWTH = 4.0, 30.0  # of tau from one pseudo-step to the next; and where nothing is in the way
 LONGEST = 1e4  # last tau over the first one
+ON_THE_WAY, AT_END = 1e-9, 1e-14  # of the load: out-of-balance force with which a pseudo-step ends, before tau is longest and then
 AT_REST = 1e-10  # of the load: out-of-balance force from which longer pseudo-steps gain nothing
 STEPS, ITERATIONS = 400, 20  # largest number of pseudo-steps, and of Newton iterations in each
 
@@ -38,7 +39,7 @@ class Pace(NamedTuple):
     growth: float = GROWTH
 
 
-QUICK, SLOW = Pace(), Pace(growth=1.3)
+QUICK, SLOW, UNHINDERED = Pace(), Pace(growth=1.3), Pace(growth=LARGE_GROWTH)
 
 
 def net_at_rest(model, net, load, eased=False):
@@ -110,8 +111,8 @@ def relaxed(model, net, q, load, pace=QUICK):
     best, growth = math.inf, pace.growth
     for _ in range(STEPS):
         before, tension = q.copy(), net.tension.copy()
-        left, iterations = _step(net, q, tau, load)
-        if left > 1e-9 * load or not np.isfinite(q).all():
+        left, iterations = _step(net, q, tau, load, AT_END if tau >= longest else ON_THE_WAY)
+        if left > ON_THE_WAY * load or not np.isfinite(q).all():
             q[:], net.tension[:] = before, tension
             tau, growth = 0.25 * tau, 1.0 + 0.25 * (growth - 1.0)  # a shorter step, and slower growth after it
             if tau < 1e-6 * first:
@@ -139,14 +140,14 @@ def _unbalanced(net, q):
     return min(predicted, max(norm - noise, 0.0))
 
 
-def _step(net, q, tau, load):
-    """Take one pseudo-step; return the out-of-balance force at its end [N], and the number of Newton iterations."""
+def _step(net, q, tau, load, tolerance):
+    """Take a pseudo-step, to a tolerance over the load; return the force out of balance then [N] and its Newton iterations."""
     base = q.copy()
     stage = Stage(LAW_BACKWARD, 0.0, 1.0 / tau**2, 1.0, tau, 0.0)
     norm, _, noise, predicted = residual.residual(stage, base, base, q, net.address)
     for iteration in range(ITERATIONS):
         # predicted tensions balance better than the law does for stiff cables, whose lengths are rounded
-        if predicted <= 1e-14 * load or (iteration > 2 and norm <= noise):
+        if predicted <= tolerance * load or (iteration > 2 and norm <= noise):
             return min(predicted, max(norm - noise, 0.0)), iteration
         newton_step.direction(stage, net.address)
         newton_step.correct(net.address, 1.0, q)

@@ -17,7 +17,7 @@ from anet_lumped.model.tables import AXIAL_PUSH_SHARE
 from .descent import descended
 from .failure_reasons import bends_but_does_not_push, impossible
 from .held_bodies import keep_shapes
-from .relaxation import QUICK, SLOW, Pace, net_at_rest, relaxed
+from .relaxation import QUICK, SLOW, UNHINDERED, Pace, net_at_rest, relaxed
 from .stability import Curvature, curvature
 from .starts import obstacles, raised
 
@@ -122,7 +122,7 @@ def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None, calm:
         yield _Attempt(_loose(model, met.above), eased=eases)
     if eases and not met.any_met:
         yield _Attempt(hanging)
-    yield _Attempt(hanging, eased=eases)
+    yield _Attempt(hanging, eased=eases, pace=QUICK if eases or met.any_met else UNHINDERED)
     above = raised(model, hanging.q) if met.above is None else met.above
     yield _Attempt(_loose(model, above), eased=eases, pace=SLOW)
     if not model.has_bodies:  # whose turns the steps of a descent do not know

@@ -9,6 +9,7 @@ from .motion import DRIFTS
 from .outlines import outline
 from .surroundings import surroundings
 
+MANY = 1000  # lines or points, above which they are a bitmap within a vector graphic, which else takes seconds and megabytes
 FLAT = 0.02  # of the widest extent: what a second view must show at least
 
 
@@ -69,7 +70,7 @@ def draw_cables(axes: Any, q: np.ndarray, ends: np.ndarray, plane: tuple[int, in
     """
     from matplotlib.collections import LineCollection
 
-    lines = LineCollection(q[ends][:, :, list(plane)], **look)
+    lines = LineCollection(q[ends][:, :, list(plane)], rasterized=len(ends) > MANY, **look)
     axes.add_collection(lines, autolim=True)
     axes.autoscale_view()
     return lines

@@ -8,7 +8,7 @@ from anet_lumped.checks import printable
 
 from . import colours
 from .motion import broken_at, kind_of
-from .planes import draw_around, draw_bodies, draw_cables, label, planes_of
+from .planes import MANY, draw_around, draw_bodies, draw_cables, label, planes_of
 
 NAMED = 12  # points, up to which their names are written
 ROUNDING = 1e-14  # of EA: what a tension is that rounding of places alone makes
@@ -53,13 +53,15 @@ def plot_state(state: Any) -> Any:
 
 def _points(axes: Any, state: Any, plane: tuple[int, int]) -> None:
     names: dict[tuple[float, ...], list[str]] = {}  # of the points at one spot of the picture
+    few = len(state.scene.points) <= NAMED
     for kind, mark in (("fixed", "s"), ("driven", "s"), ("free", "o")):
         points = [point for point in state.scene.points if kind_of(point) == kind]
         at = np.array([state.position(point.name)[list(plane)] for point in points]).reshape(-1, 2)
         if len(points):
-            axes.plot(*at.T, mark, color=colours.POINTS[kind], ms=5 if len(points) <= NAMED else 2, label=kind, zorder=3)
-        for point, where in zip(points, at, strict=True):
+            look = {"color": colours.POINTS[kind], "ms": 5 if len(points) <= NAMED else 2, "rasterized": len(points) > MANY}
+            axes.plot(*at.T, mark, label=kind, zorder=3, **look)
+        for point, where in zip(points, at, strict=True) if few else ():
             names.setdefault(tuple(np.round(where, 3 - round(np.log10(np.ptp(state.q) or 1.0)))), []).append(printable(point.name))
-    if len(state.scene.points) <= NAMED:
+    if few:
         for spot, those in names.items():
             axes.annotate("  " + ", ".join(those), spot, fontsize=8, parse_math=False)

@@ -143,7 +143,9 @@ def summed_up(rows: list[dict]) -> list[dict]:
 
 
 def _is_number(value):
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    if not isinstance(value, float | int):  # which are found at once; tables of nets have a hundred thousand values
+        return isinstance(value, Real) and math.isfinite(value)
+    return not isinstance(value, bool) and math.isfinite(value)
 
 
 def _table(title, rows):

@@ -6,7 +6,8 @@ from dataclasses import asdict
 
 import numpy as np
 
-from anet_lumped.results.end_forces import GROUND, UnknownForceError
+from anet_lumped.model.tables import CABLE_SEGMENTS
+from anet_lumped.results.end_forces import GROUND, UnknownForceError, end_forces_at_rest, rows_of_state
 from anet_lumped.scene.scene import Free
 from studies.shown.show import as_text
 from studies.sweeping.measures import sag
@@ -18,7 +19,7 @@ SOFT = 0.01  # static stretch worth a warning: cords under their working load st
 def rest_summary(state) -> dict:
     """Cables and free points of a state at rest, how well its forces balance, and whether it is stable."""
     return {
-        "cables": [{"cable": cable.name} | _at_rest(state, cable) for cable in state.scene.cables],
+        "cables": [{"cable": cable.name} | row for cable, row in zip(state.scene.cables, _at_rest(state), strict=True)],
         "points": _points(state),
         "reactions": _reactions(state),
         **_bodies("bodies", state),
@@ -177,9 +178,11 @@ def prediction_summary(scene, dt: float | None = None) -> dict:
     except EquilibriumError as error:
         warnings.append(f"No static stretch, and so no stretch floor, is known: {error}")
     else:
-        for row, cable in zip(cables, scene.cables, strict=True):
-            row |= _at_rest(rest, cable)
-            strains[cable.name] = cable.strain(rest.tension(cable.name).mean())
+        segments = rest.model.cable[:, CABLE_SEGMENTS]
+        means = np.bincount(rest.model.cable_of, rest.segment_tension) / segments
+        for row, found, cable, mean in zip(cables, _at_rest(rest), scene.cables, means.tolist(), strict=True):
+            row |= found
+            strains[cable.name] = cable.strain(mean)
             warnings += _about_rest(row, cable)
     methods = []
     for name, limit in prediction.limits.items():
@@ -245,17 +248,28 @@ def write_nodes(state, file) -> None:
             rows.writerows([cable.name, i, *node] for i, node in enumerate(state.shape(cable.name).tolist()))
 
 
-def _at_rest(state, cable):
-    tension, ends = state.tension(cable.name), [state.end_tension(cable.name, end) for end in (cable.start, cable.end)]
-    slack = np.flatnonzero(tension <= 0.0)
-    return {
-        "stretch": state.length(cable.name) / cable.length - 1,
-        "sag": sag(state, cable.name),
-        "start_tension": ends[0],
-        "end_tension": ends[1],
-        "largest_tension": max(tension.max(), *ends),
-        "slack_segments": _ranges(slack),
-    }
+def _at_rest(state):
+    """A row for each cable of a state at rest."""
+    model, tension = state.model, state.segment_tension
+    of_segments = np.linalg.norm(state.q[model.ends[:, 1]] - state.q[model.ends[:, 0]], axis=1)
+    lengths = np.bincount(model.cable_of, of_segments)
+    largest = np.full(len(lengths), -np.inf)
+    np.maximum.at(largest, model.cable_of, tension)
+    ends = np.linalg.norm(end_forces_at_rest(rows_of_state(state)), axis=2)
+    slack = np.bincount(model.cable_of, tension <= 0.0) > 0
+    return [
+        {
+            "stretch": length / cable.length - 1,
+            "sag": sag(state, cable.name),
+            "start_tension": start,
+            "end_tension": end,
+            "largest_tension": max(top, start, end),
+            "slack_segments": _ranges(np.flatnonzero(state.tension(cable.name) <= 0.0)) if any_slack else "",
+        }
+        for cable, length, top, (start, end), any_slack in zip(
+            state.scene.cables, lengths.tolist(), largest.tolist(), ends.tolist(), slack.tolist(), strict=True
+        )
+    ]
 
 
 def _about_rest(row, cable):

@@ -7,7 +7,7 @@ from hanging import MU, G, cable, held_net, hung
 from anet_lumped import Body, Cable, Driven, Fixed, Free, PayloadChange, Scene, Session, equilibrium, paths, signals, simulate
 from anet_lumped.checks import InputError
 from anet_lumped.effects import Bending, Gravity, Ground, LineChange, Water
-from anet_lumped.results.end_forces import UnknownForceError
+from anet_lumped.results.end_forces import UnknownForceError, end_force, end_forces_at_rest, rows_of_state
 
 DOWN = np.array([0.0, 0.0, -G])
 GRAVITY = Gravity(G)
@@ -47,6 +47,19 @@ def test_cables_that_meet_share_nothing():
         assert rest.reaction(f"s{k}")[2] == pytest.approx(0.25 * 0.036 * G + MU * G, rel=1e-9)
         tilted = np.linalg.norm([*rest.reaction(f"s{k}")[:2], 0.25 * 0.036 * G])
         assert rest.end_tension(f"s{k}-p0", "p0") == pytest.approx(tilted, rel=1e-9)
+
+
+@pytest.mark.parametrize("effects", [(GRAVITY,), (GRAVITY, Water(g=G), Ground(height=-1.9))])
+def test_all_end_forces_of_a_rest_at_once_are_those_of_each_cable(effects):
+    """Cables of one segment and of several, drawn from either end, in the air and in water on the ground."""
+    points = [Fixed("a", (0, 0, -1)), Fixed("b", (1.0, 0, -1.2)), Free("p", 0.02), Free("end", 0.3)]
+    cables = [cable("a", "p", 1.0, segments=1, diameter=0.01), cable("p", "b", 0.9, segments=4, diameter=0.01),
+              cable("end", "p", 1.5, segments=3, diameter=0.02)]  # fmt: skip
+    rest = equilibrium(Scene(points, cables, effects))
+    rows = rows_of_state(rest)
+    each = [[end_force(rows, rest.scene, one.name, end)[0] for end in (one.start, one.end)] for one in rest.scene.cables]
+    assert end_forces_at_rest(rows) == pytest.approx(np.array(each), rel=1e-14, abs=1e-15)
+    assert np.linalg.norm(each, axis=2).min() > 0.0 and len({round(float(x), 9) for x in np.ravel(each)}) > 6
 
 
 def test_reactions_and_the_ground_carry_what_lies_and_hangs_in_water():

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
 from systems import four_cables, loose_cable
 
-from anet_lumped import Cable, Fixed, Free, Scene, equilibrium, paths, simulate
+from anet_lumped import Cable, Fixed, Free, Scene, State, equilibrium, nets, paths, simulate
 from anet_lumped.effects import Gravity
 from anet_lumped.scene.scene import Driven
 from anet_lumped.views.planes import along_with, planes_of
@@ -31,6 +32,18 @@ def test_a_picture_goes_along_with_what_travels():
     assert travels and np.ptp(moved[..., 0]) == pytest.approx(2.0)
     same, travels = along_with(grid(3)[None] + np.linspace(0.0, 4.0, 5)[:, None, None])
     assert not travels and np.ptp(same[..., 0]) == 6.0
+
+
+def test_the_lines_of_a_large_net_are_a_bitmap_of_its_vector_graphic(tmp_path):
+    sizes = {}
+    for meshes in (20, 40):  # 840 cables and 3280
+        net = nets.grid((meshes, meshes), [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], cable={"mass_per_length": 0.1, "EA": 1e4})
+        figure = State.of(Scene(net.points, net.cables)).plot()
+        drawn = [lines for axes in figure.axes for lines in axes.findobj(LineCollection) if len(lines.get_paths()) > 100]
+        assert len(drawn) > 0 and {lines.get_rasterized() for lines in drawn} == {meshes == 40}
+        figure.savefig(tmp_path / "net.svg")
+        sizes[meshes] = (tmp_path / "net.svg").stat().st_size
+    assert sizes[40] < sizes[20]  # a bitmap does not grow with the lines
 
 
 def test_a_rest_is_drawn_in_two_planes_coloured_by_tension():
