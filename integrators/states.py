@@ -6,7 +6,7 @@ import numpy as np
 from numba import types
 
 from .flat_view import flat
-from .jit import internal
+from .jit import inlined, internal
 from .system import BALANCE, ENERGIES, STEP_STATE, StepState, system_at
 
 _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
@@ -93,14 +93,25 @@ def save(system_address, data_address, k, t, error, state, saved):
     return k + 1
 
 
+@inlined
+def _distance(q, v, i, j):
+    """Distance of two nodes plus the difference of their velocities, by the sums of their components; q and v are given flat."""
+    a, b = 3 * i, 3 * j
+    return (
+        abs(q[a] - q[b]) + abs(q[a + 1] - q[b + 1]) + abs(q[a + 2] - q[b + 2])
+        + abs(v[a] - v[b]) + abs(v[a + 1] - v[b + 1]) + abs(v[a + 2] - v[b + 2])
+    )  # fmt: skip
+
+
 @internal
 def worst_node(q, v, largest):
     """The first node that is not finite, or farther than ``largest`` from the last node, see `System`; -1 if there is none."""
-    last = q.shape[0] - 1
-    for i in range(q.shape[0]):
-        size = 0.0
-        for x in range(3):
-            size += abs(q[i, x] - q[last, x]) + abs(v[i, x] - v[last, x])
-        if not size < largest:
+    flat_q, flat_v, n, within = flat(q), flat(v), q.shape[0], 0
+    for i in range(n):  # counted, without a way out: so several are looked at at once
+        within += 1 if _distance(flat_q, flat_v, i, n - 1) < largest else 0
+    if within == n:
+        return -1
+    for i in range(n):
+        if not _distance(flat_q, flat_v, i, n - 1) < largest:
             return i
     return -1

@@ -3,12 +3,12 @@
 from numba import float64, int64
 
 from anet_lumped.compiled.jit import kernel
-from anet_lumped.mechanics.observe import _f2, observe
+from anet_lumped.mechanics.observe_groups import observe
 from anet_lumped.model.net import view_net
 from integrators.system import NO_EVENTS
 
 
-@kernel(float64(_f2, _f2, int64))
+@kernel(float64(float64[:, ::1], float64[:, ::1], int64))
 def margin(q, v, net_address):
     """Largest T/T_max - 1 over the segments of cables that may break, with T of `observe`; `NO_EVENTS` if no cable may break."""
     net = view_net(net_address)

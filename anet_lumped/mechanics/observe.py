@@ -1,17 +1,19 @@
-"""Tensions and energies of a state, which a run saves."""
+"""Tensions and energies of a state, which a run saves, of scenes without cables that are taken by fours."""
 
 import math
 
 from numba import float64, int64, void
 
-from anet_lumped.compiled.jit import internal, kernel
-from anet_lumped.effects.laws.axial import elastic_energy, tension_parts
+from anet_lumped.compiled.jit import inlined, internal, kernel
+from anet_lumped.compiled.lanes import column, load, load_four, select, shifted, store
+from anet_lumped.effects.laws.axial import elastic_secant, tension_parts
 from anet_lumped.effects.laws.creep import stored_energy, tension_at_once
 from anet_lumped.effects.signatures import as_energy
+from anet_lumped.mechanics.cable_rows import row3, segment_count
 from anet_lumped.mechanics.creeping_law import creep_of
 from anet_lumped.mechanics.effect_forces import numbers_of
 from anet_lumped.mechanics.optional import as_set_lengths
-from anet_lumped.mechanics.segment_law import SHORTEST, spring_of
+from anet_lumped.mechanics.segment_law import SHORTEST, group_constant, spring_of
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
@@ -24,7 +26,6 @@ from anet_lumped.model.tables import (
     CABLE_END,
     CABLE_FIRST_NODE,
     CABLE_FIRST_SEGMENT,
-    CABLE_SEGMENTS,
     CABLE_START,
     CREEP_STATIC,
     CREPT_CHANGE,
@@ -33,11 +34,13 @@ from anet_lumped.model.tables import (
     LINEARISED_LAW,
     LINEARISED_MEAN_STEP,
     LINEARISED_TAU,
+    SEGMENT_COLUMNS,
     SEGMENT_STRETCH,
     SEGMENT_STRETCH_BEFORE,
     SEGMENT_TENSION,
     SLOT_ENERGY,
 )
+from integrators.flat_view import flat
 from integrators.stage import LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN
 from integrators.system import NO_EVENTS
 
@@ -46,7 +49,7 @@ _f1, _f2 = float64[::1], float64[:, ::1]
 
 @internal
 def _creeping_tension(net, c, s, stretch, rate, acting):
-    """`observe` of a segment s of cable c that creeps, of the ``stretch`` l - L0 [m] and the ``rate`` of length [m/s]."""
+    """`observe_singles` of a segment s of cable c that creeps, of the ``stretch`` l - L0 [m] and the ``rate`` of length [m/s]."""
     creep, crept, row, h = creep_of(net, c), net.crept[s, CREPT_STRETCH], net.segment[s], net.linearised[LINEARISED_TAU]
     if net.linearised[LINEARISED_LAW] != LAW_BETWEEN or stretch <= crept:
         return tension_at_once(stretch - crept, crept, rate, creep)
@@ -57,9 +60,93 @@ def _creeping_tension(net, c, s, stretch, rate, acting):
     return max(acting - row[SEGMENT_TENSION] + at_once, 0.0)
 
 
+@inlined
+def observe_cable(net, c, q, v, tension, creeps):
+    """`observe_singles` of a cable, or of a group of cables; ``creeps`` is whether the cable creeps, None for a group."""
+    first, node, end = (
+        column(net.cable, c, CABLE_FIRST_SEGMENT),
+        column(net.cable, c, CABLE_FIRST_NODE),
+        column(net.cable, c, CABLE_END),
+    )
+    before, count, flat_q, flat_v, segment = (
+        column(net.cable, c, CABLE_START),
+        segment_count(net, c),
+        flat(q),
+        flat(v),
+        flat(net.segment),
+    )
+    L0, k, damper = column(net.axial, c, AXIAL_L0), column(net.axial, c, AXIAL_STIFFNESS), column(net.axial, c, AXIAL_DAMPER)
+    two_way_damper, spring, L0_rate = (
+        group_constant(net, c, AXIAL_TWO_WAY_DAMPER),
+        spring_of(net, c),
+        column(net.axial, c, AXIAL_L0_RATE),
+    )
+    law, omega_squared = net.linearised[LINEARISED_LAW], column(net.axial, c, AXIAL_OMEGA_SQUARED)
+    acted_at_end = law == LAW_BACKWARD or group_constant(net, c, AXIAL_INEXTENSIBLE) > 0.0
+    over_step, h, mean_step = law == LAW_BETWEEN, net.linearised[LINEARISED_TAU], net.linearised[LINEARISED_MEAN_STEP]
+    per_h, resolved = 1.0 / h, 1.0 / (1.0 + (0.25 * h + 0.5 * damper / k) * h * omega_squared)
+    stiff = (0.25 * mean_step + 0.5 * damper / k) * mean_step * omega_squared
+    q1, v1 = row3(flat_q, before), row3(flat_v, before)
+    for j in range(count):
+        i = shifted(node, j, 1, 0) if j < count - 1 else end
+        s = shifted(first, j, 1, 0)
+        acting, q2, v2 = load(net.tension, s), row3(flat_q, i), row3(flat_v, i)
+        if two_way_damper == 0.0:
+            acting = max(acting, 0.0)
+        T = acting
+        if not acted_at_end:
+            dx, dy, dz = q2[0] - q1[0], q2[1] - q1[1], q2[2] - q1[2]
+            l = math.sqrt(dx * dx + dy * dy + dz * dz)
+            rate = dx * (v2[0] - v1[0]) + dy * (v2[1] - v1[1]) + dz * (v2[2] - v1[2])
+            rate = rate / max(l, SHORTEST * L0) - L0_rate
+            T, elastic = tension_parts(l - L0, rate, spring, damper, two_way_damper)
+            if over_step:
+                row = shifted(s, 0, SEGMENT_COLUMNS, SEGMENT_TENSION)
+                spring_at_end, stretch_before, stretch, _ = load_four(segment, row)
+                if two_way_damper == 0.0:
+                    stretch_before, stretch = max(stretch_before, 0.0), max(stretch, 0.0)
+                mean_rate = (stretch - stretch_before) * per_h
+                at_end = acting + (elastic - spring_at_end + damper * mean_rate) + damper * resolved * (rate - mean_rate)
+                if two_way_damper == 0.0:
+                    at_end = max(at_end, 0.0)
+                T = select((elastic != 0.0) | (two_way_damper > 0.0), at_end, T)
+            elif law == LAW_AT_END and mean_step > 0.0:
+                mean_tension = load(net.mean_tension, s)
+                T = mean_tension + (T - mean_tension) / (1.0 + stiff * stiff)
+            if creeps is not None:
+                if creeps:
+                    T = _creeping_tension(net, c, s, l - L0, rate, acting)
+        store(tension, s, T)
+        q1, v1 = q2, v2
+
+
+@inlined
+def elastic_energy_of_cable(net, c, q, creeps):
+    """Energy of the springs of a cable, or of each of the cables of a group [J]; ``creeps`` as of `observe_cable`."""
+    first, node, end = (
+        column(net.cable, c, CABLE_FIRST_SEGMENT),
+        column(net.cable, c, CABLE_FIRST_NODE),
+        column(net.cable, c, CABLE_END),
+    )
+    L0, spring, count, flat_q = column(net.axial, c, AXIAL_L0), spring_of(net, c), segment_count(net, c), flat(q)
+    elastic, q1 = 0.0 * L0, row3(flat_q, column(net.cable, c, CABLE_START))
+    for j in range(count):
+        q2 = row3(flat_q, shifted(node, j, 1, 0) if j < count - 1 else end)
+        dx, dy, dz = q2[0] - q1[0], q2[1] - q1[1], q2[2] - q1[2]
+        stretch, q1 = math.sqrt(dx * dx + dy * dy + dz * dz) - L0, q2
+        secant, _ = elastic_secant(0.0 * stretch, stretch, spring)
+        energy = secant * stretch
+        if creeps is not None:
+            if creeps:
+                crept = net.crept[first + j, CREPT_STRETCH]
+                energy = stored_energy(stretch - crept, crept, creep_of(net, c))
+        elastic = elastic + energy
+    return elastic
+
+
 @kernel(void(_f2, _f2, int64, _f1))
-def observe(q, v, net_address, tension):
-    """Write the tension of every segment in a state (n_segments,) [N].
+def observe_singles(q, v, net_address, tension):
+    """Write the tension of every segment in a state (n_segments,) [N], of the cables that are in no group.
 
     The law at one time would multiply rounding errors of the positions by the stiffness. Therefore the tension depends on the last
     stage:
@@ -85,69 +172,24 @@ def observe(q, v, net_address, tension):
     net = view_net(net_address)
     for i in range(min(net.crept.shape[0], tension.shape[0] - net.tension.shape[0])):
         tension[net.tension.shape[0] + i] = net.crept[i, CREPT_STRETCH]
-    for c in range(net.cable.shape[0]):
-        first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
-        L0, k, damper, two_way_damper, spring = (
-            net.axial[c, AXIAL_L0],
-            net.axial[c, AXIAL_STIFFNESS],
-            net.axial[c, AXIAL_DAMPER],
-            net.axial[c, AXIAL_TWO_WAY_DAMPER],
-            spring_of(net, c),
-        )
-        before = net.cable[c, CABLE_START]
-        for j in range(count):
-            i, s = node + j if j < count - 1 else net.cable[c, CABLE_END], first + j
-            acting = net.tension[s] if two_way_damper > 0.0 else max(net.tension[s], 0.0)
-            if net.linearised[LINEARISED_LAW] == LAW_BACKWARD or net.axial[c, AXIAL_INEXTENSIBLE] > 0.0:
-                tension[s] = acting
-            else:
-                dx, dy, dz = q[i, 0] - q[before, 0], q[i, 1] - q[before, 1], q[i, 2] - q[before, 2]
-                l = math.sqrt(dx * dx + dy * dy + dz * dz)
-                rate = dx * (v[i, 0] - v[before, 0]) + dy * (v[i, 1] - v[before, 1]) + dz * (v[i, 2] - v[before, 2])
-                rate = rate / max(l, SHORTEST * L0) - net.axial[c, AXIAL_L0_RATE]
-                T, elastic = tension_parts(l - L0, rate, spring, damper, two_way_damper)
-                if net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0:
-                    T = _creeping_tension(net, c, s, l - L0, rate, acting)
-                elif net.linearised[LINEARISED_LAW] == LAW_BETWEEN and (elastic != 0.0 or two_way_damper > 0.0):
-                    h, row = net.linearised[LINEARISED_TAU], net.segment[s]
-                    mean_rate = row[SEGMENT_STRETCH] - row[SEGMENT_STRETCH_BEFORE]
-                    if two_way_damper == 0.0:
-                        mean_rate = max(row[SEGMENT_STRETCH], 0.0) - max(row[SEGMENT_STRETCH_BEFORE], 0.0)
-                    mean_rate /= h
-                    resolved = 1.0 / (1.0 + (0.25 * h + 0.5 * damper / k) * h * net.axial[c, AXIAL_OMEGA_SQUARED])
-                    T = acting + (elastic - row[SEGMENT_TENSION] + damper * mean_rate) + damper * resolved * (rate - mean_rate)
-                    T = T if two_way_damper > 0.0 else max(T, 0.0)
-                elif net.linearised[LINEARISED_LAW] == LAW_AT_END and net.linearised[LINEARISED_MEAN_STEP] > 0.0:
-                    h = net.linearised[LINEARISED_MEAN_STEP]
-                    stiff = (0.25 * h + 0.5 * damper / k) * h * net.axial[c, AXIAL_OMEGA_SQUARED]
-                    T = net.mean_tension[s] + (T - net.mean_tension[s]) / (1.0 + stiff * stiff)
-                tension[s] = T
-            before = i
+    for c in net.single_cables:
+        observe_cable(net, c, q, v, tension, net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0)
 
 
 @kernel(void(float64, _f2, _f2, int64, _f1))
-def energies(t, q, v, net_address, energy):
-    """Kinetic energy of the moving nodes, spring energy, and potential energy of the effects: (3,) [J], overwritten."""
+def energies_of_singles(t, q, v, net_address, energy):
+    """Kinetic energy of the moving nodes, spring energy of the cables that are in no group, and potential energy of the effects:
+    (3,) [J], overwritten.
+    """
     net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:
         as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)
-    kinetic, elastic, potential = 0.0, 0.0, 0.0
+    flat_v, kinetic, elastic, potential = flat(v), 0.0, 0.0, 0.0
     for i in range(net.n_free):
-        kinetic += 0.5 * net.mass[i] * (v[i, 0] * v[i, 0] + v[i, 1] * v[i, 1] + v[i, 2] * v[i, 2])
-    for c in range(net.cable.shape[0]):
-        count, node = net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
-        L0, spring = net.axial[c, AXIAL_L0], spring_of(net, c)
-        before = net.cable[c, CABLE_START]
-        for j in range(count):
-            i = node + j if j < count - 1 else net.cable[c, CABLE_END]
-            dx, dy, dz = q[i, 0] - q[before, 0], q[i, 1] - q[before, 1], q[i, 2] - q[before, 2]
-            stretch = math.sqrt(dx * dx + dy * dy + dz * dz) - L0
-            if net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0:
-                crept = net.crept[net.cable[c, CABLE_FIRST_SEGMENT] + j, CREPT_STRETCH]
-                elastic += stored_energy(stretch - crept, crept, creep_of(net, c))
-            else:
-                elastic += elastic_energy(stretch, spring)
-            before = i
+        x, y, z = flat_v[3 * i], flat_v[3 * i + 1], flat_v[3 * i + 2]
+        kinetic += 0.5 * net.mass[i] * (x * x + y * y + z * z)
+    for c in net.single_cables:
+        elastic += elastic_energy_of_cable(net, c, q, net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0)
     effects = net.effects
     for e in range(effects.address.shape[0]):
         index, params = numbers_of(effects, e)

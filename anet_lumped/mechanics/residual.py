@@ -175,6 +175,36 @@ def residual_of_groups(stage, net_address, base, q, step, largest_coordinate):
     return balance
 
 
+@internal
+def _begin_with_inertia(net_address, weight, target, q):
+    """Write the inertial forces of a stage to ``net.right_side`` and their stiffness to ``net.diagonal``.
+
+    Of free nodes that are of no body, and no force on prescribed ones; ``weight`` is its W.
+    A function of its own, so that its loop keeps its numbers in registers.
+
+    Returns
+    -------
+    largest_coordinate : [m], and the largest components of inertial force [N] and inertial stiffness [N/m]
+    """
+    net = view_net(net_address)
+    n_free, mass, first_of_bodies, right_side, D = net.n_free, net.mass, net.bodies.first, flat(net.right_side), flat(net.diagonal)
+    flat_q, flat_target = flat(q), flat(target)
+    largest_coordinate, scale, largest_inertia = 0.0, 0.0, 0.0
+    for i in range(q.shape[0]):
+        W = mass[i] * weight if i < first_of_bodies else 0.0  # the inertia of bodies is not that of each of their nodes
+        a, b = 3 * i, 9 * i
+        x, y, z = flat_q[a], flat_q[a + 1], flat_q[a + 2]
+        fx, fy, fz = W * (flat_target[a] - x), W * (flat_target[a + 1] - y), W * (flat_target[a + 2] - z)
+        right_side[a], right_side[a + 1], right_side[a + 2] = (fx, fy, fz) if i < n_free else (0.0, 0.0, 0.0)
+        # the largest of three components first: so the running maximum waits for one comparison a node, not for three
+        largest_coordinate, scale = max(largest_coordinate, max(abs(x), abs(y), abs(z))), max(scale, max(abs(fx), abs(fy), abs(fz)))
+        largest_inertia = max(largest_inertia, W)
+        if i < n_free:
+            D[b], D[b + 1], D[b + 2], D[b + 3] = W, 0.0, 0.0, 0.0
+            D[b + 4], D[b + 5], D[b + 6], D[b + 7], D[b + 8] = W, 0.0, 0.0, 0.0, W
+    return largest_coordinate, scale, largest_inertia
+
+
 @kernel(types.UniTuple(float64, 4)(STAGE, _f2, _f2, _f2, int64))
 def residual(stage, base, target, q, net_address):
     """Out-of-balance force of a stage on every node, and its linearisation in the net.
@@ -208,25 +238,11 @@ def residual(stage, base, target, q, net_address):
     net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:
         set_stage_lengths(stage, net_address)
-    n, n_free, mass, right_side, diagonal = q.shape[0], net.n_free, net.mass, net.right_side, net.diagonal
-    first_of_bodies = net.bodies.first  # the inertia of bodies is not that of each of their nodes
+    n, n_free, right_side, diagonal, first_of_bodies = q.shape[0], net.n_free, net.right_side, net.diagonal, net.bodies.first
     if first_of_bodies < n_free:
         as_place_bodies(net.kernels[KERNEL_PLACE_BODIES])(stage, net_address, base, target, q)
     middle_q, middle_v, per_tau = net.middle_q, net.middle_v, 1.0 / stage.tau
-    largest_coordinate, scale, largest_inertia = 0.0, 0.0, 0.0
-    for i in range(n):
-        W = mass[i] * stage.W if i < first_of_bodies else 0.0
-        x, y, z = q[i, 0], q[i, 1], q[i, 2]
-        fx, fy, fz = W * (target[i, 0] - x), W * (target[i, 1] - y), W * (target[i, 2] - z)
-        right_side[i, 0], right_side[i, 1], right_side[i, 2] = (fx, fy, fz) if i < n_free else (0.0, 0.0, 0.0)
-        # the largest of three components first: so the running maximum waits for one comparison a node, not for three
-        largest_coordinate, scale = max(largest_coordinate, max(abs(x), abs(y), abs(z))), max(scale, max(abs(fx), abs(fy), abs(fz)))
-        largest_inertia = max(largest_inertia, W)
-        if i < n_free:
-            D = diagonal[i]
-            D[0, 0], D[0, 1], D[0, 2] = W, 0.0, 0.0
-            D[1, 0], D[1, 1], D[1, 2] = 0.0, W, 0.0
-            D[2, 0], D[2, 1], D[2, 2] = 0.0, 0.0, W
+    largest_coordinate, scale, largest_inertia = _begin_with_inertia(net_address, stage.W, target, q)
     effects = net.effects
     if any_live(net):
         take_middle(net, stage.theta, per_tau, base, q)

@@ -128,13 +128,15 @@ def cable_settle(stage, net, cables, base, q, v, creep):
     )
     by_dampers, by_method, put_in, by_impulses, total_square = zero, zero, zero, zero, zero
     i1, q1, v1, mobility_1 = start, row3(flat_q, start), row3(flat_v, start), _mobility(net, start)
-    segments_at_1 = load(net.node_segments, start)
+    mobility_of_end, mobility_inside = _mobility(net, end), 1.0 / load(net.mass, node)  # all nodes inside a cable have one mass
+    shared_1, shared_by_end = load(net.node_segments, start) * mobility_1, load(net.node_segments, end) * mobility_of_end
+    shared_inside = 2.0 * mobility_inside  # of a node whose mass is divided among its segments
     change_behind = zero, zero, zero  # change of the node's velocity by the impulse of the segment behind it
     for j in range(count):
         i2 = shifted(node, j, 1, 0) if j < count - 1 else end
         s = shifted(first, j, 1, 0)
         row, T, q2, v2 = shifted(s, 0, SEGMENT_COLUMNS, 0), load(net.tension, s), row3(flat_q, i2), row3(flat_v, i2)
-        mobility_2, segments_at_2 = _mobility(net, i2), load(net.node_segments, i2)
+        mobility_2, shared_2 = (mobility_inside, shared_inside) if j < count - 1 else (mobility_of_end, shared_by_end)
         dx, dy, dz = q2[0] - q1[0], q2[1] - q1[1], q2[2] - q1[2]
         l = math.sqrt(dx * dx + dy * dy + dz * dz)
         per_l, stretch = 1.0 / max(l, SHORTEST * L0), l - L0
@@ -162,7 +164,7 @@ def cable_settle(stage, net, cables, base, q, v, creep):
         impulse_acts = ((T > 0.0) | (two_way_damper > 0.0)) & (change_wanted * rate > 0.0) & (mobility_1 + mobility_2 > 0.0)
         impulse = select(
             impulse_acts,
-            select(abs(change_wanted) > abs(rate), rate, change_wanted) / (segments_at_1 * mobility_1 + segments_at_2 * mobility_2),
+            select(abs(change_wanted) > abs(rate), rate, change_wanted) / (shared_1 + shared_2),
             0.0,
         )
         store(net.tension, s, T + impulse * per_h)
@@ -183,7 +185,7 @@ def cable_settle(stage, net, cables, base, q, v, creep):
             e = (a2[0] - a1[0] + dx) * per_length, (a2[1] - a1[1] + dy) * per_length, (a2[2] - a1[2] + dz) * per_length
             put_in = put_in + T * (_driven_distance(net, i2, a2, q2, e) - _driven_distance(net, i1, a1, q1, e))
         change_behind = -speed_2 * n[0], -speed_2 * n[1], -speed_2 * n[2]
-        i1, q1, v1, mobility_1, segments_at_1 = i2, q2, v2, mobility_2, segments_at_2
+        i1, q1, v1, mobility_1, shared_1 = i2, q2, v2, mobility_2, shared_2
     add_to_points(net.middle_v, 0, end, members, change_behind, 1.0)
     return CableAccount(
         sum_of_members(by_dampers, members),

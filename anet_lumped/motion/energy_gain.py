@@ -50,7 +50,7 @@ def energy_gain(run, adaptive=False):
         own = own[[0, -1]]
     elif swings:
         own = np.array([block.min() for block in np.array_split(own, min(BLOCKS, len(own)))])
-    reach = np.abs(run.q).max()
+    reach = max(run.q.max(), -run.q.min())
     weight = model.mass[: model.n_free].sum() * np.linalg.norm(run.scene.gravity)
     rounding = WEIGHT_TOLERANCE * weight * reach + STIFFNESS_TOLERANCE * model.axial[:, AXIAL_STIFFNESS].max(initial=0.0) * reach**2
     for cable in run.scene.cables:

@@ -124,10 +124,16 @@ class Session:
         start = scratch_for(self._state, scheme.carried_rows, 0).start
         self._words = system_words(self._system)
         self._numbers = np.array([legs.t, 0.0])
-        can_fail = not scheme.explicit or scheme.keeps_constraints
         addresses = self._words.ctypes.data, self._net.address
         self._march = held_march.HeldMarch(
-            self._step, *addresses, int(can_fail), self._parameters, self._counts, self._state, start, self._numbers
+            self._step,
+            *addresses,
+            int(scheme.needs_copied_start),
+            self._parameters,
+            self._counts,
+            self._state,
+            start,
+            self._numbers,
         )
         self._march_words = held_march.words_in_memory(self._march)
         self._address = self._march_words.ctypes.data

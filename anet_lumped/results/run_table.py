@@ -57,11 +57,7 @@ class RunTable:
         check_most(BYTES, 8.0 * numbers, f"What is kept of {count} runs at {len(t)} times")
         self.kept = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
         self.points = [model.node(point.name) for point in scene.all_points]
-        nodes, segments = [model.nodes(cable.name) for cable in scene.cables], np.arange(model.n_segments)
-        self.nodes = np.concatenate(nodes)
-        self.at_node = _places([len(own) for own in nodes])
-        self.segments = np.concatenate([segments[model.segments(cable.name)] for cable in scene.cables])
-        self.at_segment = _places([cable.segments for cable in scene.cables])
+        self.cables = [(cable.segments, model.segments(cable.name), model.nodes(cable.name)) for cable in scene.cables]
         self.status = np.full(count, "", object)
         self.texts = {name: np.full(count, "", object) for name in ("reason", "warnings", "method")}
         self.numbers = {name: np.full(count, np.nan) for name in ("step", "end_time")}
@@ -70,14 +66,17 @@ class RunTable:
     def take(self, k: int, run: Run) -> None:
         """Write the k-th run."""
         rows, of_run = self._rows(run.t)
+        tension = run.segment_tension[of_run]
         for name, kept in self.kept.items():
             own = kept[k]
             if name in ("position", "velocity"):
                 own[rows] = (run.q if name == "position" else run.v)[:, self.points][of_run]
             elif name == "tension":
-                own[(rows, *self.at_segment)] = run.segment_tension[:, self.segments][of_run]
+                for c, (count, segments, _) in enumerate(self.cables):
+                    own[rows, c, :count] = tension[:, segments]
             elif name == "shape":
-                own[(rows, *self.at_node)] = run.q[:, self.nodes][of_run]
+                for c, (count, _, nodes) in enumerate(self.cables):
+                    own[rows, c, : count + 1] = run.q[:, nodes][of_run]
             else:
                 own[rows] = run.energy[of_run]
         texts = run.message, "\n".join(run.warnings), run.method
@@ -130,8 +129,3 @@ class RunTable:
             units = {"units": about[name]} if name in about else {}
             values[name] = ("run", column.astype(str) if column.dtype == object else column, units)
         return xr.Dataset(found | values, coordinates | {name: ("run", of_name) for name, of_name in varied.items()})
-
-
-def _places(counts: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Number of the cable and number within it of nodes or segments that follow each other cable by cable."""
-    return np.repeat(np.arange(len(counts)), counts), np.concatenate([np.arange(count) for count in counts])

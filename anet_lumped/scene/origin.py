@@ -43,11 +43,13 @@ def near_origin(scene: Scene) -> Near:
     The height stays where an effect depends on it, and the whole origin where one depends on places in a way of its own.
     """
     free = [point.at for point in scene.free_points if point.at is not None]
-    places = np.array(scene.supports + free + [body.at for body in scene.bodies if body.at is not None] or [NONE_MOVED])
-    low, high = places.min(axis=0), places.max(axis=0)
-    size = float(max((high - low).max(), max(cable.length for cable in scene.cables)))
-    middle = low + 0.5 * (high - low)
-    if not np.abs(middle).max() > FAR * size:
+    axes = list(
+        zip(*(scene.supports + free + [body.at for body in scene.bodies if body.at is not None] or [NONE_MOVED]), strict=True)
+    )
+    low, width = [min(x) for x in axes], [max(x) - min(x) for x in axes]
+    size = float(max(*width, *(cable.length for cable in scene.cables)))
+    middle = np.array([x + 0.5 * wide for x, wide in zip(low, width, strict=True)])
+    if not max(abs(x) for x in middle.tolist()) > FAR * size:
         return Near(scene, NONE_MOVED)
     near = FAR * size
     unit = 10.0 ** math.floor(math.log10(near)) if near >= 1.0 else 2.0 ** math.floor(math.log2(near))  # moved without rounding

@@ -38,8 +38,8 @@ class StepError(NamedTuple):
 
     Parameters
     ----------
-    explicit : bool
-        Steps do not fail, and cost little.
+    needs_copied_start : bool
+        Steps may fail and leave another state than the one before them, see `Scheme`.
     order : int
         p, of the error that grows.
     constant : float
@@ -48,7 +48,7 @@ class StepError(NamedTuple):
         Steps that are not looked at after p + 1 in a row, see `unseen_steps`.
     """
 
-    explicit: bool
+    needs_copied_start: bool
     order: int
     constant: float
     unseen: int
@@ -129,10 +129,7 @@ def follow(growth, step_error, steps, weight, h, v, n_free):
 @internal
 def largest_error(growth, n_free):
     """Largest error of the place of a node so far [m]."""
-    error, largest = growth.error, 0.0
-    for i in range(n_free):
-        square = 0.0
-        for x in range(3):
-            square += error[i, x] * error[i, x]
-        largest = max(largest, square)
+    error, largest = flat(growth.error), 0.0
+    for i in range(0, 3 * n_free, 3):
+        largest = max(largest, error[i] * error[i] + error[i + 1] * error[i + 1] + error[i + 2] * error[i + 2])
     return np.sqrt(largest)

@@ -59,7 +59,6 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
     stepper : Stepper
     times : FixedSteps
     step_error : StepError
-        Explicit steps cannot fail: then the state before a step is copied only if the system has events.
     state : StepState, at the start, and then at the end
     scratch : Scratch
     growth : Growth, overwritten
@@ -72,7 +71,7 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
         How it ended, rows written, time reached, and the node where it went wrong (or -1).
     """
     system_address, data_address, counts, t = stepper.system_address, stepper.data_address, stepper.counts, times.t0
-    system, explicit = system_at(system_address), step_error.explicit
+    system = system_at(system_address)
     n_free, largest = system.n_free, system.largest
     evaluate_start(system_address, data_address, t, state, counts)
     rows = save(system_address, data_address, NONE, t, 0.0, state, saved)
@@ -82,7 +81,7 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
     for s in range(min(int(np.floor((times.t0 - times.origin) / times.dt + SAME_TIME)), last), last + 1):
         goal = times.t_end if s == last else times.origin + (s + 1) * times.dt
         length = goal - t
-        status, t_reached, margin = one_step(stepper, t, length, not explicit, margin, start, state)
+        status, t_reached, margin = one_step(stepper, t, length, step_error.needs_copied_start, margin, start, state)
         if status != DONE:
             rows = save(system_address, data_address, rows, t_reached, largest_error(growth, n_free), state, saved)
             return status, rows, t_reached, -1

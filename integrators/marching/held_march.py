@@ -27,7 +27,7 @@ class HeldMarch(NamedTuple):
     ----------
     step : the compiled step of a scheme
     system_address, data_address : int
-    can_fail : int, 1 if the equations of a step may not be solved
+    needs_copied_start : int, 1 if a step may fail and leave another state than the one before it
     parameters, counts : of a `Stepper`
     state : StepState
     start : StepState, scratch
@@ -37,7 +37,7 @@ class HeldMarch(NamedTuple):
     step: object
     system_address: int
     data_address: int
-    can_fail: int
+    needs_copied_start: int
     parameters: np.ndarray
     counts: np.ndarray
     state: StepState
@@ -71,7 +71,7 @@ def step_to(address, goal):
     march = _march_at(address)
     stepper = Stepper(march.step, march.system_address, march.data_address, march.parameters, march.counts)
     numbers, state, t = march.numbers, march.state, march.numbers[TIME]
-    status, t_reached, margin = one_step(stepper, t, goal - t, march.can_fail == 1, numbers[MARGIN], march.start, state)
+    status, t_reached, margin = one_step(stepper, t, goal - t, march.needs_copied_start == 1, numbers[MARGIN], march.start, state)
     numbers[TIME], numbers[MARGIN] = goal if status == DONE else t_reached, margin
     node = worst_node(state.q, state.v, system_at(march.system_address).largest)
     if status == DONE and node >= 0:

@@ -104,7 +104,7 @@ class March:
             loop = compiled_fixed_steps()
             explicit, steps = scheme.explicit and not scheme.keeps_constraints, (times.t_end - times.origin) / times.dt
             unseen = unseen_steps(explicit, steps)
-            loop_argument = StepError(explicit, scheme.error_order or scheme.order, scheme.error_constant, unseen)
+            loop_argument = StepError(scheme.needs_copied_start, scheme.error_order or scheme.order, scheme.error_constant, unseen)
         self.scratch = scratch_for(self.state, scheme.carried_rows, observed)
         room = () if self.adaptive else (Growth(np.empty((n, 3)), np.zeros((n, 3))),)
         self.loop, self.short = entry_point(loop), not self.adaptive and steps * n < SHORT

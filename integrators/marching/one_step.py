@@ -11,15 +11,15 @@ SMALLEST_PART = 2.0**-12  # of a step: a march ends where Newton's method fails 
 
 
 @internal
-def one_step(stepper, t, length, can_fail, margin, start, state):
+def one_step(stepper, t, length, needs_copied_start, margin, start, state):
     """Take a step from t; it ends at an event, see `events.locate`.
 
     Parameters
     ----------
     stepper : Stepper
     t, length : float64 [s]
-    can_fail : bool
-        Whether the equations of a step may not be solved. If not, the state before it is copied only for events.
+    needs_copied_start : bool
+        Whether a step may fail and leave another state than the one before it. If not, that is copied only for events.
     margin : float64
         Margin of the system at t; `NO_EVENTS` if it has no events.
     start : StepState, overwritten by the state before the last part of the step
@@ -31,15 +31,17 @@ def one_step(stepper, t, length, can_fail, margin, start, state):
         How it ended, the time reached, the margin there.
     """
     counts, taken, part, has_events = stepper.counts, 0.0, 1.0, margin > NO_EVENTS
+    copies_start = has_events or needs_copied_start
     largest = system_at(stepper.system_address).largest
     while taken < 1.0:
-        if has_events or can_fail:
+        if copies_start:
             copy_state(state, start)
         if has_events:
             remember(stepper)
         t_part, h = t + taken * length, part * length
         if take_step(stepper, t_part, h, state) != DONE:
-            copy_state(start, state)
+            if copies_start:
+                copy_state(start, state)
             counts[HALVINGS] += 1
             part *= 0.5
             if part < SMALLEST_PART:

@@ -19,6 +19,7 @@ from integrators.jit import scheme_step
 from integrators.linear_stability import NoLimit
 from integrators.newton import newton
 from integrators.stage import LAW_BETWEEN, Stage
+from integrators.states import copy
 from integrators.system import DONE, FIRST_OWN, PUT_IN, UNCONVERGED, system_at
 
 from .record import EnergyPromise, Family, own_scheme
@@ -36,14 +37,18 @@ def step(system_address, data_address, t, h, state, parameters, counts):
     flat_q, flat_v, a_last, a_second_last, flat_base = flat(q), flat(v), flat(memory[1]), flat(memory[2]), flat(base)
     flat_target = flat(target)
     free, half = 3 * system.n_free, 0.5 * h * h
-    for i in range(flat_q.shape[0]):
+    for i in range(free):
         flat_base[i] = flat_q[i]
         flat_target[i] = flat_q[i] + h * flat_v[i]
-    for i in range(free):
         flat_q[i] = flat_target[i] + half * (2.0 * a_last[i] - a_second_last[i])
+    for i in range(free, flat_q.shape[0]):
+        flat_base[i] = flat_q[i]
+        flat_target[i] = flat_q[i] + h * flat_v[i]
     system.prescribe(t + h, data_address, q, v)
     stage = Stage(LAW_BETWEEN, t + 0.5 * h, 2.0 / (h * h), 0.5, h, 0.5 * (1.0 - rho) / (1.0 + rho))
     if not newton(system_address, data_address, stage, base, target, q, parameters, counts):
+        system.prescribe(t, data_address, q, v)
+        copy(flat_base, flat_q)
         return UNCONVERGED
     per_h = 1.0 / h
     for i in range(free):
@@ -72,6 +77,7 @@ EDMC = own_scheme(
     books_its_losses=True,
     takes_rigid_springs=True,
     evaluates_force=False,
+    undoes_failed_steps=True,
     error_constant=1 / 12,
     takes_rigid_bodies=True,
     takes_creep=True,

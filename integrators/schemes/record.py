@@ -110,6 +110,7 @@ class Scheme:
     memory_rows : int, rows of (n, 3) numbers that a step works in
     carried_rows : int, the first rows of these, which a step leaves to the next
     evaluates_force : bool, whether its steps ask a system for the force at one time
+    undoes_failed_steps : bool, whether a step whose equations are not solved leaves the state as it was
     force_evaluations : int, of an explicit step
     stiff_beyond : float
         h |lambda| of the last stages of an embedded pair above which stability holds the step.
@@ -146,6 +147,7 @@ class Scheme:
     memory_rows: int = 0
     carried_rows: int = 1
     evaluates_force: bool = True
+    undoes_failed_steps: bool = False
     force_evaluations: int = 1
     stiff_beyond: float = np.inf
     coefficients: Callable[[], np.ndarray] = no_coefficients
@@ -159,6 +161,11 @@ class Scheme:
     def embedded(self) -> bool:
         """Whether it is a pair of this package with an error estimate of its own."""
         return self.stepping is Stepping.EMBEDDED
+
+    @property
+    def needs_copied_start(self) -> bool:
+        """Whether the state before each step has to be copied, because the step may fail and leave another one."""
+        return (not self.explicit or self.keeps_constraints) and not self.undoes_failed_steps
 
     @property
     def stable_undamped(self) -> bool:

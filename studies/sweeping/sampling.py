@@ -15,7 +15,7 @@ import numpy as np
 from anet_lumped.checks import nearest, shown
 from anet_lumped.limits import ROWS, check_most
 from anet_lumped.scene.scene import Scene
-from studies.sweeping.vary import VaryError, listed_values, parse_values, whole_inputs
+from studies.sweeping.vary import CALL, VaryError, listed_values, parse_values, whole_inputs
 
 POINT, MATRIX = "sample", "matrix"  # columns of a row beside its inputs: the number of its point; of which of Saltelli's matrices
 KINDS = {
@@ -24,7 +24,6 @@ KINDS = {
     "saltelli": "n (d + 2) rows for sensitivities to d inputs, n a power of two",
 }
 RANGE = re.compile(r"([^:]+):([^:]+?)(:?log)?")
-CALL = re.compile(r"([a-z_]+)\((.*)\)")
 
 
 class Input(NamedTuple):

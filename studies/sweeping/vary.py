@@ -12,6 +12,8 @@ from anet_lumped.scene.as_dict import scene_to_dict
 from anet_lumped.scene.scene import Scene
 from anet_lumped.scene.varied import SETTINGS, Varied, VaryError, found, hint, known_fields
 
+CALL = re.compile(r"([a-z_]+)\((.*)\)")  # a distribution, "lognormal(1e4,0.2)"
+
 
 def parse_vary(texts: Iterable[str]) -> dict[str, str]:
     """Name -> specification, from ["EA=1e2:1e6:9log", "EA~lognormal(1e4,0.2)", ...]."""
@@ -64,9 +66,16 @@ def read_values(scene: Scene, vary: dict[str, str | Iterable]) -> dict[str, list
 
     Raises
     ------
-    VaryError : an unknown name (with the nearest known one) or a specification that cannot be read
+    VaryError : an unknown name (with the nearest known one), a specification that cannot be read, or a distribution, of which only
+        a sample or a search takes values
     """
     whole = whole_inputs(scene, vary)
+    for name, spec in vary.items():
+        if isinstance(spec, str) and CALL.fullmatch(spec.strip()):
+            raise VaryError(
+                f"Values of a grid must be a range or a list, but `{name}` is given the distribution {spec}; with a sample, as "
+                "sobol:256, values are drawn from it."
+            )
     return {
         name: parse_values(spec, whole[name]) if isinstance(spec, str) else listed_values(name, spec) for name, spec in vary.items()
     }

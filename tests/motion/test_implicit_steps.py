@@ -10,9 +10,16 @@ from anet_lumped import (
     Free,
     Scene,
     State,
+    equilibrium,
+    load_scene,
     simulate,
 )
 from anet_lumped.effects import Gravity
+from anet_lumped.motion.own_methods import net_and_system
+from integrators import schemes
+from integrators.marching.fixed_steps import FixedSteps
+from integrators.marching.march import March
+from integrators.system import HALVINGS, ITERATIONS, STEPS, UNCONVERGED
 
 
 def test_newton_does_not_feel_stiffness():
@@ -98,3 +105,19 @@ def test_a_stretch_that_the_step_does_not_resolve_is_gone_after_one(compression,
     run = simulate(scene, h, method="edmc", dt=h, start=start)
     after = -run.position("tip")[-1, 2] - 1.0
     assert after == pytest.approx(left * stretch, abs=1e-3 * stretch)  # 4/(h omega)^2 = 4e-4: what the step resolves
+
+
+def test_a_failed_step_leaves_the_state_as_it_was():
+    """Then a march need not copy each state before a step: of Newton's method without an iteration all parts of a step fail."""
+    scene, scheme, dt = load_scene("net_carried"), schemes.scheme("edmc"), 0.01
+    assert scheme.undoes_failed_steps and not scheme.needs_copied_start
+    rest = equilibrium(scene)
+    net, bound = net_and_system(rest.model, scheme, rest.segment_tension)
+    parameters, times = scheme.parameters(), FixedSteps(0.0, dt, dt, 0.0, 1)
+    parameters[ITERATIONS] = 0.0
+    march = March(scheme, bound, net.address, times, rest.model.n, (2, rest.model.n_segments), parameters)
+    v = np.random.default_rng(1).normal(size=rest.q.shape) * (np.arange(rest.model.n) < rest.model.n_free)[:, None]
+    out = march.march(rest.q, v)
+    assert out.status == UNCONVERGED and out.counts[HALVINGS] > 10 and out.counts[STEPS] == 0
+    assert np.array_equal(march.state.q, rest.q) and np.array_equal(march.state.v, v)
+    assert not march.state.memory[: scheme.carried_rows].any()

@@ -331,6 +331,10 @@ def test_a_script_with_an_effect_of_its_own_needs_a_guard_and_one_sentence_says_
         ({"EA": "1,nan"}, "A number must be one that a float can hold, but it is nan"),
         ({"EA": "1e400"}, "A number must be one that a float can hold, but it is 1e400"),
         ({"EA": "9" * 400}, "A number must be one that a float can hold, but it is 999"),
+        (
+            {"EA": "lognormal(1e4,0.2)"},
+            r"Values of a grid must be a range or a list, but `EA` is given the distribution lognormal\(",
+        ),
     ],
 )
 def test_what_cannot_vary_is_told(hanging, vary, message):
