@@ -41,6 +41,8 @@ DEEPEST = 32  # tables and arrays within each other; a wind that is sampled has 
 NAMED_ENTRIES = {"points": "point", "bodies": "body", "cables": "cable", "rods": "rod"}
 SECTIONS = ("points", "bodies", "cables", "cable_defaults", "nets", "effects", "events")
 NETS: dict[str, Callable] = {"grid": nets.grid, "cone": nets.cone}
+OF_POINTS = ("length",)  # what the places of a net's points say of its cables
+OF_NETTING = ("rope", "mass_per_length", "EA", "diameter", "Cdn", "Cdt")  # what a netting does
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
@@ -87,7 +89,7 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
         f"{source}, cable_defaults",
     )  # fmt: skip
     bodies = [_body(entry, place) for entry, place in _tables(entries, "bodies", source)] if "bodies" in entries else ()
-    woven = [_net(entry, place) for entry, place in _tables(entries, "nets", source)] if "nets" in entries else ()
+    woven = [_net(entry, place, shared) for entry, place in _tables(entries, "nets", source)] if "nets" in entries else ()
     points, cables = [], [cable for net in woven for cable in net.cables]
     if not (bodies or woven) or "points" in entries:
         points = [_point(entry, place) for entry, place in _tables(entries, "points", source)]
@@ -136,12 +138,19 @@ def _point(entry: dict[str, Any], place: str) -> Fixed | Driven | Free:
     return _make(kind, entry, place)
 
 
-def _net(entry: dict[str, Any], place: str) -> nets.NetParts:
-    """Points and cables of a net that a table describes."""
+def _net(entry: dict[str, Any], place: str, shared: dict[str, Any]) -> nets.NetParts:
+    """Points and cables of a net that a table describes; ``shared`` is what all cables of the file have in common."""
     kind, entry = _take_kind(entry, NETS, "net", place)
+    shared = {key: value for key, value in shared.items() if key not in OF_POINTS}
+    twine = shared
     if "netting" in entry:
         within = f"{place}.netting"
         entry = entry | {"netting": _make(nets.Netting, _table(entry["netting"], within), within)}
+        twine = {key: value for key, value in shared.items() if key not in OF_NETTING}
+    for part, common in (("cable", twine), ("border", shared)):
+        if part in entry or (part == "cable" and common):
+            within = f"{place}.{part}"
+            entry = entry | {part: _of_rope(common | _table(entry.get(part, {}), within), within)}
     return _make(kind, entry, place)
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from anet_lumped import Driven, Scene, SceneError, State, equilibrium, nets, paths, wind
+from anet_lumped import Driven, Scene, SceneError, State, equilibrium, nets, paths, rope, wind
 from anet_lumped.effects import Gravity, Water
 from anet_lumped.results.end_forces import effect_forces, rows_of_state
 from anet_lumped.scene.as_dict import scene_from_dict
@@ -177,3 +177,19 @@ def refusals():
 def test_what_is_no_net_is_refused(make, arguments, message):
     with pytest.raises(SceneError, match=message):
         make(**arguments)
+
+
+def test_what_all_cables_of_a_file_share_holds_for_those_of_its_nets():
+    """It is as if each net said it; lengths are those of the meshes, and the numbers of a netting its own."""
+    shared = {"mass_per_length": 0.01, "EA": 5e3, "zeta": 0.05, "length": 7.0}
+    net = {"kind": "grid", "meshes": [3, 2], "corners": [list(at) for at in SQUARE]}
+    said = scene_from_dict({"nets": [net | {"cable": KIND, "border": KIND | {"EA": 1e4}}]})
+    assert scene_from_dict({"cable_defaults": shared, "nets": [net | {"border": {"EA": 1e4}}]}) == said
+    assert scene_from_dict({"cable_defaults": shared | {"EA": 1.0}, "nets": [net | {"cable": KIND, "border": {"EA": 1e4}}]}) == said
+    netting = {"netting": {"diameter": 1.8e-3, "bar": 20e-3, "EA": 500.0, "speed": 0.5}}
+    own = scene_from_dict({"nets": [net | netting | {"cable": {"zeta": 0.05}}]})
+    assert scene_from_dict({"cable_defaults": shared, "nets": [net | netting]}) == own
+    roped = scene_from_dict({"cable_defaults": {"rope": "nylon", "diameter": 0.01}, "nets": [net]})
+    assert {cable.EA for cable in roped.cables} == {rope("nylon", 0.01)["EA"]}
+    with pytest.raises(SceneError, match=r"nets\[0\]\.cable: must be a table of keys and values, but is 3"):
+        scene_from_dict({"nets": [net | {"cable": 3}]})
