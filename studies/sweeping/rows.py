@@ -24,6 +24,7 @@ from studies.sweeping.workers import CRASHED, OwnPool, Pace, check_workers, slot
 
 LOG = logging.getLogger(__name__)
 TOLD_EVERY = 5.0  # [s], between two words on how far the rows are
+REDRAWN = 2.0  # times a second, of the progress bar: ten times would take a twelfth of a core that runs rows
 __all__ = ["RowsError", "gather", "read_rows", "run_rows", "save_table"]
 
 
@@ -217,7 +218,7 @@ def _with_progress(results, total, label):
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
     columns = "{task.description}", BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), "left"
-    with Progress(*columns, console=Console(stderr=True)) as progress:
+    with Progress(*columns, console=Console(stderr=True), refresh_per_second=REDRAWN) as progress:
         task = progress.add_task(label, total=total)
         for row, result in results:
             yield row, result
