@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from anet_lumped.checks import InputError, nearest
-from studies.shown.figure_file import save_figure
+from studies.shown.figure_file import Picture, save_figure
 from studies.sweeping.folder_lock import locked
 from studies.sweeping.provenance import provenance
 from studies.sweeping.rows import save_table
@@ -93,18 +93,11 @@ class StudyError(InputError):
 
 @dataclass(frozen=True)
 class Drawing:
-    """A matplotlib Figure and what it shows: a caption of one sentence or more."""
+    """A matplotlib Figure and what it shows: a caption of one sentence or more; whether a page shows it only when asked to."""
 
     figure: Any
     caption: str
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure's file, and its caption."""
-
-    file: Path
-    caption: str
+    on_demand: bool = False
 
 
 @dataclass(frozen=True)
@@ -168,7 +161,8 @@ def _run(name, module, out, quick, executor, data):
         save_table(table, out / table_name)
     shutil.rmtree(out / UNFINISHED, ignore_errors=True)
     pictures = {
-        title: Picture(save_figure(drawing.figure, out / title), drawing.caption) for title, drawing in module.plot(tables).items()
+        title: save_figure(drawing.figure, out / title, drawing.caption, drawing.on_demand)
+        for title, drawing in module.plot(tables).items()
     }
     answer = module.answer(tables)
     (out / "answer.txt").write_text(answer.strip() + "\n", encoding="utf-8")

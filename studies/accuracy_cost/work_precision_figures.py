@@ -1,6 +1,7 @@
 """Figures of the study `work_precision`: error against wall time, the parts of the error, the front, the growth."""
 
 import numpy as np
+import pandas as pd
 
 from anet_lumped.views.palette import BLUE, COLOURS, GREEN, ORANGE, PURPLE, SKY, VERMILION, look
 from studies.accuracy_cost.contestants import ADAPTIVE, EXTRAPOLATED, OURS, OWN_CHOICE, RIGID
@@ -13,20 +14,30 @@ CHOSEN = (VERMILION, "$A$")  # colour and mark of the library's own choice
 PEER_COLOURS = (VERMILION, GREEN, ORANGE, PURPLE, SKY)  # with dashes and empty marks
 SEEN = 1e-7  # [mm] that smaller errors are drawn at
 LOST = 1e3  # [mm] as far as the axes go: whoever is a metre off is lost
+MOTION = ["motion", "EA_N", "segments"]  # columns
 MARKS = "osv^D"
 COLUMNS = 4
+FEW = 8  # curves of a panel that a reader can tell apart
+FIRST = ("edmc", OWN_CHOICE)  # of our methods, those that every panel shows, and those that fill a panel up
+FILLING = ("verlet", ADAPTIVE, EXTRAPOLATED)
+LINES = {ADAPTIVE: ":", EXTRAPOLATED: "-."}
 DOUBT = "both references differ by this"
 FILLS = ("none", "left", "full")  # of marks, by stiffness
 
 
 def plot(rows):
     """Drawings of the study, by name."""
+    runs = rows["runs"]
+    few = pd.concat([_few(part, rows["equal_error"]) for _, part in runs.groupby(MOTION, sort=False)])
+    what = (
+        f"Largest error of p0 or of the tip over the time of the run, one panel a motion; errors below {power(SEEN)} mm are "
+        "drawn there. In the grey band the two references differ by more than the error, so that nothing is said of it."
+    )
+    shown = " Of each motion the library's own choice, edmc, and what is cheapest at some error." if len(few) < len(runs) else ""
+    everything = {"all_methods": Drawing(_races(runs), f"{what} All methods and engines.", on_demand=True)} if shown else {}
     return {
-        "work_against_precision": Drawing(
-            _races(rows["runs"]),
-            f"Largest error of p0 or of the tip over the time of the run, one panel a motion; errors below {power(SEEN)} mm are "
-            "drawn there. In the grey band the two references differ by more than the error, so that nothing is said of it.",
-        ),
+        "work_against_precision": Drawing(_races(few), what + shown),
+        **everything,
         "parts_of_the_error": Drawing(
             _parts(rows["total_error"]),
             "Parts of the error of p0 in 4 s of the carried net over the number of segments, one panel a stiffness.",
@@ -58,10 +69,19 @@ def _figure(width, height):
     return Figure(figsize=(width, height), layout="constrained")
 
 
+def _few(part, equal):
+    """The runs of one motion of at most `FEW` methods: `FIRST`, those that are cheapest at some error, and `FILLING`."""
+    names = (part["engine"].where(part["engine"] != OURS, "") + " " + part["method"]).str.strip()
+    best = equal[(equal[MOTION] == part[MOTION].iloc[0]).all(axis=1)]
+    wanted = [*FIRST, *best["best_ours"], *best["best_peer"], *FILLING]
+    drawn = set(names[part["error_mm"] < LOST])
+    return part[names.isin([name for name in dict.fromkeys(wanted) if name in drawn][:FEW])]
+
+
 def _races(runs):
     from matplotlib.ticker import NullFormatter
 
-    motions = list(runs.groupby(["motion", "EA_N", "segments"], sort=False))
+    motions = list(runs.groupby(MOTION, sort=False))
     columns = min(COLUMNS, len(motions))
     lines = -(-len(motions) // columns)
     figure = _figure(3.4 * columns + 0.6, 3.1 * lines + 1.4)
@@ -76,7 +96,13 @@ def _races(runs):
             if engine == OURS:
                 colour, mark = own_look(method)
                 ours.add(method)
-                drawn = {"color": colour, "marker": mark, "lw": 1.8 if method == "edmc" else 0.9, "ms": 5}
+                drawn = {
+                    "color": colour,
+                    "marker": mark,
+                    "lw": 1.8 if method == "edmc" else 0.9,
+                    "ms": 5,
+                    "ls": LINES.get(method, "-"),
+                }
                 label = method
             else:
                 mark = MARKS[list(done[done["engine"] == engine]["method"].unique()).index(method)]

@@ -1,24 +1,42 @@
 """A figure on disk: one way to write the powers of ten of its axes, and a file that is not too heavy for a page."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
+from studies.shown.narrow_figure import stack_panels
 from studies.shown.sentences import power
 
 HEAVY = 400_000  # bytes of an SVG above which a figure of thousands of marks becomes a PNG
 
 
-def save_figure(figure, stem: Path) -> Path:
-    """Write a figure as SVG, or as PNG where an SVG would make a page heavy; return the file."""
+@dataclass(frozen=True)
+class Picture:
+    """A figure's file, its caption, its file for a narrow screen if that is another, and whether a page shows it only on demand."""
+
+    file: Path
+    caption: str
+    narrow: Path | None = None
+    on_demand: bool = False
+
+
+def save_figure(figure, stem: Path, caption: str, on_demand: bool = False) -> Picture:
+    """Write a figure as SVG, or as PNG where an SVG would make a page heavy."""
     from matplotlib import pyplot
 
     _write_powers_of_ten(figure)
+    file = _saved(figure, stem)
+    narrow = _saved(figure, stem.with_name(f"{stem.name}_narrow")) if stack_panels(figure) else None
+    pyplot.close(figure)
+    return Picture(file, caption, narrow, on_demand)
+
+
+def _saved(figure, stem):
     file = stem.with_name(stem.name + ".svg")
     figure.savefig(file, bbox_inches="tight")
     if file.stat().st_size > HEAVY:
         file.unlink()
         file = stem.with_name(stem.name + ".png")
         figure.savefig(file, bbox_inches="tight", dpi=160)
-    pyplot.close(figure)
     return file
 
 

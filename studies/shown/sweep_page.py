@@ -3,7 +3,6 @@
 import json
 import tempfile
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,13 +15,6 @@ from studies.sweeping.best import read_constraint, read_objective
 from studies.sweeping.measures import MEASURES
 from studies.sweeping.rows import read_rows
 from studies.sweeping.sensitivity import sensitivities
-
-
-class Picture(NamedTuple):
-    """A figure's file, and what it shows."""
-
-    file: Path
-    caption: str
 
 
 class SweepPageError(InputError):
@@ -89,7 +81,7 @@ def write_sweep_page(folder: Path, out: Path) -> Path:
     versions = ", ".join(f"{name} {version}" for name, version in meta.get("versions", {}).items())
     missing = 0 if asked is None else asked - len(table)
     with tempfile.TemporaryDirectory() as drawn:
-        pictures = [Picture(save_figure(one.figure, Path(drawn) / f"figure-{i}"), one.caption) for i, one in enumerate(figures)]
+        pictures = [save_figure(one.figure, Path(drawn) / f"figure-{i}", one.caption) for i, one in enumerate(figures)]
         write_template(
             out,
             "sweep.html",

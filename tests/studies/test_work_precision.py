@@ -9,7 +9,7 @@ import pytest
 
 from anet_lumped import simulate
 from integrators import schemes
-from studies.accuracy_cost import comparisons, contestants, references, total_error
+from studies.accuracy_cost import comparisons, contestants, references, total_error, work_precision_figures
 from studies.accuracy_cost.equal_error import on_front, time_at, weights_at
 from studies.accuracy_cost.motions import carried, dropped, loose, stopped
 from studies.questions import work_precision
@@ -242,6 +242,21 @@ def test_the_quick_study_answers(study, tmp_path):
         table.to_parquet(tmp_path / f"{name}.parquet")
     json.dumps({k: v for k, v in vars(work_precision).items() if k.isupper()}, default=str)
     assert isinstance(pd.read_parquet(tmp_path / "runs.parquet"), pd.DataFrame)
+
+
+def test_a_panel_shows_few_curves_first_and_all_on_demand():
+    """Twelve methods of ours and one engine: edmc, the own choice and what is cheapest at some error are among the eight."""
+    names = [*(f"slow{i}" for i in range(9)), "edmc", contestants.OWN_CHOICE, "fast"]
+    engines = [contestants.OURS] * len(names) + ["engine"]
+    lines = [
+        {"engine": engine, "method": method, "wall_s": wall * (0.1 if method in ("fast", "euler") else 1.0), "error_mm": 1.0 / wall}
+        for engine, method in zip(engines, [*names, "euler"], strict=True) for wall in (1.0, 10.0, 100.0)
+    ]  # fmt: skip
+    runs = pd.DataFrame(lines).assign(motion="net", EA_N=1e4, segments=20, reference_mm=1e-6, times_real_time=1.0)
+    few = work_precision_figures._few(runs, comparisons.equal_errors(runs))
+    assert set(few["method"]) == {"edmc", contestants.OWN_CHOICE, "fast", "euler"} and len(few) == 12
+    many = runs.assign(method=runs["method"].replace({"slow0": "verlet", "slow1": "edmc, adaptive"}))
+    assert {"verlet", "edmc, adaptive"} < set(work_precision_figures._few(many, comparisons.equal_errors(many))["method"])
 
 
 @pytest.mark.slow

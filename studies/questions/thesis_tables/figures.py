@@ -65,7 +65,7 @@ def _plot_bias(energy, bias):
     right.loglog(bias["points"], np.abs(bias["half_end_masses_mm"]), "s-.", color="#0072B2", label="half a mass at the ends")
     right.set(xlabel="points n of a cable", ylabel="|error of p0's height| [mm]", title="the error without the grid of samples")
     for axes in (left, right):
-        axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, -0.48), fontsize=9)
+        axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.18), fontsize=9)
     return figure
 
 
