@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anet_lumped.limits import STEPS, most_of
+from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.distances import distances
 from anet_lumped.results.free_flight import goes_loose
 from anet_lumped.results.run import Run
@@ -198,7 +199,7 @@ def keep_error(
         if (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0) and run.tension_error > before.tension_error:
             return told(coarser, before, wanted, too_short=run.dt)
         known = _compared(run, coarser, wanted, before.apart)
-        if parts > TRUSTED_PARTS and _kept(run, known, wanted) and goes_loose(run):
+        if parts > TRUSTED_PARTS and _kept(run, known, wanted) and (goes_loose(run) or first_buckled(run)):
             between = budget.spend(march(_finer(before_choice, (parts + 1) // 2, span), duration), 1.0)
             if between.ok:
                 known = known._replace(error=max(known.error, _left_of(run, between)))

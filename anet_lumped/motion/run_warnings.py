@@ -6,12 +6,14 @@ was reached by wrong damping. But a reader of its swing or its stretch must know
 (`studies.catalogue`) every run that breaks a statement, and that has not gained energy, has a warning.
 """
 
+import math
 from enum import Enum
 
 import numpy as np
 
 from anet_lumped.checks import quoted
 from anet_lumped.results.audit import SHARE
+from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.results.free_flight import MULTIPLIED, first_loose
 from anet_lumped.results.tension_error import lowest_axial_mode
@@ -122,7 +124,7 @@ def _through_an_obstacle(run, step):
 
 
 def _multiplied_errors(run):
-    """Errors of a motion that goes loose, which may be beyond `SHARE` of the longest cable, and which no second run has shown.
+    """Errors of a motion that goes loose or buckles, which may be beyond `SHARE` of the longest cable, and no second run has shown.
 
     By what steps have left out: all that a run tells of its errors takes a tenth of the time of a short one.
     """
@@ -130,11 +132,12 @@ def _multiplied_errors(run):
         return ""
     if MULTIPLIED * run.error_growth[-1] <= SHARE * max(cable.length for cable in run.scene.cables):
         return ""
-    since = first_loose(run)
+    begins = {"nodes of cables are loose": first_loose(run), "cables that push buckle": first_buckled(run)}
+    what, since = min(begins.items(), key=lambda one: math.inf if one[1] is None else one[1])
     if since is None:
         return ""
     return (
-        f"{run.method}: nodes of cables are loose from t={since:.4g} s on, and such a motion may multiply errors: those of places "
+        f"{run.method}: {what} from t={since:.4g} s on, and such a motion may multiply errors: those of places "
         f"may be up to {MULTIPLIED:g} times what run.error_estimate tells; audit=True, or error=... without dt, compares two runs."
     )
 

@@ -4,14 +4,16 @@ from dataclasses import replace
 
 from anet_lumped.results.run import STATUS, Run
 from integrators import schemes
+from integrators.marching.error_growth import UNSEEN
 from integrators.system import DIVERGED, UNCONVERGED
 
 from .energy_gain import GAINED, flag_energy_gain
 from .failure_messages import with_cause
 from .run_warnings import warnings_of
 
-# Steps that a run must have taken for an error to be seen in them: `error_growth` needs p + 1 of them for one difference.
-LEAST_STEPS, DIFFERENCES = 10, 2
+# Steps that a run must have taken, and differences of p + 1 velocities that `error_growth` must have formed of them, `UNSEEN` steps
+# apart, for an error to be seen in them.
+LEAST_STEPS, DIFFERENCES = 10, 3
 
 
 def judged(run: Run, limit: float, adaptive: bool) -> Run:
@@ -38,5 +40,6 @@ def _knows_no_error(run: Run, adaptive: bool) -> bool:
     scheme = schemes.scheme(run.method)
     if adaptive or not scheme.own or run.kept is not None or run.extrapolated or run.error_growth is None:
         return False
-    least = max(LEAST_STEPS, DIFFERENCES * ((scheme.error_order or scheme.order) + 1))
+    order = scheme.error_order or scheme.order
+    least = max(LEAST_STEPS, order + (DIFFERENCES - 1) * (order + 1 + UNSEEN))
     return round((run.t[-1] - run.t[0]) / run.dt) < least

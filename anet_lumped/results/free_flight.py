@@ -10,7 +10,9 @@ from typing import Any
 
 import numpy as np
 
-MULTIPLIED = 50.0  # times the error that a run tells of a motion that goes loose: what it may be
+from .buckling import first_buckled
+
+MULTIPLIED = 50.0  # times the error that a run tells of a motion that goes loose, or buckles: what it may be
 WITHIN = 4.0  # times an error that is told, which most are within
 OF_SECOND_DIFFERENCE = 0.7  # of the velocities where a segment goes slack: what the velocity that a node flies with is off by
 
@@ -44,8 +46,8 @@ def first_loose(run: Any) -> float | None:
 
 
 def multiplied(run: Any) -> float:
-    """Times the errors told of places that they may be: 1, or `MULTIPLIED` of a motion that goes loose, as far as nodes go."""
-    if not run.error_estimate or not goes_loose(run):
+    """Times the errors told of places that they may be: 1, or `MULTIPLIED` where it goes loose or buckles, as far as nodes go."""
+    if not run.error_estimate or not (goes_loose(run) or first_buckled(run) is not None):
         return 1.0
     times = min(float(np.abs(run.q - run.q[0]).max()) / run.error_estimate, MULTIPLIED)
     return times if times > WITHIN else 1.0

@@ -171,7 +171,7 @@ class Run:
 
     @cached_property
     def multiplies(self) -> float:
-        """Times the errors told of places that they may be: 1, or more of a motion that goes loose (`free_flight.multiplied`).
+        """Times the errors told of places that they may be: 1, or more where it goes loose or buckles (`free_flight.multiplied`).
 
         1 where runs with two steps have been compared, which shows what the motion multiplies.
         """

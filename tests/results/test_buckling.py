@@ -1,0 +1,49 @@
+"""What buckling makes of errors, beside its closed form, and what runs say of it."""
+
+import math
+
+import numpy as np
+
+from anet_lumped import Cable, Fixed, Scene, State, simulate
+from anet_lumped.effects import Bending
+from anet_lumped.model.build import build
+from anet_lumped.results.buckling import TURNS, first_buckled
+
+ASIDE, L, APART, EA, MU = 1e-6, 1.1, 1.0, 100.0, 0.1
+
+
+def pushed(length=L, effects=()):
+    """Two segments between supports that are closer than they are long, and the node between them a micrometre aside."""
+    cable = Cable("a", "b", length=length, mass_per_length=MU, EA=EA, segments=2, compression="linear", diameter=0.01, EI=1.0)
+    scene = Scene([Fixed("a", (0.0, 0.0, 0.0)), Fixed("b", (APART, 0.0, 0.0))], [cable], list(effects))
+    model = build(scene)
+    q = np.zeros((model.n, 3))
+    q[model.nodes("a-b")] = [(0.0, 0.0, 0.0), (0.5 * APART, 0.0, ASIDE), (APART, 0.0, 0.0)]
+    return scene, State(model, 0.0, q, np.zeros_like(q), np.zeros(model.n_segments))
+
+
+def test_a_node_between_two_segments_that_push():
+    """x = x_0 cosh(rate t) with rate^2 = 2 T/(l m), and four times x_0 by exp(rate t) at ln 4/rate; states are 1 ms apart."""
+    scene, start = pushed()
+    T, l, m = EA * (1.0 - APART / L), 0.5 * APART, MU * L / 2.0
+    rate = math.sqrt(2.0 * T / (l * m))
+    run = simulate(scene, 5.0 / rate, method="edmc", dt=1e-4, save_every=1e-3, start=start)
+    x = run.shape("a-b")[:, 1, 2]
+    np.testing.assert_allclose(x, ASIDE * np.cosh(rate * run.t), rtol=1e-4)  # (rate h)^2/12 of its phase
+    since = first_buckled(run)
+    assert abs(since - math.log(TURNS) / rate) <= 1e-3
+
+
+def test_what_pulls_or_bends_does_not_buckle():
+    assert first_buckled(simulate(pushed(0.9)[0], 0.2, method="edmc", dt=1e-3, start=pushed(0.9)[1])) is None
+    scene, start = pushed(effects=[Bending()])
+    run = simulate(scene, 0.2, method="edmc", dt=1e-3, start=start)
+    assert (run.segment_tension < 0.0).any() and first_buckled(run) is None
+
+
+def test_a_run_at_a_given_step_says_so():
+    scene, start = pushed()
+    run = simulate(scene, 1.0, method="edmc", dt=4e-3, start=start)
+    assert run.multiplies > TURNS
+    (text,) = run.warnings
+    assert f"cables that push buckle from t={first_buckled(run):.4g} s on, and such a motion may multiply errors" in text
