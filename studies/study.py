@@ -42,6 +42,7 @@ NAMES = [
     "speed",
     "work_precision",
     "without_stretch",
+    "nets",
     "three_models",
     "flight",
     "hard_cases",

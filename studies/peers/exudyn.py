@@ -83,13 +83,13 @@ def run(scene, t_end, save_every, start=None, *, dt, solver="GeneralizedAlpha", 
     container, system, sensors, functions = _system(exudyn, task, law)
     options = _options(exudyn, task, dt, fresh)
     spoke, exudyn.config.printToConsole = exudyn.config.printToConsole, False
-    ready = time.perf_counter()
+    ready, cpu = time.perf_counter(), time.process_time()
     try:
         done = system.SolveDynamic(options, solverType=getattr(exudyn.DynamicSolverType, solver), showCausingItems=False)
     except (RuntimeError, ValueError):
         done = False
     finally:
-        ended = time.perf_counter()
+        ended, cpu = time.perf_counter(), time.process_time() - cpu
         exudyn.config.printToConsole = spoke
     q = np.tile(task.q, (len(times), 1, 1))
     for name, sensor in sensors.items():
@@ -98,7 +98,7 @@ def run(scene, t_end, save_every, start=None, *, dt, solver="GeneralizedAlpha", 
         q[len(rows) :, model.node(name)] = np.nan
     del container, functions
     message = "" if done else f"EXUDYN did not converge, even with its step cut to dt/{HALVINGS}, or met numbers too large."
-    return task.outcome(q, ended - ready, ready - began, message)
+    return task.outcome(q, ended - ready, ready - began, message, cpu)
 
 
 def _system(exudyn, task, law):

@@ -79,7 +79,7 @@ def run(scene, t_end, save_every, start=None, *, dt, integrator):
     message = ""
     mujoco.set_mju_user_warning(lambda text: None)  # the few iterations that are taken draw one at each step
     try:
-        ready = time.perf_counter()
+        ready, cpu = time.perf_counter(), time.process_time()
         for k in range(1, len(times)):
             if drive is None:
                 mujoco.mj_step(engine, data, steps)
@@ -92,10 +92,10 @@ def run(scene, t_end, save_every, start=None, *, dt, integrator):
             if any(data.warning[kind].number for kind in broken):
                 q[k], message = np.nan, f"MuJoCo met numbers that are huge or not finite before t={times[k]:.4g} s."
                 break
-        ended = time.perf_counter()
+        ended, cpu = time.perf_counter(), time.process_time() - cpu
     finally:
         mujoco.set_mju_user_warning(None)
-    return task.outcome(q[: k + 1], ended - ready, ready - began, message)
+    return task.outcome(q[: k + 1], ended - ready, ready - began, message, cpu)
 
 
 def _deck(task, h, integrator):

@@ -27,6 +27,7 @@ class Outcome:
     setup_time : float [s], of what came before it
     status : "done" or "failed"
     message : str, one sentence that says why it failed
+    cpu_time : float [s], the processor's, of the march; NaN where it was not taken
     """
 
     t: np.ndarray
@@ -35,6 +36,7 @@ class Outcome:
     setup_time: float
     status: str = "done"
     message: str = ""
+    cpu_time: float = float("nan")
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +72,7 @@ class Problem:
         """Positions of the driven points, (n_driven, k, 3) float64 [m], at the times ``t``."""
         return np.array([[path.at(time)[0] for time in t] for path in self.driven.values()]).reshape(len(self.driven), len(t), 3)
 
-    def outcome(self, q, wall_time, setup_time, message=""):
+    def outcome(self, q, wall_time, setup_time, message="", cpu_time=float("nan")):
         """Outcome of the rows (k, n, 3) saved, of which those before the first that is not finite count."""
         good = np.isfinite(q).all(axis=(1, 2)) & (np.abs(q).max(axis=(1, 2)) < 1e3 * (1.0 + np.abs(self.q).max()))
         rows = len(q) if good.all() else int(np.argmin(good))
@@ -78,7 +80,7 @@ class Problem:
         if not whole and not message:
             message = f"The motion diverged before t={self.t[rows]:.4g} s."
         position = {point.name: q[:rows, self.model.node(point.name)] for point in self.model.scene.points}
-        return Outcome(self.t[:rows], position, wall_time, setup_time, "done" if whole else "failed", message)
+        return Outcome(self.t[:rows], position, wall_time, setup_time, "done" if whole else "failed", message, cpu_time)
 
 
 def problem(scene, t_end, save_every, start=None):
