@@ -36,6 +36,16 @@ A scene file holds the arguments of the Python classes under the same names::
     segments = 20
     breaking_tension = 900.0                 # N, if it may break
 
+    [[attach]]                               # if anything sits on a cable
+    cable = "s0-s1"
+    length = 0.5                             # m, from its start
+    name = "clump"
+    mass = 0.2                               # kg
+
+    [[tensioned]]                            # if the length of a cable is to follow from its rest
+    cable = "s0-s1[1]"
+    end_tension = 30.0                       # N; or sag = ..., lowest = ... [m]
+
     [[events]]                               # if anything happens
     kind = "payload_change"
     point = "p0"
@@ -53,12 +63,13 @@ import os
 import pathlib
 import re
 import tomllib
+from dataclasses import asdict, dataclass
 from os import PathLike
 from typing import Any
 
-from anet_lumped.checks import NAMED, SceneError, nearest, one_line, quoted, shown
+from anet_lumped.checks import NAMED, InputError, SceneError, nearest, one_line, quoted, shown
 from anet_lumped.regular_files import check_target, read_text
-from anet_lumped.scene.as_dict import DEEPEST, scene_from_dict, scene_to_dict
+from anet_lumped.scene.as_dict import DEEPEST, made_from_tables, scene_from_dict, scene_to_dict
 from anet_lumped.scene.scene import Scene
 
 MOORDYN = (".txt", ".dat", ".moordyn")
@@ -101,7 +112,42 @@ def load_scene(path: str | PathLike[str]) -> Scene:
         raise SceneError(f"A scene file must hold numbers, but {named} has an integer of thousands of digits.") from None
     except RecursionError:
         raise SceneError(f"A scene file must not nest deeper than {DEEPEST} tables and arrays, but {named} does.") from None
-    return scene_from_dict(entries, source=one_line(path.name, NAMED))
+    return scene_of_entries(entries, one_line(path.name, NAMED))
+
+
+def scene_of_entries(entries: dict[str, Any], source: str) -> Scene:
+    """Return the scene that the entries of a scene file describe, with the lengths that its section `tensioned` asks for.
+
+    Raises
+    ------
+    SceneError : as of `scene_from_dict`, or no length has what is wanted; names the place
+    """
+    scene = scene_from_dict({section: entry for section, entry in entries.items() if section != "tensioned"}, source)
+    if "tensioned" in entries:
+        for wanted, place in made_from_tables("tensioned", Wanted, entries, source):
+            scene = wanted.reached_by(scene, place)
+    return scene
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is wanted of the rest of a cable, by its length; arguments as of `tensioned`."""
+
+    cable: str
+    sag: float | None = None
+    end_tension: float | None = None
+    lowest: float | None = None
+    at: str | None = None
+
+    def reached_by(self, scene: Scene, place: str) -> Scene:
+        """The scene with the length of the cable that has it; errors name the ``place`` where it is asked for."""
+        from anet_lumped.statics.equilibrium_error import EquilibriumError  # a file without this section loads no statics
+        from anet_lumped.statics.tensioned import tensioned
+
+        try:
+            return tensioned(scene, **asdict(self))
+        except (InputError, EquilibriumError) as error:
+            raise SceneError(f"{place}: {error}") from None
 
 
 def with_defaults(entries: dict[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any, Literal, get_args, get_origin
 
-from anet_lumped.checks import NAMED, SceneError, Vector, nearest, one_line, quoted, shown
+from anet_lumped.checks import NAMED, SceneError, Vector, check_number, nearest, one_line, quoted, shown
 from anet_lumped.effects import shapes
 from anet_lumped.effects.flow import waves, wind
 from anet_lumped.effects.flow.waves import Wave
@@ -21,6 +21,7 @@ from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
 from anet_lumped.scene import nets
+from anet_lumped.scene.attach import attach
 from anet_lumped.scene.happenings import KINDS as EVENTS
 from anet_lumped.scene.happenings import Happening
 from anet_lumped.scene.rod import Rod
@@ -39,7 +40,7 @@ PARTS: dict[Any, tuple[str, Mapping[str, Callable]]] = {
 OWN = " An effect of your own is known in Python, once its module is imported, and not on the command line."
 DEEPEST = 32  # tables and arrays within each other; a wind that is sampled has 7
 NAMED_ENTRIES = {"points": "point", "bodies": "body", "cables": "cable", "rods": "rod"}
-SECTIONS = ("points", "bodies", "cables", "cable_defaults", "nets", "effects", "events")
+SECTIONS = ("points", "bodies", "cables", "cable_defaults", "nets", "attach", "effects", "events")
 NETS: dict[str, Callable] = {"grid": nets.grid, "cone": nets.cone}
 OF_POINTS = ("length",)  # what the places of a net's points say of its cables
 OF_NETTING = ("rope", "mass_per_length", "EA", "diameter", "Cdn", "Cdt")  # what a netting does
@@ -103,9 +104,41 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
         effects.append(_make(_choose(name, REGISTRY, "effect", place, OWN), _table(entry, place), place))
     events = [_event(entry, place) for entry, place in _tables(entries, "events", source)] if "events" in entries else ()
     try:
-        return Scene(points, cables, effects, events, bodies)
+        if "attach" not in entries:
+            return Scene(points, cables, effects, events, bodies)
+        scene = _with_attached(Scene(points, cables, effects, bodies=bodies), entries, source)
+        return dataclasses.replace(scene, events=events)  # which may happen to what is attached
     except ValueError as error:
-        raise SceneError(f"{source}: {error}") from None
+        raise SceneError(str(error) if str(error).startswith(source) else f"{source}: {error}") from None
+
+
+def _with_attached(scene: Scene, entries: dict[str, Any], source: str) -> Scene:
+    """The scene with the points of the section `attach` on its cables."""
+    by_cable: dict[str, dict[float, Free]] = {}
+    for entry, place in _tables(entries, "attach", source):
+        own = {key: value for key, value in entry.items() if key in ("cable", "length")}
+        cable, length = _make(_place_on_cable, own, place)
+        points = by_cable.setdefault(cable, {})
+        if length in points:
+            raise SceneError(f"{place}: points on a cable must be apart, but there is one at {length:g} m of it already.")
+        points[length] = _make(Free, {key: value for key, value in entry.items() if key not in own}, place)
+    for cable, points in by_cable.items():
+        scene = attach(scene, cable, points)
+    return scene
+
+
+def _place_on_cable(cable: str, length: float) -> tuple[str, float]:
+    return cable, check_number("length", length, "m", f"what is attached to cable {quoted(cable)}")
+
+
+def made_from_tables(section: str, maker: Callable, entries: dict[str, Any], source: str) -> list[tuple[Any, str]]:
+    """What `maker` makes of each table of a section, and the place of that table for messages.
+
+    Raises
+    ------
+    SceneError : no array of tables, an unknown or missing key, a value of the wrong type; names the place
+    """
+    return [(_make(maker, entry, place), place) for entry, place in _tables(entries, section, source)]
 
 
 def part_from_dict(section: str, name: Any, entry: dict[str, Any], source: str = "scene") -> Any:

@@ -13,7 +13,7 @@ from generated import filled
 import anet_lumped
 from anet_lumped import Scene, simulate
 from anet_lumped.effects import REGISTRY
-from anet_lumped.scene.as_dict import scene_from_dict
+from anet_lumped.files.scene_file import scene_of_entries
 from examples import alike, examples, run, run_command, transcript
 from studies.command_line import app, main
 from studies.study import NAMES, Part
@@ -56,7 +56,7 @@ def test_the_example_of_the_readme_runs(tmp_path):
 
 def test_the_scene_of_the_readme_swings():
     (text,) = re.findall(r"```toml\n(.*?)```", text_of(ROOT / "README.md"), re.DOTALL)
-    swung = simulate(scene_from_dict(tomllib.loads(text)), t_end=6.0, method="edmc", dt=0.01)
+    swung = simulate(scene_of_entries(tomllib.loads(text), "page"), t_end=6.0, method="edmc", dt=0.01)
     behind = swung.position("bottle")[:, 0] - swung.position("hook")[:, 0]
     assert swung.ok and swung.position("hook")[-1, 0] == pytest.approx(8.25, rel=1e-9)  # 1.5 m/s, half of it in the first second
     after = behind[swung.t > 1.0]
@@ -118,7 +118,7 @@ def test_every_scene_file_in_the_pages_is_read():
             found += 1
             if "points" not in entries:
                 entries = whole | entries | {"effects": whole["effects"] | entries.get("effects", {})}
-            assert isinstance(scene_from_dict(entries, page.name), Scene)
+            assert isinstance(scene_of_entries(entries, page.name), Scene)
     assert found >= len(REGISTRY.library)
 
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from anet_lumped import equilibrium
+from anet_lumped import attach, equilibrium, tensioned
 from anet_lumped.effects import Bending, Gravity, ViscousDamping
 from anet_lumped.files import scene_file
 from anet_lumped.files.scene_file import load_scene, save_scene
@@ -263,3 +263,66 @@ def test_what_all_cables_have_alike_is_said_once(tmp_path):
     text = (tmp_path / "net.toml").read_text()
     assert (text.count("mass_per_length"), text.count("BA"), text.count("EA =")) == (1, 1, 2)
     assert load_scene(tmp_path / "net.toml") == scene
+
+
+SPAN = """
+[effects.gravity]
+[[points]]
+name = "a"
+kind = "fixed"
+at = [0, 0, 0]
+[[points]]
+name = "b"
+kind = "fixed"
+at = [40, 0, 0]
+[[cables]]
+start = "a"
+end = "b"
+length = 41.0
+mass_per_length = 0.5
+EA = 1e6
+segments = 20
+"""
+CLUMP = '[[attach]]\ncable = "a-b"\nlength = 10.0\nname = "clump"\nmass = 3.0\n'
+
+
+def read(tmp_path, text):
+    file = tmp_path / "span.toml"
+    file.write_text(text, encoding="utf-8")
+    return load_scene(file)
+
+
+def test_points_on_a_cable_and_a_wanted_sag_are_those_of_python(tmp_path):
+    event = '[[events]]\nkind = "payload_change"\npoint = "clump"\nt = 1.0\nmass = 0.0\n'
+    second = '[[attach]]\ncable = "a-b"\nlength = 4\nname = "float"\n'
+    found = read(tmp_path, SPAN + CLUMP + second + event)
+    plain = read(tmp_path, SPAN)
+    same = attach(plain, "a-b", {10.0: Free("clump", mass=3.0), 4.0: Free("float")})
+    assert found.cables == same.cables and found.points == same.points and found.events[0].point == "clump"
+    assert read(tmp_path, SPAN + '[[tensioned]]\ncable = "a-b"\nsag = 2.0\n') == tensioned(plain, "a-b", sag=2.0)
+    both = read(tmp_path, SPAN + CLUMP + '[[tensioned]]\ncable = "a-b[2]"\nend_tension = 200.0\nat = "b"\n')
+    assert equilibrium(both).end_tension("a-b[2]", "b") == pytest.approx(200.0, rel=1e-9)
+    save_scene(both, tmp_path / "again.toml")
+    assert load_scene(tmp_path / "again.toml") == both
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('[[attach]]\ncable = "a-b"\nname = "c"\n', r"attach\[0\]: key `length` is missing"),
+        ('[[attach]]\ncable = "a-b"\nlength = "10"\nname = "c"\n', r"attach\[0\]: key `length` has the wrong type"),
+        (CLUMP.replace("mass", "mas"), r"attach\[0\]: unknown key `mas`, did you mean `mass`"),
+        (CLUMP + CLUMP.replace("clump", "other"), r"attach\[1\]: points on a cable must be apart, but there is one at 10 m"),
+        (CLUMP.replace("10.0", "50.0"), "span.toml: Points on a cable must be apart, between its ends"),
+        (CLUMP.replace("a-b", "a-c"), 'span.toml: .*"a-c"'),
+        ('[attach]\ncable = "a-b"\n', "`attach` must be an array of at least one table"),
+        ('[[tensioned]]\nsag = 2.0\n', r"tensioned\[0\]: key `cable` is missing"),
+        ('[[tensioned]]\ncable = "a-b"\nsags = 2.0\n', r"tensioned\[0\]: unknown key `sags`, did you mean `sag`"),
+        ('[[tensioned]]\ncable = "a-b"\n', r"tensioned\[0\]: Exactly one of `sag`, `end_tension` and `lowest`"),
+        ('[[tensioned]]\ncable = "a-b"\nend_tension = 0.1\n', r"tensioned\[0\]: No length of cable \"a-b\" has end_tension=0.1 N"),
+        ('tensioned = 3\n', "`tensioned` must be an array of at least one table"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_attached_or_wanted(tmp_path, text, message):
+    with pytest.raises(SceneError, match=message):
+        read(tmp_path, text + SPAN if text.startswith("tensioned =") else SPAN + text)
