@@ -253,11 +253,12 @@ def _judged(runs):
 def _told(judged, tense):
     """What runs tell beside the truth, in words."""
     far = (judged.told_m < judged.true_m / FAR).mean(), (tense.told_tension < tense.true_tension / FAR).mean()
+    far = [percent(part) if part else "none" for part in far]
     return (
         f"{counted(len(judged), 'run')} of edmc at a given step: {percent(_within(judged.told_m / judged.true_m))} tell their "
-        f"error of places within a factor of {FACTOR:g}, and {percent(far[0])} tell less than a tenth of it. Of "
+        f"error of places within a factor of {FACTOR:g}, and {far[0]} tell less than a tenth of it. Of "
         f"{counted(len(tense), 'error')} of the largest tension beyond {percent(SEEN)} of it, "
-        f"{percent(_within(tense.told_tension / tense.true_tension))} are told within that factor, and {percent(far[1])} are ten "
+        f"{percent(_within(tense.told_tension / tense.true_tension))} are told within that factor, and {far[1]} are ten "
         "times as large as told."
     )
 

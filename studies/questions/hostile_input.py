@@ -87,7 +87,9 @@ def answer(rows):
     ends = [f"{int(by_outcome[outcome])} were {outcome}" for outcome in (ACCEPTED, REFUSED) if outcome in by_outcome]
     if SAID in by_outcome:
         ends.append(f"{int(by_outcome[SAID])} {SAID}, such as a rest that was not found")
-    kinds = [f"{int(cases)} of kind {kind}" for kind, cases in counts.groupby("kind", sort=False).cases.sum().items()]
+    of_kind = counts.groupby("kind", sort=False).cases.sum()
+    alike = f"There are {of_kind.iloc[0]} of each kind: {listed(of_kind.index)}."
+    kinds = alike if of_kind.nunique() == 1 else f"By kinds: {listed(f'{kind} {cases}' for kind, cases in of_kind.items())}."
     if len(bad):
         ways = [f"{int(number)} {way}" for way, number in bad.outcome.value_counts().items()]
         first = f"Of {counted(total, 'case')}, {len(bad)} ended as none may: {listed(ways)}."
@@ -96,7 +98,7 @@ def answer(rows):
             f"Of {counted(total, 'case')}, none ended in a traceback, took longer than {LONGEST_TIME:g} s, said a line of more "
             f"than {LONGEST_LINE} characters, or came to other numbers than were saved or to what is no number."
         )
-    second = f"{listed(ends)}. By kinds, they are {listed(kinds)}."
+    second = f"{listed(ends)}. {kinds}"
     second = second[0].upper() + second[1:]
     third = (
         "Left out: laws of one's own, which are code, and what only a hostile system does: full disks, processes that are killed, "

@@ -164,14 +164,14 @@ def answer(rows):
     if len(orders[(orders["method"] == "symplectic_euler") & (orders["position_slope"] > 1.5)]):
         text = (
             "Symplectic Euler reaches order 2 in the positions of an undamped motion that starts from rest in position, because "
-            "it is verlet seen half a step apart. "
+            "it is velocity Verlet seen half a step apart. "
         )
     text += (
         f"Left out: errors above {percent(ROUGH)}, and errors below {power(NOISE)}, which Newton's tolerance and round-off leave"
     )
     unseen = orders[orders["position_slope"].isna()]
     if len(unseen):
-        text += f": all of {listed(f'{row.method} in the {row.problem}' for row in unseen.itertuples())}"
+        text += f": all of {listed(f'{_label(row.method)} in the {row.problem}' for row in unseen.itertuples())}"
     return "\n\n".join([*words, text + "."])
 
 
@@ -184,5 +184,11 @@ def _exceptions(orders, what, off):
     return f"Farther from it are, of {what} errors: {'; '.join(named)}."
 
 
+def _label(method):
+    return method if method == CONSERVING else schemes.scheme(method).label
+
+
 def _named(rows, what):
-    return listed(f"{row.method} ({row.problem}, {getattr(row, f'{what}_slope'):.2f} for {row.order})" for row in rows.itertuples())
+    return listed(
+        f"{_label(row.method)} ({row.problem}, {getattr(row, f'{what}_slope'):.2f} for {row.order})" for row in rows.itertuples()
+    )

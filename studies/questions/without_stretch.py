@@ -17,7 +17,7 @@ from studies.accuracy_cost.equal_error import time_at
 from studies.accuracy_cost.motions import carried, dropped, loose, stopped
 from studies.accuracy_cost.paired_timing import take_turns
 from studies.accuracy_cost.references import largest_distance
-from studies.shown.sentences import between, listed
+from studies.shown.sentences import between, listed, power
 from studies.shown.show import as_text
 from studies.study import Drawing, Part, Record
 
@@ -177,8 +177,8 @@ def _costs(runs, name):
         if took:
             best = min(took, key=took.get)
             each = listed(f"{method} {as_text(1e3 * time, 2)} ms" for method, time in took.items())
-            words.append(f"{target:g} mm {best} ({each})")
-    return f"Cheapest on the {name} is within {'; '.join(words)}." if words else ""
+            words.append(f"{best} within {target:g} mm ({each})")
+    return f"Cheapest on the {name} is {'; '.join(words)}." if words else ""
 
 
 def _limit(table):
@@ -186,7 +186,7 @@ def _limit(table):
     apart = between(table["apart_mm"], "mm", 2)
     return (
         f"Elastic cables tend to that motion: up to {ELASTIC_END:g} s their tip is {apart} from it at "
-        f"EA of {table['EA_N'].max():g} down to {table['EA_N'].min():g} N, by dop853, as EA to the power {slope:.2f}."
+        f"EA of {power(table['EA_N'].max())} down to {power(table['EA_N'].min())} N, by dop853, as EA to the power {slope:.2f}."
     )
 
 

@@ -109,15 +109,18 @@ def _cure(floors, cured):
     edmc, rk4 = cured[cured["scheme"] == "edmc"], cured[cured["scheme"] == "rk4"]
     stiff = edmc[edmc["EA_N"] == edmc["EA_N"].max()]
     below = 100 * rk4["stretch_at_rest"] < rk4["dt_s"].map(lambda dt: least["rk4", dt])
-    lost = rk4["ended"] == "diverged"
+    lost, rise = rk4["ended"] == "diverged", max(edmc["energy_rise"].max(), 0.0)
+    energy = f"the largest rise of energy is {power(rise, 1)} of that of the swing" if rise > 0.0 else "the energy rises in none"
+    fates = [
+        f"{share(lost[some].sum(), some.sum())} {where}"
+        for some, where in ((below, "below it"), (~below, "above it")) if some.any()
+    ]  # fmt: skip
     return (
         f"The cure: edmc swung the same cable (1 rad/s at first, 2 s) at steps of {between(1e3 * edmc['dt_s'], 'ms')} with EA up "
         f"to {power(edmc['EA_N'].max())} N, where the largest stretch is {power(100 * stiff['largest_stretch'].max(), 2)} %; "
         f"{share((edmc['ended'] == 'done').sum(), len(edmc))} runs reached their end, with "
-        f"{between(edmc['newton_per_step'], '', 2)} Newton iterations a step, and the largest rise of energy is "
-        f"{power(max(edmc['energy_rise'].max(), 0.0), 1)} of that of the swing. Of RK4's {len(rk4)} runs at the same steps and "
-        f"stiffnesses {int(below.sum())} are below its floor; of them {int(lost[below].sum())} diverged, of the others "
-        f"{int(lost[~below].sum())}."
+        f"{between(edmc['newton_per_step'], '', 2)} Newton iterations a step, and {energy}. Of RK4's {len(rk4)} runs at the "
+        f"same steps and stiffnesses {int(below.sum())} are below its floor; {listed(fates)} diverged."
     )
 
 

@@ -164,9 +164,12 @@ def _implicit(cells):
             most, lost = bad["whip_rise"].replace(np.inf, np.nan).max(), int(np.isinf(bad["whip_rise"]).sum())
             known = f" by up to {power(most, 2)} times the swing's worth" if np.isfinite(most) else ""
             without = f"{' and' if known else ''} without bound in {lost}" if lost else ""
-            lines.append(f"{label(scheme)} in {counted(k, 'cell')} of the first plane and {c} of the second,{known}{without}")
+            lines.append(
+                f"{label(scheme)} in {counted(k, 'cell')} of the first plane and {c or 'none'} of the second,{known}{without}"
+            )
     quiet = [scheme for scheme in implicit_schemes() if (cells[cells["scheme"] == scheme]["verdict"] == STABLE).all()]
-    quietest = listed(f"{label(s)} ({power(max(cells[cells['scheme'] == s]['whip_rise'].max(), 0.0), 1)} at most)" for s in quiet)
+    rises = {s: cells[cells["scheme"] == s]["whip_rise"].max() for s in quiet}
+    quietest = listed(f"{label(s)}{f' ({power(rise, 1)} at most)' if rise > 0.0 else ''}" for s, rise in rises.items())
     words = (
         f"None of the implicit schemes has a border in linear theory. With {quietest} the energy of the whip never rises by more "
         f"than the judge's {percent(WHIP_RISE)} of the swing's worth of {WEIGHT_ENERGY / 2:.2f} J"
