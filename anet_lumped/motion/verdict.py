@@ -14,6 +14,7 @@ from .run_warnings import warnings_of
 # Steps that a run must have taken, and differences of p + 1 velocities that `error_growth` must have formed of them, `UNSEEN` steps
 # apart, for an error to be seen in them.
 LEAST_STEPS, DIFFERENCES = 10, 3
+ORDER_AT_KINKS, DIFFERENCES_AT_KINKS = 2, 30  # of any method past a kink of the force, and of one of a higher order
 
 
 def judged(run: Run, limit: float, adaptive: bool) -> Run:
@@ -36,10 +37,22 @@ def judged(run: Run, limit: float, adaptive: bool) -> Run:
 
 
 def _knows_no_error(run: Run, adaptive: bool) -> bool:
-    """Whether a run has too few steps for an error to be seen in them, and no other run beside it."""
+    """Whether a run has too few steps for an error to be seen in them, and no other run beside it.
+
+    Where a segment goes slack or taut the force has a kink, past which no method is of an order above two. What a step across it
+    leaves out is not of the order p of the differences, which see it by chance: of a method of higher order they must be many.
+    """
     scheme = schemes.scheme(run.method)
     if adaptive or not scheme.own or run.kept is not None or run.extrapolated or run.error_growth is None:
         return False
     order = scheme.error_order or scheme.order
-    least = max(LEAST_STEPS, order + (DIFFERENCES - 1) * (order + 1 + UNSEEN))
+    differences = DIFFERENCES_AT_KINKS if order > ORDER_AT_KINKS and _meets_kinks(run) else DIFFERENCES
+    least = max(LEAST_STEPS, order + (differences - 1) * (order + 1 + UNSEEN))
     return round((run.t[-1] - run.t[0]) / run.dt) < least
+
+
+def _meets_kinks(run: Run) -> bool:
+    """Whether a segment that cannot push goes slack or taut between two saved states."""
+    taut = run.segment_tension > 0.0
+    changes = (taut[1:] != taut[:-1]).any(axis=0)
+    return any(changes[run.model.segments(cable.name)].any() for cable in run.scene.cables if cable.compression == "none")

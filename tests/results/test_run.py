@@ -14,7 +14,7 @@ from anet_lumped.results.distances import distances
 def run():
     cable = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e3, segments=3)
     scene = Scene([Fixed("a", (0.0, 0.0, 0.0)), Free("b", at=(1.0, 0.0, 0.0))], [cable], [Gravity(9.81)])
-    return simulate(scene, 0.1, method="edmc", dt=0.01, start="straight")
+    return simulate(scene, 0.2, method="edmc", dt=0.01, save_every=0.02, start="straight")
 
 
 @pytest.mark.parametrize(

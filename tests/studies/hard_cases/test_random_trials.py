@@ -21,7 +21,6 @@ def test_no_run_fails(monkeypatch, data):
     monkeypatch.setattr(random_trials, "MOST_COMPARED", 2000)  # one run in sixty takes more, and four times those beside it
     monkeypatch.setattr(accuracy, "BUDGET", 1e5)  # what is drawn depends on what else was imported: some runs would take minutes
     monkeypatch.setattr(accuracy, "BUDGET_OF_FIRST", 1.0)
-    monkeypatch.setattr(random_trials, "_told", lambda trial, run: (HELD, ""))  # a share of them is off: `study error_estimate`
     try:
         trial = draw(Drawn(data))
     except SceneError as error:
