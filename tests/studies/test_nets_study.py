@@ -4,6 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from anet_lumped import Scene, equilibrium, simulate
+from anet_lumped.checks import InputError
+from anet_lumped.effects import Gravity
+from studies.peers import mujoco_flex
 from studies.questions import nets
 from studies.questions.nets import tables
 from studies.questions.nets.junctions import OWN, SUPERLU
@@ -42,3 +46,23 @@ def test_the_answer_says_who_is_cheapest(rows):
     words = nets.answer(rows | {"motions": pd.concat([own, other])})
     assert "within 1 mm this library takes 0.5 s of the processor, slow 10 s: 20 times as much at the least" in words
     assert set(nets.TABLES) == set(rows)
+
+
+def test_a_flex_of_taut_twines_moves_as_the_net_does():
+    """Both explicit methods are far below their limits; a mass, a stiffness or a gravity that is off shows in millimetres."""
+    pytest.importorskip("mujoco")
+    scene = tables.hung(4, slack=0.0, knot_mass=0.001)
+    start = equilibrium(Scene(scene.points, scene.cables, [Gravity(direction=tables.TILT)]))
+    own = simulate(scene, 0.2, method="dop853", rtol=1e-9, start=start, save_every=0.05)
+    other = mujoco_flex.run(scene, 0.2, 0.05, start, dt=2e-4, integrator="RK4")
+    apart = max(np.linalg.norm(own.position(p.name) - other.position[p.name], axis=1).max() for p in scene.points)
+    moved = max(np.ptp(own.position(p.name), axis=0).max() for p in scene.points)
+    assert own.segment_tension.min() > 0.0 and other.status == "done"
+    assert apart < 1e-6 * moved and moved > 0.01
+
+
+def test_a_flex_refuses_what_it_would_compute_otherwise():
+    with pytest.raises(
+        InputError, match=r"takes cables of one segment that are as long as they are drawn, but cable \"p0_0-p1_0\" is not"
+    ):
+        mujoco_flex.run(tables.hung(3), 0.1, 0.05, dt=1e-3, integrator="RK4")

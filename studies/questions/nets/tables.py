@@ -7,10 +7,11 @@ import pandas as pd
 
 from anet_lumped import Scene, equilibrium, nets, simulate, wind
 from anet_lumped.effects import Gravity, Water
-from studies.peers import peer
+from studies.peers import exudyn, mujoco, mujoco_flex
 from studies.questions.nets.junctions import solve_rows
 
 SIZES = (10, 20, 30, 60, 100)  # points along each side
+LARGE = 60  # points along a side, from which on a rest is timed once
 SIDE, CABLE = 3.0, {"mass_per_length": 0.01, "EA": 1e3, "zeta": 0.05, "diameter": 2e-3, "compression": "damped"}  # [m]
 SLACK, KNOT = 0.02, 1e-3  # share by which cables are longer than their meshes; mass of a knot that moves [kg]
 CURRENT = (0.3, 0.0, 0.0)  # [m/s]
@@ -18,12 +19,15 @@ AIR, STREAM = "air", "current"
 TILT = (0.3, 0.0, -1.0)  # direction of the gravity in whose rest the motion starts
 MOVED, QUICK_MOVED, T_END, SAVED = 30, 10, 0.2, 0.05  # points along a side; [s], [s]
 REPEATS, QUICK_REPEATS = 5, 3
-SETTINGS = 2  # that a peer is given at most of each of its methods, the coarsest first
-SLOWEST = 4e-3  # [s] of MuJoCo's implicit steps: at longer ones the net sways itself apart
+SETTINGS = 1  # that a peer is given of each of its methods, the coarsest
+TURNS = 3  # in each of which every setting runs once; medians count
+BRIEF = 1e-4  # [s] of a run, or else one step, whose time is that of what comes before a march and after it
+CLOCK = 1e-5  # [s] that a difference of two times of the processor is known to at best
+SLOWEST = 2e-3  # [s] of MuJoCo's implicit steps: at longer ones the net sways itself apart
 REFERENCE = {"method": "dop853", "rtol": 1e-9}
 OWN = "this library"
 OWN_SETTINGS = [{"method": "edmc", "dt": SAVED / n} for n in (2, 4, 8, 16, 32)] + [{"method": "verlet"}]
-PEERS = ("mujoco", "exudyn")
+PEERS = (mujoco, mujoco_flex, exudyn)
 TARGETS_MM = (1.0, 0.1)
 
 
@@ -43,7 +47,7 @@ def compute(quick=False, executor=None, out=None):
         for around, deep in ((AIR, False), (STREAM, True)):
             scene = hung(points, deep=deep)
             rest, seconds = equilibrium(scene), []  # compiled, and cut, before it is timed
-            for _ in range(3):
+            for _ in range(3 if points < LARGE else 1):
                 began = time.process_time()
                 equilibrium(scene)
                 seconds.append(time.process_time() - began)
@@ -59,10 +63,15 @@ def motions(quick):
     tilted = Scene(scene.points, scene.cables, [Gravity(direction=TILT)])
     start, names = equilibrium(tilted), [point.name for point in scene.points]
 
-    def own(**setting):
+    def timed(t_end, save_every, setting):
         began = time.process_time()
-        run = simulate(scene, T_END, start=start, save_every=SAVED, **setting)
-        return run.status, time.process_time() - began, run.position
+        run = simulate(scene, t_end, start=start, save_every=save_every, **setting)
+        return run, time.process_time() - began
+
+    def own(**setting):
+        brief = setting.get("dt", BRIEF)
+        (run, whole), (_, around) = timed(T_END, SAVED, setting), timed(brief, brief, setting)
+        return run.status, max(whole - around, CLOCK) * T_END / (T_END - brief), run.position
 
     def of_peer(engine, setting):
         outcome = engine.run(scene, T_END, SAVED, start, **setting)
@@ -71,18 +80,20 @@ def motions(quick):
     def all_points(position):
         return np.stack([position(name) for name in names])
 
-    exact = all_points(own(**REFERENCE)[2])
+    exact = all_points(timed(T_END, SAVED, REFERENCE)[0].position)
+    for setting in OWN_SETTINGS:  # compiles what it needs
+        own(**setting)
     contests = [(OWN, setting, lambda setting=setting: own(**setting)) for setting in OWN_SETTINGS]
-    for engine in (peer(name) for name in PEERS):
-        if engine.version() is not None:
+    for engine in PEERS:
+        if engine.version() is not None and engine.refuses(scene) is None:
             contests += [
                 (engine.NAME, one, lambda engine=engine, one=one: of_peer(engine, one)) for one in _settings(engine, scene)
             ]
+    taken = [[contest() for *_, contest in contests] for _ in range(1 if quick else TURNS)]
     rows = []
-    for engine, setting, contest in contests:
-        if engine == OWN:
-            contest()  # compiles what it needs
-        status, seconds, position = contest()
+    for (engine, setting, _), turns in zip(contests, zip(*taken, strict=True), strict=True):
+        status, _, position = turns[0]
+        seconds = float(np.median([cpu for _, cpu, _ in turns]))
         error = float(np.linalg.norm(all_points(position) - exact, axis=2).max()) if status == "done" else np.nan
         rows.append(
             {
