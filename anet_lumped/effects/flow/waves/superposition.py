@@ -4,7 +4,8 @@
     w = r sum a omega sinh(k (Z + depth))/sinh(k depth) sin(theta) ,    theta = k (d_x x + d_y y) - omega t + phase ,
 
 with the growth r(t), a constant elevation m, and the stretched height Z of `kernel`, by the elevation of all waves together. One
-evaluation takes some 50 ns for each wave, and half of that at depths that its motion does not reach.
+evaluation takes some 13 ns for each wave, and half of that at depths that its motion does not reach. Waves are sorted by their
+length, so that those come last, and a processor adds several at once.
 """
 
 import math
@@ -13,7 +14,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from anet_lumped.checks import SceneError
-from anet_lumped.compiled.jit import on_demand
+from anet_lumped.compiled.jit import sum_on_demand
+from anet_lumped.effects.laws.sine import exponential, sine_and_cosine
 from anet_lumped.prescribed.smoothstep_kernel import ramped
 
 from .base import AMPLITUDE, FREQUENCY, PHASE, Wave, highest_wave, wave_number
@@ -29,8 +31,9 @@ def numbers(waves: Sequence[Wave], g: float, level: float) -> np.ndarray:
     Returns
     -------
     (4 + 8 n,) float64
-        Depth [m], ramp [s], level of the still surface and constant elevation [m]; of each regular wave its amplitude [m], wave
-        number [rad/m], circular frequency [rad/s], phase [rad], level unit vector, e = exp(-2 k depth) and 1/(1 - e).
+        Depth [m], ramp [s], level of the still surface and constant elevation [m]; of all regular waves, from the longest on, their
+        amplitudes [m], wave numbers [rad/m], circular frequencies [rad/s], phases [rad], both components of the level unit vector,
+        e = exp(-2 k depth) and 1/(1 - e).
 
     Raises
     ------
@@ -57,21 +60,34 @@ def numbers(waves: Sequence[Wave], g: float, level: float) -> np.ndarray:
         raise SceneError(f"At most {MOST} regular waves may add up, but the waves of {owner} are {len(table)}.")
     if abs(mean) >= depth:
         raise SceneError(f"A constant elevation must be less than the depth of {depth:.4g} m, but {owner} has {mean:.4g} m.")
-    return np.array([depth, ramp, level, mean, *np.array(table).ravel()])
+    table.sort(key=lambda row: row[1])
+    return np.array([depth, ramp, level, mean, *np.array(table).T.ravel()])
 
 
-@on_demand
+@sum_on_demand
 def superposition(t, x, y, z, waves):
     """Surface, velocity and acceleration of a sum of waves, as `kernel.wave_at` returns them."""
     depth, ramp, still_level, mean = waves[0], waves[1], waves[2], waves[3]
     growth, growth_rate, _ = ramped(t, ramp)
+    n = (len(waves) - HEADER) // ROW
+    amplitudes, numbers_k, omegas = (
+        waves[HEADER : HEADER + n],
+        waves[HEADER + n : HEADER + 2 * n],
+        waves[HEADER + 2 * n : HEADER + 3 * n],
+    )
+    phases, alongs_x = waves[HEADER + 3 * n : HEADER + 4 * n], waves[HEADER + 4 * n : HEADER + 5 * n]
+    alongs_y, mirrors, spreads = (
+        waves[HEADER + 5 * n : HEADER + 6 * n],
+        waves[HEADER + 6 * n : HEADER + 7 * n],
+        waves[HEADER + 7 * n :],
+    )
     eta, eta_t, eta_x, eta_y = mean, 0.0, 0.0, 0.0
-    for m in range(HEADER, len(waves), ROW):
-        a, k, along_x, along_y = waves[m], waves[m + 1], waves[m + 4], waves[m + 5]
-        theta = k * (along_x * x + along_y * y) - waves[m + 2] * t + waves[m + 3]
-        rise = a * math.sin(theta)
-        eta += a * math.cos(theta)
-        eta_t += waves[m + 2] * rise
+    for m in range(n):
+        k, along_x, along_y = numbers_k[m], alongs_x[m], alongs_y[m]
+        sine, cosine = sine_and_cosine(k * (along_x * x + along_y * y) - omegas[m] * t + phases[m])
+        rise = amplitudes[m] * sine
+        eta += amplitudes[m] * cosine
+        eta_t += omegas[m] * rise
         eta_x -= k * along_x * rise
         eta_y -= k * along_y * rise
     eta, eta_t, eta_x, eta_y = growth * eta, growth * eta_t + growth_rate * eta, growth * eta_x, growth * eta_y
@@ -85,15 +101,15 @@ def superposition(t, x, y, z, waves):
     # velocity and acceleration, and their slopes: in x and y at constant Z, and in Z
     u, v, w, u_x, u_y, v_y, w_x, w_y, u_Z, v_Z, w_Z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     p, q, r, p_x, p_y, q_y, r_x, r_y, p_Z, q_Z, r_Z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for m in range(HEADER, len(waves), ROW):
-        k, omega, along_x, along_y = waves[m + 1], waves[m + 2], waves[m + 4], waves[m + 5]
-        if k * Z < STILL:
-            continue
-        theta = k * (along_x * x + along_y * y) - omega * t + waves[m + 3]
-        swing = waves[m] * omega
-        up = math.exp(k * Z)
-        down, spread = waves[m + 6] / up, waves[m + 7]
-        cosine, sine = swing * math.cos(theta), swing * math.sin(theta)
+    while n > 0 and numbers_k[n - 1] * Z < STILL:
+        n -= 1
+    for m in range(n):
+        k, omega, along_x, along_y = numbers_k[m], omegas[m], alongs_x[m], alongs_y[m]
+        sine, cosine = sine_and_cosine(k * (along_x * x + along_y * y) - omega * t + phases[m])
+        swing = amplitudes[m] * omega
+        up = exponential(k * Z)
+        down, spread = mirrors[m] / up, spreads[m]
+        cosine, sine = swing * cosine, swing * sine
         cosh, sinh = spread * (up + down), spread * (up - down)
         C, S = cosine * cosh, sine * sinh  # u along the wave, w
         c, s = cosine * sinh, sine * cosh
