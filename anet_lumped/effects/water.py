@@ -182,6 +182,6 @@ class Water(Effect):
         from importlib import import_module  # water at rest is half of the work, and compiled for itself
 
         kernels = import_module(
-            ".laws." + ("moving_water" if self.all_waves or as_winds(self.current) else "still_water"), __package__
+            ".flow." + ("moving_water" if self.all_waves or as_winds(self.current) else "still_water"), __package__
         )
         return {slot: getattr(kernels, slot) for slot in ("force", "tangent", "energy", "whole_step", "inertia")}
