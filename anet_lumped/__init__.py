@@ -19,7 +19,8 @@ with ctrl_c_later():  # once their import is interrupted, a process cannot impor
 
 if not NOTICE.watched and multiprocessing.parent_process() is None and "ANET_LUMPED_QUIET" not in os.environ:
     NOTICE.watch(
-        "anet_lumped compiles what this machine has not compiled yet, for up to about 40 s; later runs do without.",
+        "anet_lumped compiles what this machine has not compiled yet, for up to about a minute, longer on a busy machine; "
+        "later runs do without.",
         lambda line: print(line, file=sys.stderr, flush=True),
         only_cached=True,
     )

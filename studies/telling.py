@@ -5,8 +5,8 @@ import sys
 import time
 
 QUIET = 3.0  # seconds, after which a command says what it is doing
-FIRST_COMPILING = {"equilibrium": 7, "simulate": 25, "fly": 60, "recommend": 30, "effects": 40, "study": 60, "report": 70}
-"""Seconds of compiling on one core of 3 GHz where nothing is compiled yet, by what is asked for."""
+FIRST_COMPILING = {"equilibrium": 7, "simulate": 30, "fly": 50, "recommend": 55, "effects": 55, "study": 60, "report": 70}
+"""Seconds of compiling on a core of 3 GHz that does nothing else, where nothing is compiled yet, by what is asked for."""
 
 
 def tell(line):
@@ -26,7 +26,10 @@ def announce_compiling(what):
     """Have one line say so, once, if Numba has to compile, here or in a worker."""
     from integrators.compiling import NOTICE
 
-    line = f"Compiling what this machine has not compiled yet takes up to about {FIRST_COMPILING[what]} s; later runs do without."
+    line = (
+        f"Compiling what this machine has not compiled yet takes about {FIRST_COMPILING[what]} s, longer on a busy machine; "
+        "later runs do without."
+    )
     NOTICE.watch(line, tell)
 
 
