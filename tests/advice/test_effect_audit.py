@@ -95,6 +95,7 @@ def test_without_weight_it_goes_on_from_rest():
     assert found["gravity"].verdict == NEEDED and 1e-3 < found["gravity"].change < 1.0
 
 
+@pytest.mark.slow
 def test_what_a_scene_has_is_taken_away():
     """Each effect of a rich scene is judged, with its number, and what changes nothing is said to."""
     scene = hung(EI=1e-9, segments=5)

@@ -87,6 +87,7 @@ def test_every_function_of_one_number():
         np.testing.assert_allclose(row, like, rtol=16 * EPS, atol=16 * EPS)  # a handful of roundings
 
 
+@pytest.mark.slow
 def test_second_derivatives():
     exact = with_derivatives(lambda x: jnp.stack([like(x) for like in LIKE_SOME]), 0.37)
     np.testing.assert_allclose(
@@ -123,6 +124,7 @@ def slopes_of_two(x, y):
     return values, first, second
 
 
+@pytest.mark.slow
 def test_every_function_of_two_numbers():
     at = np.array([0.6, 1.7])
     values, first, second = slopes_of_two(*at)

@@ -33,6 +33,7 @@ def name_of(page):
     return page.relative_to(ROOT).as_posix()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", [page for page in PAGES if examples(text_of(page))], ids=name_of)
 def test_examples_print_what_the_page_says(page, tmp_path, monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "Agg")
@@ -85,6 +86,7 @@ def in_this_process(monkeypatch, capsys):
     return call
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(typer.main.get_command(app).commands))
 def test_command_prints_what_its_record_says(name, tmp_path, in_this_process):
     recorded = transcript(text_of(DOCS / "recorded" / f"{name}.txt"))

@@ -50,6 +50,7 @@ LAWS = {
     "spring": step_spring(k=1e3),
     "sling": step_sling(k=1e4, R=1.5),
 }
+TRIED = [pytest.param(law, marks=pytest.mark.slow if law in ("well", "sling") else ()) for law in LAWS]  # each is compiled
 
 
 def acting(effect, model, t, h, base, damper):
@@ -65,7 +66,7 @@ def acting(effect, model, t, h, base, damper):
 
 
 @pytest.mark.parametrize("damper", [0.0, 0.5])
-@pytest.mark.parametrize("law", [pytest.param(law, marks=pytest.mark.slow if law in ("well", "sling") else ()) for law in LAWS])
+@pytest.mark.parametrize("law", TRIED)
 @pytest.mark.parametrize("seed", range(3))
 def test_it_does_the_work_of_the_energy_and_its_derivative_is_exact(law, damper, seed):
     """The energy falls by the work of the force, what the damper takes and what the law's own time takes; Taylor's remainder."""
@@ -90,7 +91,7 @@ def test_it_does_the_work_of_the_energy_and_its_derivative_is_exact(law, damper,
     assert np.polyfit(np.log(steps), np.log(off), 1)[0] == pytest.approx(2.0, abs=0.1)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", TRIED)
 def test_a_step_of_next_to_nothing_has_the_force_of_the_place(law):
     """Ever shorter steps, down to rounding: the force tends to that at one place, without noise of energies over lengths."""
     model, rng = build(nets()["junction"]), np.random.default_rng(3)

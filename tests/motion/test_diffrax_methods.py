@@ -232,6 +232,7 @@ def test_methods_agree_on_a_carried_net(carried, method):
     assert balance.imbalance < 1e-5 and balance.work > 1e-3 and balance.dissipated > 1e-5
 
 
+@pytest.mark.slow
 def test_work_is_that_of_the_methods(carried):
     work = {method: run.work for method, run in carried.items()}
     tries = {method: w.steps + w.rejected for method, w in work.items()}
@@ -264,6 +265,7 @@ def test_a_cable_dropped_slack(compression):
     assert error_of_steps(run) < 1e-4 and run.energy_balance.dissipated > 1e-3
 
 
+@pytest.mark.slow
 def test_corners_are_landed_on_and_a_jerk_is_not_stepped_over():
     """Hanging at rest, steps grow without bound; the recording sets out at a stop."""
     jerk = hung(0.02 * np.array([0, 1, 0, 0, 0, 0, 0, 1.0]))
