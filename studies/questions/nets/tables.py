@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from anet_lumped import Scene, equilibrium, nets, simulate, wind
-from anet_lumped.effects import Gravity, Water
+from anet_lumped.effects import Gravity
 from studies.peers import exudyn, mujoco, mujoco_flex
 from studies.questions.nets.junctions import solve_rows
 
@@ -36,7 +36,11 @@ def hung(points, *, deep=False, slack=SLACK, knot_mass=0.0):
     z = -1.0 if deep else 0.0
     corners = [(0, 0, z), (SIDE, 0, z), (SIDE, SIDE, z), (0, SIDE, z)]
     parts = nets.grid((points - 1, points - 1), corners, cable=CABLE, slack=slack, knot_mass=knot_mass)
-    return Scene(parts.points, parts.cables, [Gravity(), *([Water(current=wind.Uniform(CURRENT))] if deep else [])])
+    if not deep:
+        return Scene(parts.points, parts.cables, [Gravity()])
+    from anet_lumped.effects import Water  # a list of the studies does without its kernels
+
+    return Scene(parts.points, parts.cables, [Gravity(), Water(current=wind.Uniform(CURRENT))])
 
 
 def compute(quick=False, executor=None, out=None):
