@@ -21,6 +21,7 @@ def test_no_run_fails(monkeypatch, data):
     monkeypatch.setattr(random_trials, "MOST_COMPARED", 2000)  # one run in sixty takes more, and four times those beside it
     monkeypatch.setattr(accuracy, "BUDGET", 1e5)  # what is drawn depends on what else was imported: some runs would take minutes
     monkeypatch.setattr(accuracy, "BUDGET_OF_FIRST", 1.0)
+    monkeypatch.setattr(random_trials, "_told", lambda trial, run: (HELD, ""))  # judged below, where trials are the same each time
     try:
         trial = draw(Drawn(data))
     except SceneError as error:
@@ -37,8 +38,8 @@ def test_random_trials_are_the_same_again_and_of_every_kind():
     assert any(cable.tension_strain for scene in scenes for cable in scene.cables)
     rigid = [trial for trial in (draw(Random((7, number))) for number in range(30, 60)) if trial.scene.cables[0].inextensible]
     assert {"links", "edmc"} <= {trial.method for trial in rigid}
-    found = try_many(7, 50, 25)
-    assert [one["number"] for one in found] == list(range(50, 75))
+    found = try_many(7, 50, 40)
+    assert [one["number"] for one in found] == list(range(50, 90))
     assert {HELD, REFUSED} <= {one["outcome"] for one in found}
     assert not [one for one in found if one["outcome"] == FAILED]
 
