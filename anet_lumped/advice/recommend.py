@@ -220,8 +220,8 @@ def recommend(
                 methods = sorted([*methods, one], key=lambda c: -c.times_real_time)
                 found = _as_far(search, count, segments_error, methods, error, realtime)
             assert found is not None  # the first method keeps its share, or there is an error
-            found = replace(found, checked_error=search.check(count, found.best))
-            checked = cast(float, found.checked_error)
+            checked = search.check(count, found.best)
+            found = replace(found, checked_error=checked)
             if checked <= error:
                 break
             share *= 0.7 * error / checked

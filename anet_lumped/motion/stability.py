@@ -240,10 +240,10 @@ def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None =
         for one in map(record_of, wanted):
             limits[one.name] = SchemeLimit(np.inf, np.inf, np.inf, "", one.note) if one.takes_rigid_springs else none
         return Prediction(modes, rate, limits)
-    kinds = {(np.float32(mode.omega), np.float32(mode.zeta)): name for name, mode in reversed(modes.items())}
-    unlike = [
-        modes[name] for name in reversed(kinds.values())
-    ]  # the first of a kind: nets have thousands that rounding tells apart
+    kinds: dict[str, TopMode] = {}  # the first of each: nets have thousands that rounding tells apart
+    for mode in modes.values():
+        kinds.setdefault(f"{mode.omega:.7g} {mode.zeta:.7g}", mode)
+    unlike = list(kinds.values())
     omega, zeta = np.array([(mode.omega, mode.zeta) for mode in unlike]).T
     for one in map(record_of, wanted):
         axial = step_limit(one.name, omega, zeta, rate)

@@ -103,17 +103,20 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
         place = f"{source}, effects.{one_line(name, NAMED)}"
         effects.append(_make(_choose(name, REGISTRY, "effect", place, OWN), _table(entry, place), place))
     events = [_event(entry, place) for entry, place in _tables(entries, "events", source)] if "events" in entries else ()
+    attached = _attached(entries, source) if "attach" in entries else {}
     try:
-        if "attach" not in entries:
+        if not attached:
             return Scene(points, cables, effects, events, bodies)
-        scene = _with_attached(Scene(points, cables, effects, bodies=bodies), entries, source)
+        scene = Scene(points, cables, effects, bodies=bodies)
+        for cable, places in attached.items():
+            scene = attach(scene, cable, places)
         return dataclasses.replace(scene, events=events)  # which may happen to what is attached
     except ValueError as error:
-        raise SceneError(str(error) if str(error).startswith(source) else f"{source}: {error}") from None
+        raise SceneError(f"{source}: {error}") from None
 
 
-def _with_attached(scene: Scene, entries: dict[str, Any], source: str) -> Scene:
-    """The scene with the points of the section `attach` on its cables."""
+def _attached(entries: dict[str, Any], source: str) -> dict[str, dict[float, Free]]:
+    """The points of the section `attach`, by the cable that they sit on and their place along it."""
     by_cable: dict[str, dict[float, Free]] = {}
     for entry, place in _tables(entries, "attach", source):
         own = {key: value for key, value in entry.items() if key in ("cable", "length")}
@@ -122,9 +125,7 @@ def _with_attached(scene: Scene, entries: dict[str, Any], source: str) -> Scene:
         if length in points:
             raise SceneError(f"{place}: points on a cable must be apart, but there is one at {length:g} m of it already.")
         points[length] = _make(Free, {key: value for key, value in entry.items() if key not in own}, place)
-    for cable, points in by_cable.items():
-        scene = attach(scene, cable, points)
-    return scene
+    return by_cable
 
 
 def _place_on_cable(cable: str, length: float) -> tuple[str, float]:
