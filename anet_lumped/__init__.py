@@ -17,13 +17,14 @@ with ctrl_c_later():  # once their import is interrupted, a process cannot impor
     check_environment()
     import numba  # noqa: F401
 
-if not NOTICE.watched and multiprocessing.parent_process() is None and "ANET_LUMPED_QUIET" not in os.environ:
-    NOTICE.watch(
+if multiprocessing.parent_process() is None and "ANET_LUMPED_QUIET" not in os.environ:
+    NOTICE.prepare(
         "anet_lumped compiles what this machine has not compiled yet, for up to about a minute, longer on a busy machine; "
         "later runs do without.",
         lambda line: print(line, file=sys.stderr, flush=True),
         only_cached=True,
     )
+    NOTICE.listen()
 
 from anet_lumped.checks import InputError
 from anet_lumped.effects import shapes

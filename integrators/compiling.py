@@ -50,12 +50,16 @@ class Notice:
     """A line that is told once, whoever compiles first."""
 
     def __init__(self) -> None:
-        self._lock, self._line, self.tell, self.watched = threading.Lock(), "", None, False
+        self._lock, self._line, self.tell, self._only_cached = threading.Lock(), None, None, False
 
-    def watch(self, line: str, tell: Callable[[str], None], only_cached: bool = False) -> None:
-        """Have `tell(line)` called once when this process, or a worker of this process, compiles; arguments as above."""
-        self._line, self.tell, self.watched = line, tell, True
-        call_when_compiling(self.give, only_cached)
+    def prepare(self, line: str, tell: Callable[[str], None], only_cached: bool = False) -> None:
+        """Have `tell(line)` called once when something compiles; arguments as above. A program says it before the library does."""
+        if self._line is None:
+            self._line, self.tell, self._only_cached = line, tell, only_cached
+
+    def listen(self) -> None:
+        """Hear what this process compiles; workers are heard by `give`."""
+        call_when_compiling(self.give, self._only_cached)
 
     def give(self) -> None:
         """Something is being compiled."""

@@ -62,6 +62,7 @@ def main(arguments: list[str] | None = None) -> None:
             os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever windows a user's setting asks for
             warnings.showwarning = lambda message, *where: tell_lines(f"warning: {message}")
             tell_what_takes_long()
+            announce_compiling(sys.argv[1:] if arguments is None else arguments)
             status = exit_status(app, arguments)
             sys.stdout.flush()
         except KeyboardInterrupt:
@@ -105,7 +106,7 @@ def equilibrium(
     from anet_lumped.statics.equilibrium import equilibrium
     from studies.shown.summary import rest_summary, write_nodes
 
-    state = equilibrium(changed(load(scene, "equilibrium"), change, effect))
+    state = equilibrium(changed(load(scene), change, effect))
 
     def save():
         write_nodes(state, out / "nodes.csv")
@@ -147,7 +148,7 @@ def simulate(
     from anet_lumped.motion.simulate import RunInterrupt, simulate
     from studies.shown.summary import run_summary
 
-    ready = moved(changed(load(scene, "simulate"), change, effect), move, t_end)
+    ready = moved(changed(load(scene), change, effect), move, t_end)
     begin = read_start(start, ready) if start.lower().endswith(".csv") else start
     ready = with_winches(ready, winch, t_end, begin)
     try:
@@ -200,7 +201,7 @@ def fly(
     from anet_lumped.results.run import RunInterrupt
     from studies.shown.summary import run_summary
 
-    loaded = changed(load(scene, "fly"), change, effect)
+    loaded = changed(load(scene), change, effect)
     quadrotors = known_quadrotors(loaded)
     flight = scenario_of(loaded, scene, controller=controller, t_end=t_end, by=by, within=within)
     try:
@@ -231,7 +232,7 @@ def recommend(
     from anet_lumped.advice.recommend import recommend
     from studies.shown.summary import recommendation_summary
 
-    loaded = changed(load(scene, "recommend"), change, effect)
+    loaded = changed(load(scene), change, effect)
     limit = newtons(error) if tension else metres(error)
     found = recommend(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, realtime=realtime)
     give(recommendation_summary(found, scene, change, effect), as_json)
@@ -265,7 +266,7 @@ def effects(
     from studies.shown.summary import effects_summary, write_effects
 
     limit = newtons(error) if tension else metres(error)
-    loaded = changed(load(scene, "effects"), change, effect)
+    loaded = changed(load(scene), change, effect)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
     give(effects_summary(found), as_json, out, "effects", lambda: write_effects(found, out / "effects.csv"))
     if found.left_out:
@@ -284,7 +285,7 @@ def check(
     """Predict stretch and stable steps. Before any run: also top frequency, damping, warnings."""
     from studies.shown.summary import prediction_summary
 
-    give(prediction_summary(changed(load(scene, "equilibrium"), change, effect), dt), as_json, whole=whole)
+    give(prediction_summary(changed(load(scene), change, effect), dt), as_json, whole=whole)
 
 
 add_sweep_commands(app)
@@ -304,7 +305,6 @@ def study(
         for one in NAMES:
             print(f"{one:{max(map(len, NAMES))}}  {question_of(one)}")
         return
-    announce_compiling("study")
     logging.getLogger("anet_lumped").setLevel(logging.WARNING)  # of a study its rows are told, not their runs
     found = run_study(name, out := out or Path("results") / name, quick=quick, data=data)
     print(found.record.question, *found.answer, sep="\n\n")
@@ -332,7 +332,7 @@ def mismatch(
     """
     from studies.shown.mismatch_summary import compared
 
-    scene = changed(load(scene, "equilibrium"), change, effect)
+    scene = changed(load(scene), change, effect)
     found, save, ok = compared(scene, markers, tension, shift, up, out)
     give(found, as_json, out, "mismatch", save, whole)
     raise typer.Exit(0 if ok else 1)
@@ -348,7 +348,6 @@ def report(
     The page is there from the start and grows with every study. Without --full it takes some minutes, and a first look of the
     studies that are long.
     """
-    announce_compiling("report")
     for log in map(logging.getLogger, ("anet_lumped", "studies")):  # a report tells its studies
         log.setLevel(logging.WARNING)
     from studies.report import PAGE, ReportInterrupt, most_at_once, write_report

@@ -9,7 +9,6 @@ from studies.added_effects import Added
 from studies.options import DAMPER, LENGTH, Changes, Json, Step
 from studies.scenes import changed, load
 from studies.shown.given import give
-from studies.telling import announce_compiling
 
 
 def new(
@@ -39,7 +38,6 @@ def view(
     out: Annotated[Path | None, typer.Option(help="The file to write: .html (beside the run by default), .gif or .mp4.")] = None,
 ):
     """Look at a saved run. One page that turns and plays in any browser, without a network, or a film, by the ending of --out."""
-    announce_compiling("equilibrium")
     from anet_lumped.files.saved_run import view_saved
 
     print(view_saved(run, out))
@@ -69,7 +67,7 @@ def convert(
         return
     if out.suffix.lower() not in (".toml", *MOORDYN, *ENDINGS):
         raise InputError(f"OUT must end in .toml, {', '.join((*MOORDYN, *ENDINGS))}, but is {out}; .pvd is for a saved run (.nc).")
-    ready = changed(load(scene, "equilibrium"), change, effect)
+    ready = changed(load(scene), change, effect)
     if out.suffix.lower() in ENDINGS:
         save_twin(ready, out, dt, links=links, joints=joints, damping=damping or 0.0)
     else:

@@ -1,12 +1,10 @@
 """The scene that a command is given: loaded, checked and changed."""
 
-from studies.telling import announce_compiling
 from studies.wanted_length import apart, with_wanted_lengths
 
 
-def load(text, compiles):
-    """Scene of a file, or by its name one that comes with the package; `compiles` is one of `telling.FIRST_COMPILING`."""
-    announce_compiling(compiles)
+def load(text):
+    """Scene of a file, or by its name one that comes with the package."""
     from anet_lumped.checks import SceneError
     from anet_lumped.files.scene_file import load_scene
     from anet_lumped.model.build import build

@@ -92,7 +92,7 @@ def sweep(
     settings = {"t_end": t_end, "method": method, "dt": dt, "start": start, "since": since, "budget": budget, "seed": seed}
     varied = parse_vary(vary)
     try:
-        loaded = changed(load(scene, "simulate" if t_end else "equilibrium"), change, effect)
+        loaded = changed(load(scene), change, effect)
         if best is not None:
             _search(loaded, varied, best, constraint, measure, settings, out, workers, on, resume, as_json)
             return

@@ -5,8 +5,12 @@ import sys
 import time
 
 QUIET = 3.0  # seconds, after which a command says what it is doing
-FIRST_COMPILING = {"equilibrium": 7, "simulate": 30, "fly": 50, "recommend": 55, "effects": 55, "study": 60, "report": 70}
-"""Seconds of compiling on a core of 3 GHz that does nothing else, where nothing is compiled yet, by what is asked for."""
+FIRST_COMPILING = (
+    dict.fromkeys(("equilibrium", "check", "mismatch", "convert", "view"), 7)
+    | dict.fromkeys(("simulate", "sweep"), 30)
+    | {"fly": 50, "recommend": 55, "effects": 55, "study": 60, "report": 70}
+)
+"""Seconds of compiling on a core of 3 GHz that does nothing else, where nothing is compiled yet, by the command."""
 
 
 def tell(line):
@@ -22,15 +26,17 @@ def tell_lines(text):
         tell(line)
 
 
-def announce_compiling(what):
-    """Have one line say so, once, if Numba has to compile, here or in a worker."""
-    from integrators.compiling import NOTICE
+def announce_compiling(arguments):
+    """Have one line say so, once, if Numba has to compile for what the command line asks for, here or in a worker."""
+    command = arguments[0] if arguments else None
+    if command in FIRST_COMPILING and "--help" not in arguments:
+        from integrators.compiling import NOTICE
 
-    line = (
-        f"Compiling what this machine has not compiled yet takes about {FIRST_COMPILING[what]} s, longer on a busy machine; "
-        "later runs do without."
-    )
-    NOTICE.watch(line, tell)
+        line = (
+            f"Compiling what this machine has not compiled yet takes up to about {FIRST_COMPILING[command]} s, longer on a busy "
+            "machine; later runs do without."
+        )
+        NOTICE.prepare(line, tell)
 
 
 def tell_what_takes_long():

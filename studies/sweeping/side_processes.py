@@ -93,7 +93,8 @@ def _serve(connection):
         with lock:
             connection.send(what)
 
-    NOTICE.watch("", lambda line: tell(COMPILES, None))
+    NOTICE.prepare("", lambda line: tell(COMPILES, None))
+    NOTICE.listen()
     with stop_signals(), contextlib.suppress(EOFError, OSError, KeyboardInterrupt):
         if hasattr(signal, "pthread_sigmask"):
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from integrators import compiling
 from integrators.compiling import Notice
 from studies.sweeping import workers
 from studies.sweeping.batch import BatchRunner
@@ -53,11 +52,11 @@ def test_nothing_is_told_of_what_takes_no_time():
     assert told(before=quick) == 0
 
 
-def test_a_line_is_given_once_and_only_when_watched(monkeypatch):
+def test_the_line_of_who_speaks_first_is_given_once():
     lines, notice = [], Notice()
     notice.give()
-    monkeypatch.setattr(compiling, "call_when_compiling", lambda call, only_cached: None)
-    notice.watch("compiling", lines.append)
+    notice.prepare("compiling", lines.append)
+    notice.prepare("compiling something else", lines.append)
     assert lines == []
     notice.give()
     notice.give()
@@ -79,8 +78,7 @@ def slow_to_compile(row):
 def test_while_a_worker_compiles_the_others_wait_and_one_line_is_told(monkeypatch):
     lines = []
     notice = Notice()
-    monkeypatch.setattr(compiling, "call_when_compiling", lambda call, only_cached: None)
-    notice.watch("compiling", lines.append)
+    notice.prepare("compiling", lines.append)
     monkeypatch.setattr(workers, "NOTICE", notice)
     rows = [{"x": x} for x in range(4)]
     with workers.OwnPool(BatchRunner(slow_to_compile), 2) as pool:
@@ -106,10 +104,19 @@ def test_a_look_at_the_disk(monkeypatch, tmp_path):
     assert workers.kernels_are_on_disk()
 
 
+OF_THE_LIBRARY = (
+    "anet_lumped compiles what this machine has not compiled yet, for up to about a minute, longer on a busy machine; "
+    "later runs do without."
+)
+OF_A_COMMAND = (
+    "anet-lumped: Compiling what this machine has not compiled yet takes up to about 7 s, longer on a busy machine; "
+    "later runs do without."
+)
 FIRST_RUN = """
 import sys
 import time
 import numba.core.event as event
+{before}
 import anet_lumped
 from integrators import compiling
 compiling.NOTICED_AFTER = 0.1
@@ -131,20 +138,18 @@ def imported():
 
 
 @pytest.mark.parametrize(
-    ("cache", "quiet", "lines"),
+    ("cache", "before", "quiet", "line"),
     [
-        ("None", None, 1),
-        pytest.param("None", "1", 0, marks=pytest.mark.slow),
-        pytest.param("__import__('numba').core.caching.NullCache()", None, 0, marks=pytest.mark.slow),
+        ("None", "", None, OF_THE_LIBRARY),
+        ("None", "from studies.telling import announce_compiling as say; say(['equilibrium', 'net_held'])", None, OF_A_COMMAND),
+        pytest.param("None", "", "1", None, marks=pytest.mark.slow),
+        pytest.param("__import__('numba').core.caching.NullCache()", "", None, None, marks=pytest.mark.slow),
     ],
 )
-def test_a_program_is_told_once_of_what_is_kept_on_the_disk(imported, cache, quiet, lines):
+def test_a_program_is_told_once_of_what_is_kept_on_the_disk(imported, cache, before, quiet, line):
     """Made up: Numba says twice that it compiles something that it keeps, or does not keep."""
     environment = {name: value for name, value in os.environ.items() if name != "ANET_LUMPED_QUIET"}
     environment |= {"ANET_LUMPED_QUIET": quiet} if quiet else {}
-    code = [sys.executable, "-c", FIRST_RUN.replace("{cache}", cache)]
+    code = [sys.executable, "-c", FIRST_RUN.replace("{cache}", cache).replace("{before}", before)]
     done = subprocess.run(code, cwd=ROOT, env=environment, check=True, capture_output=True, text=True)
-    assert done.stderr.splitlines() == lines * [
-        "anet_lumped compiles what this machine has not compiled yet, for up to about a minute, longer on a busy machine; "
-        "later runs do without."
-    ]
+    assert done.stderr.splitlines() == [line] * (line is not None)

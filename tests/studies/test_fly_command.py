@@ -3,19 +3,13 @@
 import json
 
 import pytest
+from program import call
 
 from anet_lumped import load_run, load_scene, save_scene
-from studies.command_line import main
-
-
-def called(*words):
-    with pytest.raises(SystemExit) as ended:
-        main(list(words))
-    return ended.value.code
 
 
 def test_a_bundled_flight_is_saved_as_a_run(tmp_path, capsys):
-    assert called("fly", "quadrotor_hover", "--by", "0,50cm,0", "--within", "1s", "--t-end", "3s", "--out", str(tmp_path)) == 0
+    assert call("fly", "quadrotor_hover", "--by", "0,50cm,0", "--within", "1s", "--t-end", "3s", "--out", str(tmp_path)) == 0
     printed = capsys.readouterr().out
     assert "status: done" in printed and "bodies at the end" in printed
     run = load_run(tmp_path / "run.nc")
@@ -26,7 +20,7 @@ def test_a_bundled_flight_is_saved_as_a_run(tmp_path, capsys):
 
 def test_a_scene_of_ones_own_is_flown(tmp_path, capsys):
     save_scene(load_scene("quadrotors_net"), tmp_path / "mine.toml")
-    assert called("fly", str(tmp_path / "mine.toml"), "--t-end", "0.4", "--dt", "20ms", "--save-every", "0.1", "--json") == 0
+    assert call("fly", str(tmp_path / "mine.toml"), "--t-end", "0.4", "--dt", "20ms", "--save-every", "0.1", "--json") == 0
     assert json.loads(capsys.readouterr().out)["dt"] == 0.02
 
 
@@ -41,6 +35,6 @@ def test_a_scene_of_ones_own_is_flown(tmp_path, capsys):
     ],
 )
 def test_what_cannot_be_flown_is_one_sentence_and_exit_2(words, sentence, capsys):
-    assert called("fly", *words) == 2
+    assert call("fly", *words) == 2
     said = capsys.readouterr().err
     assert sentence in said and len(said.strip().splitlines()) == 1

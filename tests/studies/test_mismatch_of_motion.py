@@ -4,18 +4,11 @@ import json
 
 import numpy as np
 import pytest
+from program import call
 
 from anet_lumped import equilibrium, load_scene, simulate
-from studies.command_line import main
 
 CLOCK, FROM = 40.0, 0.15  # [s] of the first sample: on the clock of the measurement, and in the run
-
-
-def call(*arguments):
-    """Exit status of the program, called in this process."""
-    with pytest.raises(SystemExit) as ended:
-        main(list(map(str, arguments)))
-    return ended.value.code
 
 
 @pytest.fixture
