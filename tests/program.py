@@ -1,8 +1,13 @@
 """The program `anet-lumped`, called in the process of the test."""
 
+from pathlib import Path
+
 import pytest
 
 from studies.command_line import main
+
+OLD_RUN = Path(__file__).parent / "files" / "run_of_version_0_1.nc"
+PROGRAM = ["-c", "from studies.command_line import main; main()"]
 
 
 def call(*arguments):

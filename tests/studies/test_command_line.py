@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 import typer
-from program import call
+from program import OLD_RUN, PROGRAM, call
 
 from anet_lumped import load_run
 from anet_lumped.files.scene_file import SCENES
@@ -37,8 +37,6 @@ COMMANDS = [
     "effects",
     "view",
 ]
-OLD_RUN = Path(__file__).parents[1] / "files" / "run_of_version_0_1.nc"
-PROGRAM = ["-c", "from studies.command_line import main; main()"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

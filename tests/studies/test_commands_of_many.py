@@ -6,13 +6,11 @@ import signal
 
 import pandas
 import pytest
-from program import call
+from program import PROGRAM, call
 from test_report import fake_study
 from test_rows import start_and_wait_for_rows, wait_for_end_of
 
 from studies.study import NAMES, module_of
-
-PROGRAM = ["-c", "from studies.command_line import main; main()"]
 
 
 def test_measures_lists_what_a_sweep_can_measure(capsys):

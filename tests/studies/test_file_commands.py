@@ -2,15 +2,12 @@
 
 import json
 import math
-from pathlib import Path
 
 import pytest
-from program import call
+from program import OLD_RUN, call
 
 from anet_lumped import load_run
 from anet_lumped.files.scene_file import SCENES
-
-OLD_RUN = Path(__file__).parents[1] / "files" / "run_of_version_0_1.nc"
 
 
 def test_ropes_out_of_their_range_are_named(capsys):

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from test_command_line import OLD_RUN, call
+from program import OLD_RUN, call
 
 from anet_lumped import Cable, Fixed, Free, Scene, save_scene
 from anet_lumped.effects import Gravity

@@ -8,7 +8,8 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from test_command_line import PROGRAM, SLOW, call
+from program import PROGRAM, call
+from test_commands_of_many import SLOW
 from test_rows import start_and_wait_for_rows, wait_for_end_of
 
 import anet_lumped.flight.fly  # noqa: F401 (its module is changed by name)
