@@ -6,6 +6,7 @@ from pathlib import Path
 from studies.shown.narrow_figure import stack_panels
 from studies.shown.sentences import power
 
+MARGIN = 0.1  # [inch] around what is drawn
 HEAVY = 400_000  # bytes of an SVG above which a figure of thousands of marks becomes a PNG
 
 
@@ -31,12 +32,18 @@ def save_figure(figure, stem: Path, caption: str, on_demand: bool = False) -> Pi
 
 
 def _saved(figure, stem):
+    layout = figure.get_layout_engine()
+    if layout is not None:  # once: each draw would lay out anew, and `bbox_inches="tight"` draws twice
+        layout.execute(figure)
+        figure.set_layout_engine("none")
+    box = figure.get_tightbbox().padded(MARGIN)
     file = stem.with_name(stem.name + ".svg")
-    figure.savefig(file, bbox_inches="tight")
+    figure.savefig(file, bbox_inches=box)
     if file.stat().st_size > HEAVY:
         file.unlink()
         file = stem.with_name(stem.name + ".png")
-        figure.savefig(file, bbox_inches="tight", dpi=160)
+        figure.savefig(file, bbox_inches=box, dpi=160)
+    figure.set_layout_engine(layout)
     return file
 
 

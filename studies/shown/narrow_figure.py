@@ -33,7 +33,7 @@ def stack_panels(figure) -> bool:
         looks = {"title": legend.get_title().get_text() or None, "frameon": False, "fontsize": 8}
         legend.remove()
         figure.legend(handles, words, loc="outside lower center", ncols=_columns(words), **looks)
-    figure.draw_without_rendering()
+    figure.get_layout_engine().execute(figure)
     for axes, x, distance in below:
         if distance < 0.0:
             axes.get_legend().set_bbox_to_anchor((x, distance / axes.bbox.height), transform=axes.transAxes)
