@@ -39,7 +39,7 @@ At = Annotated[str | None, typer.Option(help="The free point whose position coun
 Tension = Annotated[str | None, typer.Option(metavar="CABLE", help="The cable whose tension counts instead.")]
 Changes = Annotated[
     list[str],
-    typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first: p0.mass=0.05, diameter=0.002, a.length=sag:1cm."),
+    typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first: p0.mass=0.05, diameter=2mm, a.length=sag:1cm."),
 ]
 Move = Annotated[
     list[str], typer.Option("--move", metavar="MOTION", help="Move the platform, as in surge=1sin0.1, pitch=3degsin0.1 or six.csv.")

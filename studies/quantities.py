@@ -2,13 +2,21 @@
 
 import math
 
-import typer
-
 TIMES = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0, "s": 1.0}
 LENGTHS = {"mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6, "km": 1e3, "m": 1.0}
 SPEEDS = {"mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1.0 / 3.6, "m/s": 1.0}
-FORCES = {"kN": 1e3, "mN": 1e-3, "N": 1.0}
+FORCES = {"MN": 1e6, "kN": 1e3, "mN": 1e-3, "N": 1.0}
 DAMPERS = {"mNms": 1e-3, "Nms": 1.0}  # of a joint that turns
+SIZES = {
+    "s": TIMES,
+    "m": LENGTHS,
+    "m/s": SPEEDS,
+    "N": FORCES,
+    "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
+    "kg/m": {"kg/m": 1.0, "g/m": 1e-3},
+    "rad": {"mrad": 1e-3, "rad": 1.0, "deg": math.radians(1.0)},
+}
+"""Sizes of the units in which a number may be given, by the unit of the scene's field."""
 
 
 def seconds(text: str) -> float:
@@ -40,23 +48,31 @@ def vector_in_metres(text: str) -> tuple[float, float, float]:
     """Three lengths [m] in a text such as 0,10,0 or 0,50cm,0."""
     parts = text.split(",")
     if len(parts) != 3:
-        from anet_lumped.checks import quoted
-
-        raise typer.BadParameter(f"must be three lengths such as 0,10,0 or 0,50cm,0, but it is {quoted(text)}.")
+        raise _refused("three lengths such as 0,10,0 or 0,50cm,0", text)
     x, y, z = map(metres, parts)
     return x, y, z
 
 
-def _amount(text, units, like):
-    """The number in a text, times the size of the first of the units that it ends with."""
+def amount(text: str, units: dict[str, float]) -> float:
+    """The number in a text, times the size of the first of the units that it ends with; NaN where it is no number."""
     number = text.strip()
     unit = next((unit for unit in units if number.endswith(unit)), "")
     try:
-        amount = float(number.removesuffix(unit)) * units.get(unit, 1.0)
+        return float(number.removesuffix(unit)) * units.get(unit, 1.0)
     except ValueError:
-        amount = math.nan
-    if not math.isfinite(amount):
-        from anet_lumped.checks import quoted
+        return math.nan
 
-        raise typer.BadParameter(f"must be {like}, but it is {quoted(text)}.")
-    return amount
+
+def _amount(text, units, like):
+    found = amount(text, units)
+    if not math.isfinite(found):
+        raise _refused(like, text)
+    return found
+
+
+def _refused(like, text):
+    import typer
+
+    from anet_lumped.checks import quoted
+
+    return typer.BadParameter(f"must be {like}, but it is {quoted(text)}.")

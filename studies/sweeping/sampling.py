@@ -15,7 +15,8 @@ import numpy as np
 from anet_lumped.checks import nearest, shown
 from anet_lumped.limits import ROWS, check_most
 from anet_lumped.scene.scene import Scene
-from studies.sweeping.vary import CALL, VaryError, listed_values, parse_values, whole_inputs
+from studies.quantities import amount
+from studies.sweeping.vary import CALL, VaryError, listed_values, parse_values, sizes_of, whole_inputs
 
 POINT, MATRIX = "sample", "matrix"  # columns of a row beside its inputs: the number of its point; of which of Saltelli's matrices
 KINDS = {
@@ -92,32 +93,29 @@ def read_inputs(scene: Scene, vary: Mapping) -> dict[str, Input]:
     ------
     VaryError : an unknown name, or what is none of these
     """
-    return {name: _input(name, vary[name], whole) for name, whole in whole_inputs(scene, vary).items()}
+    return {name: _input(name, vary[name], whole, sizes_of(scene, name)) for name, whole in whole_inputs(scene, vary).items()}
 
 
-def _input(name, spec, whole):
+def _input(name, spec, whole, sizes):
     call, ends = (pattern.fullmatch(spec) if isinstance(spec, str) else None for pattern in (CALL, RANGE))
     if call:
-        return _from(_distribution(name, *call.groups()), whole)
+        return _from(_distribution(name, sizes, *call.groups()), whole)
     if ends:
         low, high, log = ends.groups()
-        return _from(_distribution(name, "loguniform" if log else "uniform", f"{low},{high}"), whole)
+        return _from(_distribution(name, sizes, "loguniform" if log else "uniform", f"{low},{high}"), whole)
     if hasattr(spec, "ppf"):
         return _from(spec, whole)
-    listed = parse_values(spec) if isinstance(spec, str) else listed_values(name, spec)
+    listed = parse_values(spec, sizes=sizes) if isinstance(spec, str) else listed_values(name, spec)
     return Input(lambda shares: [listed[min(int(share * len(listed)), len(listed) - 1)] for share in shares], math.nan, math.nan)
 
 
-def _distribution(name, called, words):
+def _distribution(name, sizes, called, words):
     known = _distributions()
     if called not in known:
         near = nearest(called, known) or f"; known are {', '.join(known)}."
         raise VaryError(f"There is no distribution called {called} for `{name}`{near}")
     found = known[called]
-    try:
-        numbers = [float(word) for word in words.split(",")]
-    except ValueError:
-        numbers = []
+    numbers = [amount(word, sizes) for word in words.split(",")]
     if len(numbers) != len(found.parameters) or not all(map(math.isfinite, numbers)) or not found.holds(*numbers):
         wanted = ", ".join(found.parameters)
         raise VaryError(f"The distribution {called}({wanted}) of `{name}` must have {found.must}, but ({words}) was given.")

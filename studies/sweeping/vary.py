@@ -3,6 +3,7 @@
 import itertools
 import math
 import re
+import types
 from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 
@@ -11,6 +12,8 @@ from anet_lumped.limits import ROWS, check_most
 from anet_lumped.scene.as_dict import scene_to_dict
 from anet_lumped.scene.scene import Scene
 from anet_lumped.scene.varied import SETTINGS, Varied, VaryError, found, hint, known_fields
+from studies.quantities import SIZES, amount
+from studies.sweeping.units import unit_of
 
 CALL = re.compile(r"([a-z_]+)\((.*)\)")  # a distribution, "lognormal(1e4,0.2)"
 
@@ -28,17 +31,18 @@ def parse_vary(texts: Iterable[str]) -> dict[str, str]:
     return vary
 
 
-def parse_values(spec: str, whole: bool = False) -> list:
+def parse_values(spec: str, whole: bool = False, sizes: Mapping[str, float] = types.MappingProxyType({})) -> list:
     """Values of a specification: "a:b:n" (evenly spaced), "a:b:nlog" (evenly in the logarithm) or "a,b,c".
 
-    `whole` rounds those of a range, which a list never needs; values that coincide then are given once.
+    `whole` rounds those of a range, which a list never needs; values that coincide then are given once. `sizes` are those of the
+    units that a number may end with.
     """
     if ":" not in spec:
-        return list(dict.fromkeys(_number(word.strip()) for word in spec.split(",")))
+        return list(dict.fromkeys(_number(word.strip(), sizes) for word in spec.split(",")))
     try:
         first, last, count = spec.split(":")
         log = count.endswith("log")
-        a, b, n = float(first), float(last), int(count.removesuffix("log"))
+        a, b, n = amount(first, sizes), amount(last, sizes), int(count.removesuffix("log"))
         if n < 1 or not math.isfinite((b / a if a > 0 and b > 0 else math.nan) if log else b - a):
             raise ValueError
     except ValueError:
@@ -77,8 +81,14 @@ def read_values(scene: Scene, vary: dict[str, str | Iterable]) -> dict[str, list
                 "sobol:256, values are drawn from it."
             )
     return {
-        name: parse_values(spec, whole[name]) if isinstance(spec, str) else listed_values(name, spec) for name, spec in vary.items()
+        name: parse_values(spec, whole[name], sizes_of(scene, name)) if isinstance(spec, str) else listed_values(name, spec)
+        for name, spec in vary.items()
     }
+
+
+def sizes_of(scene: Scene, name: str) -> Mapping[str, float]:
+    """Sizes of the units in which a field or a setting may be given; none where its own unit is not known."""
+    return SIZES.get(unit_of(scene, name), {})
 
 
 def whole_inputs(scene: Scene, vary: Mapping) -> dict[str, bool]:
@@ -140,7 +150,7 @@ def listed_values(name: str, values: Iterable) -> list:
     return listed
 
 
-def _number(word):
+def _number(word, sizes):
     for kind in (int, float):
         try:
             value = kind(word)
@@ -152,4 +162,5 @@ def _number(word):
         if beyond:
             raise VaryError(f"A number must be one that a float can hold, but it is {word}.")
         return value
-    return word
+    with_unit = amount(word, sizes)
+    return float(f"{with_unit:.12g}") if math.isfinite(with_unit) else word  # 12 digits: 0.003 rather than 0.0030000000000000001

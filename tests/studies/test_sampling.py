@@ -37,6 +37,8 @@ def in_this_process(*arguments, **options):
         ("1e3:2e3", stats.uniform(1e3, 1e3)),
         ("uniform(1e3,2e3)", stats.uniform(1e3, 1e3)),
         ("1e2:1e6:log", stats.loguniform(1e2, 1e6)),
+        ("1kN:1MN:log", stats.loguniform(1e3, 1e6)),
+        ("lognormal(10 kN,0.2)", stats.lognorm(0.2, scale=1e4)),
         ("loguniform(1e2, 1e6)", stats.loguniform(1e2, 1e6)),
         ("normal(1e4,10)", stats.norm(1e4, 10)),
         ("lognormal(1e4,0.2)", stats.lognorm(0.2, scale=1e4)),

@@ -74,6 +74,14 @@ def test_a_grid_holds_every_combination(net):
     assert rows[1] == {"segments": 5, "method": "edmc", "dt": 0.2}
 
 
+def test_values_may_have_the_unit_of_their_field_in_another_size(net):
+    values = read_values(net, {"diameter": "2mm,0.5 cm", "EA": "1kN:1MN:4log", "p0.mass": "40g", "dt": "5ms"})
+    assert values == {"diameter": [0.002, 0.005], "EA": [1e3, 1e4, 1e5, 1e6], "p0.mass": [0.04], "dt": [0.005]}
+    assert read_values(net, {"diameter": "2kg"}) == {"diameter": ["2kg"]}  # which the scene refuses
+    with pytest.raises(VaryError, match=r'A range must be a:b:n .*, but "1kg:2kg:3" was given'):
+        read_values(net, {"EA": "1kg:2kg:3"})
+
+
 def test_a_name_means_all_parts_or_one(net):
     inputs = {"EA": 5.0, "s1-p0.EA": 7.0, "p0.mass": 0.5, "gravity.g": 1.6, "path.velocity.x": 0.4, "dt": 0.01}
     scene, settings = apply(net, inputs)
