@@ -42,7 +42,7 @@ from anet_lumped.prescribed.six_motions import SixMotions
 from anet_lumped.results.loading import load_run
 from anet_lumped.results.run import Run
 from anet_lumped.results.state import State
-from anet_lumped.scene import nets
+from anet_lumped.scene import nets, working_curves
 from anet_lumped.scene.attach import attach
 from anet_lumped.scene.cable_cut import CableCut
 from anet_lumped.scene.payload_change import PayloadChange
@@ -102,6 +102,7 @@ __all__ = [
     "waves",
     "winched",
     "wind",
+    "working_curves",
 ]
 
 

@@ -3,11 +3,10 @@
 MoorDyn v2's files are read and MoorDyn v1's, of the C++ and of the Fortran version (its documentation, "Input Files"; its sources
 MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says what it means: `moordyn_line_types`, `moordyn_points`,
 `moordyn_bodies`, `moordyn_rods`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_seafloor`, `moordyn_effects`,
-`moordyn_flow`, `moordyn_water_file`.
+`moordyn_flow`, `moordyn_water_file`, `moordyn_syrope`.
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
-be had is refused, all of it at once: external loads, tables in place of numbers but for EA, line lift
-(VIV), the Syrope model.
+be had is refused, all of it at once: external loads, tables in place of numbers but for EA, line lift (VIV).
 """
 
 import pathlib
@@ -32,6 +31,7 @@ from .moordyn_points import OnMovingBody, Places, read_points
 from .moordyn_rods import Rods, bodies_under, read_rods
 from .moordyn_rows import rows_by_section
 from .moordyn_seafloor import read_seafloor
+from .moordyn_syrope import read_largest_tensions
 from .moordyn_unsupported import check_unsupported
 
 NEEDED = ("line types", "lines")
@@ -130,7 +130,8 @@ def deck_from_text(
     rods = read_rods(sections.get("rods", []), sections.get("rod types", []), rows, places, findings)
     bodies = [*_bodies(places, rods, findings), *rods.bodies]
     names = [row.words[0] for row in sections.get("line types", [])]
-    lines = read_lines(rows, names, types, places, findings)
+    held = read_largest_tensions(sections.get("syrope ic", []), findings)
+    lines = read_lines(rows, names, types, places, held, findings)
     failures = read_failures(sections.get("failure", []), lines, places, findings)
     options = read_options(sections.get("options", []), findings)
     seafloor = read_seafloor(options, tables, findings)

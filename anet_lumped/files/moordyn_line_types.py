@@ -7,7 +7,7 @@ on d·L0 and on the displaced mass; `CdAx`, `CaAx` are Cdt, Cat, on π·d·L0 an
 as in MoorDyn, whatever their names.
 
 A viscoelastic line has its EA and its EA_dynamic in `EA`, between bars, and a third number may be EA_dynamic_per_tension;
-`BA/-zeta` is its BA_creep (or, where it is negative, the zeta of that and of EA) and its BA.
+`BA/-zeta` is its BA_creep (or, where it is negative, the zeta of that and of EA) and its BA. Of polyester see `moordyn_syrope`.
 """
 
 import os
@@ -19,6 +19,7 @@ from anet_lumped.regular_files import read_text
 
 from .moordyn_findings import Findings
 from .moordyn_rows import WORD, Row, is_number, number_of
+from .moordyn_syrope import is_syrope, read_syrope_file, syrope_numbers
 
 BAR, MOST_NUMBERS = "|", 3
 SWAPPED = ("can", "cat", "cdn", "cdt")  # order of the first version, where MoorDyn reads Cd, Ca, CdAx, CaAx
@@ -93,7 +94,9 @@ def _type(row: Row, tables: Tables) -> dict[str, Any]:
         )
     fields: dict[str, Any] = {"diameter": row.number(1, "Diam"), "mass_per_length": row.number(2, "Mass/m")}
     stretches = row.words[3]
-    if BAR in stretches:
+    if is_syrope(stretches):
+        fields |= _polyester(row, tables)
+    elif BAR in stretches:
         fields |= _creep(row)
     else:
         damping = row.number(4, "BA/-zeta")
@@ -110,9 +113,9 @@ def _check_laws(row: Row, first: bool) -> None:
     refused = []
     for column, what in columns:
         word = one_line(row.words[column], WORD)
-        if word.upper().startswith("SYROPE"):
-            refused.append(f"{what} must be one number; {word}, the Syrope model of polyester, is not supported")
-        elif BAR in word:
+        if is_syrope(row.words[3]) and column < 5:
+            continue  # `moordyn_syrope` looks at both
+        if BAR in word:
             refused += _wrong_bars(what, word, BAR in row.words[3])
         elif what != "EA" and not is_number(row.words[column]):
             refused.append(f"{what} must be a number; {word}, a table in a file, is not supported")
@@ -138,6 +141,22 @@ def _creep(row: Row) -> dict[str, Any]:
     fields: dict[str, Any] = {"EA": stiffness[0], "EA_dynamic": stiffness[1], "BA_creep": damping[0]}
     fields["BA"] = damping[1] if len(damping) > 1 else 0.0
     return fields | ({"EA_dynamic_per_tension": stiffness[2]} if len(stiffness) > 2 else {})
+
+
+def _polyester(row: Row, tables: Tables) -> dict[str, Any]:
+    """Cable fields of a Syrope model."""
+    file, (EA, per_tension), (BA_creep, BA) = syrope_numbers(row)
+    said = read_syrope_file(row, tables.path(row, file))
+    path = tables.path(row, said.original, "OWC")
+    curve = _curve(row, path)
+    if curve[:1] != ((0.0, 0.0),):
+        raise row.error(
+            f"an original curve must begin at the strain 0 and the tension 0, but that of {one_line(path.name, WORD)} does not."
+        )
+    return {
+        "tension_strain": curve, "working_curve": said.working, "EA_dynamic": EA, "EA_dynamic_per_tension": per_tension,
+        "BA_creep": BA_creep, "BA": BA,
+    }  # fmt: skip
 
 
 def _curve(row: Row, path: pathlib.Path) -> tuple[tuple[float, float], ...]:

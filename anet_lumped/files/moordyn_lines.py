@@ -6,6 +6,7 @@ A spring cannot push but its damper always acts: compression="damped". A viscoel
 import math
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from anet_lumped.checks import nearest, one_line, quoted
@@ -51,7 +52,12 @@ def type_of(row: Row) -> str:
 
 
 def read_lines(
-    rows: list[Row], names: list[str], types: Mapping[str, tuple[Row, dict[str, Any]]], places: Places, findings: Findings
+    rows: list[Row],
+    names: list[str],
+    types: Mapping[str, tuple[Row, dict[str, Any]]],
+    places: Places,
+    held: Mapping[str, float],
+    findings: Findings,
 ) -> list[Line]:
     """Read the lines, but for those whose type or whose points are refused.
 
@@ -63,13 +69,14 @@ def read_lines(
     types : dict
         Row and cable fields of those in order.
     places : Places
+    held : dict of number of a line, as a word, to the largest tension that it has held [N]
     findings : Findings
     """
     found: list[Line] = []
     numbers: set[int] = set()
     for row in rows:
         with findings.refusing():
-            line = _line(row, names, types, places)
+            line = _line(row, names, types, places, held)
             number = row.count(0, "the number of a line")
             if number in numbers or (line is not None and line.cable.name in [other.cable.name for other in found]):
                 called = line.cable.name if line is not None else f"line{number}"
@@ -80,7 +87,9 @@ def read_lines(
     return found
 
 
-def _line(row: Row, names: list[str], types: Mapping[str, tuple[Row, dict[str, Any]]], places: Places) -> Line | None:
+def _line(
+    row: Row, names: list[str], types: Mapping[str, tuple[Row, dict[str, Any]]], places: Places, held: Mapping[str, float]
+) -> Line | None:
     """Line of a row; None if its type or one of its points is refused."""
     if len(row.words) < 7:
         raise row.error(f"a line must have 7 columns (ID, type, A, B, UnstrLen, NumSegs, outputs), but has {len(row.words)}.")
@@ -100,7 +109,7 @@ def _line(row: Row, names: list[str], types: Mapping[str, tuple[Row, dict[str, A
     number = row.count(0, "the number of a line")
     cable = made(
         row, Cable, start.name, end.name, name=row.name or f"line{number}",
-        length=length, segments=segments, **_law(types[kind][1], length / segments),
+        length=length, segments=segments, **_law(_worked(row, types[kind][1], held), length / segments),
     )  # fmt: skip
     if cable.creeps:
         row.findings.remark(
@@ -142,6 +151,18 @@ def _law(fields: Mapping[str, Any], L0: float) -> dict[str, Any]:
         return {"compression": "damped"} | dict(fields)
     slow = fields["BA_creep"]
     return dict(fields) | {"BA_creep": slow if slow >= 0.0 else -slow * L0 * math.sqrt(fields["EA"] * fields["mass_per_length"])}
+
+
+def _worked(row: Row, fields: Mapping[str, Any], held: Mapping[str, float]) -> Mapping[str, Any]:
+    """Cable fields with the largest tension that a polyester line has held."""
+    if "working_curve" not in fields:
+        if row.words[0] in held:
+            row.findings.remark(f"Line {row.line}: line {row.words[0]} is in SYROPE IC, but is no Syrope line.")
+        return fields
+    if row.words[0] not in held:
+        raise row.error("a Syrope line must have its Tmax0 in a section SYROPE IC, but that has no such line.")
+    curve = made(row, replace, fields["working_curve"], T_max=held[row.words[0]])
+    return dict(fields) | {"working_curve": curve}
 
 
 def _end(row: Row, column: int, places: Places) -> int | str:

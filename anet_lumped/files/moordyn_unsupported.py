@@ -5,7 +5,7 @@ from .moordyn_rows import Row, number_of
 
 
 def check_unsupported(sections: dict[str, list[Row]], findings: Findings) -> None:
-    """Refuse external loads and the Syrope model; say what else is passed over."""
+    """Refuse external loads; say what else is passed over."""
     for row in sections.get("external loads", ()):
         with findings.refusing():
             if any(number_of(word) != 0.0 for column in row.words[2:5] for word in column.split("|")):
@@ -13,6 +13,3 @@ def check_unsupported(sections: dict[str, list[Row]], findings: Findings) -> Non
             findings.unused("0", row.line, "external loads")
     for row in sections.get("control", ()):
         findings.unused(f"channel {row.words[0]}", row.line, "control channels, for which there is no controller")
-    for row in sections.get("syrope ic", ()):
-        with findings.refusing():
-            raise row.error("the Syrope model of polyester is not supported.")

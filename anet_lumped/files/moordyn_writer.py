@@ -152,6 +152,8 @@ def _type(cable: Cable, bends: bool, curves: dict[Any, str]) -> str:
             'A cable must have compression="damped" or "none" to be written for MoorDyn, whose springs do not push, but cable '
             f'{quoted(cable.name)} has "{cable.compression}" and EA_compression={cable.EA_compression}.'
         )
+    if cable.working_curve is not None:
+        raise SceneError(f"A cable must have no `working_curve` to be written for MoorDyn, but cable {quoted(cable.name)} has one.")
     if cable.inextensible:
         raise SceneError(f"A cable must have a finite `EA` to be written for MoorDyn, but cable {quoted(cable.name)} has EA=inf.")
     if cable.breaking_tension is not None:

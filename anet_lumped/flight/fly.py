@@ -131,6 +131,7 @@ def fly(
         segment_tension=np.array([state.segment_tension for state, _ in rows]), events=march.events if events is None else events,
         pushed=True,
         crept=None if rows[0][0].crept is None else np.array([state.crept for state, _ in rows]),
+        T_max=None if rows[0][0].T_max is None else np.array([state.T_max for state, _ in rows]),
     )  # fmt: skip
     if status == STATUS[INTERRUPTED]:
         raise RunInterrupt(run)

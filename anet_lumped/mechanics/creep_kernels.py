@@ -35,7 +35,7 @@ def residual_of_creeping(stage, net_address, base, q, step, largest_coordinate):
     net, balance = view_net(net_address), CableBalance(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for c in net.single_cables:
         if net.creep[c, CREEP_STATIC] > 0.0:
-            creep = creep_of(net, c)
+            creep = creep_of(net, c, net.cable[c, CABLE_FIRST_SEGMENT])
             law = creeping_cable_law(stage, net, c, creep, step)
             own = cable_residual(stage, net, (c, 1), base, q, law, creep, largest_coordinate)
         else:
@@ -50,7 +50,7 @@ def settle_of_creeping(stage, net_address, base, q, v):
     net, account = view_net(net_address), CableAccount(0.0, 0.0, 0.0, 0.0, 0.0)
     for c in net.single_cables:
         if net.creep[c, CREEP_STATIC] > 0.0:
-            own = cable_settle(stage, net, (c, 1), base, q, v, creep_of(net, c))
+            own = cable_settle(stage, net, (c, 1), base, q, v, creep_of(net, c, net.cable[c, CABLE_FIRST_SEGMENT]))
         else:
             own = cable_settle(stage, net, (c, 1), base, q, v, None)
         account = sum_of_accounts(account, own)
@@ -61,11 +61,11 @@ def settle_of_creeping(stage, net_address, base, q, v):
 def _relinearise_cable(stage, net, c):
     """`newton_step._relinearise_cable` of a cable that creeps."""
     first, count, node = net.cable[c, CABLE_FIRST_SEGMENT], net.cable[c, CABLE_SEGMENTS], net.cable[c, CABLE_FIRST_NODE]
-    L0, creep, step, start, changed = net.axial[c, AXIAL_L0], creep_of(net, c), net.newton_step, net.cable[c, CABLE_START], False
+    L0, step, start, changed = net.axial[c, AXIAL_L0], net.newton_step, net.cable[c, CABLE_START], False
     x0, y0, z0 = step[start, 0], step[start, 1], step[start, 2]
     for j in range(count):
         i, s = node + j if j < count - 1 else net.cable[c, CABLE_END], first + j
-        row, crept, T_linear = net.segment[s], net.crept[s], net.tension[s]
+        row, crept, T_linear, creep = net.segment[s], net.crept[s], net.tension[s], creep_of(net, c, s)
         gx, gy, gz = row[SEGMENT_GRADIENT], row[SEGMENT_GRADIENT + 1], row[SEGMENT_GRADIENT + 2]
         x1, y1, z1 = step[i, 0], step[i, 1], step[i, 2]
         more = gx * (x1 - x0) + gy * (y1 - y0) + gz * (z1 - z0)
@@ -75,6 +75,7 @@ def _relinearise_cable(stage, net, c):
         found = creep_of_step(
             before, lengthening, crept[CREPT_STRETCH], stage.tau, stage.dissipation, numerical, net.springs, creep
         )
+        before = before - found.offset
         stretch = before + lengthening - found.change
         if (T_linear > 0.0) if stretch > 0.0 else row[SEGMENT_TENSION] == 0.0:
             continue  # taut and stays taut, or slack and stays slack

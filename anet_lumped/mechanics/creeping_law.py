@@ -13,7 +13,15 @@ import math
 
 from anet_lumped.compiled.jit import inlined, internal
 from anet_lumped.effects.laws.axial import Spring, secant_tension
-from anet_lumped.effects.laws.creep import Creep, creep_of_step, slow_numerical_damper, slow_tension, stored_energy
+from anet_lumped.effects.laws.creep import (
+    Creep,
+    creep_of_step,
+    has_working_curve,
+    slow_numerical_damper,
+    slow_part,
+    stored_energy,
+)
+from anet_lumped.effects.laws.working_curve import WorkingCurves
 from anet_lumped.mechanics.segment_law import (
     CableLaw,
     TautLaw,
@@ -28,21 +36,39 @@ from anet_lumped.mechanics.segment_row import LinearisedSegment
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
     AXIAL_L0,
+    CREEP_CURVES_END,
     CREEP_DAMPER,
     CREEP_FAST,
+    CREEP_ORIGINAL,
+    CREEP_PARALLEL,
     CREEP_PER_TENSION,
+    CREEP_PERMANENT,
     CREEP_STATIC,
+    CREEP_WORKING,
     CREPT_CHANGE,
     CREPT_STRETCH,
+    CREPT_T_MAX,
     LINEARISED_SAME_STEP,
 )
 
 
 @inlined
-def creep_of(net, c):
-    """`Creep` of the segments of a cable."""
+def creep_of(net, c, s):
+    """`Creep` of segment s of cable c."""
     row = net.creep[c]
-    return Creep(row[CREEP_STATIC], row[CREEP_FAST], row[CREEP_PER_TENSION], row[CREEP_DAMPER], net.axial[c, AXIAL_DAMPER])
+    rows = int(row[CREEP_ORIGINAL]), int(row[CREEP_WORKING]), int(row[CREEP_CURVES_END])
+    shape = row[CREEP_PERMANENT], row[CREEP_PARALLEL], net.crept[s, CREPT_T_MAX]
+    curves = WorkingCurves(net.axial[c, AXIAL_L0], net.springs, rows[0], rows[1], rows[2], shape[0], shape[1], shape[2])
+    of_springs = row[CREEP_STATIC], row[CREEP_FAST], row[CREEP_PER_TENSION]
+    return Creep(of_springs[0], of_springs[1], of_springs[2], row[CREEP_DAMPER], net.axial[c, AXIAL_DAMPER], curves)
+
+
+@inlined
+def with_largest_tension(creep, T_max):
+    """`Creep` of a segment that has held another largest tension [N]."""
+    old, law = creep.curves, creep
+    curves = WorkingCurves(old.L0, old.curve, old.original, old.working, old.end, old.permanent, old.parallel, T_max)
+    return Creep(law.static_stiffness, law.fast_stiffness, law.per_tension, law.damper, law.fast_damper, curves)
 
 
 @inlined
@@ -102,9 +128,9 @@ def linearise_creeping(stage, of_segment, start, end, base_start, base_end, pred
     fast_before = l_a - (L0 + crept)
     numerical = history.numerical_damper
     if law.step > LINEARISED_SAME_STEP:
-        numerical, _ = numerical_damper_of_step(law, history, fast_before)
+        numerical, _ = numerical_damper_of_step(law, history, fast_before - slow_part(crept, creep).offset)
     found = creep_of_step(fast_before, l - l_a, crept, stage.tau, stage.dissipation, numerical, law.spring.curve, creep)
-    fast_law = _of_segment(law, found.fast_stiffness, L0 + (crept + found.change), L0 + crept)
+    fast_law = _of_segment(law, found.fast_stiffness, L0 + (crept + found.change) + found.offset, L0 + crept + found.offset)
     T, new = linearise(stage, fast_law, start, end, base_start, base_end, predicted_tension, history)
     stiffness, tension = new.stiffness, new.tension
     if stiffness != 0.0:
@@ -114,7 +140,7 @@ def linearise_creeping(stage, of_segment, start, end, base_start, base_end, pred
         tension = T + share * (tension - T)  # where a slack segment is linearised as taut
     return T, LinearisedSegment(
         new.ex, new.ey, new.ez, new.gx, new.gy, new.gz, new.geometric, stiffness, tension,
-        new.stretch_before, new.stretch, new.conservative, new.last_change, new.numerical_damper,
+        new.stretch_before + found.offset, new.stretch + found.offset, new.conservative, new.last_change, new.numerical_damper,
     ), found.change  # fmt: skip
 
 
@@ -132,11 +158,13 @@ def creep_in_step(stage, net, of_segment, fast_before, l, numerical):
     Returns
     -------
     spring : Spring, of the fast part, with its rest length at the end
+    offset : float64 [m], stretch of the fast part without tension
     change : float64 [m], of the slow stretch
     taken : (by damper, by method) [J], by the slow part
 
     A fast spring that gets stiffer with the tension stores more than the work of the fast part says, and the slow spring, of which
-    the tension in the middle is taken, less or more; the damper is booked what is left, so that the account closes.
+    the tension in the middle is taken, less or more; the damper is booked what is left, so that the account closes. So it is for
+    what a working curve loses as the largest tension grows.
     """
     creep, s, L0 = of_segment
     crept, h = net.crept[s, CREPT_STRETCH], stage.tau
@@ -146,10 +174,13 @@ def creep_in_step(stage, net, of_segment, fast_before, l, numerical):
     net.crept[s, CREPT_STRETCH], net.crept[s, CREPT_CHANGE] = after, change
     spring = fast_spring(net, found.fast_stiffness, L0 + after)
     by_damper = creep.damper / h * change * change
-    if creep.per_tension > 0.0:
-        P, _ = slow_tension(crept + 0.5 * change, creep)
-        fast_after = l - spring.L0
-        secant, _ = secant_tension(fast_before, fast_after, found.fast_stiffness, 0.0)
+    if creep.per_tension > 0.0 or has_working_curve(creep):
+        P, fast_after, creep_after = slow_part(crept + 0.5 * change, creep).tension, l - spring.L0, creep
+        if has_working_curve(creep):
+            net.crept[s, CREPT_T_MAX] = max(creep.curves.T_max, slow_part(after, creep).tension)
+            creep_after = with_largest_tension(creep, net.crept[s, CREPT_T_MAX])
+        secant, _ = secant_tension(fast_before - found.offset, fast_after - found.offset, found.fast_stiffness, 0.0)
         work = P * change + secant * (fast_after - fast_before)
-        by_damper += work - stored_energy(fast_after, after, creep) + stored_energy(fast_before, crept, creep)
-    return spring, change, (by_damper, slow_numerical_damper(h, stage.dissipation, creep) * change * change)
+        by_damper += work - stored_energy(fast_after, after, creep_after) + stored_energy(fast_before, crept, creep)
+    by_method = slow_numerical_damper(h, stage.dissipation, creep) * change * change
+    return spring, found.offset, change, (by_damper, by_method)

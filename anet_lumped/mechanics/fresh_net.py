@@ -36,8 +36,9 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
         Whether the run needs forces at one time, and whether it needs the stages of an implicit method.
     links : bool
         Whether its forces are those of links, cables that do not stretch.
-    crept : (n_segments,) float64 or None [m]
-        Slow stretch of each segment at the start, for a motion of cables that creep. None is for statics, and for scenes without.
+    crept : (2, n_segments) float64 or None
+        Slow stretch of each segment at the start [m] and the largest tension that it has held [N], for a motion of cables that
+        creep. None is for statics, and for scenes without.
 
     Returns
     -------
@@ -53,14 +54,14 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
         n_interior=model.n_interior,
         mass=model.mass.copy() if changing else model.mass,
         node_segments=model.node_segments,
-        cable=model.cable,
+        cable=model.cable_of_fast_parts if creeps else model.cable,
         cable_groups=model.cable_groups,
         single_cables=model.single_cables,
         single_kinds=model.single_kinds,
         axial=model.axial_of_fast_parts if creeps else model.axial.copy() if changing else model.axial,
         springs=model.springs,
         creep=model.creep if creeps else np.zeros((0, CREEP_COLUMNS)),
-        crept=np.column_stack([crept, np.zeros(segments)]) if creeps else np.zeros((0, CREPT_COLUMNS)),
+        crept=np.column_stack([crept[0], np.zeros(segments), crept[1]]) if creeps else np.zeros((0, CREPT_COLUMNS)),
         paths=PathTable(*(numbers.copy() for numbers in model.path_table)),
         n_driven=model.n_driven,
         carried=_carried(model.scene, len(model.path_table.first) - 1),
@@ -89,7 +90,7 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
         added_mass=np.zeros((model.n_free if has_added_mass else 0, 3, 3)),
         breaking_tension=model.breaking_tension,
         observed_tension=np.zeros(len(model.breaking_tension)),
-        remembered=np.zeros((SEGMENT_COLUMNS + 2 + 2 * creeps) * len(model.breaking_tension) + LINEARISED_COLUMNS),
+        remembered=np.zeros((SEGMENT_COLUMNS + 2 + CREPT_COLUMNS * creeps) * len(model.breaking_tension) + LINEARISED_COLUMNS),
         links=model.links.of_a_run() if links else NO_LINKS,
         kernels=np.zeros(KERNELS, np.int64),
     ).addressed()

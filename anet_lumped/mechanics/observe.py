@@ -7,7 +7,7 @@ from numba import float64, int64, void
 from anet_lumped.compiled.jit import inlined, internal, kernel
 from anet_lumped.compiled.lanes import column, load, load_four, select, shifted, store
 from anet_lumped.effects.laws.axial import elastic_secant, tension_parts
-from anet_lumped.effects.laws.creep import stored_energy, tension_at_once
+from anet_lumped.effects.laws.creep import slow_part, stored_energy, tension_at_once
 from anet_lumped.effects.signatures import as_energy
 from anet_lumped.mechanics.cable_rows import row3, segment_count
 from anet_lumped.mechanics.creeping_law import creep_of
@@ -30,6 +30,7 @@ from anet_lumped.model.tables import (
     CREEP_STATIC,
     CREPT_CHANGE,
     CREPT_STRETCH,
+    CREPT_T_MAX,
     KERNEL_SET_LENGTHS,
     LINEARISED_LAW,
     LINEARISED_MEAN_STEP,
@@ -50,8 +51,8 @@ _f1, _f2 = float64[::1], float64[:, ::1]
 @internal
 def _creeping_tension(net, c, s, stretch, rate, acting):
     """`observe_singles` of a segment s of cable c that creeps, of the ``stretch`` l - L0 [m] and the ``rate`` of length [m/s]."""
-    creep, crept, row, h = creep_of(net, c), net.crept[s, CREPT_STRETCH], net.segment[s], net.linearised[LINEARISED_TAU]
-    if net.linearised[LINEARISED_LAW] != LAW_BETWEEN or stretch <= crept:
+    creep, crept, row, h = creep_of(net, c, s), net.crept[s, CREPT_STRETCH], net.segment[s], net.linearised[LINEARISED_TAU]
+    if net.linearised[LINEARISED_LAW] != LAW_BETWEEN or stretch <= crept + slow_part(crept, creep).offset:
         return tension_at_once(stretch - crept, crept, rate, creep)
     mean_rate = (row[SEGMENT_STRETCH] - row[SEGMENT_STRETCH_BEFORE] + net.crept[s, CREPT_CHANGE]) / h
     k, omega_squared = net.axial[c, AXIAL_STIFFNESS], net.axial[c, AXIAL_OMEGA_SQUARED]
@@ -139,7 +140,7 @@ def elastic_energy_of_cable(net, c, q, creeps):
         if creeps is not None:
             if creeps:
                 crept = net.crept[first + j, CREPT_STRETCH]
-                energy = stored_energy(stretch - crept, crept, creep_of(net, c))
+                energy = stored_energy(stretch - crept, crept, creep_of(net, c, first + j))
         elastic = elastic + energy
     return elastic
 
@@ -166,12 +167,13 @@ def observe_singles(q, v, net_address, tension):
       which is the law where the step resolves the stretching, and the mean where it does not.
     * Otherwise: the law at one time.
 
-    Of cables that creep the law is that of `creep.tension_at_once`, and their slow stretches [m] follow the tensions of all
-    segments, where ``tension`` has room for them.
+    Of cables that creep the law is that of `creep.tension_at_once`. The slow stretches [m] and the largest tensions held [N] follow
+    the tensions of all segments, where ``tension`` has room for them.
     """
     net = view_net(net_address)
-    for i in range(min(net.crept.shape[0], tension.shape[0] - net.tension.shape[0])):
-        tension[net.tension.shape[0] + i] = net.crept[i, CREPT_STRETCH]
+    count = net.tension.shape[0]
+    for i in range(net.crept.shape[0] if tension.shape[0] > count else 0):
+        tension[count + i], tension[2 * count + i] = net.crept[i, CREPT_STRETCH], net.crept[i, CREPT_T_MAX]
     for c in net.single_cables:
         observe_cable(net, c, q, v, tension, net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0)
 

@@ -15,7 +15,7 @@ from anet_lumped.compiled.lanes import (
 )
 from anet_lumped.effects.signatures import as_force, as_tangent, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, row3, segment_count
-from anet_lumped.mechanics.creeping_law import linearise_creeping
+from anet_lumped.mechanics.creeping_law import linearise_creeping, with_largest_tension
 from anet_lumped.mechanics.effect_forces import add_masses, any_live, clear, numbers_of, take_middle
 from anet_lumped.mechanics.optional import (
     CableBalance,
@@ -37,6 +37,7 @@ from anet_lumped.model.tables import (
     CABLE_START,
     CREPT_CHANGE,
     CREPT_STRETCH,
+    CREPT_T_MAX,
     KERNEL_BALANCE_BODIES,
     KERNEL_PLACE_BODIES,
     KERNEL_RESIDUAL_GROUPS,
@@ -81,8 +82,8 @@ def cable_residual(stage, net, cables, base, q, law, creep, largest_coordinate):
     """Linearise the segments of a cable, or of a group of cables, and return their `CableBalance`.
 
     ``cables`` are the address of the cable or group and how many cables it is, ``law`` its `CableLaw`, and ``creep`` the `Creep` of
-    its segments, None of a cable that does not creep. Adds the forces of the cable on its end points to ``net.law_force``, and the
-    same forces with the predicted tensions to ``net.predicted_force``.
+    its first segment, None of a cable that does not creep. Adds the forces of the cable on its end points to ``net.law_force``,
+    and the same forces with the predicted tensions to ``net.predicted_force``.
     """
     c, members = cables
     first, node, per_tau = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE), 1.0 / stage.tau
@@ -102,7 +103,8 @@ def cable_residual(stage, net, cables, base, q, law, creep, largest_coordinate):
         if creep is None:
             T, new = linearise(stage, law, q0, q1, a0, a1, predicted_tension, load_history(segment, row))
         else:
-            of_segment, history = (law, creep, net.crept[s, CREPT_STRETCH]), load_history(segment, row)
+            of_segment = law, with_largest_tension(creep, net.crept[s, CREPT_T_MAX]), net.crept[s, CREPT_STRETCH]
+            history = load_history(segment, row)
             T, new, net.crept[s, CREPT_CHANGE] = linearise_creeping(stage, of_segment, q0, q1, a0, a1, predicted_tension, history)
         store_linearised(segment, row, new)
         tension_used = select(two_way_damper == 0.0, max(predicted_tension, 0.0), predicted_tension)

@@ -9,7 +9,7 @@ from anet_lumped.compiled.lanes import WIDTH, column, group_members, is_below, l
 from anet_lumped.effects.laws.axial import damped_changes
 from anet_lumped.effects.signatures import as_force, as_settle
 from anet_lumped.mechanics.cable_rows import add_to_points, put_row3, row3, segment_count, sum_of_members
-from anet_lumped.mechanics.creeping_law import creep_in_step, fast_spring
+from anet_lumped.mechanics.creeping_law import creep_in_step, fast_spring, with_largest_tension
 from anet_lumped.mechanics.effect_forces import any_live, numbers_of, take_middle
 from anet_lumped.mechanics.optional import (
     CableAccount,
@@ -37,6 +37,7 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_SEGMENT,
     CABLE_START,
     CREPT_STRETCH,
+    CREPT_T_MAX,
     KERNEL_ENERGY_OF_PAID_OUT,
     KERNEL_SETTLE_EFFECTS,
     KERNEL_SETTLE_GROUPS,
@@ -98,9 +99,9 @@ def _unresolved_share(ratio):
 def cable_settle(stage, net, cables, base, q, v, creep):
     """`settle` of a cable, or of a group of cables; returns their `CableAccount`.
 
-    ``cables`` are the address of the cable or group and how many cables it is; ``creep`` is the `Creep` of its segments, None of a
-    cable that does not creep. Writes the changes of velocity by the impulses to ``net.middle_v``, and adds each impulse over the
-    step to ``net.tension``.
+    ``cables`` are the address of the cable or group and how many cables it is; ``creep`` is the `Creep` of its first
+    segment, None of a cable that does not creep. Writes the changes of velocity by the impulses to ``net.middle_v``, and adds each
+    impulse over the step to ``net.tension``.
     """
     (c, members), h, per_h = cables, stage.tau, 1.0 / stage.tau
     first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
@@ -144,14 +145,18 @@ def cable_settle(stage, net, cables, base, q, v, creep):
         numerical = load(segment, shifted(row, 0, 1, SEGMENT_NUMERICAL_DAMPER))
         if creep is not None:
             L_a = L0 + net.crept[s, CREPT_STRETCH]
-            spring, change, by_slow_part = creep_in_step(stage, net, (creep, s, L0), stretch_before, l, numerical)
+            of_segment = with_largest_tension(creep, net.crept[s, CREPT_T_MAX]), s, L0
+            spring, offset, change, by_slow_part = creep_in_step(stage, net, of_segment, stretch_before, l, numerical)
             by_dampers, by_method = by_dampers + by_slow_part[0], by_method + by_slow_part[1]
             stretch = l - spring.L0
         n, lengthening = (dx * per_l, dy * per_l, dz * per_l), stretch - stretch_before
-        T_at_end, _, secant = tension_law(stage, stretch, stretch_before, spring, damper, two_way_damper, numerical)
+        x_a, x_b = stretch_before, stretch  # from which the spring pulls
+        if creep is not None:
+            x_a, x_b = stretch_before - offset, stretch - offset
+        T_at_end, _, secant = tension_law(stage, x_b, x_a, spring, damper, two_way_damper, numerical)
         store(segment, shifted(row, 0, 1, SEGMENT_STRETCH), stretch)
         store(segment, shifted(row, 0, 1, SEGMENT_TENSION), T_at_end)
-        damped_change, numerically_damped_change = damped_changes(stretch_before, stretch, spring.push_share, two_way_damper)
+        damped_change, numerically_damped_change = damped_changes(x_a, x_b, spring.push_share, two_way_damper)
         damper_force, method_force = damper * per_h * abs(damped_change), numerical * abs(numerically_damped_change)
         dissipated, damper_share = (T - secant) * lengthening, damper_force / max(damper_force + method_force, TINY)
         by_dampers, by_method = by_dampers + damper_share * dissipated, by_method + (1.0 - damper_share) * dissipated
@@ -160,7 +165,7 @@ def cable_settle(stage, net, cables, base, q, v, creep):
         mean_rate = lengthening * per_h
         if creep is not None:
             mean_rate = mean_rate + change * per_h
-        change_wanted = select(stretch > 0.0, taut_share, slack_share) * (rate - mean_rate)
+        change_wanted = select(x_b > 0.0, taut_share, slack_share) * (rate - mean_rate)
         impulse_acts = ((T > 0.0) | (two_way_damper > 0.0)) & (change_wanted * rate > 0.0) & (mobility_1 + mobility_2 > 0.0)
         impulse = select(
             impulse_acts,

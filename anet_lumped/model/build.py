@@ -20,6 +20,7 @@ from anet_lumped.model.net import Effects
 from anet_lumped.model.tables import (
     AXIAL_COLUMNS,
     AXIAL_INEXTENSIBLE,
+    AXIAL_L0,
     AXIAL_L0_BEFORE,
     AXIAL_OMEGA_SQUARED,
     AXIAL_PUSH_SHARE,
@@ -74,7 +75,17 @@ def _topology(scene):
         return None
     points = tuple((type(point), point.name) for point in scene.points)
     cables = tuple(
-        (one.start, one.end, one.name, one.segments, one.compression, one.inextensible, one.creeps, one.tension_strain)
+        (
+            one.start,
+            one.end,
+            one.name,
+            one.segments,
+            one.compression,
+            one.inextensible,
+            one.creeps,
+            one.tension_strain,
+            one.working_curve,
+        )
         for one in scene.cables
     )
     return points, cables, scene.bodies, tuple(map(type, scene.effects))
@@ -170,7 +181,7 @@ def _numbers(scene, node_of, cable, ends, n_free):
     rows = {}
     for c, (one, (_, count, node, start, end)) in enumerate(zip(scene.cables, cable[:, : CABLE_END + 1].tolist(), strict=True)):
         numbers = (one.length, count, one.mass_per_length, one.EA, one.zeta, one.BA, one.EA_dynamic, one.EA_compression)
-        alike = (*numbers, one.compression, one.tension_strain)
+        alike = (*numbers, one.compression, one.tension_strain, one.working_curve)
         if alike not in rows:
             rows[alike] = _axial_row(one), 0.5 * one.mass_per_length * one.L0
         axial[c], half = rows[alike]
@@ -197,21 +208,29 @@ def _axial_row(one):
     row = np.zeros(AXIAL_COLUMNS)
     spring = (0.0, 0.0) if one.inextensible else (one.stiffness, one.dashpot)
     without_damper = one.inextensible and one.compression == "damped"  # then nothing acts where it is slack
-    row[:AXIAL_OMEGA_SQUARED] = one.L0, *spring, *SWITCHES["none" if without_damper else one.compression]
+    row[:AXIAL_OMEGA_SQUARED] = (
+        one.L0 * (1.0 + one.permanent_strain),
+        *spring,
+        *SWITCHES["none" if without_damper else one.compression],
+    )
     row[AXIAL_PUSH_SHARE] = max(row[AXIAL_PUSH_SHARE], one.EA_compression / one.EA_first)
     row[AXIAL_INEXTENSIBLE] = one.inextensible
-    row[AXIAL_L0_BEFORE] = one.L0
+    row[AXIAL_L0_BEFORE] = row[AXIAL_L0]
     return row
 
 
 def _curves(cables, table):
-    """Rows of ``springs`` of all tension-strain curves, each one once; writes where those of a cable are into the table."""
-    first, rows = {(): (0, 0)}, []
+    """Rows of ``springs`` of all tension-strain curves, each one once, and behind those of a polyester rope its working curves.
+
+    Writes where the former of a cable are into the table.
+    """
+    first, rows = {((), ()): (0, 0)}, []
     for row, one in zip(table, cables, strict=True):
-        if one.springs not in first:
-            first[one.springs] = len(rows), len(rows) + len(one.springs)
-            rows.extend(one.springs)
-        row[CABLE_CURVE:] = first[one.springs]
+        curve = one.springs, one.working_rows
+        if curve not in first:
+            first[curve] = len(rows), len(rows) + len(one.springs)
+            rows.extend((*one.springs, *one.working_rows))
+        row[CABLE_CURVE:] = first[curve]
     return np.array(rows, float).reshape(-1, 2)
 
 

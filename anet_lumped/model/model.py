@@ -8,14 +8,19 @@ import numpy as np
 from anet_lumped.checks import quoted
 from anet_lumped.model.tables import (
     AXIAL_L0,
+    AXIAL_L0_BEFORE,
     AXIAL_OMEGA_SQUARED,
     AXIAL_PUSH_SHARE,
     AXIAL_STIFFNESS,
+    CABLE_CURVE,
+    CABLE_CURVE_END,
     CABLE_END,
     CABLE_FIRST_SEGMENT,
     CABLE_SEGMENTS,
     CREEP_COLUMNS,
+    CREEP_DAMPER,
     CREEP_FAST,
+    CREEP_ORIGINAL,
     CREEP_STATIC,
 )
 from anet_lumped.prescribed.paths import line, pack
@@ -110,17 +115,32 @@ class Model:
 
     @cached_property
     def creep(self):
-        """(n_cables, 4) float64: `Net.creep`, without rows where no cable creeps."""
+        """(n_cables, 9) float64: `Net.creep`, without rows where no cable creeps."""
         if not any(cable.creeps for cable in self.scene.cables):
             return np.zeros((0, CREEP_COLUMNS))
-        return np.array([cable.creep if cable.creeps else (0.0,) * CREEP_COLUMNS for cable in self.scene.cables])
+        table = np.zeros((len(self.scene.cables), CREEP_COLUMNS))
+        for row, cable, original in zip(table, self.scene.cables, self.cable[:, CABLE_CURVE_END], strict=True):
+            if cable.creeps:
+                row[: CREEP_DAMPER + 1] = cable.creep
+            if cable.working_curve is not None:
+                working, end = original + len(cable.tension_strain), original + len(cable.working_rows)
+                row[CREEP_ORIGINAL:] = original, working, end, *cable.working_curve.numbers
+        return table
+
+    @property
+    def cable_of_fast_parts(self):
+        """``cable`` of a motion: cables that creep have no tension-strain curve there, since kernels of their own take them."""
+        cable, creeps = self.cable.copy(), self.creep[:, CREEP_STATIC] > 0.0
+        cable[creeps, CABLE_CURVE_END] = cable[creeps, CABLE_CURVE]
+        return cable
 
     @property
     def axial_of_fast_parts(self):
         """``axial`` of a motion: of cables that creep, the springs are the fast ones, and kernels of their own take them."""
         axial, creeps = self.axial.copy(), self.creep[:, CREEP_STATIC] > 0.0
+        axial[creeps, AXIAL_OMEGA_SQUARED] *= self.creep[creeps, CREEP_FAST] / axial[creeps, AXIAL_STIFFNESS]
         axial[creeps, AXIAL_STIFFNESS] = self.creep[creeps, CREEP_FAST]
-        axial[creeps, AXIAL_OMEGA_SQUARED] *= self.creep[creeps, CREEP_FAST] / self.creep[creeps, CREEP_STATIC]
+        axial[creeps, AXIAL_L0] = axial[creeps, AXIAL_L0_BEFORE] = np.array([cable.L0 for cable in self.scene.cables])[creeps]
         axial[creeps, AXIAL_PUSH_SHARE] = 1.0  # as of springs for which `newton_step` looks for no slack segments
         return axial
 

@@ -207,8 +207,8 @@ class Net(NamedTuple):
     single_kinds: np.ndarray  # (2,) where in ``single_cables`` the second and the third kind begin
     axial: np.ndarray
     springs: np.ndarray  # (rows, 2) of tension-strain curves, see `Cable.springs`
-    creep: np.ndarray  # (n_cables, 4) of cables that creep, columns in `tables`; empty where none does, and in statics
-    crept: np.ndarray  # (n_segments, 2) [m] slow stretch of each segment and its change in the last step, likewise
+    creep: np.ndarray  # (n_cables, 9) of cables that creep, columns in `tables`; empty where none does, and in statics
+    crept: np.ndarray  # (n_segments, 3) slow stretch of each segment, its last change and largest tension, likewise
     paths: tuple
     n_driven: int  # first driven node
     carried: Carried

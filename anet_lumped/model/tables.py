@@ -16,18 +16,23 @@ AXIAL_OMEGA_SQUARED, AXIAL_INEXTENSIBLE, AXIAL_L0_RATE, AXIAL_L0_BEFORE = 5, 6, 
 AXIAL_L0_ACCELERATION = 9
 AXIAL_COLUMNS = 10
 
-# `Net.springs`, one row a piece of a tension-strain curve: the strain that it acts from, and its share of k.
+# `Net.springs`, one row a piece of a tension-strain curve: the strain that it acts from, and its share of k; and rows of working
+# curves, see `Net.creep`.
 CURVE_STRAIN, CURVE_SHARE = 0, 1
 
 # `Net.creep`, one row a cable, of its segments, see `effects.laws.creep`: the static stiffness [N/m], 0 for a cable that does not
 # creep; the stiffness of the fast spring without tension [N/m], by how much it grows with the tension [1/m]; the slow damper
-# [N s/m].
+# [N s/m]. And of a polyester rope, see `effects.laws.working_curve`: the rows of `Net.springs` where its original curve and the
+# shape of its working curves begin, and the one after the last; the share of the stretch that stays, and the EA of working curves
+# [N].
 CREEP_STATIC, CREEP_FAST, CREEP_PER_TENSION, CREEP_DAMPER = range(4)
-CREEP_COLUMNS = 4
+CREEP_ORIGINAL, CREEP_WORKING, CREEP_CURVES_END, CREEP_PERMANENT, CREEP_PARALLEL = 4, 5, 6, 7, 8
+CREEP_COLUMNS = 9
 
-# `Net.crept`, one row a segment: its slow stretch [m], and how much that changed in the last step.
-CREPT_STRETCH, CREPT_CHANGE = range(2)
-CREPT_COLUMNS = 2
+# `Net.crept`, one row a segment: its slow stretch [m], how much that changed in the last step, and the largest tension that it has
+# held for long [N], 0 but for a polyester rope with working curves.
+CREPT_STRETCH, CREPT_CHANGE, CREPT_T_MAX = range(3)
+CREPT_COLUMNS = 3
 
 # `Net.segment`, one row a segment, its linearised law T = T_0 + k g . (d_j - d_i) along e: e and g (three columns each), the
 # geometric stiffness a, k and T_0; and for the law the stretch before (of the old segment, or of its component along the new one),

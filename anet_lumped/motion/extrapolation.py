@@ -60,6 +60,7 @@ def extrapolated(coarse, fine):
         energy=_extrapolate(coarse.energy, fine.energy),
         segment_tension=tension,
         crept=None if fine.crept is None else np.maximum(_extrapolate(coarse.crept, fine.crept), 0.0),
+        T_max=None if fine.T_max is None else np.maximum(_extrapolate(coarse.T_max, fine.T_max), 0.0),
         dt=coarse.dt,
         reason=coarse.reason + "; extrapolated with half of it",
         extrapolated=True,

@@ -14,7 +14,6 @@ from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.model.reach import first_shortfall
 from anet_lumped.model.remainder import Remainder, remainder
-from anet_lumped.model.settled_creep import settled_creep
 from anet_lumped.model.tables import CABLE_SEGMENTS
 from anet_lumped.results.energy_balance import BY_EFFECTS, POTENTIAL, WORK
 from anet_lumped.results.events import BREAK, PAYLOAD, Event, broken
@@ -23,6 +22,7 @@ from anet_lumped.scene.payload_change import carried_from
 from integrators import schemes
 from integrators.system import BALANCE, DONE, ENERGIES, EVENT, SAME_TIME, UNCONVERGED
 
+from .inner_states import inner_at_start, inner_of, split_inner
 from .joint_blow import blow_at_joints
 from .link_catch import blow
 from .link_legs import Handover
@@ -34,7 +34,7 @@ NEARLY_TAUT = 10.0  # steps before cables would not reach any more, within which
 class Start(NamedTuple):
     """State that a leg starts from: q, v (n, 3) [m], [m/s] and the tension of every segment (n_segments,) [N]; all its own.
 
-    And how far each segment has crept (n_segments,) [m]; None where no cable creeps.
+    And (2, n_segments) of `inner_states`; None where no cable creeps.
     """
 
     q: np.ndarray
@@ -138,9 +138,7 @@ class Legs:
     def __init__(self, scene, start, leg, dt):
         self.scene, self.model, self.leg, self.dt = scene, build(scene), leg, dt
         self.t, self.q, self.v, self.tension = start.t, start.q.copy(), start.v.copy(), start.segment_tension.copy()
-        self.crept = None
-        if self.model.creeps:
-            self.crept = settled_creep(self.model, start.q) if start.crept is None else start.crept.copy()
+        self.crept = inner_at_start(self.model, start)
         self.events, self.broken = list(start.events), broken(start.events)
         earlier = sorted((event for event in scene.payload_changes if event.t < start.t), key=lambda event: event.t)
         self.payloads = {}
@@ -170,13 +168,13 @@ class Legs:
         new = slice(first, count)
         error = None if run.error_growth is None else self.left_out + run.error_growth
         saved = run.t[new], run.q[new], run.v[new], energy[new], run.segment_tension[new]
-        crept = None if run.crept is None else run.crept[new]
-        self.rows.append(_Rows(own, *saved, None if error is None else error[new], crept))
+        inner = inner_of(run)
+        self.rows.append(_Rows(own, *saved, None if error is None else error[new], None if inner is None else inner[:, new]))
         self.left_out = 0.0 if error is None else float(error[-1])
         self.t = float(run.t[-1])
         self.q[own.node], self.v[own.node], self.tension[own.segment] = run.q[-1], run.v[-1], run.segment_tension[-1]
         if self.crept is not None:
-            self.crept[own.segment] = 0.0 if run.crept is None else run.crept[-1]  # what is left may not creep
+            self.crept[:, own.segment] = 0.0 if inner is None else inner[:, -1]  # what is left may not creep
         self.carried[WORK:] = energy[-1, WORK:]
         self.runs.append(run)
 
@@ -186,11 +184,11 @@ class Legs:
         row = self.t, self.q[own.node], self.v[own.node], self.energies(), self.tension[own.segment]
         crept = self.crept_of(own)
         saved = (np.array([part]) for part in row)
-        self.rows.append(_Rows(own, *saved, np.array([self.left_out]), None if crept is None else crept[None]))
+        self.rows.append(_Rows(own, *saved, np.array([self.left_out]), None if crept is None else crept[:, None]))
 
     def crept_of(self, own):
-        """How far the segments of what is left have crept, (n_segments,) [m]; None where no cable creeps."""
-        return self.crept[own.segment] if own.model.creeps else None
+        """`inner_states` of the segments of what is left, (2, n_segments); None where no cable creeps."""
+        return self.crept[:, own.segment] if own.model.creeps else None
 
     def energies(self):
         """Kinetic, elastic and potential energy now, work and what was taken so far, (7,) [J]."""
@@ -299,7 +297,7 @@ class Legs:
             tension = float(self.tension[segment])
             self.tension[segment] = 0.0
             if self.crept is not None:
-                self.crept[segment] = 0.0
+                self.crept[:, segment] = 0.0
             self.events.append(Event(self.t, BREAK, cable.name, lost, segment=number, tension=tension))
 
     def _adds_nothing_to(self, run):
@@ -315,16 +313,16 @@ class Legs:
         t = np.concatenate([leg.t for leg in self.rows])
         q, v = np.empty((2, len(t), self.model.n, 3))
         tension, begin = np.zeros((len(t), self.model.n_segments)), 0
-        crept = None if self.crept is None else np.zeros_like(tension)
+        inner = None if self.crept is None else np.zeros((2, *tension.shape))
         for leg in self.rows:
             rows = slice(begin, begin + len(leg.t))
             q[rows, leg.left.node], v[rows, leg.left.node], tension[rows, leg.left.segment] = leg.q, leg.v, leg.tension
             if leg.crept is not None:
-                crept[rows, leg.left.segment] = leg.crept
+                inner[:, rows, leg.left.segment] = leg.crept
             begin = rows.stop
         return replace(
             last,
-            model=self.model, t=t, q=q, v=v, segment_tension=tension, crept=crept,
+            model=self.model, t=t, q=q, v=v, segment_tension=tension, **split_inner(self.model, inner),
             energy=np.concatenate([leg.energy for leg in self.rows]),
             status=STATUS[DONE] if last.status == STATUS[EVENT] else last.status,
             work=Work(*np.sum([astuple(run.work) for run in self.runs], axis=0).tolist()),

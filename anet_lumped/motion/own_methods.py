@@ -11,6 +11,7 @@ from integrators.marching.fixed_steps import FixedSteps
 from integrators.marching.march import march as march_system
 
 from .failure_messages import stiff_for, why_it_stopped
+from .inner_states import split_inner
 from .times import stops
 
 
@@ -22,7 +23,7 @@ def net_and_system(model, scheme, tension, crept=None):
     model : Model
     scheme : Scheme
     tension : (n_segments,) float64 [N], at the start
-    crept : (n_segments,) float64 [m], how far segments have crept; None where no cable creeps
+    crept : (2, n_segments) float64 [m], [N], of `inner_states`; None where no cable creeps
 
     Returns
     -------
@@ -64,7 +65,7 @@ def march(model, choice, leg, start, settings):
         stride, saves = leg.stride(choice.dt)
         times = FixedSteps(leg.begin, leg.end, choice.dt, leg.run_begin, stride)
     parameters = scheme.parameters(rho_inf=settings.rho_inf)
-    observed = 2 * model.n_segments if model.creeps else model.n_segments
+    observed = 3 * model.n_segments if model.creeps else model.n_segments
     out = march_system(scheme, bound, net.address, times, start.q, start.v, (saves, observed), parameters)
     run = run_of(model, choice, out, settings)
     if out.interrupted:
@@ -87,7 +88,7 @@ def run_of(model, choice, out, settings):
     Run
     """
     scheme = schemes.scheme(choice.method)
-    tensions, crept = np.split(out.saved.observed, [model.n_segments], axis=1)
+    tensions, inner = np.split(out.saved.observed, [model.n_segments], axis=1)
     tolerances = settings.tolerances if settings.adaptive and scheme.embedded else None
     stiff = stiff_for(choice, tolerances, out.counts, out.held, out.held_for) if tolerances else ()
     if not scheme.books_its_losses:
@@ -101,5 +102,5 @@ def run_of(model, choice, out, settings):
         wall_time=out.wall_time,
         warnings=(*choice.warnings, *stiff),
         segment_tension=tensions,
-        crept=crept if model.creeps else None,
+        **split_inner(model, np.stack(np.split(inner, 2, axis=1)) if model.creeps else None),
     )  # fmt: skip

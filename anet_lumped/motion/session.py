@@ -14,7 +14,7 @@ from anet_lumped.model import rest_lengths
 from anet_lumped.model.body_rotation import quaternions
 from anet_lumped.model.build import build
 from anet_lumped.model.remainder import lightest
-from anet_lumped.model.tables import AXIAL_TWO_WAY_DAMPER, CREPT_STRETCH, SEGMENT_DIRECTION
+from anet_lumped.model.tables import AXIAL_TWO_WAY_DAMPER, SEGMENT_DIRECTION
 from anet_lumped.results.energy_balance import BY_EFFECTS, WORK, book_remainder
 from anet_lumped.results.events import Event
 from anet_lumped.results.run import STATUS, Work
@@ -36,6 +36,7 @@ from .choice import check_method, choose
 from .failure_messages import why_it_stopped
 from .given_forces import GivenForces
 from .given_motions import GivenMotions
+from .inner_states import inner_of_net, split_inner
 from .legs import Legs
 from .own_methods import net_and_system
 from .readings import Sight, compiled_see, readings_of, sight_of, words_in_memory
@@ -104,7 +105,8 @@ class Session:
         self._motions = GivenMotions(scene, begin, self._origin, self.dt)
         self._forces = GivenForces(scene)
         self._counts, self._first_t, self._steps = np.zeros(COUNTS, np.int64), begin.t, 0
-        state = State(build(pushed), begin.t, begin.q, begin.v, begin.segment_tension, events=begin.events, crept=begin.crept)
+        state = State(build(pushed), begin.t, begin.q, begin.v, begin.segment_tension, events=begin.events)
+        state = replace(state, crept=begin.crept, T_max=begin.T_max)
         self._legs = Legs(pushed, state, Leg(begin.t, math.inf, begin.t, math.inf, None), self.dt)
         self._due = sorted({event.t for event in pushed.events if event.t >= begin.t})
         self._new_march()
@@ -278,7 +280,7 @@ class Session:
         legs.q[own.node], legs.v[own.node] = self._state.q, self._state.v
         legs.tension[own.segment] = self._end_tension()
         if own.model.creeps:
-            legs.crept[own.segment] = self._net.crept[:, CREPT_STRETCH]
+            legs.crept[:, own.segment] = inner_of_net(self._net)
         legs.carried[WORK:] += self._state.balance[WORK:ENERGIES]
 
     # What is read --------------------------------------------------------------------------------------------------------
@@ -318,9 +320,11 @@ class Session:
         q[own.node], v[own.node], tension[own.segment] = self._state.q, self._state.v, self._end_tension()
         crept = None if self._legs.crept is None else self._legs.crept.copy()
         if crept is not None and own.model.creeps:
-            crept[own.segment] = self._net.crept[:, CREPT_STRETCH]
+            crept[:, own.segment] = inner_of_net(self._net)
         pushed = self._forces.acts
-        return State(self.model, self.t, q + self._origin, v, tension, events=self.events, pushed=pushed, crept=crept)
+        return State(
+            self.model, self.t, q + self._origin, v, tension, events=self.events, pushed=pushed, **split_inner(self.model, crept)
+        )
 
     def position(self, point: str) -> np.ndarray:
         """(3,) place of a point [m]."""

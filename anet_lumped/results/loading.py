@@ -68,6 +68,8 @@ def _run(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Run:
         raise DamagedError("its `work` is missing")
     if ("crept" in arrays) != any(cable.creeps for cable in scene.cables):
         raise DamagedError("it tells how far cables have crept, and none creeps, or it does not, and one does")
+    if ("T_max" in arrays) != any(cable.working_curve is not None for cable in scene.cables):
+        raise DamagedError("it tells the largest tensions held, and no cable has a working curve, or it does not, and one has")
     try:
         model = build(scene)
     except InputError as error:
@@ -76,7 +78,7 @@ def _run(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Run:
         model, arrays["t"], arrays["q"], arrays["v"], arrays["energy"], **texts,
         dt=float(account["dt"]), wall_time=float(account["wall_time"]), segment_tension=arrays["tension"],
         error_growth=arrays.get("error"), error_factor=float(numbers["error_factor"]),
-        crept=arrays.get("crept"), work=work, audit=_record(Audit, "audit", account), events=events,
+        crept=arrays.get("crept"), T_max=arrays.get("T_max"), work=work, audit=_record(Audit, "audit", account), events=events,
         warnings=_read(tuple[str, ...], "warnings", _typed(str, "warnings", account)),
         extrapolated=bool(account.get("extrapolated", 0)),
         pushed=bool(account.get("pushed", 0)),
@@ -104,7 +106,7 @@ def _check_finite(arrays: Mapping[str, np.ndarray], finished: bool) -> None:
     """Times are finite and increase; what a run that reached its end holds besides is finite too."""
     if not np.isfinite(arrays["t"]).all() or (np.diff(arrays["t"]) < 0.0).any():
         raise DamagedError("its times are not finite, or do not increase")
-    for name in ("q", "v", "tension", "energy", "crept") if finished else ():
+    for name in ("q", "v", "tension", "energy", "crept", "T_max") if finished else ():
         if name in arrays and not np.isfinite(arrays[name]).all():
             raise DamagedError(f"its run reached its end, but `{name}` is not finite")
 

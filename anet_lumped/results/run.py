@@ -94,6 +94,7 @@ class Run:
     q_near : (k, n, 3) float64 [m] or None, as of a `State`
     pushed : bool, as of a `State`
     crept : (k, n_segments) float64 [m] or None, likewise; of scenes with a cable that creeps
+    T_max : (k, n_segments) float64 [N] or None, likewise; of scenes with a `working_curve`
     """
 
     model: Model
@@ -119,6 +120,7 @@ class Run:
     q_near: np.ndarray | None = None
     pushed: bool = False
     crept: np.ndarray | None = None
+    T_max: np.ndarray | None = None
 
     def __repr__(self) -> str:
         states = f"{len(self.t)} states of {self.q.shape[1]} nodes from t={self.t[0]:g} s to {self.t[-1]:g} s"
@@ -153,10 +155,10 @@ class Run:
     def energy_promise(self) -> EnergyPromise:
         """What the method promises of the energy of this scene: nothing where an effect has a force without an energy.
 
-        Nor does it where a spring gets stiffer as a cable creeps (`EA_dynamic_per_tension`).
+        Nor does it where a spring gets stiffer as a cable creeps (`EA_dynamic_per_tension`), or follows working curves.
         """
         kept = all(effect.keeps_energy for effect in self.scene.effects)
-        kept = kept and not any(cable.EA_dynamic_per_tension for cable in self.scene.cables)
+        kept = kept and not any(cable.EA_dynamic_per_tension or cable.working_curve for cable in self.scene.cables)
         return schemes.scheme(self.method).energy if kept else EnergyPromise.NONE
 
     @cached_property
@@ -209,7 +211,7 @@ class Run:
         rows, places = self.t.shape, (*self.t.shape, self.model.n, 3)
         columns = self.energy.shape[1:] if self.energy.shape[1:] in ((len(COLUMNS),), (len(UNDIVIDED),)) else (len(COLUMNS),)
         shapes = {"q": places, "v": places, "q_near": places, "segment_tension": (*rows, self.model.n_segments)}
-        shapes["crept"] = shapes["segment_tension"]
+        shapes["crept"] = shapes["T_max"] = shapes["segment_tension"]
         for name, shape in (shapes | {"error_growth": rows, "energy": (*rows, *columns)}).items():
             found = getattr(self, name)
             if found is not None and found.shape != shape:
@@ -226,8 +228,10 @@ class Run:
         t = float(self.t[k])
         near = None if self.q_near is None else self.q_near[k]
         tension, events = self.segment_tension[k], self.events_before(k)
-        crept = None if self.crept is None else self.crept[k]
-        return State(self.model, t, self.q[k], self.v[k], tension, events=events, q_near=near, pushed=self.pushed, crept=crept)
+        crept, T_max = (None if rows is None else rows[k] for rows in (self.crept, self.T_max))
+        return State(
+            self.model, t, self.q[k], self.v[k], tension, events=events, q_near=near, pushed=self.pushed, crept=crept, T_max=T_max
+        )
 
     def events_before(self, k: int) -> tuple[Event, ...]:
         """What had happened before the k-th saved state."""

@@ -69,6 +69,8 @@ class State:
         Whether forces from outside act, as `Session.push` gives them, which its scene does not have.
     crept : (n_segments,) float64 [m] or None
         How far each segment has crept, see `effects.laws.creep`; None is that of lengths that have been held for long.
+    T_max : (n_segments,) float64 [N] or None
+        Largest tension that each segment has held for long, of scenes with a `working_curve`; comes with ``crept``.
     """
 
     model: Model
@@ -82,6 +84,7 @@ class State:
     q_near: np.ndarray | None = None
     pushed: bool = False
     crept: np.ndarray | None = None
+    T_max: np.ndarray | None = None
 
     @classmethod
     def of(cls, scene: Scene, shapes: Any = None, velocities: Any = None, points: Any = None, t: float = 0.0) -> "State":

@@ -20,12 +20,13 @@ from anet_lumped.effects.shapes import Shape
 from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
-from anet_lumped.scene import nets
+from anet_lumped.scene import nets, working_curves
 from anet_lumped.scene.attach import attach
 from anet_lumped.scene.happenings import KINDS as EVENTS
 from anet_lumped.scene.happenings import Happening
 from anet_lumped.scene.rod import Rod
 from anet_lumped.scene.scene import Body, Cable, Driven, Fixed, Free, Scene, check_scene
+from anet_lumped.scene.working_curves import WorkingCurve
 
 POINTS = {"fixed": Fixed, "driven": Driven, "free": Free}
 
@@ -33,7 +34,7 @@ POINTS = {"fixed": Fixed, "driven": Driven, "free": Free}
 # What is written as a table with a `kind` inside another.
 PARTS: dict[Any, tuple[str, Mapping[str, Callable]]] = {
     Path: ("path", paths.KINDS), Signal: ("signal", signals.KINDS), Wind: ("wind", wind.KINDS), Wave: ("wave", waves.KINDS),
-    Shape: ("shape", shapes.KINDS),
+    Shape: ("shape", shapes.KINDS), WorkingCurve: ("working curve", working_curves.KINDS),
 }  # fmt: skip
 
 
@@ -392,8 +393,8 @@ def _plain(thing: Any) -> dict[str, Any]:
 def _lists(value: Any) -> Any:
     if isinstance(value, Path | Signal):
         return {"kind": value.kind} | _lists(dict(value.parameters))
-    if isinstance(value, Wind | Wave | Shape):
-        names = {kind: name for kinds in (wind.KINDS, waves.KINDS, shapes.KINDS) for name, kind in kinds.items()}
+    if isinstance(value, Wind | Wave | Shape | WorkingCurve):
+        names = {kind: name for _, kinds in PARTS.values() for name, kind in kinds.items()}
         return {"kind": names[type(value)]} | _plain(value)
     if isinstance(value, dict):
         return {key: _lists(entry) for key, entry in value.items()}

@@ -3,13 +3,16 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, Literal, get_args
 
 from anet_lumped.checks import SceneError, check_count, check_name, check_number, nearest, number, quoted, shown
 
 from .creep import check_creep
-from .tension_strain import check_curve, slopes
+from .polyester import static_curve
+from .tension_strain import Curve, check_curve, slopes
+from .working_curves import WorkingCurve
 
 Compression = Literal["none", "damped", "linear"]
 COMPRESSION: tuple[str, ...] = get_args(Compression)
@@ -45,6 +48,8 @@ class Cable:
         spring and the damper `BA_creep`, see `effects.laws.creep`; `zeta` is then that of the fast ones. Only pulls
     BA_creep : float [N·s] or None, viscosity of the creep
     EA_dynamic_per_tension : float, by how much EA_dynamic grows with the tension held
+    working_curve : one of `working_curves` or None, of a polyester rope with an `EA_dynamic`: what it follows below the largest
+        tension that it has held for long; above it `tension_strain`
     """
 
     start: str
@@ -69,6 +74,7 @@ class Cable:
     EA_dynamic: float | None = field(default=None, kw_only=True)
     BA_creep: float | None = field(default=None, kw_only=True)
     EA_dynamic_per_tension: float = field(default=0.0, kw_only=True)
+    working_curve: WorkingCurve | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         for point in (self.start, self.end):
@@ -138,36 +144,58 @@ class Cable:
         """Of a segment of a cable that creeps: static stiffness and that of the fast spring without tension [N/m], by how much this
         grows with the tension [1/m], and the slow damper [N·s/m]."""
         assert self.EA_dynamic is not None and self.BA_creep is not None
-        return tuple(x / self.L0 for x in (self.EA, self.EA_dynamic, self.EA_dynamic_per_tension, self.BA_creep))  # type: ignore[return-value]
+        static = self.EA if self.working_curve is None else min(self.EA, 0.5 * self.EA_dynamic)  # polyester may be as steep as that
+        return tuple(x / self.L0 for x in (static, self.EA_dynamic, self.EA_dynamic_per_tension, self.BA_creep))  # type: ignore[return-value]
+
+    @property
+    def working_rows(self) -> Curve:
+        """Rows of the original curve of a polyester rope, and then of the shape of its working curves; of others none."""
+        return () if self.working_curve is None else (*self._curve, *self.working_curve.shape)
+
+    @property
+    def permanent_strain(self) -> float:
+        """Strain that the cable has kept without tension, of a polyester rope that has held a tension."""
+        return self._held[0]
+
+    @property
+    def _curve(self) -> Curve:
+        return self.tension_strain  # type: ignore[return-value]  # as it was checked
+
+    @cached_property
+    def _held(self) -> tuple[float, Curve]:
+        """`permanent_strain`, and the tension-strain curve of loads that are held, in strains of the length with it."""
+        return (0.0, self._curve) if self.working_curve is None else static_curve(self._curve, self.working_curve)
 
     @property
     def EA_first(self) -> float:
         """Axial stiffness at L0 [N]: EA, or the first slope of the curve."""
-        return self.EA if self.tension_strain is None else slopes(self.tension_strain)[0]
+        return self.EA if self.tension_strain is None else slopes(self._held[1])[0]
 
     @property
     def springs(self) -> tuple[tuple[float, float], ...]:
-        """Springs in parallel that make the curve; none without one.
+        """Springs in parallel that make the curve of loads that are held; none without one.
 
-        The first one acts from the strain 0 on with a share of EA, each further one from its strain on with a share of the first.
+        The first one acts from the strain 0 on with a share of `stiffness`, each further one from its strain on with a share of the
+        first. Strains are those of the length with the permanent strain.
         """
         if self.tension_strain is None:
             return ()
-        of_pieces, knots = slopes(self.tension_strain), self.tension_strain[:-1]
+        curve = self._held[1]
+        of_pieces, knots, steepest = slopes(curve), curve[:-1], self.stiffness * self.L0 * (1.0 + self.permanent_strain)
         steps = (after - before for before, after in pairwise(of_pieces))
         further = ((strain, step / of_pieces[0]) for (strain, _), step in zip(knots, steps, strict=True))
-        return (0.0, of_pieces[0] / self.EA), *further
+        return (0.0, of_pieces[0] / steepest), *further
 
     def strain(self, T: float) -> float:
         """Strain that a tension T >= 0 [N] holds, by the elastic law."""
         if self.tension_strain is None:
             return T / self.EA
-        at, below, strain = 0.0, 0.0, 0.0
-        for (eps, above), slope in zip(self.tension_strain, slopes(self.tension_strain), strict=True):
+        at, below, strain, (kept, curve) = 0.0, 0.0, 0.0, self._held
+        for (eps, above), slope in zip(curve, slopes(curve), strict=True):
             if T > below or at == 0.0:
                 strain = at + (T - below) / slope
             at, below = eps, above
-        return strain
+        return kept + (1.0 + kept) * strain
 
     @property
     def L0(self) -> float:
@@ -176,7 +204,9 @@ class Cable:
 
     @property
     def stiffness(self) -> float:
-        """Spring of one segment, k = EA/L0 [N/m]."""
+        """Spring of one segment, k = EA/L0 [N/m]; of a polyester rope the steepest slope of loads that are held."""
+        if self.working_curve is not None:
+            return max(slopes(self._held[1])) / (self.L0 * (1.0 + self.permanent_strain))
         return self.EA / self.L0
 
     @property

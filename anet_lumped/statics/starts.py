@@ -130,10 +130,10 @@ def _checked_arrays(state):
     if not isinstance(state.model, Model):
         raise InputError(f"`model` of a State must be that of a scene, but it is {shown(state.model)}.")
     n, n_segments, found = state.model.n, state.model.n_segments, []
-    expected_shapes = {"q": (n, 3), "v": (n, 3), "segment_tension": (n_segments,), "crept": (n_segments,)}
+    expected_shapes = {"q": (n, 3), "v": (n, 3), "segment_tension": (n_segments,), "crept": (n_segments,), "T_max": (n_segments,)}
     for name, expected in expected_shapes.items():
         what = "nodes" if name in ("q", "v") else "segments"
-        if name == "crept" and state.crept is None:
+        if name in ("crept", "T_max") and getattr(state, name) is None:
             found.append(None)
             continue
         array = _numbers(getattr(state, name), f"`{name}` of a State")
@@ -151,8 +151,8 @@ def _adopt(model, state):
     q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
     if not np.isfinite(number(state.t)):
         raise InputError(f"A State to start from must have a finite time [s], but it has t={shown(state.t)}.")
-    own_q, own_v, own_tension, own_crept = _checked_arrays(state)
-    crept = None if own_crept is None or not model.creeps else np.zeros(model.n_segments)
+    own_q, own_v, own_tension, *own_inner = _checked_arrays(state)
+    inner = [None if own is None or not model.creeps else np.zeros(model.n_segments) for own in own_inner]
     segments = {cable.name: cable.segments for cable in state.scene.cables}
     for cable in model.scene.cables:
         other = segments.get(cable.name)
@@ -164,8 +164,9 @@ def _adopt(model, state):
         mine, theirs = model.nodes(cable.name), state.model.nodes(cable.name)
         q[mine], v[mine] = own_q[theirs], own_v[theirs]
         tension[model.segments(cable.name)] = own_tension[state.model.segments(cable.name)]
-        if crept is not None:
-            crept[model.segments(cable.name)] = own_crept[state.model.segments(cable.name)]
+        for array, own in zip(inner, own_inner, strict=True):
+            if array is not None:
+                array[model.segments(cable.name)] = own[state.model.segments(cable.name)]
     for body in model.scene.bodies:
         _adopt_body(model, state.model, body, (q, v), (own_q, own_v))
     for point in model.scene.all_points:
@@ -177,11 +178,28 @@ def _adopt(model, state):
         s = int(np.flatnonzero(~np.isfinite(tension))[0])
         cable = model.scene.cables[model.cable_of[s]]
         raise InputError(f"A start must have finite tensions, but a segment of cable {quoted(cable.name)} has {tension[s]} N.")
-    if crept is not None and not (np.isfinite(crept) & (crept >= 0.0)).all():
-        s = int(np.flatnonzero(~(np.isfinite(crept) & (crept >= 0.0)))[0])
-        name = quoted(model.scene.cables[model.cable_of[s]].name)
-        raise InputError(f"A start must have crept by no less than 0 m, but a segment of cable {name} has by {crept[s]} m.")
-    return State(model, float(state.t), q, v, tension, events=state.events, crept=crept)
+    _check_inner(model, *inner)
+    return State(model, float(state.t), q, v, tension, events=state.events, crept=inner[0], T_max=inner[1])
+
+
+def _check_inner(model, crept, T_max):
+    """Slow stretches and largest tensions are finite and not negative, and polyester ropes have both or none."""
+    for array, what, unit in (
+        (crept, "have crept by no less than 0 m", "m"),
+        (T_max, "have held a `T_max` of no less than 0 N", "N"),
+    ):
+        wrong = np.flatnonzero(~(np.isfinite(array) & (array >= 0.0))) if array is not None else ()
+        if len(wrong):
+            name = quoted(model.scene.cables[model.cable_of[wrong[0]]].name)
+            has = "has by" if unit == "m" else "has"
+            raise InputError(f"A start must {what}, but a segment of cable {name} {has} {array[wrong[0]]} {unit}.")
+    polyester = next((cable.name for cable in model.scene.cables if cable.working_curve is not None), None)
+    if polyester is not None and (crept is None) != (T_max is None):
+        have, lack = ("crept", "T_max") if T_max is None else ("T_max", "crept")
+        raise InputError(
+            f"A start of a cable with a working curve must have both `crept` and `T_max` or none, but that of {quoted(polyester)} "
+            f"has `{have}` and no `{lack}`."
+        )
 
 
 def _adopt_body(model, other, body, mine, theirs):

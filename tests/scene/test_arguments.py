@@ -34,6 +34,7 @@ from anet_lumped import (
     simulate,
     waves,
     wind,
+    working_curves,
 )  # fmt: skip
 from anet_lumped.advice.compare import compare
 from anet_lumped.advice.effect_audit import audit_effects
@@ -77,6 +78,9 @@ MAKERS = {
     "shapes.Sphere": (shapes.Sphere, {"at": (0, 0, 0), "radius": 1.0}),
     "shapes.Cylinder": (shapes.Cylinder, {"at": (0, 0, 0), "radius": 1.0, "axis": (1, 0, 0), "length": 2.0, "edge": 0.1}),
     "shapes.Box": (shapes.Box, {"at": (0, 0, 0), "size": (1, 1, 1), "rotation": (0, 0, 1), "edge": 0.1}),
+    "working_curves.Linear": (working_curves.Linear, {"permanent": 0.2, "T_max": 1.0}),
+    "working_curves.Quadratic": (working_curves.Quadratic, {"permanent": 0.2, "bend": 0.5, "T_max": 1.0}),
+    "working_curves.Exponential": (working_curves.Exponential, {"permanent": 0.2, "bend": 0.5, "T_max": 1.0}),
     "waves.Airy": (waves.Airy, {"height": 1.0, "period": 5.0}),
     "waves.Jonswap": (waves.Jonswap, {"height": 1.0, "period": 5.0, "seed": 1}),
     "waves.PiersonMoskowitz": (waves.PiersonMoskowitz, {"height": 1.0, "period": 5.0, "seed": 1}),
@@ -116,7 +120,8 @@ NAMES = {
 }  # fmt: skip
 NONE = {
     ("Free", "at"), ("Cable", "BA"), ("Cable", "name"), ("Cable", "diameter"), ("Cable", "breaking_tension"),
-    ("Cable", "tension_strain"), ("Cable", "EA_dynamic"), ("Cable", "BA_creep"),
+    ("Cable", "tension_strain"), ("Cable", "EA_dynamic"), ("Cable", "BA_creep"), ("Cable", "working_curve"),
+    ("working_curves.Linear", "EA"),
     ("air", "wind"), ("air", "surface"), ("water", "current"), ("water", "wave"),
     ("water", "waves"), ("water", "g"), ("shapes.Cylinder", "edge"), ("shapes.Box", "edge"),
     ("waves.Jonswap", "spreading"), ("waves.PiersonMoskowitz", "spreading"),

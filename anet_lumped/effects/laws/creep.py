@@ -24,7 +24,16 @@ which acts in full where the step does not resolve the creep, and is of third or
 
 of which each part is a change of stored energy and what a damper takes.
 
-Source: Hall, Duong & Lozon, IOWTC2023-119374, eqs. 2, 10 and 14, and MoorDyn's Line.cpp (`ElasticMod` 2 and 3).
+Of a polyester rope P is the tension of its `working_curve` instead, which depends on the largest tension held so far, T_max. Its
+fast part is straight about P: with the stretch y(P) of the fast spring under a tension that is held,
+
+    T = P + k_d (y - y(P)) + c dy/dt = k_d (y - offset) + c dy/dt ,    offset = y(P) - P/k_d .
+
+What it stores is the work that the working curve gives back from P, less P^2/(2 k_d), and k_d/2 (y - offset)^2 while it is taut. As
+T_max grows, the rest of the work of P is lost. Dampers are booked for it.
+
+Source: Hall, Duong & Lozon, IOWTC2023-119374, eqs. 2, 10 and 14, and MoorDyn's Line.cpp (`ElasticMod` 2 and 3); of
+polyester see `working_curve`.
 """
 
 import math
@@ -33,6 +42,7 @@ from typing import Any, NamedTuple
 from anet_lumped.compiled.jit import inlined_law, law
 
 from .axial import Spring, spring_energy, tension_between
+from .working_curve import NO_CURVES, held_fast_stretch, tension_at_slow_stretch, working_energy
 
 MOST_TRIALS = 100  # of the search for the slow stretch; each at least halves an interval that may be halved so often
 PRECISION = 4e-16  # of the stretches: a correction that is smaller ends the search
@@ -49,6 +59,7 @@ class Creep(NamedTuple):
     per_tension : [1/m], by which that grows with the tension of the slow spring
     damper : c_s [N s/m]
     fast_damper : c [N s/m]
+    curves : `working_curve.WorkingCurves`, empty but for polyester, whose static stiffness is one that its numbers scale with
     """
 
     static_stiffness: Any
@@ -56,6 +67,24 @@ class Creep(NamedTuple):
     per_tension: Any
     damper: Any
     fast_damper: Any
+    curves: Any = NO_CURVES
+
+
+class SlowPart(NamedTuple):
+    """The slow part at a slow stretch, and the fast part that goes with it.
+
+    Parameters
+    ----------
+    tension : P [N]
+    slope : dP/ds [N/m]
+    fast_stiffness : k_d [N/m]
+    offset : [m], stretch of the fast part without tension
+    """
+
+    tension: Any
+    slope: Any
+    fast_stiffness: Any
+    offset: Any
 
 
 class CreepStep(NamedTuple):
@@ -65,12 +94,14 @@ class CreepStep(NamedTuple):
     ----------
     change : s_b - s_a [m]
     fast_stiffness : k_d [N/m], in the middle of the step
+    offset : [m], stretch of the fast part without tension, likewise
     slope : [N/m], of the tension of the slow part in ``change``
     softening : [N/m], by how much less the tension of the fast part falls with ``change``, as the fast spring gets stiffer
     """
 
     change: Any
     fast_stiffness: Any
+    offset: Any
     slope: Any
     softening: Any
 
@@ -93,6 +124,23 @@ def slow_tension(crept, creep):
 
 
 @inlined_law
+def has_working_curve(creep):
+    """Whether a segment is of a polyester rope with working curves."""
+    return creep.curves.end > creep.curves.original
+
+
+@inlined_law
+def slow_part(crept, creep):
+    """`SlowPart` at a slow stretch s [m]."""
+    if has_working_curve(creep):
+        P, slope = tension_at_slow_stretch(crept, creep.curves, creep.fast_stiffness, creep.per_tension)
+        k_d = creep.fast_stiffness + creep.per_tension * P
+        return SlowPart(P, slope, k_d, held_fast_stretch(P, creep.fast_stiffness, creep.per_tension) - P / k_d)
+    P, slope = slow_tension(crept, creep)
+    return SlowPart(P, slope, fast_stiffness(crept, creep), 0.0)
+
+
+@inlined_law
 def slow_energy(crept, creep):
     """Energy of the slow spring [J] at a slow stretch s [m]: the integral of P, P^2 (1/(2 k) - S/fast_stiffness),
 
@@ -112,7 +160,11 @@ def slow_energy(crept, creep):
 @inlined_law
 def stored_energy(fast_stretch, crept, creep):
     """Energy of both springs [J], at their stretches y and s [m]."""
-    return slow_energy(crept, creep) + spring_energy(fast_stretch, fast_stiffness(crept, creep), 0.0)
+    part = slow_part(crept, creep)
+    of_fast = spring_energy(fast_stretch - part.offset, part.fast_stiffness, 0.0)
+    if has_working_curve(creep):
+        return working_energy(part.tension, creep.curves) - 0.5 * part.tension * part.tension / part.fast_stiffness + of_fast
+    return slow_energy(crept, creep) + of_fast
 
 
 @inlined_law
@@ -130,11 +182,11 @@ def tension_at_once(fast_stretch, crept, rate, creep):
 
     Both parts carry it, so that T (c_s + c) = c_s (k_d y + c rate) + c P.
     """
-    if fast_stretch <= 0.0:
+    part = slow_part(crept, creep)
+    if fast_stretch <= part.offset:
         return 0.0
-    P, _ = slow_tension(crept, creep)
-    elastic = fast_stiffness(crept, creep) * fast_stretch
-    both = creep.damper * (elastic + creep.fast_damper * rate) + creep.fast_damper * P
+    elastic = part.fast_stiffness * (fast_stretch - part.offset)
+    both = creep.damper * (elastic + creep.fast_damper * rate) + creep.fast_damper * part.tension
     return max(both / (creep.damper + creep.fast_damper), 0.0)
 
 
@@ -150,12 +202,14 @@ class _Gap(NamedTuple):
 def _gap(change, fast_stretch, lengthening, crept, slow_damper, damper, numerical, curve, creep):
     """`_Gap` for a change of the slow stretch in a step."""
     middle = crept + 0.5 * change
-    (P, P_slope), k_d = slow_tension(middle, creep), fast_stiffness(middle, creep)
+    part = slow_part(middle, creep)
+    P, k_d, before = part.tension, part.fast_stiffness, fast_stretch - part.offset
     spring = Spring(k_d, 0.0, 1.0, curve, 0, 0)
-    T, fast_slope, secant = tension_between(fast_stretch, fast_stretch + lengthening - change, spring, damper, numerical, 0.0)
+    T, fast_slope, secant = tension_between(before, before + lengthening - change, spring, damper, numerical, 0.0)
     stiffens = creep.per_tension > 0.0 and middle > 0.0 and T > 0.0
-    softening = 0.5 * creep.per_tension * P_slope * secant / k_d if stiffens else 0.0
-    step = CreepStep(change, k_d, 0.5 * P_slope + slow_damper, softening)
+    straightened = P if has_working_curve(creep) else 0.0  # where the fast part is straight about P, only what exceeds it counts
+    softening = 0.5 * creep.per_tension * part.slope * (secant - straightened) / k_d if stiffens else 0.0
+    step = CreepStep(change, k_d, part.offset, 0.5 * part.slope + slow_damper, softening)
     return _Gap(P + slow_damper * change - T, fast_slope, step)
 
 
@@ -187,7 +241,8 @@ def creep_of_step(fast_stretch, lengthening, crept, h, dissipation, numerical, c
     given = slow_damper, damper, numerical, curve, creep
     high = low - _gap(low, fast_stretch, lengthening, crept, *given).tension / (0.5 * creep.static_stiffness + slow_damper)
     for _ in range(MOST_TRIALS):
-        if creep.per_tension == 0.0 or _gap(high, fast_stretch, lengthening, crept, *given).tension >= 0.0:
+        linear = creep.per_tension == 0.0 and not has_working_curve(creep)
+        if linear or _gap(high, fast_stretch, lengthening, crept, *given).tension >= 0.0:
             break
         high += high - low
     size, change = abs(fast_stretch) + abs(lengthening) + abs(crept), min(max(0.0, low), high)
