@@ -163,8 +163,8 @@ def creep_in_step(stage, net, of_segment, fast_before, l, numerical):
     taken : (by damper, by method) [J], by the slow part
 
     A fast spring that gets stiffer with the tension stores more than the work of the fast part says, and the slow spring, of which
-    the tension in the middle is taken, less or more; the damper is booked what is left, so that the account closes. So it is for
-    what a working curve loses as the largest tension grows.
+    the tension in the middle is taken, less or more; the damper is booked what is left, so that the account closes, and the method
+    where that is less than nothing. So it is for what a working curve loses as the largest tension grows.
     """
     creep, s, L0 = of_segment
     crept, h = net.crept[s, CREPT_STRETCH], stage.tau
@@ -182,5 +182,5 @@ def creep_in_step(stage, net, of_segment, fast_before, l, numerical):
         secant, _ = secant_tension(fast_before - found.offset, fast_after - found.offset, found.fast_stiffness, 0.0)
         work = P * change + secant * (fast_after - fast_before)
         by_damper += work - stored_energy(fast_after, after, creep_after) + stored_energy(fast_before, crept, creep)
-    by_method = slow_numerical_damper(h, stage.dissipation, creep) * change * change
-    return spring, found.offset, change, (by_damper, by_method)
+    by_method = slow_numerical_damper(h, stage.dissipation, creep) * change * change + min(by_damper, 0.0)
+    return spring, found.offset, change, (max(by_damper, 0.0), by_method)

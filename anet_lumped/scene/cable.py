@@ -16,6 +16,7 @@ from .working_curves import WorkingCurve
 
 Compression = Literal["none", "damped", "linear"]
 COMPRESSION: tuple[str, ...] = get_args(Compression)
+HALF = 0.5  # of the fast stiffness of polyester, as if its slow spring were as stiff: what its numerical damper scales with
 
 
 @dataclass(frozen=True)
@@ -144,7 +145,7 @@ class Cable:
         """Of a segment of a cable that creeps: static stiffness and that of the fast spring without tension [N/m], by how much this
         grows with the tension [1/m], and the slow damper [N·s/m]."""
         assert self.EA_dynamic is not None and self.BA_creep is not None
-        static = self.EA if self.working_curve is None else min(self.EA, 0.5 * self.EA_dynamic)  # polyester may be as steep as that
+        static = self.EA if self.working_curve is None else min(self.EA, HALF * self.EA_dynamic)
         return tuple(x / self.L0 for x in (static, self.EA_dynamic, self.EA_dynamic_per_tension, self.BA_creep))  # type: ignore[return-value]
 
     @property

@@ -1,6 +1,7 @@
 """The static curve of a polyester rope with working curves, and whether its curves and its fast spring go together."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 
 from anet_lumped.checks import SceneError
@@ -55,49 +56,65 @@ def check_polyester(curve: Curve, working: WorkingCurve, fast: tuple[float, floa
     SceneError : a curve that is as steep as the fast spring, a working curve that begins at a negative strain, or that gives back
         more work than was done
     """
-    T_max, EA, per_tension = working.T_max, *fast
+    if (fault := _fault(curve, working, fast)) is not None:
+        raise SceneError(fault.format(owner=owner))
+
+
+@lru_cache(maxsize=64)  # cables of one rope are many
+def _fault(curve: Curve, working: WorkingCurve, fast: tuple[float, float]) -> str | None:
+    """What is wrong with the curves of an ``{owner}``, or None."""
     for (eps_a, T_a), (eps_b, T_b) in pairwise(((0.0, 0.0), *curve)):
-        _check_slope("tension_strain", (T_b - T_a) / (eps_b - eps_a), T_a, EA + per_tension * T_a, owner)
-    ends = sorted({0.0, T_max, *(T for _, T in curve), 2.0 * max(T_max, curve[-1][1])})
+        if fault := _too_steep("tension_strain", (T_b - T_a) / (eps_b - eps_a), T_a, fast):
+            return fault
+    ends = sorted({0.0, working.T_max, *(T for _, T in curve), 2.0 * max(working.T_max, curve[-1][1])})
     before: tuple[float, float, float] | None = None
-    for lower, upper in pairwise(T for T in ends if T >= T_max):
+    for lower, upper in pairwise(T for T in ends if T >= working.T_max):
         for k in range(0 if before is None else 1, BETWEEN_ROWS + 1):
             T = lower + (upper - lower) * k / BETWEEN_ROWS
-            if T > 0.0:
-                rows = _working(curve, working, T)
-                _check_working(rows, T, EA, per_tension, owner)
-                before = _check_work(rows, strain_of(curve, T), T, before, owner)
+            if T == 0.0:
+                continue
+            rows = _working(curve, working, T)
+            reached = strain_of(curve, T), T, _area(rows)
+            if fault := _fault_of_working(rows, T, fast) or _too_much_work(before, reached):
+                return fault
+            before = reached
+    return None
 
 
-def _check_slope(what: str, slope: float, T: float, fast: float, owner: str, of: str = "") -> None:
-    if not slope < fast:
-        raise SceneError(
-            f"The {what} of a polyester rope must be less steep than its fast spring, EA_dynamic + EA_dynamic_per_tension·T, "
-            f"but that of {owner}{of} has the slope {slope:.4g} N at T={T:.4g} N, where the fast spring has {fast:.4g} N."
-        )
+def _too_steep(what: str, slope: float, T: float, fast: tuple[float, float], of: str = "") -> str | None:
+    stiffness = fast[0] + fast[1] * T
+    if slope < stiffness:
+        return None
+    return (
+        f"The {what} of a polyester rope must be less steep than its fast spring, EA_dynamic + EA_dynamic_per_tension·T, "
+        f"but that of {{owner}}{of} has the slope {slope:.4g} N at T={T:.4g} N, where the fast spring has {stiffness:.4g} N."
+    )
 
 
-def _check_working(rows: list[tuple[float, float]], T_max: float, EA: float, per_tension: float, owner: str) -> None:
+def _fault_of_working(rows: list[tuple[float, float]], T_max: float, fast: tuple[float, float]) -> str | None:
     if rows[0][0] < 0.0:
-        raise SceneError(
-            f"A working curve must begin at no negative strain, but that of {owner} for T_max={T_max:.4g} N does "
+        return (
+            f"A working curve must begin at no negative strain, but that of {{owner}} for T_max={T_max:.4g} N does "
             f"at {rows[0][0]:.4g}."
         )
-    for (eps_a, T_a), (eps_b, T_b) in pairwise(rows):
-        slope = (T_b - T_a) / (eps_b - eps_a)
-        _check_slope("working curve", slope, T_a, EA + per_tension * T_a, owner, f" for T_max={T_max:.4g} N")
+    slopes = (((T_b - T_a) / (eps_b - eps_a), T_a) for (eps_a, T_a), (eps_b, T_b) in pairwise(rows))
+    faults = (_too_steep("working curve", slope, T, fast, f" for T_max={T_max:.4g} N") for slope, T in slopes)
+    return next(filter(None, faults), None)
 
 
-def _check_work(
-    rows: list[tuple[float, float]], eps_max: float, T: float, before: tuple[float, float, float] | None, owner: str
-) -> tuple[float, float, float]:
-    """The strain, the tension, and the work that a working curve gives back [N]; it must grow by no more than the work done."""
-    back = sum(0.5 * (T_a + T_b) * (eps_b - eps_a) for (eps_a, T_a), (eps_b, T_b) in pairwise(rows))
-    if before is not None:
-        done = 0.5 * (before[1] + T) * (eps_max - before[0])
-        if back - before[2] > done + ROUNDING * back:
-            raise SceneError(
-                f"A working curve must give back no more work than the original curve takes, but that of {owner} does as T_max "
-                f"grows from {before[1]:.4g} to {T:.4g} N; more `permanent` strain takes more."
-            )
-    return eps_max, T, back
+def _area(rows: list[tuple[float, float]]) -> float:
+    """Work that a working curve gives back, over the length [N]."""
+    return sum(0.5 * (T_a + T_b) * (eps_b - eps_a) for (eps_a, T_a), (eps_b, T_b) in pairwise(rows))
+
+
+def _too_much_work(before: tuple[float, float, float] | None, now: tuple[float, float, float]) -> str | None:
+    """Of two strains, largest tensions and areas: the area must grow by no more than the work along the original curve."""
+    if before is None:
+        return None
+    done = 0.5 * (before[1] + now[1]) * (now[0] - before[0])
+    if now[2] - before[2] <= done + ROUNDING * now[2]:
+        return None
+    return (
+        "A working curve must give back no more work than the original curve takes, but that of {owner} does as T_max "
+        f"grows from {before[1]:.4g} to {now[1]:.4g} N; more `permanent` strain takes more."
+    )
