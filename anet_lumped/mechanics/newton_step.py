@@ -60,7 +60,7 @@ from integrators.stage import LAW_AT_END, LAW_BETWEEN, STAGE
 _f2 = float64[:, ::1]
 
 ROUNDS = 4  # eliminations that a Newton step may spend on finding which segments are slack
-MANY_POINTS, ROUNDS_OF_MANY = 16, 2  # in steps of a net of more free points, where an elimination costs far more than a residual:
+MANY_POINTS, ROUNDS_OF_MANY = 16, 2  # of a net of more free points, where an elimination costs far more than a residual:
 # a third and a fourth save few of its Newton steps, and take a sixth to two fifths more eliminations in all
 NEARLY_EQUAL = 1e-2  # of two tensions: a smaller difference does not ask for another elimination
 
@@ -226,8 +226,7 @@ def direction(stage, net_address):
         for x in range(3):
             law_force[i, x] = right_side[i, x]  # the elimination overwrites it
     length_direction, all_taut = SEGMENT_GRADIENT if stage.law == LAW_BETWEEN else SEGMENT_DIRECTION, False
-    many = stage.law == LAW_BETWEEN and net.n_free - net.n_interior > MANY_POINTS
-    rounds = ROUNDS_OF_MANY if many else ROUNDS
+    rounds = ROUNDS_OF_MANY if net.n_free - net.n_interior > MANY_POINTS else ROUNDS
     for solves in range(1, rounds + 1):
         smallest = solve.solve(net_address)
         all_taut = smallest > 0.0  # all are taut and stay taut: a slack segment has no tension

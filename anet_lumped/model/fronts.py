@@ -9,6 +9,7 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
+from anet_lumped.compiled.lanes import WIDTH
 from anet_lumped.model.net import Fronts
 from anet_lumped.model.tables import (
     FRONT_COLUMNS,
@@ -21,9 +22,9 @@ from anet_lumped.model.tables import (
     FRONT_WAITING_AT,
 )
 
-# Free points from which on fronts are the faster way. On square nets of 900, 3,600 and 10,000 points they take 0.9, 0.7 and 0.5 of
-# the time of blocks one by one, and 0.25 of SuperLU's.
-MANY = 800
+# Free points from which on fronts are the faster way. On square nets of 196, 400 and 900 points they take 0.8, 0.6 and 0.4 of the
+# time of blocks one by one; on 3,600 points an eighth of SuperLU's.
+MANY = 200
 FEW_PIVOTS = 3  # fronts of up to so many pivots are one with the front behind them
 ZEROS = 0.2  # fill that a merged front may hold beyond that of its parts, relative to theirs
 
@@ -70,7 +71,7 @@ def symbolic_fronts(order, later, block_of):
     for f, p in enumerate(fronts):
         place, n_pivots, n_rows = own[p], len(pivots[p]), len(rows[p])
         size = 3 * (n_pivots + n_rows)
-        waiting -= sum((3 * len(rows[child])) ** 2 for child in children[p])
+        waiting -= sum(_left(rows[child]) for child in children[p])
         row = table[f]
         row[FRONT_PIVOTS], row[FRONT_ROWS], row[FRONT_FIRST_POINT], row[FRONT_FIRST_ENTRY] = (
             n_pivots,
@@ -85,8 +86,8 @@ def symbolic_fronts(order, later, block_of):
             entries += [(block_of[order[i], order[j]], place[i], place[j]) for i, j in pairs]
         points += [order[i] for i in place]
         in_parent += [-1] * n_pivots + [own[parent[p]][point] for point in sorted(rows[p])]
-        factors += size * size - (3 * n_rows) ** 2
-        waiting += (3 * n_rows) ** 2
+        factors += 3 * n_pivots * (size + WIDTH)
+        waiting += _left(rows[p])
         most_waiting, largest = max(most_waiting, waiting), max(largest, size)
     return Fronts(
         front=table,
@@ -94,9 +95,14 @@ def symbolic_fronts(order, later, block_of):
         point=np.array(points, np.int64),
         in_parent=np.array(in_parent, np.int64),
         factor=np.zeros(factors),
-        dense=np.zeros(largest * largest),
+        dense=np.zeros(largest * (largest + WIDTH)),
         waiting=np.zeros(most_waiting),
     )
+
+
+def _left(rows):
+    """Numbers that a front with these rows leaves: a square matrix and its right side."""
+    return 3 * len(rows) * (3 * len(rows) + 1)
 
 
 def _filled(later):

@@ -21,9 +21,12 @@ from integrators.stage import LAW_BACKWARD, Stage
 SHORT = 0.1  # first tau over sqrt(L/g)
 GROWTH, LARGE_GROWTH = 4.0, 30.0  # of tau from one pseudo-step to the next; and where nothing is in the way
 LONGEST = 1e4  # last tau over the first one
-ON_THE_WAY, AT_END = 1e-9, 1e-14  # of the load: out-of-balance force with which a pseudo-step ends, before tau is longest and then
+ON_THE_WAY, AT_END = 1e-6, 1e-14  # of the load: out-of-balance force with which a pseudo-step ends, before tau is longest and then
 AT_REST = 1e-10  # of the load: out-of-balance force from which longer pseudo-steps gain nothing
 STEPS, ITERATIONS = 400, 20  # largest number of pseudo-steps, and of Newton iterations in each
+# A pseudo-step is too long whose force out of balance, after so many Newton iterations, is so many times that before it, or the
+# load of a node. Of nets in a current, steps that found their end had up to 20 times as much by then, others 100 times and more.
+SETTLING, HOPELESS = 4, 50.0
 
 
 class Pace(NamedTuple):
@@ -145,10 +148,13 @@ def _step(net, q, tau, load, tolerance):
     base = q.copy()
     stage = Stage(LAW_BACKWARD, 0.0, 1.0 / tau**2, 1.0, tau, 0.0)
     norm, _, noise, predicted = residual.residual(stage, base, base, q, net.address)
+    hopeless = HOPELESS * max(predicted, load / max(net.n_free, 1))
     for iteration in range(ITERATIONS):
         # predicted tensions balance better than the law does for stiff cables, whose lengths are rounded
         if predicted <= tolerance * load or (iteration > 2 and norm <= noise):
             return min(predicted, max(norm - noise, 0.0)), iteration
+        if iteration >= SETTLING and predicted > hopeless:
+            break
         newton_step.direction(stage, net.address)
         newton_step.correct(net.address, 1.0, q)
         before, length = norm, 1.0

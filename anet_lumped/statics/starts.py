@@ -76,6 +76,8 @@ def spread(model: Model, at: Mapping[str, np.ndarray]) -> np.ndarray:
     """(n, 3) places with every cable's nodes evenly spaced between given places (3,) of the points [m]."""
     q = np.empty((model.n, 3))
     for cable in model.scene.cables:
+        if cable.segments == 1:
+            continue
         a, b = at[cable.start], at[cable.end]
         q[model.nodes(cable.name)] = a + np.linspace(0.0, 1.0, cable.segments + 1)[:, None] * (b - a)
     for point in model.scene.all_points:

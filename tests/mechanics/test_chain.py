@@ -129,8 +129,8 @@ def test_solution_by_fronts_with_couplings(couples, monkeypatch):
     check(model, coupled(model, random_system(model, rng, 1e4), rng, couples), 1e4)
 
 
-def test_fronts_of_a_mesh_larger_than_a_panel(monkeypatch):
-    """A mesh of 30 x 30 points has fronts of more columns than are factored at once; blocks one by one are the second method."""
+def test_fronts_of_a_large_mesh(monkeypatch):
+    """A mesh of 30 x 30 points has fronts of a hundred columns and more; blocks one by one are the second method."""
     scene, steps = mesh(30, 30, 1), []
     for many in (1, 10**9):
         model, rng = laid_out(scene, many, monkeypatch), np.random.default_rng(0)
