@@ -12,7 +12,16 @@ from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
-from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_PUSH_SHARE, AXIAL_STIFFNESS, CABLE_END, CABLE_SEGMENTS
+from anet_lumped.model.tables import (
+    AXIAL_INEXTENSIBLE,
+    AXIAL_L0,
+    AXIAL_PUSH_SHARE,
+    AXIAL_STIFFNESS,
+    CABLE_END,
+    CABLE_FIRST_SEGMENT,
+    CABLE_SEGMENTS,
+    CABLE_START,
+)
 from anet_lumped.results.near_origin import computed_near_origin
 from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Fixed, Free, Scene, check_scene
@@ -114,8 +123,7 @@ def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) 
         if net.axial[c, AXIAL_INEXTENSIBLE] == 0.0:
             EA[c] = net.axial[c, AXIAL_STIFFNESS] * net.axial[c, AXIAL_L0]  # of a segment as long as it is at rest
     H = _first_guess(model, load, q, scale)
-    for name in (point.name for point in scene.all_points if isinstance(point, Free)):
-        q[model.node(name)] = q[model.n_free :].mean(axis=0)
+    q[[model.node(point.name) for point in scene.all_points if isinstance(point, Free)]] = q[model.n_free :].mean(axis=0)
     closing, balance, noise, iterations = solve(net.address, load, EA, scale, tolerance, H, q)
     if not (closing <= 10 * tolerance and balance <= 1e-10 + noise):
         raise EquilibriumError(
@@ -241,10 +249,12 @@ def dead_load(model: Model, net: Any, q: np.ndarray) -> np.ndarray:
 def _first_guess(model: Model, load: np.ndarray, q: np.ndarray, scale: float) -> np.ndarray:
     """(n_cables, 3) force at each cable's start [N]: half of the cable's load, and a force of the same size along its chord."""
     H = np.zeros((len(model.cable), 3))
-    for c, (_, count, node, start, end) in enumerate(model.cable[:, : CABLE_END + 1]):
+    held = (model.cable[:, CABLE_START : CABLE_END + 1] >= model.n_free).all(axis=1)
+    for c in np.flatnonzero(held | (model.cable[:, CABLE_SEGMENTS] > 1)):
+        _, count, node, start, end = model.cable[c, : CABLE_END + 1]
         own = load[node : node + count - 1].sum(axis=0)
         H[c] = 0.5 * own
-        if start >= model.n_free and end >= model.n_free:
+        if held[c]:
             chord = q[end] - q[start]
             span = np.linalg.norm(chord)
             if span > 0:
@@ -310,15 +320,15 @@ def _connected(neighbours: dict[str, list[str]], names: list[str]) -> set[str]:
 
 def _check_slack(model: Model, tension: np.ndarray, total: float, scale: float) -> None:
     """A slack cable is a static shape only where its own load shapes it and where it need not push."""
-    for cable in model.scene.cables:
-        smallest = tension[model.segments(cable.name)].min()
-        if total == 0.0 and smallest < 1e-9 * scale:
+    smallest = np.minimum.reduceat(tension, model.cable[:, CABLE_FIRST_SEGMENT])
+    for cable in (model.scene.cables[c] for c in np.flatnonzero(smallest < 1e-9 * scale).tolist()):
+        if total == 0.0:
             raise NoRestError(
                 f"Nothing loads the cables: the scene has no gravity, so that the slack cable {quoted(cable.name)} has no shape at "
                 "rest; add gravity, or begin from a State."
             )
         pushes, law = cable.compression == "linear" or cable.EA_compression, cable.compression
-        if pushes and smallest < 1e-9 * scale:
+        if pushes:
             raise NoRestError(
                 f'A cable that hangs in equilibrium must be taut, but cable {quoted(cable.name)} with compression="{law}" has '
                 f'a slack segment that would push; use compression="none" or "damped", or an even number of segments.'
