@@ -249,12 +249,12 @@ def dead_load(model: Model, net: Any, q: np.ndarray) -> np.ndarray:
 def _first_guess(model: Model, load: np.ndarray, q: np.ndarray, scale: float) -> np.ndarray:
     """(n_cables, 3) force at each cable's start [N]: half of the cable's load, and a force of the same size along its chord."""
     H = np.zeros((len(model.cable), 3))
-    held = (model.cable[:, CABLE_START : CABLE_END + 1] >= model.n_free).all(axis=1)
-    for c in np.flatnonzero(held | (model.cable[:, CABLE_SEGMENTS] > 1)):
+    between_held = model.cable[:, CABLE_START : CABLE_END + 1].min(axis=1) >= model.n_free
+    for c in np.flatnonzero(between_held | (model.cable[:, CABLE_SEGMENTS] > 1)):
         _, count, node, start, end = model.cable[c, : CABLE_END + 1]
         own = load[node : node + count - 1].sum(axis=0)
         H[c] = 0.5 * own
-        if held[c]:
+        if start >= model.n_free and end >= model.n_free:
             chord = q[end] - q[start]
             span = np.linalg.norm(chord)
             if span > 0:
