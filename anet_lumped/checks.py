@@ -178,7 +178,7 @@ def check_name(value: Any, what: str) -> str:
     """Return the name `value` of a point or cable (`what`), which must be a string with something in it."""
     if not isinstance(value, str) or not value.strip():
         raise SceneError(f"The name of a {what} must be a non-empty string, but is {shown(value)}.")
-    if any("\ud800" <= character <= "\udfff" for character in value):
+    if not value.isascii() and any("\ud800" <= character <= "\udfff" for character in value):
         raise SceneError(f"The name of a {what} must be text that UTF-8 can hold, but is {quoted(value)}.")
     return value
 

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 from functools import lru_cache
+from itertools import accumulate
 
 import numpy as np
 
 from anet_lumped.checks import LARGEST, SceneError, quoted
 from anet_lumped.compiled.lanes import WIDTH
-from anet_lumped.effects import REGISTRY
 from anet_lumped.effects.kernel_checks import check_kernels
 from anet_lumped.effects.laws.axial import SWITCHES
 from anet_lumped.effects.signatures import SLOTS, addresses
@@ -15,7 +15,7 @@ from anet_lumped.limits import BYTES, check_most
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.body_order import order_of_points
 from anet_lumped.model.claims import check_claims
-from anet_lumped.model.model import Model, ends_of_segments
+from anet_lumped.model.model import Model
 from anet_lumped.model.net import Effects
 from anet_lumped.model.tables import (
     AXIAL_COLUMNS,
@@ -32,16 +32,14 @@ from anet_lumped.model.tables import (
     CABLE_CURVE,
     CABLE_CURVE_END,
     CABLE_END,
-    CABLE_FIRST_SEGMENT,
     CABLE_JOINS_FREE_POINTS,
     CABLE_SEGMENTS,
 )
 from anet_lumped.scene.scene import Free
 
 BYTES_OF_NODE = 1e3  # of a model and of what a computation needs, about
-ALIKE = [AXIAL_PUSH_SHARE, AXIAL_TWO_WAY_DAMPER, AXIAL_INEXTENSIBLE]  # what cables that are taken at once share
 # Of a Model, made when they are asked for: what names and ends decide, and what numbers do.
-OF_TOPOLOGY = ("n_segments", "ends", "node_segments", "cable_of")
+OF_TOPOLOGY = ("n_segments", "ends", "node_segments", "cable_of", "kinds_of_library", "unheld")
 OF_NUMBERS = ("forces", "creep", "breaking_tension", "links", "springs_of_cables", "path_table")
 TOPOLOGIES = 8  # that are kept
 _KNOWN = {}  # what scenes share, `_topology`: the model of one of them
@@ -105,13 +103,16 @@ def refilled(known, scene):
     shared = ("path_table",) if scene.points == known.scene.points else ()
     for name in (*OF_TOPOLOGY, *shared):
         getattr(known, name)
-    vars(model).update((name, value) for name, value in vars(known).items() if name not in OF_NUMBERS or name in shared)
-    mass, axial = _numbers(scene, known.node_of, known.cable, known.ends, known.n_free)
+    vars(model).update(vars(known))
+    for name in OF_NUMBERS:
+        if name not in shared:
+            vars(model).pop(name, None)
+    mass, axial = _numbers(scene, known.node_of, known.cable, known.n_free)
     vars(model).update(scene=scene, mass=mass, axial=axial)
-    if (axial[:, ALIKE] != known.axial[:, ALIKE]).any():
+    if (axial[:, AXIAL_PUSH_SHARE] != known.axial[:, AXIAL_PUSH_SHARE]).any():  # the rest of what `_groups` looks at is shared
         groups, single, kinds = _groups(known.cable, axial, np.array([one.creeps for one in scene.cables]))
         vars(model).update(cable_groups=groups, single_cables=single, single_kinds=kinds)
-    vars(model).update(effects=_effect_tables(model.forces, model, checked=known.forces))
+    vars(model).update(effects=_effect_tables(model.forces, model, known.forces, known.kinds_of_library))
     if rest_lengths.changes(scene) or len(known.lengths.cable):
         vars(model).update(lengths=rest_lengths.table(scene, model, _cut))
     return model
@@ -137,7 +138,7 @@ def _cut(scene):
             cable[c, CABLE_BLOCK_START_END : CABLE_BLOCK_END_START + 1] = points.blocks_of_pair[start, end]
         segment += one.segments
         node += one.segments - 1
-    mass, axial = _numbers(scene, node_of, cable, ends_of_segments(cable), n_free)
+    mass, axial = _numbers(scene, node_of, cable, n_free)
     springs = _curves(scene.cables, cable)
     groups, single, kinds = _groups(cable, axial, np.array([one.creeps for one in scene.cables]))
     bodies, joints = points.bodies(node_of, n_interior)
@@ -166,7 +167,7 @@ def _cut(scene):
     return replace(model, lengths=rest_lengths.table(scene, model, _cut))
 
 
-def _numbers(scene, node_of, cable, ends, n_free):
+def _numbers(scene, node_of, cable, n_free):
     """Masses of the nodes (n,) [kg] and the table ``axial`` (n_cables, 9) of a `Net`, for the table and the nodes of the cables.
 
     Raises
@@ -174,38 +175,38 @@ def _numbers(scene, node_of, cable, ends, n_free):
     SceneError : a frequency that is beyond what numbers hold
     """
     mass = np.zeros(len(node_of) + sum(one.segments - 1 for one in scene.cables))
-    axial = np.zeros((len(scene.cables), AXIAL_COLUMNS))
     for point in scene.all_points:
         if isinstance(point, Free):
             mass[node_of[point.name]] = point.mass
-    rows = {}
-    for c, (one, (_, count, node, start, end)) in enumerate(zip(scene.cables, cable[:, : CABLE_END + 1].tolist(), strict=True)):
+    rows, axial, runs = {}, [], cable[:, : CABLE_END + 1].tolist()
+    for one, (_, count, node, start, end) in zip(scene.cables, runs, strict=True):
         numbers = (one.length, count, one.mass_per_length, one.EA, one.zeta, one.BA, one.EA_dynamic, one.EA_compression)
         alike = (*numbers, one.compression, one.tension_strain, one.working_curve)
         if alike not in rows:
             rows[alike] = _axial_row(one), 0.5 * one.mass_per_length * one.L0
-        axial[c], half = rows[alike]
+        row, half = rows[alike]
+        axial.append(row)
         mass[node : node + count - 1] = 2.0 * half
         mass[start] += half
         mass[end] += half
-    mobility = np.append(1.0 / mass[:n_free], np.zeros(len(mass) - n_free))
-    of_ends = mobility[ends]
-    if len(cable):
-        with np.errstate(over="ignore"):
-            largest = np.maximum.reduceat(of_ends.sum(axis=1), cable[:, CABLE_FIRST_SEGMENT])
-            axial[:, AXIAL_OMEGA_SQUARED] = axial[:, AXIAL_STIFFNESS] * largest
-    for c in np.flatnonzero(~(axial[:, AXIAL_OMEGA_SQUARED] <= LARGEST**2)):
-        one, first = scene.cables[c], cable[c, CABLE_FIRST_SEGMENT]
-        raise SceneError(
-            f"The frequencies of a cable must be up to {LARGEST:g} rad/s, but cable {quoted(one.name)} has segments of "
-            f"{one.stiffness:g} N/m on nodes of {1.0 / of_ends[first : first + one.segments].max():g} kg."
-        )
-    return mass, axial
+    table = np.array(axial).reshape(-1, AXIAL_COLUMNS)
+    for c, (row, (_, count, node, start, end)) in enumerate(zip(axial, runs, strict=True)):
+        at_start, at_end = (1.0 / float(mass[i]) if i < n_free else 0.0 for i in (start, end))
+        inside = 1.0 / float(mass[node]) if count > 1 else 0.0
+        largest = max(at_start + inside, inside + at_end, 2.0 * inside if count > 2 else 0.0) if count > 1 else at_start + at_end
+        table[c, AXIAL_OMEGA_SQUARED] = row[AXIAL_STIFFNESS] * largest
+        if not table[c, AXIAL_OMEGA_SQUARED] <= LARGEST**2:
+            one = scene.cables[c]
+            raise SceneError(
+                f"The frequencies of a cable must be up to {LARGEST:g} rad/s, but cable {quoted(one.name)} has segments of "
+                f"{one.stiffness:g} N/m on nodes of {1.0 / max(at_start, inside, at_end):g} kg."
+            )
+    return mass, table
 
 
 def _axial_row(one):
-    """Row of ``axial`` of a cable, but for the frequency, which its nodes decide."""
-    row = np.zeros(AXIAL_COLUMNS)
+    """Row of ``axial`` of a cable, a list, but for the frequency, which its nodes decide."""
+    row = [0.0] * AXIAL_COLUMNS
     spring = (0.0, 0.0) if one.inextensible else (one.stiffness, one.dashpot)
     without_damper = one.inextensible and one.compression == "damped"  # then nothing acts where it is slack
     row[:AXIAL_OMEGA_SQUARED] = (
@@ -264,16 +265,14 @@ def _groups(cable, axial, creeps):
     return np.array(groups, np.int64).reshape(-1, WIDTH + 1), single, np.cumsum([len(kind) for kind in kinds[:2]]).astype(np.int64)
 
 
-def _effect_tables(effects, model, checked=()):
+def _effect_tables(effects, model, checked=(), checked_kinds=()):
     """Tables and addresses of the compiled functions of the effects present; ``model`` is complete but for them.
 
-    What effects say of themselves is compared with what they do, but for those among ``checked`` and those of the library whose
-    likes are.
+    What effects say of themselves is compared with what they do, but for those among ``checked`` and those of ``checked_kinds``.
     """
     index, params = [], []
-    known = {type(effect) for effect in checked if REGISTRY.name_of(effect) in REGISTRY.library}
     for effect in effects:
-        of_known = type(effect) in known or effect in checked
+        of_known = type(effect) in checked_kinds or effect in checked
         if not of_known:
             check_kernels(effect)
         own = [np.asarray(numbers, kind) for numbers, kind in zip(effect.table(model), (np.int64, float), strict=True)]
@@ -289,8 +288,8 @@ def _effect_tables(effects, model, checked=()):
     return Effects(
         address=np.array([addresses(effect) for effect in effects], np.int64).reshape(-1, len(SLOTS)),
         index=np.concatenate([*index, np.empty(0, np.int64)]),
-        index_at=np.cumsum([0, *map(len, index)]).astype(np.int64),
+        index_at=np.array([0, *accumulate(map(len, index))], np.int64),
         params=np.concatenate([*params, np.empty(0)]),
-        params_at=np.cumsum([0, *map(len, params)]).astype(np.int64),
+        params_at=np.array([0, *accumulate(map(len, params))], np.int64),
         linear_in_node_state=int(all(effect.linear_in_node_state for effect in effects)),
     )

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from anet_lumped.checks import quoted
+from anet_lumped.effects import REGISTRY
 from anet_lumped.model.tables import (
     AXIAL_L0,
     AXIAL_L0_BEFORE,
@@ -26,6 +27,7 @@ from anet_lumped.model.tables import (
 from anet_lumped.prescribed.paths import line, pack
 from anet_lumped.scene.scene import Driven, Scene
 
+from .held import first_unheld
 from .link_order import link_tables
 from .net import Bodies, Effects, Lengths, Points
 
@@ -98,6 +100,11 @@ class Model:
         all_effects = [part for effect in self.scene.effects for part in (effect, effect.on_bodies(self.scene))]
         return tuple(effect for effect in all_effects if effect is not None and effect.kernels())
 
+    @cached_property
+    def kinds_of_library(self):
+        """Classes of its effects that come with the library, not those of a user's own."""
+        return frozenset(type(effect) for effect in self.forces if REGISTRY.name_of(effect) in REGISTRY.library)
+
     @property
     def coupled_neighbours(self):
         """How many segments away effects join a node with others along its cable: 0, 1 or 2."""
@@ -148,6 +155,11 @@ class Model:
     def n_segments(self):
         """Number of segments of all cables."""
         return int(self.cable[:, CABLE_SEGMENTS].sum())
+
+    @cached_property
+    def unheld(self):
+        """Name of the first point that hangs on no fixed or driven one; None if all do."""
+        return first_unheld(self.scene)
 
     def _number(self, cable):
         self.scene.cable(cable)

@@ -51,13 +51,20 @@ class Repeated:
         self.asked, self.start, self.rho_inf = asked, start, rho_inf
         self.at_rest: Any = None
         self.planned: tuple[Any, Plan] | None = None
+        self.last_near: tuple[Scene | None, bool] = None, False
         self.marches: dict[str, tuple[Any, March]] = {}  # a net, and a march of it, by the method
 
     def serves(self, scene: Scene) -> bool:
         """Whether runs of a scene can be made here, as far as it alone tells: fixed steps to its end, without events."""
         given = self.asked.dt is not None and self.asked.rtol is None and self.asked.atol is None
         able = self.asked.method is None or schemes.scheme(self.asked.method).own
-        return given and able and not scene.events and near_origin(scene).scene is scene and can_be_renewed(build(scene))
+        return given and able and not scene.events and self._is_near(scene) and can_be_renewed(build(scene))
+
+    def _is_near(self, scene: Scene) -> bool:
+        """Whether a scene is computed about its own origin; `serves` and `rest` ask in turn."""
+        if self.last_near[0] is not scene:
+            self.last_near = scene, near_origin(scene).scene is scene
+        return self.last_near[1]
 
     def run(self, scene: Scene, begin: State | None = None) -> Run | None:
         """Run of a scene, in arrays that the next run overwrites; None if it has to be marched in another way.
@@ -134,7 +141,7 @@ class Repeated:
 
     def rest(self, scene: Scene) -> State:
         """`equilibrium` of a scene."""
-        if near_origin(scene).scene is not scene:
+        if not self._is_near(scene):
             return equilibrium(scene)
         model, found = build(scene), None
         if self.at_rest is None and can_be_renewed(model):
@@ -155,8 +162,8 @@ class Repeated:
         if not (net.mass.shape == model.mass.shape and renew(net, model)):
             return None
         net.tension[:] = begin.segment_tension
-        inverse = np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(-1, 3)
-        march.system.per_mass[:] = inverse
+        mass = model.mass[:, None]
+        np.divide(1.0, mass, out=march.system.per_mass, where=mass > 0.0)
         march.system = march.system._replace(largest=largest_distance(model.scene))
         march.renew(times, room)
         return march

@@ -107,8 +107,7 @@ class Cable:
         else:
             checked["EA"] = math.inf if number(self.EA) == math.inf else check_number("EA", self.EA, "N", owner, sign="positive")
         check_creep(self, checked, owner)
-        for key, value in checked.items():
-            object.__setattr__(self, key, value)
+        vars(self).update(checked)
         if self.start == self.end:
             raise SceneError(f"A cable must join two different points, but {owner} runs from {quoted(self.start)} to itself.")
         if self.zeta and self.BA is not None:

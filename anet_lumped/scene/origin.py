@@ -5,6 +5,7 @@ A place of 5e6 m is rounded to 1e-9 m. In a segment of 0.1 m with EA = 1e6 N tha
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,12 +49,12 @@ def near_origin(scene: Scene) -> Near:
     )
     low, width = [min(x) for x in axes], [max(x) - min(x) for x in axes]
     size = float(max(*width, *(cable.length for cable in scene.cables)))
-    middle = np.array([x + 0.5 * wide for x, wide in zip(low, width, strict=True)])
-    if not max(abs(x) for x in middle.tolist()) > FAR * size:
+    middle = [x + 0.5 * wide for x, wide in zip(low, width, strict=True)]
+    if not max(map(abs, middle)) > FAR * size:
         return Near(scene, NONE_MOVED)
     near = FAR * size
     unit = 10.0 ** math.floor(math.log10(near)) if near >= 1.0 else 2.0 ** math.floor(math.log2(near))  # moved without rounding
-    origin = np.where(np.abs(middle) > FAR * size, unit * np.round(middle / unit), 0.0)
+    origin = np.where(np.abs(middle) > FAR * size, unit * np.round(np.array(middle) / unit), 0.0)
     refused = None
     for x, y, z in (origin.tolist(), (origin * (1.0, 1.0, 0.0)).tolist()):
         effects = [effect.seen_from((x, y, z), scene) for effect in scene.effects]
@@ -64,6 +65,7 @@ def near_origin(scene: Scene) -> Near:
     return Near(scene, NONE_MOVED, refused)
 
 
+@lru_cache(maxsize=8)
 def largest_distance(scene: Scene) -> float:
     """Distance of two nodes, plus the difference of their velocities, beyond which a motion has diverged [m], [m/s]."""
     return DIVERGED * max(1.0, *(abs(x) for at in scene.supports for x in at), sum(cable.length for cable in scene.cables))

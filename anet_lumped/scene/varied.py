@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, replace
+from functools import lru_cache
 from threading import Lock
 from typing import Any, NamedTuple
 
@@ -12,6 +13,7 @@ from anet_lumped.scene.scene import Cable, Scene
 
 SETTINGS = ("t_end", "method", "dt", "start", "rtol", "atol", "rho_inf")  # of a run, which may be varied beside fields of the scene
 NOT_VARIED = ("name", "kind", "start", "end")  # of points, cables and events: what they are, and not a number of them
+OF_NAMES = ("all_points", "_points", "_bodies", "cable_numbers")  # of a Scene, which its cables' numbers do not change
 NUMBERED = re.compile(r"(?P<list>.+)\.(?P<index>[0-9]{1,9})")  # an entry of a list, `ground_map.heights.2.0`
 
 
@@ -112,8 +114,9 @@ class Varied:
             given = [key for key in ("zeta", "BA") if key in changes]
             excluded = "BA" if given == ["zeta"] else "zeta" if given == ["BA"] else None
         if all(field.container is table for _, field in held):
-            own = {field.name for field in fields(part) if field.init}
-            if set(changes) <= own and not any(isinstance(value, list | dict | str) for value in changes.values()):
+            kind: Any = type(part)
+            plain = not any(isinstance(value, list | dict | str) for value in changes.values())
+            if plain and changes.keys() <= _arguments(kind):
                 return replace(part, **changes, **({} if excluded is None else {excluded: None if excluded == "BA" else 0.0}))
         return part_from_dict(section, entry, {key: value for key, value in table.items() if value is not None and key != excluded})
 
@@ -123,8 +126,14 @@ def _like(scene: Scene, cables: list[Cable]) -> Scene:
     if scene.cable_cuts:
         return replace(scene, cables=cables)
     made = object.__new__(Scene)
-    vars(made).update({field.name: getattr(scene, field.name) for field in fields(scene)}, cables=tuple(cables))
+    vars(made).update({name: getattr(scene, name) for name in (*_arguments(Scene), *OF_NAMES)}, cables=tuple(cables))
     return made
+
+
+@lru_cache
+def _arguments(kind: Any) -> frozenset[str]:
+    """Names of the fields that a dataclass is made of."""
+    return frozenset(field.name for field in fields(kind) if field.init)
 
 
 def _renamed(made: Cable, other: Cable) -> Cable:

@@ -10,6 +10,7 @@ from anet_lumped.checks import check_number, quoted
 from anet_lumped.mechanics.finite_laws import name_law_that_is_not_finite
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
+from anet_lumped.model.held import connected, neighbours
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
 from anet_lumped.model.tables import (
@@ -17,14 +18,12 @@ from anet_lumped.model.tables import (
     AXIAL_L0,
     AXIAL_PUSH_SHARE,
     AXIAL_STIFFNESS,
-    CABLE_END,
     CABLE_FIRST_SEGMENT,
     CABLE_SEGMENTS,
-    CABLE_START,
 )
 from anet_lumped.results.near_origin import computed_near_origin
 from anet_lumped.results.state import State
-from anet_lumped.scene.scene import Fixed, Free, Scene, check_scene
+from anet_lumped.scene.scene import Fixed, Scene, check_scene
 
 from .equilibrium_error import EquilibriumError, NoRestError
 from .starts import Start, start_state
@@ -93,10 +92,10 @@ def rest_on(net: Any, scene: Scene, tolerance: float = TOLERANCE) -> State | Non
 
 def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) -> State:
     """Static shape of a scene whose effects are `at_rest`; on the arrays of a fresh ``net`` of its model, if there is one."""
-    from .hanging_chains import solve, unroll  # compiled when a first rest is asked for
+    from .hanging_chains import first_guess, solve, unroll  # compiled when a first rest is asked for
 
     model = build(scene)
-    _check_supports(scene)
+    _check_supports(model)
     given = None if start is None or (isinstance(start, str) and start == "equilibrium") else start_state(model, start)
     short = shortfall(scene, 0.0)
     if short is not None:
@@ -122,8 +121,9 @@ def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) 
     for c in net.lengths.cable:
         if net.axial[c, AXIAL_INEXTENSIBLE] == 0.0:
             EA[c] = net.axial[c, AXIAL_STIFFNESS] * net.axial[c, AXIAL_L0]  # of a segment as long as it is at rest
-    H = _first_guess(model, load, q, scale)
-    q[[model.node(point.name) for point in scene.all_points if isinstance(point, Free)]] = q[model.n_free :].mean(axis=0)
+    H = np.empty((len(model.cable), 3))
+    first_guess(net.address, load, q, scale, H)
+    q[model.n_interior : model.n_free] = q[model.n_free :].mean(axis=0)
     closing, balance, noise, iterations = solve(net.address, load, EA, scale, tolerance, H, q)
     if not (closing <= 10 * tolerance and balance <= 1e-10 + noise):
         raise EquilibriumError(
@@ -246,22 +246,6 @@ def dead_load(model: Model, net: Any, q: np.ndarray) -> np.ndarray:
     return load
 
 
-def _first_guess(model: Model, load: np.ndarray, q: np.ndarray, scale: float) -> np.ndarray:
-    """(n_cables, 3) force at each cable's start [N]: half of the cable's load, and a force of the same size along its chord."""
-    H = np.zeros((len(model.cable), 3))
-    between_held = model.cable[:, CABLE_START : CABLE_END + 1].min(axis=1) >= model.n_free
-    for c in np.flatnonzero(between_held | (model.cable[:, CABLE_SEGMENTS] > 1)):
-        _, count, node, start, end = model.cable[c, : CABLE_END + 1]
-        own = load[node : node + count - 1].sum(axis=0)
-        H[c] = 0.5 * own
-        if start >= model.n_free and end >= model.n_free:
-            chord = q[end] - q[start]
-            span = np.linalg.norm(chord)
-            if span > 0:
-                H[c] += 0.5 * (np.linalg.norm(own) or scale) * chord / span
-    return H
-
-
 def _settle_bars(model: Model, net: Any, q: np.ndarray, tension: np.ndarray) -> np.ndarray:
     """Set the tension of each segment between two held nodes to that of its law, in place of the rounded one of the search.
 
@@ -277,45 +261,20 @@ def _settle_bars(model: Model, net: Any, q: np.ndarray, tension: np.ndarray) -> 
     return held
 
 
-def _check_supports(scene: Scene) -> None:
+def _check_supports(model: Model) -> None:
     """Every part of the net must hang on a fixed or driven point."""
-    neighbours: dict[str, list[str]] = {point.name: [] for point in scene.all_points}
-    for cable in scene.cables:
-        neighbours[cable.start].append(cable.end)
-        neighbours[cable.end].append(cable.start)
-    pinned = []
-    for body in scene.bodies:
-        names = [point.name for point in body.points]
-        for name in names[1:]:
-            neighbours[names[0]].append(name)
-            neighbours[name].append(names[0])
-        if body.pinned_to is not None:
-            neighbours[names[0]].append(body.pinned_to)
-            neighbours[body.pinned_to].append(names[0])
-        elif body.pinned is not None:
-            pinned.append(names[0])
-    reached = _connected(neighbours, [point.name for point in scene.all_points if not isinstance(point, Free)] + pinned)
-    for name in neighbours:
-        if name not in reached:
-            others = len(_connected(neighbours, [name])) - 1
-            what = "body" if name in [body.name for body in scene.bodies] else "free point"
-            may_fly = any(body.name in _connected(neighbours, [name]) for body in scene.bodies)
-            raise NoRestError(
-                f"Every part of a net must hang on a fixed or driven point, but nothing holds {what} {quoted(name)}"
-                + (f" and the {others} others it is tied to" if others else "")
-                + '; `simulate` moves it from start="straight" or a State'
-                + (", and anet_lumped.flight lets quadrotors carry it." if may_fly else ".")
-            )
-
-
-def _connected(neighbours: dict[str, list[str]], names: list[str]) -> set[str]:
-    """Names of all points that are connected by cables to some of ``names``, and these."""
-    found, left = set(names), list(names)
-    while left:
-        more = [name for name in neighbours[left.pop()] if name not in found]
-        found.update(more)
-        left += more
-    return found
+    if model.unheld is None:
+        return
+    name, scene = model.unheld, model.scene
+    part = connected(neighbours(scene), [name])
+    others, bodies = len(part) - 1, [body.name for body in scene.bodies]
+    raise NoRestError(
+        "Every part of a net must hang on a fixed or driven point, but nothing holds "
+        f"{'body' if name in bodies else 'free point'} {quoted(name)}"
+        + (f" and the {others} others it is tied to" if others else "")
+        + '; `simulate` moves it from start="straight" or a State'
+        + (", and anet_lumped.flight lets quadrotors carry it." if any(body in part for body in bodies) else ".")
+    )
 
 
 def _check_slack(model: Model, tension: np.ndarray, total: float, scale: float) -> None:

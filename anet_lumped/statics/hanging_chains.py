@@ -266,6 +266,26 @@ def solve(net_address, load, EA, scale, tolerance, H, q):
     return closing, balance, noise, float64(iterations)
 
 
+@kernel(types.void(int64, _f2, _f2, float64, _f2))
+def first_guess(net_address, load, q, scale, H):
+    """Write a force at each cable's start to H: half of the cable's load, and a force of the same size along its chord.
+
+    The latter only between held points. Arguments are those of `solve`; a cable without a load is pulled by ``scale`` instead.
+    """
+    net = view_net(net_address)
+    for c in range(net.cable.shape[0]):
+        node, start, end = net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_START], net.cable[c, CABLE_END]
+        x = y = z = 0.0
+        for i in range(node, node + net.cable[c, CABLE_SEGMENTS] - 1):
+            x, y, z = x + load[i, 0], y + load[i, 1], z + load[i, 2]
+        H[c, 0], H[c, 1], H[c, 2] = 0.5 * x, 0.5 * y, 0.5 * z
+        dx, dy, dz = q[end, 0] - q[start, 0], q[end, 1] - q[start, 1], q[end, 2] - q[start, 2]
+        span, own = (dx * dx + dy * dy + dz * dz) ** 0.5, (x * x + y * y + z * z) ** 0.5
+        if start >= net.n_free and end >= net.n_free and span > 0.0:
+            pull = 0.5 * (own if own > 0.0 else scale) / span
+            H[c, 0], H[c, 1], H[c, 2] = H[c, 0] + pull * dx, H[c, 1] + pull * dy, H[c, 2] + pull * dz
+
+
 @kernel(types.void(int64, _f2, _f1, _f2, _f2, _f1))
 def unroll(net_address, load, EA, H, q, tension):
     """Positions of the interior nodes and tensions of the segments for the forces H, right after `solve`."""
