@@ -9,7 +9,8 @@ with the step: two runs whose steps are far apart say little of how the error fa
 
 A motion that asks for far shorter steps than those it began with would take minutes or hours. What all runs cost is counted in
 Newton iterations times moving nodes, which are the same on every machine. Where the next run would cost more than the budget, the
-last one is returned and says so.
+last one is returned and says so. For an error that is asked for there is a larger one, unless not even that is enough for the steps
+which the error needs as it falls with the order of the method: then they are not begun.
 """
 
 import logging
@@ -28,6 +29,7 @@ from anet_lumped.results.run import Run
 from integrators import schemes
 
 from .choice import EXPLICIT_COST, IMPLICIT_COST, Choice
+from .first_step import thrown
 from .run_warnings import ALLOWED_LOSS
 
 LOG = logging.getLogger(__name__)
@@ -103,13 +105,13 @@ class Budget:
             self.most = max(BUDGET, BUDGET_OF_FIRST * of_first * cost(run) / share)
         return run
 
-    def parts(self, run: Run, wished: int, share: float = 1.0, asked: bool = False) -> int:
+    def parts(self, run: Run, wished: int, needed: float, share: float = 1.0, asked: bool = False) -> int:
         """Number of steps, ``wished`` at most and 1 at least, in which each step of such a run may be taken in another run.
 
-        For an error that is ``asked`` for they may cost `ASKED` times as much.
+        For an error that is ``asked`` for they may cost `ASKED` times as much, if that is enough for the number ``needed``.
         """
-        left = (self.most * (ASKED if asked else 1.0) - self.spent) * share / max(cost(run), 1.0)
-        return max(min(wished, math.floor(min(left, 1e9))), 1)
+        left, more = ((self.most * times - self.spent) * share / max(cost(run), 1.0) for times in (1.0, ASKED))
+        return max(min(wished, math.floor(min(more if asked and needed <= more else left, 1e9))), 1)
 
 
 class Beyond(NamedTuple):
@@ -162,18 +164,20 @@ def keep_error(
     """
     first, budget = choice.dt, Budget()
 
-    def affordable(run: Run, wishes: tuple[int, int], share: float) -> int:
-        return max(budget.parts(run, wish, share, one) for wish, one in zip(wishes, asked, strict=True))
+    def affordable(run: Run, wishes: tuple[int, int], known: Known, share: float) -> int:
+        needs = _needed(run, wanted, known, share)
+        return max(budget.parts(run, wish, needed, share, one) for wish, needed, one in zip(wishes, needs, asked, strict=True))
 
     if duration > FEWEST_STEPS * first:
         pilot = march(choice, span * max(1.0, math.floor(PILOT * duration / span)) if span < duration else PILOT * duration)
         if pilot.ok:
             share = (pilot.t[-1] - pilot.t[0]) / duration
-            other = instead(pilot, _wish(pilot, wanted, share)) if instead is not None else None
+            known = _alone(pilot)
+            other = instead(pilot, _needed(pilot, wanted, known, share)[0]) if instead is not None else None
             if other is not None:
                 return other
             budget.spend(pilot, 1.0, share)
-            choice = _finer(choice, affordable(pilot, _parts(pilot, wanted, _alone(pilot), share), share), span)
+            choice = _finer(choice, affordable(pilot, _parts(pilot, wanted, known, share), known, share), span)
     run, in_vain, as_far_before = budget.spend(march(choice, duration), choice.dt / first), (False, False), False
     known = _alone(run)
     while run.ok:
@@ -182,13 +186,16 @@ def keep_error(
         wishes = min(for_places, most), min(for_tensions, most)
         if max(wishes) < 2:
             break
-        other = instead(run, _wish(run, wanted, 1.0, known.of_told)) if instead is not None and known.apart == math.inf else None
+        needs = _needed(run, wanted, known, 1.0)
+        other = instead(run, needs[0]) if instead is not None and known.apart == math.inf else None
         if other is not None:
             return other
-        parts = affordable(run, wishes, 1.0)
+        parts = affordable(run, wishes, known, 1.0)
         if parts < 2:
-            one = asked[0] if known.error > wanted.of_places(run) else asked[1]
-            return told(run, known, wanted, beyond=Beyond(max(wishes), budget.most * (ASKED if one else 1.0), one))
+            first_unkept = 0 if known.error > wanted.of_places(run) else 1
+            one = asked[first_unkept]
+            next_parts = math.ceil(needs[first_unkept]) if one else max(wishes)
+            return told(run, known, wanted, beyond=Beyond(next_parts, budget.most * (ASKED if one else 1.0), one))
         coarser, before, before_choice, choice = run, known, choice, _finer(choice, parts, span)
         took = parts * run.wall_time
         LOG.info("with dt=%.3g s places are known to %.2g m, the largest tension to %.2g", run.dt, known.error, known.tension_error)
@@ -221,8 +228,11 @@ def _finer(choice: Choice, parts: int, span: float) -> Choice:
 
 
 def _alone(run: Run) -> Known:
-    """Errors of a run as it tells them by itself."""
-    return Known(run.error_estimate or 0.0, run.tension_error)
+    """Errors of a run as it tells them by itself; where its first step throws nodes off, all of their way may be wrong."""
+    error = run.error_estimate or 0.0
+    if thrown(run) is not None:
+        error = max(error, float(np.abs(run.q - run.q[0]).max()))
+    return Known(error, run.tension_error)
 
 
 def _parts(
@@ -233,15 +243,24 @@ def _parts(
     As what is ``known`` of its errors over a ``share`` of the whole time asks for; its steps are ``of_first`` of those that were
     chosen first, and shorter ones were ``in_vain`` for places, or for tensions.
     """
+    for_places = for_tensions = 1
+    needed, most = _needed(run, wanted, known, share), (MOST_FOR_PLACES * of_first, MOST_FOR_TENSIONS * of_first)
+    if known.error / share > wanted.of_places(run) and not in_vain[0]:
+        for_places = min(math.ceil(needed[0]), int(most[0]), MOST_AT_ONCE)
+    if known.tension_error > (AIM if known.apart == math.inf else 1.0) * wanted.tension_error and not in_vain[1]:
+        for_tensions = min(math.ceil(needed[1]), int(most[1]), MOST_AT_ONCE)
+    return max(for_places, 1), max(for_tensions, 1)
+
+
+def _needed(run: Run, wanted: Wanted, known: Known, share: float) -> tuple[float, float]:
+    """Numbers of steps that each step of a run should be replaced by, however many, for its places and for its largest tension.
+
+    As errors fall with the order of the method; see `_parts`.
+    """
     scheme = schemes.scheme(run.method)
     order = scheme.error_order or scheme.order or 1
     places, tensions = known.error / share / wanted.of_places(run), known.tension_error / wanted.tension_error
-    for_places = for_tensions = 1
-    if places > 1.0 and not in_vain[0]:
-        for_places = min(math.ceil((places / AIM) ** (1.0 / order)), int(MOST_FOR_PLACES * of_first), MOST_AT_ONCE)
-    if tensions > (AIM if known.apart == math.inf else 1.0) and not in_vain[1]:
-        for_tensions = min(math.ceil((tensions / AIM) ** 0.5), int(MOST_FOR_TENSIONS * of_first), MOST_AT_ONCE)
-    return max(for_places, 1), max(for_tensions, 1)
+    return (places / AIM) ** (1.0 / order), (tensions / AIM) ** 0.5
 
 
 def _parts_as_it_falls(known: Known, before: Known, parts: int, allowed: float) -> float:
@@ -256,13 +275,6 @@ def _parts_as_it_falls(known: Known, before: Known, parts: int, allowed: float) 
         return math.inf
     order_seen = math.log(before.error / known.error) / math.log(parts)
     return math.exp(min(math.log(known.error / allowed) / order_seen, 700.0))
-
-
-def _wish(run: Run, wanted: Wanted, share: float, of_told: float = 1.0) -> float:
-    """Number of steps that each step of a run should be replaced by for its places, however many; see `_parts`."""
-    scheme = schemes.scheme(run.method)
-    order = scheme.error_order or scheme.order or 1
-    return float((of_told * (run.error_estimate or 0.0) / share / wanted.of_places(run) / AIM) ** (1.0 / order))
 
 
 def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Known:

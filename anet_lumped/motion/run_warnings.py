@@ -1,5 +1,5 @@
 """Warnings attached to a completed run: energy lost or added by its steps, cables too long for their tension, no limit in sight,
-points that nothing has moved, obstacles that were not seen, errors that the motion may have multiplied.
+points that nothing has moved, obstacles that were not seen, errors that the motion may have multiplied, starts not resolved.
 
 A run with a warning is done all the same: a method that damps the motion is asked for by name, and a rest may be right that
 was reached by wrong damping. But a reader of its swing or its stretch must know. On the catalogue of hard cases
@@ -22,6 +22,7 @@ from anet_lumped.scene.scene import Driven
 from integrators import schemes
 
 from .energy_gain import ALLOWED_GAIN
+from .first_step import thrown
 
 EXCESS_STRETCH = 0.1  # by which a cable may be stretched more than its tension stretches it, over the latter
 SHARE_OF_PATH = 0.05  # of the path of a node: error of the finer of two runs up to which they are extrapolated
@@ -40,6 +41,7 @@ class Finding(Enum):
     STOOD_STILL = "points that are driven from outside, which nothing has moved"
     THROUGH_AN_OBSTACLE = "cables that may have gone through an obstacle"
     MULTIPLIED_ERRORS = "errors that the motion may have multiplied"
+    THROWN_AT_START = "a start that the first step does not resolve"
 
 
 def findings(run, adaptive=False):
@@ -63,6 +65,7 @@ def findings(run, adaptive=False):
         Finding.STOOD_STILL: _stood_still(run),
         Finding.THROUGH_AN_OBSTACLE: _through_an_obstacle(run, step),
         Finding.MULTIPLIED_ERRORS: _multiplied_errors(run),
+        Finding.THROWN_AT_START: "" if adaptive or run.kept else _thrown_at_start(run, step),
     }
     return {finding: text for finding, text in texts.items() if text}
 
@@ -139,6 +142,17 @@ def _multiplied_errors(run):
     return (
         f"{run.method}: {what} from t={since:.4g} s on, and such a motion may multiply errors: those of places "
         f"may be up to {MULTIPLIED:g} times what run.error_estimate tells; audit=True, or error=... without dt, compares two runs."
+    )
+
+
+def _thrown_at_start(run, step):
+    """Nodes that a first step has thrown which does not resolve the forces at the start."""
+    speed = thrown(run) if schemes.scheme(run.method).own else None
+    if speed is None:
+        return ""
+    return (
+        f"{run.method}: its first step throws a node off with {speed:.2g} m/s, most of what is seen in the run, and does not "
+        f'resolve the forces at the start; places may be wrong by the way of such a node. Take {step}, or method="edmc".'
     )
 
 

@@ -9,6 +9,7 @@ from integrators.system import DIVERGED, UNCONVERGED
 
 from .energy_gain import GAINED, flag_energy_gain
 from .failure_messages import with_cause
+from .first_step import thrown
 from .run_warnings import warnings_of
 
 # Steps that a run must have taken, and differences of p + 1 velocities that `error_growth` must have formed of them, `UNSEEN` steps
@@ -37,13 +38,17 @@ def judged(run: Run, limit: float, adaptive: bool) -> Run:
 
 
 def _knows_no_error(run: Run, adaptive: bool) -> bool:
-    """Whether a run has too few steps for an error to be seen in them, and no other run beside it.
+    """Whether a run has too few steps for an error to be seen in them, or a start that they do not resolve, and no run beside it.
 
     Where a segment goes slack or taut the force has a kink, past which no method is of an order above two. What a step across it
     leaves out is not of the order p of the differences, which see it by chance: of a method of higher order they must be many.
     """
     scheme = schemes.scheme(run.method)
-    if adaptive or not scheme.own or run.kept is not None or run.extrapolated or run.error_growth is None:
+    if adaptive or not scheme.own or run.kept or run.extrapolated or run.error_growth is None:
+        return False
+    if thrown(run) is not None:
+        return True
+    if run.kept is not None:
         return False
     order = scheme.error_order or scheme.order
     differences = DIFFERENCES_AT_KINKS if order > ORDER_AT_KINKS and _meets_kinks(run) else DIFFERENCES

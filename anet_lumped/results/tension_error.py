@@ -7,12 +7,12 @@ Four parts of a tension may be missing in what a run shows of it. The largest of
   damper goes beyond its rest by J exp(-2 zeta acos(zeta)/sqrt(1 - zeta^2)), and rings until the damper has taken that. The share of
   it that steps of h do not resolve, s^2/(1 + s^2) with s = omega h/2, is missing.
 * Of the vibration of a segment, which is over sooner, a quarter of the jump itself counts in the same way.
-* The numerical damper takes axial vibrations, and the account of the run has their energy: E, less what the dampers of the cable
-  would have taken since. Of a cable with the stiffness k = EA/L that is a tension of sqrt(2 k E) if it is in one vibration. Two
-  fifths of that are taken of a cable of 20 segments, because many vibrations share it, and more the more segments there are, as
-  their number to the power of a fifth: few segments have few vibrations, and the run shows the lowest itself. A stiff cable whose
-  tension changes slowly loses energy, too, and has no vibration to lose: so no more counts than jumps have set off,
-  J (1 + s^2)/s^2 as far as steps of h show them.
+* The numerical damper takes axial vibrations, and the account of the run has their energy E. A jump gives each vibration an energy
+  that goes as 1/omega^2, and steps of h do not resolve s^2/(1 + s^2) of it, s = omega h/2: so each vibration of the cable has lost
+* The numerical damper takes axial vibrations, and the account of the run has their energy E. A jump gives each one an energy
+  with the stiffness k = EA/L a vibration of the energy E_i has a tension of sqrt(2 k E_i); a fifth of the sum of these is missing,
+  because they do not meet. A stiff cable whose tension changes slowly loses energy, too, and has no vibration to lose: so no more
+  counts than jumps have set off, J (1 + s^2)/s^2 as far as steps of h show them.
 
 Besides, a loose node of a cable without dampers that is caught and changes its velocity by v sends off a wave of the tension
 v sqrt(EA mu). Steps that do not resolve the vibration of a segment show next to nothing of that: past a whip, a hundredth.
@@ -26,8 +26,8 @@ cables that were slack.
 
 Besides, a quarter of the share of the energy that the method took counts as an error of the largest tension.
 
-The shares 0.7, a quarter and twenty, two fifths and the power of a fifth are fitted to runs with a reference; the results hardly
-change with them. How far all this is from the truth, the study `error_estimate` shows.
+The shares 0.7, a quarter, twenty and a fifth are fitted to runs with a reference; the results hardly change with them. How far all
+this is from the truth, the study `error_estimate` shows.
 
 Source: the wave is d'Alembert's on a bar, see Graff, Wave Motion in Elastic Solids, 1975, section 2.3. The overshoot is that of a
 spring and a damper in parallel whose end jumps, (2 zeta omega d/dt + omega^2) over (d^2/dt^2 + 2 zeta omega d/dt + omega^2).
@@ -47,9 +47,7 @@ from .free_flight import loose
 
 BETWEEN = 0.125  # of the second difference of a tension: what a parabola hides at most between its samples
 OF_SEGMENT = 0.25  # of a jump, which the vibration of a segment that the steps do not resolve would add
-SPREAD = 0.4  # of the tension of one vibration with all of the energy: what it makes where those of a cable of
-SPREAD_SEGMENTS = 20.0  # segments share it, and
-SPREAD_POWER = 0.2  # of the number of segments with which it grows
+MEET = 0.2  # of the sum of the tensions of vibrations: what they add to the largest tension
 STEADY = 0.7  # of a jump of the means of two tensions in a row: what sets off a vibration while a cable stays taut
 LEAST = 0.25  # of a jump, that counts in any case
 BESIDE = range(4, 8)  # saved times before and after a jump, which neither it nor its own third differences reach
@@ -139,11 +137,22 @@ def _missing(run: Any, cable: Cable, T: np.ndarray) -> np.ndarray:
     missing = np.maximum(BETWEEN * second, lowest.overshoot * unresolved * ringing)
     missing = np.maximum(missing, OF_SEGMENT * highest_axial_mode(cable).unresolved(run.dt) * jump)
     if unresolved > 0.0 and run.energy.shape[1] > BY_METHOD and schemes.scheme(run.method).books_its_losses:
-        lost = vibration_lost(run.energy, 2.0 * decay) / len(run.scene.cables)
-        spread = SPREAD * (cable.segments / SPREAD_SEGMENTS) ** SPREAD_POWER
-        vibration = spread * np.sqrt(2.0 * cable.EA_fast / cable.length * lost)[:, None]
-        missing = np.maximum(missing, np.minimum(vibration, ringing / unresolved))
+        missing = np.maximum(missing, np.minimum(_lost_tension(run, cable, lowest)[:, None], ringing / unresolved))
     return missing
+
+
+def _lost_tension(run: Any, cable: Cable, lowest: Mode) -> np.ndarray:
+    """Tension of the vibrations of a cable whose energy the method took, at each saved time (k,) [N].
+
+    They are the lowest one and those of a chain of equal masses between two held ends, omega_max sin(pi j/(2 N)).
+    """
+    highest, higher = highest_axial_mode(cable), np.arange(1, cable.segments)
+    omega = np.append(lowest.omega, highest.omega * np.sin(0.5 * np.pi * higher / cable.segments))
+    rate = np.append(lowest.zeta * lowest.omega, highest.zeta * omega[1:] ** 2 / highest.omega)
+    share = 1.0 / (1.0 + (0.5 * omega * run.dt) ** 2)
+    lost = vibration_lost(run.energy, np.minimum(2.0 * rate * np.diff(run.t)[:, None], FORGOTTEN))
+    lost *= share / (share.sum() * len(run.scene.cables))
+    return MEET * np.sqrt(2.0 * cable.EA_fast / cable.length * lost).sum(axis=1)
 
 
 def _differences(run: Any, T: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -229,12 +238,18 @@ def _remembered(jump: np.ndarray, decay: np.ndarray) -> np.ndarray:
 
 
 def vibration_lost(energy: np.ndarray, decay: np.ndarray) -> np.ndarray:
-    """Energy that the method took, less by exp(-sum of decay (k - 1,)) since, at each saved time (k,) [J]."""
+    """Energy that the method took, less by exp(-sum of decay) since, at each saved time [J].
+
+    ``decay`` (k - 1,) gives (k,), and that of several vibrations (k - 1, n) gives (k, n), as if each had all of the energy.
+    """
     taken = np.maximum.accumulate(np.maximum(energy[:, BY_METHOD] - energy[0, BY_METHOD], 0.0))
-    left = [0.0]
-    for keep, add in zip(np.exp(-decay).tolist(), np.diff(taken).tolist(), strict=True):
-        left.append(keep * (left[-1] + add))
-    return np.array(left)
+    keep, reach = np.exp(-decay), 1
+    left = (keep.T * np.diff(taken)).T  # of what was taken in one row; then in two, four and so on
+    while reach < len(left) and keep[reach:].any():
+        left[reach:] += keep[reach:] * left[:-reach]
+        keep[reach:] *= keep[:-reach]
+        reach *= 2
+    return np.concatenate([np.zeros_like(left[:1]), left])
 
 
 def highest_axial_mode(cable: Cable) -> Mode:

@@ -12,9 +12,9 @@ from anet_lumped.results.buckling import TURNS, first_buckled
 ASIDE, L, APART, EA, MU = 1e-6, 1.1, 1.0, 100.0, 0.1
 
 
-def pushed(length=L, effects=()):
+def pushed(length=L, effects=(), EI=1.0):
     """Two segments between supports that are closer than they are long, and the node between them a micrometre aside."""
-    cable = Cable("a", "b", length=length, mass_per_length=MU, EA=EA, segments=2, compression="linear", diameter=0.01, EI=1.0)
+    cable = Cable("a", "b", length=length, mass_per_length=MU, EA=EA, segments=2, compression="linear", diameter=0.01, EI=EI)
     scene = Scene([Fixed("a", (0.0, 0.0, 0.0)), Fixed("b", (APART, 0.0, 0.0))], [cable], list(effects))
     model = build(scene)
     q = np.zeros((model.n, 3))
@@ -36,9 +36,22 @@ def test_a_node_between_two_segments_that_push():
 
 def test_what_pulls_or_bends_does_not_buckle():
     assert first_buckled(simulate(pushed(0.9)[0], 0.2, method="edmc", dt=1e-3, start=pushed(0.9)[1])) is None
-    scene, start = pushed(effects=[Bending()])
+    scene, start = pushed(effects=[Bending()], EI=2.0)
     run = simulate(scene, 0.2, method="edmc", dt=1e-3, start=start)
     assert (run.segment_tension < 0.0).any() and first_buckled(run) is None
+
+
+def test_what_bends_buckles_beyond_its_load():
+    """Bending holds the node between two segments with 4 EI/(L0 l^2), l apart: rate^2 = (2 T/l - 4 EI/(L0 l^2))/m.
+
+    Waves of a cable that is cut as coarsely as this tell the rate to some per cent.
+    """
+    EI, T, l, L0 = 0.5, EA * (1.0 - APART / L), 0.5 * APART, L / 2.0
+    scene, start = pushed(effects=[Bending()], EI=EI)
+    rate = math.sqrt((2.0 * T / l - 4.0 * EI / (L0 * l**2)) / (MU * L0))
+    run = simulate(scene, 5.0 / rate, method="edmc", dt=1e-4, save_every=1e-3, start=start)
+    np.testing.assert_allclose(run.shape("a-b")[:, 1, 2], ASIDE * np.cosh(rate * run.t), rtol=1e-3)  # 1e-4 without bending
+    assert abs(first_buckled(run) * rate / math.log(TURNS) - 1.0) < 0.1
 
 
 def test_a_run_at_a_given_step_says_so():

@@ -41,6 +41,8 @@ def test_jumps_and_energies_fade():
         left.append((left[-1] + energy[k + 1, -1] - energy[k, -1]) * math.exp(-decay[k]))
     np.testing.assert_allclose(_remembered(jump, decay), kept, rtol=1e-13)
     np.testing.assert_allclose(vibration_lost(energy, decay), left, rtol=1e-13)
+    both = vibration_lost(energy, np.column_stack([decay, 0.0 * decay]))
+    np.testing.assert_allclose(both, np.column_stack([left, energy[:, -1] - energy[0, -1]]), rtol=1e-13)
     still = np.full(29, 300.0)  # the most that is handed over
     np.testing.assert_allclose(_remembered(jump, still)[jump > 0.0], jump[jump > 0.0], rtol=1e-10)
 

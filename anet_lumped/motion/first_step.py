@@ -1,0 +1,46 @@
+"""Starts that the first step does not resolve: deep inside a stiff obstacle, or with cables that are stretched many times.
+
+The forces f at the start would change velocities by h f/m in a step of h. Where they do so by far less, because the force has ended
+or turned round within the step, nothing that is seen at the ends of steps tells what it gave: a stage that takes the force at the
+start throws a node off with some share of h f/m, and differences of what follows see a smooth flight. `edmc` and backward Euler
+raise no energy, so that no node becomes faster than what is stored allows; an explicit step that is stable resolves its forces.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from anet_lumped.mechanics.fresh_net import fresh_net
+from integrators import schemes
+from integrators.schemes.record import EnergyPromise
+from integrators.system import BALANCE
+
+TIMES = 2.0  # by which h f/m is larger than what the step changes velocities by where it is not resolved
+OF_FASTEST = 0.5  # of the largest velocity of the run, that such a step changes the velocity by
+
+
+def thrown(run: Any) -> float | None:
+    """Change of a node's velocity in a first step that is not resolved, if most of the velocities come from it [m/s]; or None.
+
+    Parameters
+    ----------
+    run : Run
+        At fixed steps, of a scheme of this package.
+    """
+    scheme, n_free = schemes.scheme(run.method), run.model.n_free
+    if scheme.explicit or scheme.energy is EnergyPromise.NEVER_RISES or len(run.t) < 2 or run.extrapolated or run.model.has_bodies:
+        return None
+    change = np.linalg.norm(run.v[1, :n_free] - run.v[0, :n_free], axis=1)
+    by_force = run.dt * np.linalg.norm(_accelerations(run), axis=1)
+    largest = float(change.max(initial=0.0, where=by_force > TIMES * change))
+    return largest if largest > OF_FASTEST * np.linalg.norm(run.v[:, :n_free], axis=2).max(initial=0.0) else None
+
+
+def _accelerations(run: Any) -> np.ndarray:
+    """Accelerations of the moving nodes at the start of a run, (n_free, 3) [m/s2]."""
+    from anet_lumped.mechanics.bindings import system  # compiled on first use
+
+    net = fresh_net(run.model, force=True, newton=False, crept=None if run.crept is None else run.crept[0])
+    bound, f = system(run.model, force=True, newton=False), np.zeros_like(run.q[0])
+    bound.force(run.t[0], run.q[0].copy(), run.v[0].copy(), net.address, f, np.zeros(BALANCE))
+    return f[: run.model.n_free] * bound.per_mass[: run.model.n_free]
