@@ -38,6 +38,7 @@ def test_the_program_says_so_in_one_line(setting):
     assert re.fullmatch(f"anet-lumped: The variable {REFUSED[setting]}\n", ended.stderr)
 
 
+@pytest.mark.slow
 def test_figures_need_no_backend_of_the_user(tmp_path):
     command = ["simulate", "loose_cable", "--t-end", "0.01", "--method", "edmc", "--dt", "0.005", "--start", "straight"]
     ended = subprocess.run(

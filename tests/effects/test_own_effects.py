@@ -150,6 +150,7 @@ def test_own_damping_is_viscous_damping():
     assert runs[1].energy_balance.dissipated == pytest.approx(runs[0].energy_balance.dissipated, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_own_drag_is_that_of_air():
     """Force and power, and a tangent by dual numbers against one by hand: the library's law with its own derivatives."""
     for name, scene in nets().items():

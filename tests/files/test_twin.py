@@ -57,8 +57,8 @@ def mujoco():
     return pytest.importorskip("mujoco")
 
 
-@pytest.mark.parametrize("links", ["cylinder", "lumped"])
-@pytest.mark.parametrize("joints", ["ball", "revolute"])
+@pytest.mark.parametrize("links", ["cylinder", pytest.param("lumped", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("joints", ["ball", pytest.param("revolute", marks=pytest.mark.slow)])
 def test_mujoco_rests_where_we_do_and_swings_as_we_do(mujoco, links, joints):
     rest = equilibrium(NET)
     model = mujoco.MjModel.from_xml_string(mjcf(NET, links, joints))

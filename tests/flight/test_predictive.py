@@ -81,6 +81,7 @@ def test_a_factor_of_all_weights_changes_nothing():
     assert plans[0] == pytest.approx(plans[1], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_load_is_brought_to_its_place():
     """By 1 m, within 50 ms and by the name of the controller: the plan knows no more of the way than its end."""
     controller = controller_for(CORD, Scenario(PREDICTIVE, 3.0, [(0.0, (0, 0, 0)), (0.05, AHEAD)]))

@@ -55,7 +55,7 @@ WAYS = {
 """Method, step, and the error of the time of a break [s]."""
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", [pytest.param(way, marks=pytest.mark.slow if way == "Radau" else ()) for way in WAYS])
 def test_at_its_load(way):
     """A load that grows in 2 s breaks the first segment when it carries its limit: (mu g + p(t)) (L - L0/2) = T.
 

@@ -54,6 +54,7 @@ CURVE = {"EA": None, "tension_strain": ((0.2, 200.0), (0.5, 350.0))}  # [N], hal
 
 
 # no free point; shorter cables beside longer ones and single segments; every cable between two free points; a bent spring
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "elastic"),
     [

@@ -19,7 +19,9 @@ from anet_lumped import (
 from anet_lumped.model.build import build
 
 
-@pytest.mark.parametrize(("compression", "zeta"), [("none", 0.0), ("damped", 0.2), ("linear", 0.2)])
+@pytest.mark.parametrize(
+    ("compression", "zeta"), [pytest.param("none", 0.0, marks=pytest.mark.slow), ("damped", 0.2), ("linear", 0.2)]
+)
 def test_against_an_independent_solver(compression, zeta):
     """The equations of motion written a second time, marched by scipy: they share no line with the code.
 

@@ -324,6 +324,7 @@ def test_litter_with_a_volume_is_lighter_in_water():
     assert run.final.tension("a-b")[0] == pytest.approx(weight - 0.4 * G, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_solver_of_another_package():
     """diffrax starts afresh with what is left, as all do."""
     pytest.importorskip("diffrax")

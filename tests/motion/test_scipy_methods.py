@@ -126,7 +126,9 @@ def test_a_singular_matrix_is_a_failure_with_its_reason():
     assert scipy_adapter._step(SimpleNamespace(step=singular)) == "Factor is exactly singular"
 
 
-@pytest.mark.parametrize("method", [m for m in METHODS if m != "DOP853"])
+@pytest.mark.parametrize(
+    "method", [pytest.param(m, marks=pytest.mark.slow if m == "RK45" else ()) for m in METHODS if m != "DOP853"]
+)
 def test_methods_agree_on_the_carried_net(carried, method):
     run, other = carried[method], carried["DOP853"]
     assert run.ok and run.message == "" and run.error_estimate is None

@@ -152,7 +152,7 @@ SAVING = {
 @pytest.mark.parametrize(
     ("how", "command"),
     [
-        *(pytest.param("closed", command, marks=() if command[0] == "simulate" else pytest.mark.slow) for command in SAVING),
+        *(pytest.param("closed", command, marks=pytest.mark.slow) for command in SAVING),
         ("full", ("equilibrium", "net_held")),
     ],
     ids=lambda given: given if isinstance(given, str) else given[0],

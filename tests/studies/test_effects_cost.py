@@ -91,6 +91,7 @@ def test_each_effect_alone_and_all_together(rows, monkeypatch):
     assert 0 < table.entries["ground"] < 9 * 77 and table.entries["air"] > 9 * 77
 
 
+@pytest.mark.slow
 def test_a_library_without_other_effects_is_the_same(rows):
     table = rows["libraries"].groupby("library").first()
     assert set(table.index) == set(effects_cost.QUICK_LIBRARIES) and rows["libraries"].memory_bytes.nunique() == 1

@@ -40,6 +40,7 @@ def rows(tmp_path_factory):
         return moorings.compute(quick=True, executor=executor, out=tmp_path_factory.mktemp("moorings"))
 
 
+@pytest.mark.slow
 def test_own_decks_read_rest_and_move(rows):
     table = rows["decks"]
     assert list(table["deck"]) == [f"{name}.txt" for name in decks.OWN_NAMES]

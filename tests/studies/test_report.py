@@ -119,6 +119,7 @@ def test_every_study_has_a_file_a_line_and_a_record():
         assert module.TABLES and all(about.endswith(".") and "`" not in about for about in module.TABLES.values())
 
 
+@pytest.mark.slow
 def test_records_are_read_without_the_kernels_of_effects():
     """So that the page is there before anything is compiled."""
     import subprocess
@@ -255,6 +256,7 @@ def endless_entry(entry, out, executor=None):
         (out.parent / entry.name).with_suffix(".ended").touch()
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_both_studies_in_order(monkeypatch, tmp_path):
     monkeypatch.setattr(report, "compile_ahead", lambda: None)
     monkeypatch.setattr(report, "run_entry", endless_entry)

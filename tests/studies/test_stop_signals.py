@@ -169,7 +169,7 @@ def test_a_flight_that_is_stopped_is_saved(monkeypatch, tmp_path):
     ("number", "whole_group"),
     [
         (signal.SIGTERM, True),
-        (signal.SIGHUP, False),
+        pytest.param(signal.SIGHUP, False, marks=pytest.mark.slow),
         pytest.param(signal.SIGTERM, False, marks=pytest.mark.slow),
         pytest.param(signal.SIGHUP, True, marks=pytest.mark.slow),
     ],

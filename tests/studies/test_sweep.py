@@ -317,6 +317,7 @@ def test_a_plain_script_needs_no_guard_and_runs_once(tmp_path):
     assert (done.returncode, done.stdout) == (0, "begins\n['done', 'done']\n"), done.stderr
 
 
+@pytest.mark.slow
 def test_a_script_with_an_effect_of_its_own_needs_a_guard_and_one_sentence_says_so(tmp_path):
     done = run_script(tmp_path, "magnet(0.1)")
     last = done.stderr.splitlines()[-1]

@@ -90,6 +90,7 @@ def test_finer_cables_tend_to_the_reference(flight):
 # Rigid links ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not twin.installed(), reason="MuJoCo is not installed")
 def test_links_feel_the_acceleration_in_the_frame_of_their_supports_alone(flight):
     motion, p0, t = flight
@@ -106,6 +107,7 @@ def test_links_feel_the_acceleration_in_the_frame_of_their_supports_alone(flight
     assert abs(tables._kept(finer.energy)) < 0.6 * abs(tables._kept(runs[twin.FRAME].energy)) < 6e-3  # of first order in the step
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not twin.installed(), reason="MuJoCo is not installed")
 def test_a_step_that_is_too_long_loses_the_links(flight):
     motion, p0, t = flight

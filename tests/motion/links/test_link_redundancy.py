@@ -136,7 +136,7 @@ def test_a_string_across_nothing_stays():
         simulate(scene, 0.5, method="links", start=plucked)
 
 
-@pytest.mark.parametrize("ramp", [0.0, 0.5])
+@pytest.mark.parametrize("ramp", [pytest.param(0.0, marks=pytest.mark.slow), 0.5])
 @pytest.mark.parametrize("method, options", [("links", {}), ("links5", {"dt": 0.001})])
 def test_a_cable_that_is_pulled_straight(ramp, method, options):
     """It ends before it is straight, finite, with the lengths and the distance in a sentence."""

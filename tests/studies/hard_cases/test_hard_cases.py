@@ -24,7 +24,16 @@ ALWAYS = (DEFAULT, "dop853", "edmc", EXTRAPOLATED, "backward_euler")
 IN_TURN = ("symplectic_euler", "verlet", "rk4")  # one of them a case: they differ in what they do with a force, not with a case
 PUMPS = ("midpoint", "sdirk2", "tr_bdf2", "generalised_alpha")  # linear theory is all that they promise
 DEAR = ("swing, 10000 segments", "hour of swing", "net 10 x 10, held")  # the default only, which is edmc
-LONG = ("crumple settles", "heap, crumple", "payload dropped")
+LONG = (
+    "cable in free flight",
+    "crumple settles",
+    "hairpin settles",
+    "heap on one spot",
+    "heap, crumple",
+    "net 10 x 10, thrown",
+    "payload dropped",
+    "payload dropped in mid-swing",
+)
 HALVED_BY_ITSELF = (
     "crumple settles",
     "payload dropped",

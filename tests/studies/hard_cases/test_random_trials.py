@@ -14,6 +14,7 @@ from studies.catalogue import random_trials
 from studies.catalogue.random_trials import FAILED, GAINED, HELD, REFUSED, Random, Trial, attempt, draw, try_many
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck), database=None)
 @given(st.data())
 def test_no_run_fails(monkeypatch, data):
