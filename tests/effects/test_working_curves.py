@@ -253,6 +253,17 @@ def test_a_session_a_restart_and_a_file_carry_both_states(tmp_path):
     np.testing.assert_allclose(again.tension("a-b")[-1], run.tension("a-b")[-1], rtol=1e-9)
 
 
+def test_a_rope_that_breaks_keeps_its_account():
+    """What its springs hold of the segment that fails is lost; the piece that is left has held what it had."""
+    scene = hung(8e4, segments=4, mass_per_length=1e-3, breaking_tension=1.2e6)
+    start = equilibrium(scene)
+    start.v[start.model.node("b"), 2] = -1.5
+    run = simulate(scene, 0.6, dt=0.005, start=start)
+    event = run.events[0]
+    assert event.kind == "broke" and event.lost > 0.0 and run.energy_balance.imbalance < 1e-7
+    assert run.T_max[-1, event.segment] == 0.0 and np.delete(run.T_max[-1], event.segment).min() == T_MAX
+
+
 def test_scene_files():
     for curve in CURVES:
         scene = hung(working_curve=curve)

@@ -44,6 +44,7 @@ rk4 tScheme
 EA, BA, IC = "SYROPE:syrope.dat|1.53E8|23.12", "5e9|1e5", "1 1.5e6 1e6"
 MODEL = "owc.dat OWC the original curve\n{kind} WCType shape\n{k1} k1 first\n{k2} k2 second"  # MoorDyn takes no empty last line
 ORIGINAL = np.array([(0.0, 0.0), (0.02, 0.8e6), (0.05, 3e6), (0.08, 6e6), (0.11, 9.5e6)])
+FINE = np.column_stack([np.linspace(0.0, 0.11, 23), np.interp(np.linspace(0.0, 0.11, 23), *ORIGINAL.T)])
 KINDS = [("LINEAR", 0.25, 0.0), ("LINEAR", 1.25e8, 0.0), ("QUADRATIC", 0.3, 0.6), ("EXP", 0.25, 1.1)]
 
 
@@ -117,6 +118,29 @@ def test_a_line_of_another_type_in_its_section(tmp_path):
     assert any("line 1 is in SYROPE IC, but is no Syrope line" in remark for remark in deck.remarks)
 
 
+def both(folder, deck, x, t):
+    """Tensions in the middle of a line whose end moves along x, by MoorDyn and here, from the same rest."""
+    moordyn = pytest.importorskip("moordyn", exc_type=ImportError)
+    rest = equilibrium(deck_from_text(deck.format(T="1e6"), folder=folder).scene).tension("line1")
+    (folder / "deck.txt").write_text(deck.format(T=rest.mean()))
+    theirs, middle = [], len(rest) // 2
+    with silence():
+        engine = moordyn.Create(str(folder / "deck.txt"))
+        try:
+            moordyn.Init(engine, [x[0], 0.0, -5.0], [0.0, 0.0, 0.0])
+            line = moordyn.GetLine(engine, 1)
+            for k in range(len(t) - 1):
+                h = t[k + 1] - t[k]
+                moordyn.Step(engine, [x[k], 0.0, -5.0], [(x[k + 1] - x[k]) / h, 0.0, 0.0], t[k], h)
+                theirs.append(np.linalg.norm(moordyn.GetLineNodeTen(line, middle)))
+        finally:
+            moordyn.Close(engine)
+    path = paths.samples(t, np.column_stack([x, 0.0 * x, -5.0 + 0.0 * x]))
+    scene = deck_from_text(deck.format(T="1e6"), folder=folder, coupled={2: path}).scene
+    run = simulate(scene, t[-1], method="edmc", dt=0.01, save_every=t[1])
+    return np.array(theirs), run.tension("line1")[1:, max(middle - 1, 0) : middle + 1].mean(axis=1)
+
+
 @pytest.mark.parametrize(("kind", "k1", "k2"), KINDS)
 def test_moordyn_pulls_as_this_does(tmp_path, kind, k1, k2):
     """Up the original curve, back along a working curve, and up again, with waves on it; taut all the time.
@@ -124,28 +148,22 @@ def test_moordyn_pulls_as_this_does(tmp_path, kind, k1, k2):
     MoorDyn interpolates the tension over the slow strain between rows of the curves, here over their strain: 22 rows of the same
     original curve leave 6e-4 of the range.
     """
-    moordyn = pytest.importorskip("moordyn", exc_type=ImportError)
-    strain = np.linspace(0.0, 0.11, 23)
-    write(tmp_path, kind, k1, k2, np.column_stack([strain, np.interp(strain, *ORIGINAL.T)]))
-    at_rest = equilibrium(read(tmp_path).scene).tension("line1")[0]
-    (tmp_path / "deck.txt").write_text(DECK.format(EA=EA, BA=BA.replace("5e9", "5e8"), IC=f"1 1.5e6 {at_rest}"))
+    write(tmp_path, kind, k1, k2, FINE)
     t = np.linspace(0.0, 30.0, 3001)
     up = np.clip(t / 12.0, 0.0, 1.0) - 0.2 * np.clip((t - 12.0) / 8.0, 0.0, 1.0) + 0.5 * np.clip((t - 20.0) / 10.0, 0.0, 1.0)
     x = 10.25 + 0.3 * up + 0.02 * np.sin(2.0 * np.pi * t / 5.0) * np.clip(t, 0.0, 1.0)
-    theirs = []
-    with silence():
-        engine = moordyn.Create(str(tmp_path / "deck.txt"))
-        try:
-            moordyn.Init(engine, [x[0], 0.0, -5.0], [0.0, 0.0, 0.0])
-            line = moordyn.GetLine(engine, 1)
-            for k in range(len(t) - 1):
-                h = t[k + 1] - t[k]
-                moordyn.Step(engine, [x[k], 0.0, -5.0], [(x[k + 1] - x[k]) / h, 0.0, 0.0], t[k], h)
-                theirs.append(np.linalg.norm(moordyn.GetLineNodeTen(line, 1)))
-        finally:
-            moordyn.Close(engine)
-    path = paths.samples(t, np.column_stack([x, 0.0 * x, -5.0 + 0.0 * x]))
-    scene = read(tmp_path, BA=BA.replace("5e9", "5e8"), coupled={2: path}).scene
-    run = simulate(scene, 30.0, method="edmc", dt=0.01, save_every=0.01)
-    ours = run.tension("line1")[1:, 0]
-    assert np.min(theirs) > 1e5 and np.ptp(theirs) > 3e6 and np.abs(ours - theirs).max() < 1e-3 * np.ptp(theirs)
+    deck = DECK.format(EA=EA, BA="5e8|1e5", IC="1 1.5e6 {T}")
+    theirs, ours = both(tmp_path, deck, x, t)
+    assert theirs.min() > 1e5 and np.ptp(theirs) > 3e6 and np.abs(ours - theirs).max() < 1e-3 * np.ptp(theirs)
+
+
+def test_moordyn_pulls_a_long_line_as_this_does(tmp_path):
+    """400 m in 8 segments, which sag by 7 m; both begin at their own rest, which differ by 5 kN, and swing undamped about it."""
+    write(tmp_path, rows=FINE)
+    t = np.linspace(0.0, 60.0, 1201)
+    s = np.clip(t / 10.0, 0.0, 1.0)
+    waves = 1.5 * np.sin(2.0 * np.pi * t / 20.0) + 0.5 * np.sin(2.0 * np.pi * t / 6.0)
+    x = 410.0 + (waves + 8.0 * t / 60.0) * s * s * (3.0 - 2.0 * s)
+    deck = DECK.format(EA=EA, BA="5e8|1e6", IC="1 1.5e6 {T}").replace("10.25 0 -5", "410 0 -5").replace("1 2 10 1 -", "1 2 400 8 -")
+    theirs, ours = both(tmp_path, deck.replace("0 g", "9.81 g").replace("0 TmaxIC", "60 TmaxIC"), x, t)
+    assert theirs.min() > 5e5 and np.ptp(theirs) > 1.5e6 and np.abs(ours - theirs).max() < 6e-3 * np.ptp(theirs)
