@@ -22,6 +22,7 @@ from .moordyn_rows import WORD, Row, is_number, number_of
 from .moordyn_syrope import is_syrope, read_syrope_file, syrope_numbers
 
 BAR, MOST_NUMBERS = "|", 3
+HEADS = 3  # lines above the numbers of a curve, which MoorDyn passes over
 SWAPPED = ("can", "cat", "cdn", "cdt")  # order of the first version, where MoorDyn reads Cd, Ca, CdAx, CaAx
 
 
@@ -149,6 +150,13 @@ def _polyester(row: Row, tables: Tables) -> dict[str, Any]:
     said = read_syrope_file(row, tables.path(row, file))
     path = tables.path(row, said.original, "OWC")
     curve = _curve(row, path)
+    lines = read_text(path, "It", errors="replace").splitlines()
+    heads = next((i for i, line in enumerate(lines) if line.split() and is_number(line.split()[0])), HEADS)
+    if heads < HEADS:
+        row.findings.remark(
+            f"Line {row.line}: {one_line(path.name, WORD)} has {heads} lines above its numbers, and all of these are read; MoorDyn "
+            f"passes over the first {HEADS} lines."
+        )
     if curve[:1] != ((0.0, 0.0),):
         raise row.error(
             f"an original curve must begin at the strain 0 and the tension 0, but that of {one_line(path.name, WORD)} does not."

@@ -4,7 +4,7 @@ Written so that MoorDyn v2 runs it and that `moordyn_file` reads it back as an e
 `MoordynBottom` and points do not float; names travel as remarks. What a deck cannot hold is refused: two-way springs, cables that
 do not stretch or may break, payloads that change, damping by the environment; of bodies see `moordyn_body_rows`. What it has no
 place for is lost: the path of a driven point or body, which MoorDyn moves from outside, the EI of a scene without bending, the zeta
-of a cable that creeps, that a cable has no diameter and that a free point has no place.
+of a cable that creeps, that a cable has no diameter and that a free point has no place. Of polyester see `moordyn_syrope_writer`.
 """
 
 import math
@@ -20,6 +20,7 @@ from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene, check_sc
 from .moordyn_body_rows import body_points, body_rows, pins, rod_ends
 from .moordyn_rows import named
 from .moordyn_seafloor import seafloor_text
+from .moordyn_syrope_writer import PREFIX, curve_of, syrope_name, syrope_rows, syrope_text
 
 NO_DIAMETER = 1e-3  # [m], of a cable without one: MoorDyn divides by the section, and in air nothing else asks for it
 NO_BOTTOM = 1e4  # [m], depth of water without a bottom
@@ -55,8 +56,11 @@ def save_moordyn(scene: Scene, path: str | PathLike[str], options: Mapping[str, 
     if (ground := _seafloor(scene)) is not None:
         text = seafloor_text(ground.x, ground.y, ground.heights)
         path.with_name(f"{path.stem}_seafloor.txt").write_text(text, encoding="utf-8")
-    for curve, name in _curves(scene, path.stem).items():
+    for (curve, working), name in _curves(scene, path.stem).items():
         rows = ("strain tension", "(-) (N)", "0 0", *(f"{strain!r} {tension!r}" for strain, tension in curve))
+        if working is not None:
+            path.with_name(syrope_name(name)).write_text(syrope_text(working, name), encoding="utf-8")
+            rows = ("the original curve of a polyester rope", *rows)  # MoorDyn passes over three lines
         path.with_name(name).write_text("\n".join(rows), encoding="utf-8")  # MoorDyn takes no empty last line
 
 
@@ -66,8 +70,8 @@ def _seafloor(scene: Scene) -> Any:
 
 
 def _curves(scene: Scene, stem: str) -> dict[Any, str]:
-    """Name of the file of each tension-strain curve."""
-    curves = dict.fromkeys(cable.tension_strain for cable in scene.cables if cable.tension_strain is not None)
+    """Name of the file of each tension-strain curve, by `curve_of` its cables."""
+    curves = dict.fromkeys(curve_of(cable) for cable in scene.cables if cable.tension_strain is not None)
     return {curve: f"{stem}_curve{number}.txt" for number, curve in enumerate(curves, start=1)}
 
 
@@ -118,6 +122,7 @@ def moordyn_text(
             for i, (cable, row) in enumerate(zip(scene.cables, rows, strict=True), start=1)
         ),
         *_failures(scene, number),
+        *syrope_rows(scene),
         "--------------------- OPTIONS ---------------------",
         *(f"{value} {name}" for name, value in (options or {}).items()),
         *(f"{value!r} {name}" for name, value in environment.items()),
@@ -152,8 +157,6 @@ def _type(cable: Cable, bends: bool, curves: dict[Any, str]) -> str:
             'A cable must have compression="damped" or "none" to be written for MoorDyn, whose springs do not push, but cable '
             f'{quoted(cable.name)} has "{cable.compression}" and EA_compression={cable.EA_compression}.'
         )
-    if cable.working_curve is not None:
-        raise SceneError(f"A cable must have no `working_curve` to be written for MoorDyn, but cable {quoted(cable.name)} has one.")
     if cable.inextensible:
         raise SceneError(f"A cable must have a finite `EA` to be written for MoorDyn, but cable {quoted(cable.name)} has EA=inf.")
     if cable.breaking_tension is not None:
@@ -163,9 +166,12 @@ def _type(cable: Cable, bends: bool, curves: dict[Any, str]) -> str:
         )
     diameter = NO_DIAMETER if cable.diameter is None else cable.diameter
     damping = -cable.zeta if cable.BA is None else cable.BA
-    EA = repr(cable.EA) if cable.tension_strain is None else curves[cable.tension_strain]
+    EA = repr(cable.EA) if cable.tension_strain is None else curves[curve_of(cable)]
     of_damping = repr(damping or 0.0)
-    if cable.creeps:
+    if cable.working_curve is not None:
+        EA = f"{PREFIX}{syrope_name(EA)}|{cable.EA_dynamic!r}|{cable.EA_dynamic_per_tension!r}"
+        of_damping = f"{cable.BA_creep!r}|{cable.axial_viscosity!r}"
+    elif cable.creeps:
         EA += "".join(f"|{x!r}" for x in (cable.EA_dynamic, cable.EA_dynamic_per_tension) if x)
         of_damping = f"{cable.BA_creep!r}|{cable.axial_viscosity!r}"
     numbers = (cable.EI if bends else 0.0, cable.Cdn, cable.Can, cable.Cdt, cable.Cat)

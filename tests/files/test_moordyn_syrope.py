@@ -1,11 +1,14 @@
 """Polyester lines of MoorDyn files, of the Syrope model: what is read, what is refused, and MoorDyn itself beside it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from anet_lumped import SceneError, equilibrium, paths, save_moordyn, simulate, working_curves
+from anet_lumped import SceneError, equilibrium, paths, read_moordyn, save_moordyn, simulate, working_curves
 from anet_lumped.files.moordyn_file import deck_from_text
-from anet_lumped.files.moordyn_findings import DeckError
+from anet_lumped.files.moordyn_findings import DeckError, DeckWarning
+from anet_lumped.files.moordyn_writer import moordyn_text
 from studies.peers.moordyn import silence
 
 DECK = """\
@@ -73,11 +76,35 @@ def test_numbers(tmp_path, kind, k1, k2):
     assert cable.working_curve == expected[kind, k1] and cable.tension_strain == tuple(map(tuple, ORIGINAL[1:].tolist()))
     assert (cable.EA_dynamic, cable.EA_dynamic_per_tension, cable.BA_creep, cable.BA) == (1.53e8, 23.12, 5e9, 1e5)
     assert any("mean tensions at the start, which statics find" in remark for remark in deck.remarks)
-    with (
-        pytest.warns(UserWarning),
-        pytest.raises(SceneError, match='must have no `working_curve` to be written for MoorDyn, but cable "line1" has one'),
-    ):
+    with pytest.warns(UserWarning, match="act on slack segments"):
         save_moordyn(deck.scene, tmp_path / "out.txt")
+    with pytest.warns(DeckWarning):
+        assert read_moordyn(tmp_path / "out.txt").scene == deck.scene
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (
+            {"tension_strain": [(0.002 * k, 2e5 * k) for k in range(1, 31)], "working_curve": working_curves.Linear(EA=1.25e8)},
+            "must have fewer than 30 rows to be written for MoorDyn, but that of cable .line1. has 30",
+        ),
+        (
+            {"tension_strain": [(1.0, 0.3)], "working_curve": working_curves.Linear(EA=0.5)},
+            r"must be at least 1 N to be written for MoorDyn, but that of cable .line1. is 0\.5",
+        ),
+        ({"length": 30.0, "working_curve": working_curves.Linear(EA=1.25e8)}, None),
+    ],
+)
+def test_not_written(tmp_path, change, says):
+    write(tmp_path)
+    scene = read(tmp_path).scene
+    scene = replace(scene, cables=[replace(scene.cables[0], EA=None, **change)])
+    if says is None:
+        assert "\n1 0.0 0.0\n" in moordyn_text(scene)  # slack in still air without gravity
+        return
+    with pytest.raises(SceneError, match=says):
+        moordyn_text(scene)
 
 
 @pytest.mark.parametrize(
@@ -111,6 +138,16 @@ def test_a_model_that_lacks_a_number(tmp_path):
     (tmp_path / "syrope.dat").write_text("owc.dat OWC x\nEXP WCType x\n0.2 k1 x")
     with pytest.raises(DeckError, match=r"must say OWC, WCType, k1 and k2, but syrope\.dat lacks K2"):
         read(tmp_path)
+
+
+def test_a_curve_with_fewer_lines_above_it(tmp_path):
+    write(tmp_path)
+    curve = tmp_path / "owc.dat"
+    assert not any("above its numbers" in remark for remark in read(tmp_path).remarks)
+    curve.write_text(curve.read_text().partition("\n")[2])
+    deck = read(tmp_path)
+    assert any("owc.dat has 2 lines above its numbers" in remark for remark in deck.remarks)
+    assert deck.scene.cables[0].tension_strain == tuple(map(tuple, ORIGINAL[1:].tolist()))
 
 
 def test_a_line_of_another_type_in_its_section(tmp_path):
