@@ -16,7 +16,8 @@ from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_STIFFNE
 
 from .stability import pivots_of, segments, symmetric_part, tangent
 
-STEPS = 1000
+STEPS, FEWEST_STEPS = 1000, 100  # and those of the largest nets
+MANY_POINTS = 120  # free points, from which on a descent has fewer steps, so that one of a large net takes seconds
 NEAR = 1e-4  # of the load: pseudo-steps find the balance from an out-of-balance force of this size
 ENOUGH = 0.1  # of the predicted work: a step that does less is not taken
 GOOD = 0.7  # of the predicted work: after a step that does more, m becomes smaller
@@ -45,7 +46,7 @@ def descended(model: Model, net: Any, q: np.ndarray, load: float, near: float = 
     force, tension = _forces(model, net, q)
     K, soft = None, 1e-3 * load / (n * L0)
     shift = soft
-    for _ in range(STEPS):
+    for _ in range(max(FEWEST_STEPS, STEPS * MANY_POINTS // max(n - model.n_interior, MANY_POINTS))):
         if np.abs(force).max(initial=0.0) <= near * load / n:
             if K is None:
                 K = tangent(model, net, q, tension)

@@ -22,6 +22,7 @@ SHORT = 0.1  # first tau over sqrt(L/g)
 GROWTH, LARGE_GROWTH = 4.0, 30.0  # of tau from one pseudo-step to the next; and where nothing is in the way
 LONGEST = 1e4  # last tau over the first one
 ON_THE_WAY, AT_END = 1e-6, 1e-14  # of the load: out-of-balance force with which a pseudo-step ends, before tau is longest and then
+SHORTER = 1 / 16  # of tau: a last step that Newton's method does not solve, as of slack cables that lie on a ground
 AT_REST = 1e-10  # of the load: out-of-balance force from which longer pseudo-steps gain nothing
 STEPS, ITERATIONS = 400, 20  # largest number of pseudo-steps, and of Newton iterations in each
 # A pseudo-step is too long whose force out of balance, after so many Newton iterations, is so many times that before it, or the
@@ -111,10 +112,11 @@ def relaxed(model, net, q, load, pace=QUICK):
     usual = SHORT * math.sqrt(length)
     first = tau = min(usual, pace.first)
     longest = LONGEST * usual
-    best, growth = math.inf, pace.growth
+    best, unbalanced, growth, at_end = math.inf, math.inf, pace.growth, False
     for _ in range(STEPS):
         before, tension = q.copy(), net.tension.copy()
-        left, iterations = _step(net, q, tau, load, AT_END if tau >= longest else ON_THE_WAY)
+        at_end = at_end or tau >= longest
+        left, iterations = _step(net, q, tau, load, AT_END if at_end else ON_THE_WAY)
         if left > ON_THE_WAY * load or not np.isfinite(q).all():
             q[:], net.tension[:] = before, tension
             tau, growth = 0.25 * tau, 1.0 + 0.25 * (growth - 1.0)  # a shorter step, and slower growth after it
@@ -123,11 +125,13 @@ def relaxed(model, net, q, load, pace=QUICK):
             continue
         moved = float(np.abs(q - before).max())
         best = moved / (moving * tau**2)  # inertial force of the last step, which its forces balance, over the load
-        if tau >= longest and (best <= 1e-13 or moved <= 1e-14 * length):
-            break
-        if best <= 1e-13 and _unbalanced(net, q) <= AT_REST * load:  # else dampers of contacts hold it, and not inertia
-            break
-        if tau < longest:
+        if best <= 1e-13 or at_end:
+            last, unbalanced = unbalanced, _unbalanced(net, q)  # dampers of contacts may hold it, and not inertia
+            if max(unbalanced, best * load) <= AT_REST * load or (at_end and unbalanced > 0.9 * last):
+                break
+        if at_end and iterations == ITERATIONS:
+            tau *= SHORTER
+        elif tau < longest:
             tau *= growth if iterations < ITERATIONS // 2 else 1.0
             growth = min(pace.growth, 1.2 * growth)
     return max(best, _unbalanced(net, q) / load)

@@ -1,5 +1,6 @@
 """Nets at rest: hung by few corners, with slack parts, in water and on a ground; found at once, and balanced as a whole."""
 
+import numpy as np
 import pytest
 
 from anet_lumped import NoRestError, Scene, equilibrium, nets, simulate, wind
@@ -46,6 +47,21 @@ def test_the_corners_carry_what_the_ground_does_not():
     corners = [f"p{i}_{j}" for i in (0, 6) for j in (0, 6)]
     assert pull(rest, corners) + on_ground == pytest.approx(weight(parts), rel=1e-6)
     assert (rest.segment_tension <= 0.0).any() and rest.stable
+
+
+@pytest.mark.parametrize("in_water", [False, True])
+@pytest.mark.parametrize("held", [("p0_0", "p19_0", "p19_19", "p0_19"), ("p0_0", "p19_0"), ("p0_0",)])
+def test_most_of_a_net_lies_slack_on_the_ground(held, in_water):
+    """Corners and ground carry the weight less the buoyancy, of 1025 kg/m3 times g times the volume of all twine."""
+    field = [(0, 0, -1.0), (3, 0, -1.0), (3, 3, -1.0), (0, 3, -1.0)]
+    parts = nets.grid((19, 19), field, cable=TWINE, held=held, knot_mass=1e-3, slack=0.02)
+    effects = [GRAVITY, Ground(height=-1.5, stiffness=1e6), *([Water()] if in_water else [])]
+    rest = equilibrium(Scene(parts.points, parts.cables, effects))
+    volume = sum(np.pi / 4 * cable.diameter**2 * cable.length for cable in parts.cables)
+    carried = weight(parts) - (1025 * 9.81 * volume if in_water else 0.0)
+    # forces balance to 1e-10 of the load at each of 400 nodes
+    assert pull(rest, held) + rest.reaction("ground")[2] == pytest.approx(carried, abs=1e-6)
+    assert rest.stable and (len(held) == 4 or (rest.segment_tension <= 0.0).mean() > 0.8)
 
 
 def test_a_stream_carries_a_net_that_is_held_at_one_side():
