@@ -5,6 +5,7 @@ from anet_lumped.effects.laws.creep import creep_of_step
 from anet_lumped.mechanics.creeping_law import creep_of, creeping_cable_law, fast_spring
 from anet_lumped.mechanics.newton_step import NEARLY_EQUAL
 from anet_lumped.mechanics.optional import CableAccount, CableBalance
+from anet_lumped.mechanics.plain_cables import law_of
 from anet_lumped.mechanics.residual import EPS, cable_residual, joined
 from anet_lumped.mechanics.segment_law import cable_law, reduced_slope, tension_law
 from anet_lumped.mechanics.settle import cable_settle, sum_of_accounts
@@ -50,9 +51,9 @@ def settle_of_creeping(stage, net_address, base, q, v):
     net, account = view_net(net_address), CableAccount(0.0, 0.0, 0.0, 0.0, 0.0)
     for c in net.single_cables:
         if net.creep[c, CREEP_STATIC] > 0.0:
-            own = cable_settle(stage, net, (c, 1), base, q, v, creep_of(net, c, net.cable[c, CABLE_FIRST_SEGMENT]))
+            own = cable_settle(stage, net, (c, 1), law_of(net, c), base, q, v, creep_of(net, c, net.cable[c, CABLE_FIRST_SEGMENT]))
         else:
-            own = cable_settle(stage, net, (c, 1), base, q, v, None)
+            own = cable_settle(stage, net, (c, 1), law_of(net, c), base, q, v, None)
         account = sum_of_accounts(account, own)
     return account
 

@@ -13,16 +13,15 @@ from anet_lumped.mechanics.cable_rows import row3, segment_count
 from anet_lumped.mechanics.creeping_law import creep_of
 from anet_lumped.mechanics.effect_forces import numbers_of
 from anet_lumped.mechanics.optional import as_set_lengths
-from anet_lumped.mechanics.segment_law import SHORTEST, group_constant, spring_of
+from anet_lumped.mechanics.plain_cables import law_of
+from anet_lumped.mechanics.segment_law import SHORTEST, spring_of
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
-    AXIAL_INEXTENSIBLE,
     AXIAL_L0,
     AXIAL_L0_RATE,
     AXIAL_OMEGA_SQUARED,
     AXIAL_STIFFNESS,
-    AXIAL_TWO_WAY_DAMPER,
     CABLE_END,
     CABLE_FIRST_NODE,
     CABLE_FIRST_SEGMENT,
@@ -62,8 +61,12 @@ def _creeping_tension(net, c, s, stretch, rate, acting):
 
 
 @inlined
-def observe_cable(net, c, q, v, tension, creeps):
-    """`observe_singles` of a cable, or of a group of cables; ``creeps`` is whether the cable creeps, None for a group."""
+def observe_cable(net, c, stage_law, law, q, v, tension, creeps):
+    """`observe_singles` of a cable, or of a group of cables.
+
+    ``stage_law`` is that of the last stage, ``law`` what `law_of` returns, and ``creeps`` whether the cable creeps, None for a
+    group.
+    """
     first, node, end = (
         column(net.cable, c, CABLE_FIRST_SEGMENT),
         column(net.cable, c, CABLE_FIRST_NODE),
@@ -77,14 +80,10 @@ def observe_cable(net, c, q, v, tension, creeps):
         flat(net.segment),
     )
     L0, k, damper = column(net.axial, c, AXIAL_L0), column(net.axial, c, AXIAL_STIFFNESS), column(net.axial, c, AXIAL_DAMPER)
-    two_way_damper, spring, L0_rate = (
-        group_constant(net, c, AXIAL_TWO_WAY_DAMPER),
-        spring_of(net, c),
-        column(net.axial, c, AXIAL_L0_RATE),
-    )
-    law, omega_squared = net.linearised[LINEARISED_LAW], column(net.axial, c, AXIAL_OMEGA_SQUARED)
-    acted_at_end = law == LAW_BACKWARD or group_constant(net, c, AXIAL_INEXTENSIBLE) > 0.0
-    over_step, h, mean_step = law == LAW_BETWEEN, net.linearised[LINEARISED_TAU], net.linearised[LINEARISED_MEAN_STEP]
+    (spring, two_way_damper, inextensible), L0_rate = law, column(net.axial, c, AXIAL_L0_RATE)
+    omega_squared = column(net.axial, c, AXIAL_OMEGA_SQUARED)
+    acted_at_end = stage_law == LAW_BACKWARD or inextensible > 0.0
+    over_step, h, mean_step = stage_law == LAW_BETWEEN, net.linearised[LINEARISED_TAU], net.linearised[LINEARISED_MEAN_STEP]
     per_h, resolved = 1.0 / h, 1.0 / (1.0 + (0.25 * h + 0.5 * damper / k) * h * omega_squared)
     stiff = (0.25 * mean_step + 0.5 * damper / k) * mean_step * omega_squared
     q1, v1 = row3(flat_q, before), row3(flat_v, before)
@@ -111,7 +110,7 @@ def observe_cable(net, c, q, v, tension, creeps):
                 if two_way_damper == 0.0:
                     at_end = max(at_end, 0.0)
                 T = select((elastic != 0.0) | (two_way_damper > 0.0), at_end, T)
-            elif law == LAW_AT_END and mean_step > 0.0:
+            elif stage_law == LAW_AT_END and mean_step > 0.0:
                 mean_tension = load(net.mean_tension, s)
                 T = mean_tension + (T - mean_tension) / (1.0 + stiff * stiff)
             if creeps is not None:
@@ -122,14 +121,14 @@ def observe_cable(net, c, q, v, tension, creeps):
 
 
 @inlined
-def elastic_energy_of_cable(net, c, q, creeps):
+def elastic_energy_of_cable(net, c, spring, q, creeps):
     """Energy of the springs of a cable, or of each of the cables of a group [J]; ``creeps`` as of `observe_cable`."""
     first, node, end = (
         column(net.cable, c, CABLE_FIRST_SEGMENT),
         column(net.cable, c, CABLE_FIRST_NODE),
         column(net.cable, c, CABLE_END),
     )
-    L0, spring, count, flat_q = column(net.axial, c, AXIAL_L0), spring_of(net, c), segment_count(net, c), flat(q)
+    L0, count, flat_q = column(net.axial, c, AXIAL_L0), segment_count(net, c), flat(q)
     elastic, q1 = 0.0 * L0, row3(flat_q, column(net.cable, c, CABLE_START))
     for j in range(count):
         q2 = row3(flat_q, shifted(node, j, 1, 0) if j < count - 1 else end)
@@ -175,7 +174,8 @@ def observe_singles(q, v, net_address, tension):
     for i in range(net.crept.shape[0] if tension.shape[0] > count else 0):
         tension[count + i], tension[2 * count + i] = net.crept[i, CREPT_STRETCH], net.crept[i, CREPT_T_MAX]
     for c in net.single_cables:
-        observe_cable(net, c, q, v, tension, net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0)
+        creeps = net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0
+        observe_cable(net, c, net.linearised[LINEARISED_LAW], law_of(net, c), q, v, tension, creeps)
 
 
 @kernel(void(float64, _f2, _f2, int64, _f1))
@@ -191,7 +191,8 @@ def energies_of_singles(t, q, v, net_address, energy):
         x, y, z = flat_v[3 * i], flat_v[3 * i + 1], flat_v[3 * i + 2]
         kinetic += 0.5 * net.mass[i] * (x * x + y * y + z * z)
     for c in net.single_cables:
-        elastic += elastic_energy_of_cable(net, c, q, net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0)
+        creeps = net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0
+        elastic += elastic_energy_of_cable(net, c, spring_of(net, c), q, creeps)
     effects = net.effects
     for e in range(effects.address.shape[0]):
         index, params = numbers_of(effects, e)

@@ -24,6 +24,7 @@ from anet_lumped.mechanics.optional import (
     as_place_bodies,
     as_set_lengths,
 )
+from anet_lumped.mechanics.plain_cables import are_plain, plain_cable_law, plain_stage
 from anet_lumped.mechanics.segment_law import cable_law, linearise
 from anet_lumped.mechanics.segment_row import load_history, store_linearised
 from anet_lumped.model.net import view_net
@@ -173,7 +174,12 @@ def residual_of_groups(stage, net_address, base, q, step, largest_coordinate):
     for g in range(net.cable_groups.shape[0]):
         c, members = group_members(net.cable_groups, g), net.cable_groups[g, WIDTH]
         law = cable_law(stage, net, c, step)
-        balance = joined(balance, cable_residual(stage, net, (c, members), base, q, law, None, largest_coordinate))
+        if are_plain(stage.law, net, c):
+            known_stage, known_law = plain_stage(stage), plain_cable_law(net, c, law)
+            own = cable_residual(known_stage, net, (c, members), base, q, known_law, None, largest_coordinate)
+        else:
+            own = cable_residual(stage, net, (c, members), base, q, law, None, largest_coordinate)
+        balance = joined(balance, own)
     return balance
 
 

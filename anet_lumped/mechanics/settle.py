@@ -21,17 +21,16 @@ from anet_lumped.mechanics.optional import (
     as_turn_bodies,
     as_work_of_lengths,
 )
-from anet_lumped.mechanics.segment_law import SHORTEST, TINY, group_constant, numerical_damper, spring_of, tension_law
+from anet_lumped.mechanics.plain_cables import are_plain, law_of, plain_law_of, plain_stage
+from anet_lumped.mechanics.segment_law import SHORTEST, TINY, numerical_damper, tension_law
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
-    AXIAL_INEXTENSIBLE,
     AXIAL_L0,
     AXIAL_L0_BEFORE,
     AXIAL_L0_RATE,
     AXIAL_OMEGA_SQUARED,
     AXIAL_STIFFNESS,
-    AXIAL_TWO_WAY_DAMPER,
     CABLE_END,
     CABLE_FIRST_NODE,
     CABLE_FIRST_SEGMENT,
@@ -96,23 +95,23 @@ def _unresolved_share(ratio):
 
 
 @inlined
-def cable_settle(stage, net, cables, base, q, v, creep):
+def cable_settle(stage, net, cables, law, base, q, v, creep):
     """`settle` of a cable, or of a group of cables; returns their `CableAccount`.
 
-    ``cables`` are the address of the cable or group and how many cables it is; ``creep`` is the `Creep` of its first
-    segment, None of a cable that does not creep. Writes the changes of velocity by the impulses to ``net.middle_v``, and adds each
-    impulse over the step to ``net.tension``.
+    ``cables`` are the address of the cable or group and how many cables it is, ``law`` is what `law_of` returns, and ``creep`` the
+    `Creep` of its first segment, None of a cable that does not creep. Writes the changes of velocity by the impulses to
+    ``net.middle_v``, and adds each impulse over the step to ``net.tension``.
     """
     (c, members), h, per_h = cables, stage.tau, 1.0 / stage.tau
     first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
     start, end, count = column(net.cable, c, CABLE_START), column(net.cable, c, CABLE_END), segment_count(net, c)
     L0, k, damper = column(net.axial, c, AXIAL_L0), column(net.axial, c, AXIAL_STIFFNESS), column(net.axial, c, AXIAL_DAMPER)
-    spring, two_way_damper = spring_of(net, c), group_constant(net, c, AXIAL_TWO_WAY_DAMPER)
+    spring, two_way_damper, inextensible = law
     if creep is not None:
         spring = fast_spring(net, creep.fast_stiffness, L0)
     omega_squared, L_a = column(net.axial, c, AXIAL_OMEGA_SQUARED), column(net.axial, c, AXIAL_L0_BEFORE)
     L0_rate = column(net.axial, c, AXIAL_L0_RATE)
-    if group_constant(net, c, AXIAL_INEXTENSIBLE) > 0.0:
+    if inextensible > 0.0:
         taut_share = slack_share = 2.0 * stage.dissipation + 0.0 * L0
     else:
         spring_term, damping_term = 0.25 * h * h * omega_squared, 0.5 * h * omega_squared * damper / k
@@ -218,7 +217,7 @@ def settle_of_singles(stage, net_address, base, q, v):
     """`cable_settle` of the cables that are in no group, summed."""
     net, account = view_net(net_address), CableAccount(0.0, 0.0, 0.0, 0.0, 0.0)
     for c in net.single_cables:
-        account = sum_of_accounts(account, cable_settle(stage, net, (c, 1), base, q, v, None))
+        account = sum_of_accounts(account, cable_settle(stage, net, (c, 1), law_of(net, c), base, q, v, None))
     return account
 
 
@@ -227,8 +226,11 @@ def settle_of_groups(stage, net_address, base, q, v):
     """`cable_settle` of the cables that are taken by fours, summed."""
     net, account = view_net(net_address), CableAccount(0.0, 0.0, 0.0, 0.0, 0.0)
     for g in range(net.cable_groups.shape[0]):
-        members = group_members(net.cable_groups, g)
-        own = cable_settle(stage, net, (members, net.cable_groups[g, WIDTH]), base, q, v, None)
+        c, members = group_members(net.cable_groups, g), net.cable_groups[g, WIDTH]
+        if are_plain(stage.law, net, c):
+            own = cable_settle(plain_stage(stage), net, (c, members), plain_law_of(net, c), base, q, v, None)
+        else:
+            own = cable_settle(stage, net, (c, members), law_of(net, c), base, q, v, None)
         account = sum_of_accounts(account, own)
     return account
 

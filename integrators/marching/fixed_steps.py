@@ -75,7 +75,7 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
     n_free, largest = system.n_free, system.largest
     evaluate_start(system_address, data_address, t, state, counts)
     rows = save(system_address, data_address, NONE, t, 0.0, state, saved)
-    steps, weight = begin(growth, state.v, n_free), 1.0
+    steps, weight, error, error_is_current = begin(growth, state.v, n_free), 1.0, 0.0, True
     start, margin = scratch.start, -1.0 if margin_of(stepper, state) > NO_EVENTS else NO_EVENTS
     last = max(1, int(np.ceil((times.t_end - times.origin) / times.dt - SAME_TIME))) - 1
     for s in range(min(int(np.floor((times.t0 - times.origin) / times.dt + SAME_TIME)), last), last + 1):
@@ -90,6 +90,7 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
             steps += 1
         else:
             steps, weight = follow(growth, step_error, steps, weight, length, state.v, n_free)
+            error_is_current = error_is_current and steps >= 0  # below 0, errors have grown
         is_last = s == last or stop[0] != 0
         is_saved = (s + 1) % times.stride == 0 or is_last
         if is_saved or s % CHECK_EVERY == 0:
@@ -97,7 +98,9 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
             if node >= 0:
                 return DIVERGED, rows, t, node
         if is_saved:
-            rows = save(system_address, data_address, rows, t, largest_error(growth, n_free), state, saved)
+            if not error_is_current:
+                error, error_is_current = largest_error(growth, n_free), True
+            rows = save(system_address, data_address, rows, t, error, state, saved)
         if stop[0] != 0:
             return INTERRUPTED, rows, t, -1
     return DONE, rows, t, -1
