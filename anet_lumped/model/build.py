@@ -35,11 +35,11 @@ from anet_lumped.model.tables import (
     CABLE_JOINS_FREE_POINTS,
     CABLE_SEGMENTS,
 )
-from anet_lumped.scene.scene import Free
+from anet_lumped.scene.scene import Driven, Free
 
 BYTES_OF_NODE = 1e3  # of a model and of what a computation needs, about
 # Of a Model, made when they are asked for: what names and ends decide, and what numbers do.
-OF_TOPOLOGY = ("n_segments", "ends", "node_segments", "cable_of", "kinds_of_library", "unheld")
+OF_TOPOLOGY = ("n_segments", "ends", "node_segments", "cable_of", "kinds_of_library", "unheld", "nodes_found")
 OF_NUMBERS = ("forces", "creep", "breaking_tension", "links", "springs_of_cables", "path_table")
 TOPOLOGIES = 8  # that are kept
 _KNOWN = {}  # what scenes share, `_topology`: the model of one of them
@@ -100,7 +100,8 @@ def refilled(known, scene):
         The same as of `build`, to the last bit.
     """
     model = object.__new__(Model)
-    shared = ("path_table",) if scene.points == known.scene.points else ()
+    paths, known_paths = ([point.path for point in one.points if isinstance(point, Driven)] for one in (scene, known.scene))
+    shared = ("path_table",) if paths == known_paths else ()
     for name in (*OF_TOPOLOGY, *shared):
         getattr(known, name)
     vars(model).update(vars(known))

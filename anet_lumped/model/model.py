@@ -161,6 +161,11 @@ class Model:
         """Name of the first point that hangs on no fixed or driven one; None if all do."""
         return first_unheld(self.scene)
 
+    @cached_property
+    def nodes_found(self):
+        """What `nodes` has returned, by the name of the cable."""
+        return {}
+
     def _number(self, cable):
         self.scene.cable(cable)
         return self.scene.cable_numbers[cable]
@@ -234,12 +239,15 @@ class Model:
         return f"node {node}"
 
     def nodes(self, cable):
-        """(segments + 1,) int64: nodes of a cable from its start to its end."""
+        """(segments + 1,) int64, not to be written to: nodes of a cable from its start to its end."""
         c = self._number(cable)
-        _, count, first, start, end = self.cable[c, : CABLE_END + 1]
-        nodes = np.empty(count + 1, np.int64)
-        nodes[0], nodes[1:-1], nodes[-1] = start, np.arange(first, first + count - 1), end
-        return nodes[::-1] if self.flipped[c] else nodes
+        if cable not in self.nodes_found:
+            _, count, first, start, end = self.cable[c, : CABLE_END + 1]
+            nodes = np.empty(count + 1, np.int64)
+            nodes[0], nodes[1:-1], nodes[-1] = start, np.arange(first, first + count - 1), end
+            self.nodes_found[cable] = nodes[::-1] if self.flipped[c] else nodes
+            self.nodes_found[cable].flags.writeable = False
+        return self.nodes_found[cable]
 
     def segment_run(self, c):
         """First segment of the c-th cable, and how many it has, in the order of elimination."""

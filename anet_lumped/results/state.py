@@ -183,4 +183,5 @@ class State:
     def length(self, cable: str) -> float:
         """Stretched length of a cable [m], without segments that broke."""
         lengths = np.linalg.norm(np.diff(self.shape(cable), axis=0), axis=1)
-        return float(np.delete(lengths, broken(self.events).get(cable, ())).sum())
+        gone = broken(self.events).get(cable)
+        return float((np.delete(lengths, gone) if gone else lengths).sum())

@@ -13,7 +13,6 @@ from anet_lumped.scene.scene import Cable, Scene
 
 SETTINGS = ("t_end", "method", "dt", "start", "rtol", "atol", "rho_inf")  # of a run, which may be varied beside fields of the scene
 NOT_VARIED = ("name", "kind", "start", "end")  # of points, cables and events: what they are, and not a number of them
-OF_NAMES = ("all_points", "_points", "_bodies", "cable_numbers")  # of a Scene, which its cables' numbers do not change
 NUMBERED = re.compile(r"(?P<list>.+)\.(?P<index>[0-9]{1,9})")  # an entry of a list, `ground_map.heights.2.0`
 
 
@@ -103,7 +102,7 @@ class Varied:
                 parts[section][number] = _renamed(made[like], part)
             else:
                 parts[section][number] = made[section, entry] = self._part(part, section, entry, held, values)
-        return _like(scene, parts["cables"]) if set(parts) == {"cables"} else replace(scene, **parts)
+        return _like(scene, parts)
 
     def _part(self, part: Any, section: str, entry: Any, held: list[tuple[str, Field]], values: Mapping[str, Any]) -> Any:
         """A part with other values: a copy where they are fields of its own, read from its table where they are within one."""
@@ -121,12 +120,18 @@ class Varied:
         return part_from_dict(section, entry, {key: value for key, value in table.items() if value is not None and key != excluded})
 
 
-def _like(scene: Scene, cables: list[Cable]) -> Scene:
-    """A scene with other cables of the same names and ends, of which a Scene asks no more; cuts ask for segments, too."""
-    if scene.cable_cuts:
-        return replace(scene, cables=cables)
+def _like(scene: Scene, parts: dict[str, list[Any]]) -> Scene:
+    """A scene with other parts of the same kinds, names and ends, of which a Scene asks no more.
+
+    Scenes in which it does are checked anew: bodies stand at points, payloads change at some, and cuts ask for segments.
+    """
+    others = parts.keys() - {"cables"}
+    if scene.cable_cuts or (others and (scene.events or scene.bodies)) or not others <= {"points", "effects"}:
+        return replace(scene, **parts)
     made = object.__new__(Scene)
-    vars(made).update({name: getattr(scene, name) for name in (*_arguments(Scene), *OF_NAMES)}, cables=tuple(cables))
+    shared = ("cable_numbers",) if "points" in parts else ("cable_numbers", "all_points", "_points", "_bodies")
+    vars(made).update({name: getattr(scene, name) for name in (*_arguments(Scene), *shared)})
+    vars(made).update((section, tuple(of_section)) for section, of_section in parts.items())
     return made
 
 

@@ -68,6 +68,8 @@ def test_a_refilled_model_is_the_model(kind):
         "node_segments",
         "path_table",
         "springs_of_cables",
+        "kinds_of_library",
+        "unheld",
         "forces",
     )
     for name in names:
