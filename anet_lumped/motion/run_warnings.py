@@ -15,7 +15,7 @@ from anet_lumped.checks import quoted
 from anet_lumped.results.audit import SHARE
 from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.energy_balance import error_of_steps
-from anet_lumped.results.free_flight import MULTIPLIED, first_loose
+from anet_lumped.results.free_flight import MULTIPLIED, first_loose, times_at_most
 from anet_lumped.results.tension_error import lowest_axial_mode
 from anet_lumped.scene.platform import driven_from_outside
 from anet_lumped.scene.scene import Driven
@@ -133,15 +133,17 @@ def _multiplied_errors(run):
     """
     if run.kept is not None or run.extrapolated or run.audit is not None or run.error_growth is None:
         return ""
-    if MULTIPLIED * run.error_growth[-1] <= SHARE * max(cable.length for cable in run.scene.cables):
+    times, way = times_at_most(run), float(np.abs(run.q - run.q[0]).max())
+    if min(times * run.error_growth[-1], way) <= SHARE * max(cable.length for cable in run.scene.cables):
         return ""
     begins = {"nodes of cables are loose": first_loose(run), "cables that push buckle": first_buckled(run)}
     what, since = min(begins.items(), key=lambda one: math.inf if one[1] is None else one[1])
     if since is None:
         return ""
+    most = f"up to {times:g} times what run.error_estimate tells" if times == MULTIPLIED else "as large as the way of a node"
     return (
         f"{run.method}: {what} from t={since:.4g} s on, and such a motion may multiply errors: those of places "
-        f"may be up to {MULTIPLIED:g} times what run.error_estimate tells; audit=True, or error=... without dt, compares two runs."
+        f"may be {most}; audit=True, or error=... without dt, compares two runs."
     )
 
 

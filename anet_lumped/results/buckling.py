@@ -29,13 +29,19 @@ NO_STIFFNESS = 1e-100  # [N m2] of bending, by which a force can be divided
 
 
 def first_buckled(run: Any) -> float | None:
-    """First saved time at which buckling has multiplied an error by `TURNS` [s]; None: never.
+    """First saved time at which buckling has multiplied an error by `TURNS` [s]; None: never."""
+    buckled = np.flatnonzero(buckling_exponents(run) > np.log(TURNS))
+    return float(run.t[buckled[0]]) if len(buckled) else None
+
+
+def buckling_exponents(run: Any) -> np.ndarray:
+    """Integral of the rate at which buckling multiplies an error, the largest of all nodes, up to each saved time (k,).
 
     An effect that bends is taken to do so by the `EI` of the cables.
     """
     model, n_free = run.model, run.model.n_free
     if not (run.segment_tension < 0.0).any():
-        return None
+        return np.zeros(len(run.t))
     bends = any(effect.coupled_neighbours >= BENDS for effect in run.scene.effects)
     stiffness = np.zeros((len(run.t), model.n))
     for cable in run.scene.cables:
@@ -47,8 +53,7 @@ def first_buckled(run: Any) -> float | None:
     mass = model.mass[:n_free]
     rate = np.sqrt(np.maximum(-stiffness[:, :n_free], 0.0) / np.where(mass > 0.0, mass, np.inf))
     grown = np.cumsum(np.minimum(rate[1:], rate[:-1]) * np.diff(run.t)[:, None], axis=0).max(axis=1, initial=0.0)
-    buckled = np.flatnonzero(grown > np.log(TURNS))
-    return float(run.t[1 + buckled[0]]) if len(buckled) else None
+    return np.append(0.0, grown)
 
 
 def _across(tension: np.ndarray, lengths: np.ndarray, whole: float, EI: float) -> np.ndarray:

@@ -6,13 +6,15 @@ it, so that its error grows with the time of its flight. A weight on one segment
 which `edmc` keeps; so only nodes of cables of several segments count, whose vibrations share the energy out.
 """
 
+import math
 from typing import Any
 
 import numpy as np
 
-from .buckling import first_buckled
+from .buckling import buckling_exponents, first_buckled
 
-MULTIPLIED = 50.0  # times the error that a run tells of a motion that goes loose, or buckles: what it may be
+MULTIPLIED = 50.0  # times the error that a run tells of a motion that goes loose, or buckles: what it may be at least
+LARGEST_EXPONENT = 300.0  # of which the exponential is a number
 WITHIN = 4.0  # times an error that is told, which most are within
 OF_SECOND_DIFFERENCE = 0.7  # of the velocities where a segment goes slack: what the velocity that a node flies with is off by
 
@@ -46,11 +48,16 @@ def first_loose(run: Any) -> float | None:
 
 
 def multiplied(run: Any) -> float:
-    """Times the errors told of places that they may be: 1, or `MULTIPLIED` where it goes loose or buckles, as far as nodes go."""
+    """Times the errors told of places that they may be, as far as nodes go: 1, or what looseness and buckling make of them."""
     if not run.error_estimate or not (goes_loose(run) or first_buckled(run) is not None):
         return 1.0
-    times = min(float(np.abs(run.q - run.q[0]).max()) / run.error_estimate, MULTIPLIED)
+    times = min(float(np.abs(run.q - run.q[0]).max()) / run.error_estimate, times_at_most(run))
     return times if times > WITHIN else 1.0
+
+
+def times_at_most(run: Any) -> float:
+    """Times the errors told of a motion that goes loose or buckles that they may be, `MULTIPLIED` or more as buckling does."""
+    return max(MULTIPLIED, math.exp(min(buckling_exponents(run)[-1], LARGEST_EXPONENT)))
 
 
 def _falls(scene: Any) -> bool:

@@ -60,3 +60,4 @@ def test_a_run_at_a_given_step_says_so():
     assert run.multiplies > TURNS
     (text,) = run.warnings
     assert f"cables that push buckle from t={first_buckled(run):.4g} s on, and such a motion may multiply errors" in text
+    assert "those of places may be as large as the way of a node" in text  # exp(25) of its errors
