@@ -1,5 +1,5 @@
 """Warnings attached to a completed run: energy lost or added by its steps, cables too long for their tension, no limit in sight,
-points that nothing has moved, obstacles that were not seen, errors that the motion may have multiplied, starts not resolved.
+points that nothing has moved, obstacles that were not seen, errors that may have been multiplied, starts and steps not resolved.
 
 A run with a warning is done all the same: a method that damps the motion is asked for by name, and a rest may be right that
 was reached by wrong damping. But a reader of its swing or its stretch must know. On the catalogue of hard cases
@@ -29,6 +29,7 @@ SHARE_OF_PATH = 0.05  # of the path of a node: error of the finer of two runs up
 STILL = 1e-6  # of its cables' length, by which a net may move that counts as still
 ALLOWED_LOSS = 0.01  # of the energy in play, which a method may take without a warning
 TOLERANCE = 1e-7  # of its length: what Newton's tolerance leaves
+MANY_PARTS = 4.0  # in which each step is taken on average: a start that is hard to solve takes some steps in two
 
 
 class Finding(Enum):
@@ -42,6 +43,7 @@ class Finding(Enum):
     THROUGH_AN_OBSTACLE = "cables that may have gone through an obstacle"
     MULTIPLIED_ERRORS = "errors that the motion may have multiplied"
     THROWN_AT_START = "a start that the first step does not resolve"
+    TAKEN_IN_PARTS = "steps whose equations were solved in many parts only"
 
 
 def findings(run, adaptive=False):
@@ -66,6 +68,7 @@ def findings(run, adaptive=False):
         Finding.THROUGH_AN_OBSTACLE: _through_an_obstacle(run, step),
         Finding.MULTIPLIED_ERRORS: _multiplied_errors(run),
         Finding.THROWN_AT_START: "" if adaptive or run.kept else _thrown_at_start(run, step),
+        Finding.TAKEN_IN_PARTS: "" if adaptive or run.extrapolated else _taken_in_parts(run),
     }
     return {finding: text for finding, text in texts.items() if text}
 
@@ -155,6 +158,18 @@ def _thrown_at_start(run, step):
     return (
         f"{run.method}: its first step throws a node off with {speed:.2g} m/s, most of what is seen in the run, and does not "
         f'resolve the forces at the start; places may be wrong by the way of such a node. Take {step}, or method="edmc".'
+    )
+
+
+def _taken_in_parts(run):
+    """Steps that were taken in `MANY_PARTS` and more each on average, because their equations were not solved in fewer."""
+    work, duration = run.work, float(run.t[-1] - run.t[0])
+    planned = max(1, round(duration / run.dt))
+    if not work.halvings or work.steps < MANY_PARTS * planned:
+        return ""
+    return (
+        f"{run.method}: steps of dt={run.dt:.3g} s were solved in parts only, {work.steps} in place of {planned}, and "
+        f"{work.halvings} times not at all: the motion changes far faster than that; take dt={duration / work.steps:.2g} s or less."
     )
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from systems import four_cables, loose_cable
 
-from anet_lumped import load_run, simulate
+from anet_lumped import Cable, Fixed, Free, Scene, load_run, simulate
+from anet_lumped.effects import Bending, Gravity
 from anet_lumped.motion.run_warnings import Finding, findings, warnings_of
 from anet_lumped.results.energy_balance import error_of_steps
 from studies.catalogue.swings import ANGLE, pendulum, released
@@ -91,3 +92,18 @@ def test_an_extrapolation_of_places_is_no_length(swing):
     scene, start = swing
     run = simulate(scene, 0.8, method="edmc", dt=0.01, start=start, extrapolate=True)
     assert run.ok and [text for text in run.warnings if "edmc, extrapolated" in text and "or no extrapolation" in text]
+
+
+def test_steps_that_are_taken_in_many_parts_say_so():
+    """A stiff cable that bends, let go stretched six times: steps of 50 ms are taken in some thirty parts each."""
+    cable = Cable("a", "b", length=0.5, mass_per_length=0.1, EA=1e8, segments=8, EI=100.0, diameter=0.004)
+    points = [Fixed("a", (0.0, 0.0, 0.0)), Free("b", mass=0.01, at=(3.0, 0.0, 0.0))]
+    scene = Scene(points, [cable], [Gravity(9.81), Bending()])
+    run = simulate(scene, 0.2, method="edmc", dt=0.05, start="straight")
+    said = findings(run)[Finding.TAKEN_IN_PARTS]
+    assert (
+        run.work.steps > 16 and f"in parts only, {run.work.steps} in place of 4, and {run.work.halvings} times not at all" in said
+    )
+    assert said.endswith(f"take dt={0.2 / run.work.steps:.2g} s or less.") and said in run.warnings
+    fine = simulate(scene, 0.002, method="edmc", dt=2e-5, start="straight")
+    assert Finding.TAKEN_IN_PARTS not in findings(fine)
