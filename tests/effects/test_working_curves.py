@@ -229,6 +229,7 @@ def test_a_load_that_is_dropped_snaps_and_takes():
         run = simulate(scene, 3.0, dt=dt, start=start)
         assert run.ok and (run.tension("a-b") == 0.0).any() and run.tension("a-b").max() > 1.5e6
         assert run.energy_balance.imbalance < 1e-6 and np.diff(run.energy[:, :3].sum(axis=1)).max() < 1e-6 * 5e4 * 9.0
+        assert run.work.newton_iterations < 2 * run.work.steps and run.work.halvings == 0  # 1.5 a step; a wrong slope takes 5
 
 
 def test_a_session_a_restart_and_a_file_carry_both_states(tmp_path):
