@@ -125,9 +125,10 @@ def relaxed(model, net, q, load, pace=QUICK):
             continue
         moved = float(np.abs(q - before).max())
         best = moved / (moving * tau**2)  # inertial force of the last step, which its forces balance, over the load
-        if best <= 1e-13 or at_end:
-            last, unbalanced = unbalanced, _unbalanced(net, q)  # dampers of contacts may hold it, and not inertia
-            if max(unbalanced, best * load) <= AT_REST * load or (at_end and unbalanced > 0.9 * last):
+        still = best <= 1e-13 or (at_end and moved <= 1e-14 * length)
+        if still or at_end:
+            last, unbalanced = unbalanced, max(_unbalanced(net, q), best * load)  # dampers of contacts may hold it, and not inertia
+            if (still and unbalanced <= AT_REST * load) or (at_end and unbalanced > 0.9 * last):
                 break
         if at_end and iterations == ITERATIONS:
             tau *= SHORTER
