@@ -62,7 +62,9 @@ def section(name, folder, figures, meta):
     for paragraph in (folder / "answer.txt").read_text(encoding="utf-8").strip().split("\n\n"):
         lines.append(f"\n{plain(' '.join(paragraph.split()))}\n")
     pictures = [file for file in sorted(folder.iterdir()) if file.suffix in (".svg", ".png")]
-    drawn = [file for file in pictures if file.stem in meta["captions"]]  # others are the same for a narrow screen
+    drawn = [
+        file for file in pictures if file.stem in meta["captions"]
+    ]  # others are the same for a narrow screen
     for file in [file for file in drawn if file.stat().st_size <= HEAVY][:MOST]:
         copy = f"{name}-{file.name}"
         shutil.copy(file, figures / copy)
