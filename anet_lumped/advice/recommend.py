@@ -275,6 +275,16 @@ def two_swings(scene: Scene, scale: float) -> float:
     return float(max(stops(scene).max(initial=0.0), 0.0) + 4.0 * math.pi * scale)
 
 
+def _halfway(q: np.ndarray) -> np.ndarray:
+    """Places halfway along a cable, (k, 3) from (k, nodes, 3): a node, or between nodes on the cubic through the four beside it.
+
+    A straight line would be off by an eighth of the curvature times the square of a segment, for odd numbers of segments alone.
+    """
+    a, b = (q.shape[1] - 1) // 2, q.shape[1] // 2
+    middle = 0.5 * (q[:, a] + q[:, b])
+    return middle if a == b or a == 0 else middle + (q[:, a] + q[:, b] - q[:, a - 1] - q[:, b + 1]) / 16.0
+
+
 class _Search:
     """Pilots of one scene, each run once."""
 
@@ -319,9 +329,8 @@ class _Search:
                 values = [run.end_tension(cable.name, end)[:, None] for end in (cable.start, cable.end)]
             elif self.points:
                 values = [run.position(point) for point in self.points]
-            else:  # halfway along: a node, or between the two nodes beside it
-                shapes = [run.shape(cable.name) for cable in scene.cables]
-                values = [0.5 * (q[:, (q.shape[1] - 1) // 2] + q[:, q.shape[1] // 2]) for q in shapes]
+            else:
+                values = [_halfway(run.shape(cable.name)) for cable in scene.cables]
             self.runs[key] = np.stack(values, axis=1)
         return self.runs[key]
 
@@ -353,13 +362,14 @@ class _Search:
 
     def _methods(self, scene: Scene, share: float) -> Iterator[Candidate | None]:
         plain = cast(Candidate, self.fixed(scene, share))  # None is for extrapolation alone
+        creeps = any(cable.creeps for cable in scene.cables)  # which edmc alone carries, at fixed steps
         yield plain
-        yield self.adaptive(scene, share)
+        yield None if creeps else self.adaptive(scene, share)
         if all(cable.breaking_tension is None for cable in scene.cables):
             yield self.fixed(scene, share, extrapolate=True, least=cast(float, plain.dt))
         if all(cable.inextensible for cable in scene.cables):
             yield self.by_links(scene, share)
-        if not any(cable.inextensible for cable in scene.cables):
+        if not creeps and not any(cable.inextensible for cable in scene.cables):
             limit = predict(scene, schemes=("verlet",)).limits["verlet"].step
             dt, implicit = self.step(SHARE_OF_LIMIT * limit), self.t_end / plain.times_real_time
             if EXPLICIT_COST * build(scene).n * self.t_end / dt < PATIENCE * implicit:

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from systems import four_cables, loose_cable
 
-from anet_lumped import InputError, Scene, SceneError, simulate
-from anet_lumped.advice.recommend import RecommendError, _Search, recommend, scale_of_motion
+from anet_lumped import Cable, Fixed, InputError, Scene, SceneError, simulate
+from anet_lumped.advice.recommend import RecommendError, _halfway, _Search, recommend, scale_of_motion
+from anet_lumped.effects import Gravity
 from studies.command_line import main
 
 
@@ -153,3 +154,18 @@ def test_ctrl_c_before_any_method_leaves_nothing(monkeypatch):
     monkeypatch.setattr(_Search, "fixed", interrupted)
     with pytest.raises(KeyboardInterrupt):
         recommend(four_cables(1e4, carried=True), 2e-3, at="p0", t_end=0.5)
+
+
+@pytest.mark.parametrize("segments", [2, 3, 4, 15])
+def test_halfway_along_a_parabola_is_on_it(segments):
+    x = np.linspace(-1.0, 2.0, segments + 1)
+    place = _halfway(np.stack([x, np.zeros_like(x), x * x], axis=1)[None])
+    np.testing.assert_allclose(place, [[0.5, 0.0, 0.25]], rtol=0, atol=1e-15)
+
+
+def test_cables_that_creep_are_recommended_fixed_steps():
+    """Of edmc, which alone carries how far a cable has crept; other methods and tolerances are left out."""
+    cable = Cable("a", "b", length=10.0, mass_per_length=1.0, EA=1e5, EA_dynamic=3e5, BA_creep=1e6, zeta=0.05, segments=10)
+    scene = Scene([Fixed("a", (0.0, 0.0, 0.0)), Fixed("b", (9.0, 0.0, 0.0))], [cable], [Gravity(9.81)])
+    found = recommend(scene, 0.01, t_end=2.0)
+    assert found.checked_error < 0.01 and found.best.method == "edmc" and "dt" in found.best.stepping
