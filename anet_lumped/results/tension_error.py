@@ -10,9 +10,10 @@ Four parts of a tension may be missing in what a run shows of it. The largest of
 * The numerical damper takes axial vibrations, and the account of the run has their energy E. A jump gives each vibration an energy
   that goes as 1/omega^2, and steps of h do not resolve s^2/(1 + s^2) of it, s = omega h/2: so each vibration of the cable has lost
 * The numerical damper takes axial vibrations, and the account of the run has their energy E. A jump gives each one an energy
-  with the stiffness k = EA/L a vibration of the energy E_i has a tension of sqrt(2 k E_i); a fifth of the sum of these is missing,
-  because they do not meet. A stiff cable whose tension changes slowly loses energy, too, and has no vibration to lose: so no more
-  counts than jumps have set off, J (1 + s^2)/s^2 as far as steps of h show them.
+  with the stiffness k = EA/L a vibration of the energy E_i has a tension of sqrt(2 k E_i). A fifth of the sum of these is missing,
+  because they do not meet, but no more than half of the tension of one vibration with all of their energy, because many make a
+  front. A stiff cable whose tension changes slowly loses energy, too, and has no vibration to lose: so no more counts than jumps
+  have set off, J (1 + s^2)/s^2 as far as steps of h show them.
 
 Besides, a loose node of a cable without dampers that is caught and changes its velocity by v sends off a wave of the tension
 v sqrt(EA mu). Steps that do not resolve the vibration of a segment show next to nothing of that: past a whip, a hundredth.
@@ -26,8 +27,8 @@ cables that were slack.
 
 Besides, a quarter of the share of the energy that the method took counts as an error of the largest tension.
 
-The shares 0.7, a quarter, twenty and a fifth are fitted to runs with a reference; the results hardly change with them. How far all
-this is from the truth, the study `error_estimate` shows.
+The shares 0.7, a quarter, twenty, a fifth and a half are fitted to runs with a reference; the results hardly change with them.
+How far all this is from the truth, the study `error_estimate` shows.
 
 Source: the wave is d'Alembert's on a bar, see Graff, Wave Motion in Elastic Solids, 1975, section 2.3. The overshoot is that of a
 spring and a damper in parallel whose end jumps, (2 zeta omega d/dt + omega^2) over (d^2/dt^2 + 2 zeta omega d/dt + omega^2).
@@ -47,7 +48,8 @@ from .free_flight import loose
 
 BETWEEN = 0.125  # of the second difference of a tension: what a parabola hides at most between its samples
 OF_SEGMENT = 0.25  # of a jump, which the vibration of a segment that the steps do not resolve would add
-MEET = 0.2  # of the sum of the tensions of vibrations: what they add to the largest tension
+MEET = 0.2  # of the sum of the tensions of vibrations: what they add to the largest tension, but no more than
+OF_ONE = 0.5  # of the tension of one with all of their energy
 STEADY = 0.7  # of a jump of the means of two tensions in a row: what sets off a vibration while a cable stays taut
 LEAST = 0.25  # of a jump, that counts in any case
 BESIDE = range(4, 8)  # saved times before and after a jump, which neither it nor its own third differences reach
@@ -152,7 +154,8 @@ def _lost_tension(run: Any, cable: Cable, lowest: Mode) -> np.ndarray:
     share = 1.0 / (1.0 + (0.5 * omega * run.dt) ** 2)
     lost = vibration_lost(run.energy, np.minimum(2.0 * rate * np.diff(run.t)[:, None], FORGOTTEN))
     lost *= share / (share.sum() * len(run.scene.cables))
-    return MEET * np.sqrt(2.0 * cable.EA_fast / cable.length * lost).sum(axis=1)
+    squares = 2.0 * cable.EA_fast / cable.length * lost
+    return np.minimum(MEET * np.sqrt(squares).sum(axis=1), OF_ONE * np.sqrt(squares.sum(axis=1)))
 
 
 def _differences(run: Any, T: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -9,7 +9,8 @@ import pytest
 
 from anet_lumped import Cable, Fixed, Free, PayloadChange, Scene, equilibrium, simulate
 from anet_lumped.effects import Gravity
-from anet_lumped.results.tension_error import Mode, _remembered, counted_jumps, vibration_lost
+from anet_lumped.results.energy_balance import BY_METHOD
+from anet_lumped.results.tension_error import Mode, _lost_tension, _remembered, counted_jumps, lowest_axial_mode, vibration_lost
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.5, 1.0, 3.0])
@@ -205,3 +206,21 @@ def test_past_a_whip_of_a_stiff_cable_the_tension_is_not_known(dt):
     scene = Scene([Fixed("a", (0.0, 0.0, 0.0)), Free("tip", at=(1.0, 0.0, 0.0))], [cable], [Gravity(9.81)])
     run = simulate(scene, 1.2, method="edmc", dt=dt, save_every=dt, start="straight")
     assert run.segment_tension.max() < 10.0 and run.tension_error > 0.95
+
+
+@pytest.mark.parametrize(("segments", "dt"), [(1, 1e-3), (4, 2e-3), (20, 1e-4)])
+def test_vibrations_share_what_the_method_took(segments, dt):
+    """One joule: each vibration has the share 1/(1 + s^2) of it, and all of them no more than half of one with all of it."""
+    scene = Scene([Fixed("a", (0, 0, 0)), Free("b", mass=1.0, at=(1, 0, 0))],
+                  [Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e4, segments=segments)], [Gravity(9.81)])  # fmt: skip
+    run = simulate(scene, 20 * dt, method="edmc", dt=dt, start="straight")
+    energy = run.energy.copy()
+    energy[:, BY_METHOD] = np.arange(len(run.t)) > 0
+    (cable,), lowest = scene.cables, lowest_axial_mode(scene, scene.cables[0])
+    omega = [lowest.omega] + [cable.omega_max * math.sin(math.pi * j / (2 * segments)) for j in range(1, segments)]
+    share = [1.0 / (1.0 + (0.5 * one * dt) ** 2) for one in omega]
+    whole = math.sqrt(2.0 * 1e4)
+    summed = 0.2 * sum(whole * math.sqrt(one / sum(share)) for one in share)
+    lost = _lost_tension(replace(run, energy=energy), cable, lowest)
+    assert lost[0] == 0.0 and lost[1:] == pytest.approx(min(summed, 0.5 * whole), rel=1e-12)
+    assert (summed > 0.5 * whole) == (segments == 20)
