@@ -9,11 +9,11 @@ Four parts of a tension may be missing in what a run shows of it. The largest of
 * Of the vibration of a segment, which is over sooner, a quarter of the jump itself counts in the same way.
 * The numerical damper takes axial vibrations, and the account of the run has their energy E. A jump gives each vibration an energy
   that goes as 1/omega^2, and steps of h do not resolve s^2/(1 + s^2) of it, s = omega h/2: so each vibration of the cable has lost
-* The numerical damper takes axial vibrations, and the account of the run has their energy E. A jump gives each one an energy
-  with the stiffness k = EA/L a vibration of the energy E_i has a tension of sqrt(2 k E_i). A fifth of the sum of these is missing,
-  because they do not meet, but no more than half of the tension of one vibration with all of their energy, because many make a
-  front. A stiff cable whose tension changes slowly loses energy, too, and has no vibration to lose: so no more counts than jumps
-  have set off, J (1 + s^2)/s^2 as far as steps of h show them.
+  a part of E that goes as 1/(1 + s^2), less what the dampers of the cable would have taken of it since. Of a cable with the
+  stiffness k = EA/L a vibration of the energy E_i has a tension of sqrt(2 k E_i). A fifth of the sum of these is missing, because
+  they do not meet, but no more than half of the tension of one vibration with all of their energy, because many make a front. A
+  stiff cable whose tension changes slowly loses energy, too, and has no vibration to lose: so no more counts than jumps have set
+  off, J (1 + s^2)/s^2 as far as steps of h show them.
 
 Besides, a loose node of a cable without dampers that is caught and changes its velocity by v sends off a wave of the tension
 v sqrt(EA mu). Steps that do not resolve the vibration of a segment show next to nothing of that: past a whip, a hundredth.

@@ -371,7 +371,9 @@ def test_a_stiff_motion_is_called_so(EA, zeta, rtol):
 
 @pytest.mark.parametrize("motion", [spring_mass(), shaken_mass(), axial_bar(True)])
 def test_a_soft_motion_is_not_called_stiff(motion):
-    assert march(motion, 3.0, rtol=1e-6).warnings == ()
+    """A bar that pushes may say that what pushes buckles."""
+    run = march(motion, 3.0, rtol=1e-6)
+    assert run.ok and all("push buckle" in told for told in run.warnings)
 
 
 def test_work_is_bounded(monkeypatch):
