@@ -9,9 +9,8 @@ from anet_lumped.scene.cable import Cable
 from anet_lumped.scene.scene import Scene
 from anet_lumped.scene.working_curves import WorkingCurve
 
-from .moordyn_syrope import PREFIX, STIFFNESS_FROM
+from .moordyn_syrope import STIFFNESS_FROM
 
-__all__ = ["PREFIX", "curve_of", "syrope_name", "syrope_rows", "syrope_text"]
 MOST_ROWS = 30  # of a curve that MoorDyn 2.7.2 reads, with that of zeros
 
 

@@ -20,7 +20,8 @@ from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene, check_sc
 from .moordyn_body_rows import body_points, body_rows, pins, rod_ends
 from .moordyn_rows import named
 from .moordyn_seafloor import seafloor_text
-from .moordyn_syrope_writer import PREFIX, curve_of, syrope_name, syrope_rows, syrope_text
+from .moordyn_syrope import PREFIX
+from .moordyn_syrope_writer import curve_of, syrope_name, syrope_rows, syrope_text
 
 NO_DIAMETER = 1e-3  # [m], of a cable without one: MoorDyn divides by the section, and in air nothing else asks for it
 NO_BOTTOM = 1e4  # [m], depth of water without a bottom

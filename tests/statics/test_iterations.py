@@ -9,18 +9,23 @@ from anet_lumped.mechanics import newton_step
 from anet_lumped.statics import hanging_chains
 
 
+def counts_of(monkeypatch, module, name, entry):
+    """What a function of a module returns in an entry of its result, call by call, as they come."""
+    counts, original = [], getattr(module, name)
+
+    def counted(*arguments):
+        result = original(*arguments)
+        counts.append(result[entry])
+        return result
+
+    monkeypatch.setattr(module, name, counted)
+    return counts
+
+
 @pytest.fixture
 def iterations(monkeypatch):
     """Newton iterations of every search, as they come."""
-    counts = []
-
-    def counted(*arguments, solve=hanging_chains.solve):
-        result = solve(*arguments)
-        counts.append(result[3])
-        return result
-
-    monkeypatch.setattr(hanging_chains, "solve", counted)
-    return counts
+    return counts_of(monkeypatch, hanging_chains, "solve", 3)
 
 
 @pytest.mark.parametrize("EA", [1.0, 1e4, 1e9])
@@ -48,14 +53,7 @@ def test_iterations_of_one_cable(iterations, end, EA):
 @pytest.mark.parametrize("current, most", [((0.3, 0.0, 0.0), 25), ((0.1, 0.3, 0.6), 150)])
 def test_eliminations_of_a_net_in_a_current(monkeypatch, current, most):
     """The first current carries the net along by a third of its side; the second one lifts it, so that all of it turns over."""
-    eliminations = []
-
-    def counted(*arguments, direction=newton_step.direction):
-        result = direction(*arguments)
-        eliminations.append(result[0])
-        return result
-
-    monkeypatch.setattr(newton_step, "direction", counted)
+    eliminations = counts_of(monkeypatch, newton_step, "direction", 0)
     field = [(0, 0, -1), (3, 0, -1), (3, 3, -1), (0, 3, -1)]
     net = nets.grid((19, 19), field, cable={"mass_per_length": 0.01, "EA": 1e3, "diameter": 2e-3}, slack=0.02)
     rest = equilibrium(Scene(net.points, net.cables, [Gravity(), Water(current=wind.Uniform(current))]))
