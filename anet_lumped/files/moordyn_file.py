@@ -6,7 +6,7 @@ MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says wha
 `moordyn_flow`, `moordyn_water_file`, `moordyn_syrope`.
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
-be had is refused, all of it at once: external loads, tables in place of numbers but for EA, line lift (VIV).
+be had is refused, all of it at once: dampers from outside, tables in place of numbers but for EA, line lift (VIV).
 """
 
 import pathlib
@@ -26,13 +26,13 @@ from .moordyn_failure import Failures, read_failures
 from .moordyn_findings import DeckWarning, Findings
 from .moordyn_line_types import Tables, read_line_types
 from .moordyn_lines import Line, read_lines, type_of
+from .moordyn_loads import read_loads
 from .moordyn_options import read_options, without_held
 from .moordyn_points import OnMovingBody, Places, read_points
 from .moordyn_rods import Rods, bodies_under, read_rods
 from .moordyn_rows import rows_by_section
 from .moordyn_seafloor import read_seafloor
 from .moordyn_syrope import read_largest_tensions
-from .moordyn_unsupported import check_unsupported
 
 NEEDED = ("line types", "lines")
 
@@ -121,7 +121,8 @@ def deck_from_text(
         if not sections.get(section):
             with findings.refusing():
                 raise SceneError(f"{source}: a MoorDyn file must have a section {section.upper()}, but this has none.")
-    check_unsupported(sections, findings)
+    for row in sections.get("control", ()):
+        findings.unused(f"channel {row.words[0]}", row.line, "control channels, for which there is no controller")
     rows = sections.get("lines", [])
     tables = Tables(folder, outside)
     types = read_line_types(sections.get("line types", []), set(map(type_of, rows)), tables, findings)
@@ -136,6 +137,7 @@ def deck_from_text(
     options = read_options(sections.get("options", []), findings)
     seafloor = read_seafloor(options, tables, findings)
     effects = read_effects(options, places, bodies, lines, tables, like_moordyn=like_moordyn, seafloor=seafloor)
+    effects += read_loads(sections, places, bodies, {number for line in lines for number in line.ends})
     findings.raise_if_refused()
     try:
         scene = _scene(places, bodies, lines, failures, effects, findings)

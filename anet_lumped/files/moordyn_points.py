@@ -157,18 +157,23 @@ def _load(row: Row) -> dict[str, float]:
 
 
 def _check_columns(row: Row) -> None:
-    """Refuse rows that are too short, and a force on a point; columns behind the last one are passed over, as MoorDyn does."""
+    """Refuse rows that are too short; columns behind the last one are passed over, as MoorDyn does."""
     if len(row.words) < CdA_WITHOUT_FORCE + 2:
         raise row.error(
             "a point must have 9 columns (ID, type, X, Y, Z, M, V, CdA, CA), or 12 with FX, FY, FZ before CdA, but has "
             f"{len(row.words)}."
         )
-    forced = _has_force(row)
-    if forced and any(row.number(column, "a steady force") for column in (7, 8, 9)):
-        raise row.error("a steady force on a point (FX, FY, FZ) is not supported; it must be 0.")
-    beyond = row.words[(CdA_WITH_FORCE if forced else CdA_WITHOUT_FORCE) + 2 :]
+    beyond = row.words[(CdA_WITH_FORCE if _has_force(row) else CdA_WITHOUT_FORCE) + 2 :]
     if beyond:
         row.findings.unused(" ".join(beyond), row.line, "columns of points behind CA")
+
+
+def steady_force(row: Row) -> Vector:
+    """FX, FY, FZ of a point (3,) [N], as version 1 has them, or zeros."""
+    if not _has_force(row):
+        return 0.0, 0.0, 0.0
+    x, y, z = (row.number(CdA_WITHOUT_FORCE + axis, name) for axis, name in enumerate(("FX", "FY", "FZ")))
+    return x, y, z
 
 
 def _has_force(row: Row) -> bool:

@@ -107,17 +107,17 @@ def _deck(task, dt, scheme):
     return moordyn_text(scene, quiet | {"tScheme": scheme, "dtM": float(dt)}, positions)
 
 
-def state_file(task):
-    """Positions and velocities of all nodes in the binary form that MoorDyn loads, as its exporter from MoorPy writes it."""
-    scene, model = task.model.scene, task.model
+def state_file(state):
+    """Places and velocities of all nodes, of a State or a Problem, in MoorDyn's binary form, as MoorPy's exporter writes it."""
+    scene, model = state.model.scene, state.model
     blocks = []
     for point in scene.points:
         node = model.node(point.name)
         free = node < model.n_free
-        blocks.append(np.r_[task.q[node], task.v[node]][None] if free else np.zeros((1, 6)))
+        blocks.append(np.r_[state.q[node], state.v[node]][None] if free else np.zeros((1, 6)))
     for cable in scene.cables:
         inner = model.nodes(cable.name)[1:-1]
-        blocks.append(np.hstack([task.q[inner], task.v[inner]]))
+        blocks.append(np.hstack([state.q[inner], state.v[inner]]))
     data = b"".join(np.array(block.shape, "<u8").tobytes() + block.astype("<f8").tobytes() for block in blocks)
     return b"MoorDyn" + bytes([2, 4]) + np.array([len(data) // 8 + 1, len(blocks)], "<u8").tobytes() + data
 

@@ -29,6 +29,7 @@ class DeckEngine:
         self._dt, self._module, self._handle = dt, module, handle
         self._lines = [module.GetLine(handle, i + 1) for i in range(lines)]
         self._nodes = [module.GetLineN(line) for line in self._lines]
+        self.has_rigid_bodies = module.GetNumberBodies(handle) + module.GetNumberRods(handle) > 0
         self.at, self._origins = _coupled_places(module, handle)
         self.time = 0.0
 

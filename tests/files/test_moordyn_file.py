@@ -190,7 +190,6 @@ def test_a_deck_that_is_silent_has_moordyns_sea_down_to_its_deepest_point():
         ("2     Free ", "1     Free ", r"line 12, .*a point must come once, but 1 comes again"),
         ("2     Free ", "0     Free ", r"line 12, .*the number of a point must be an integer of at least 1, but is 0"),
         ("0.1     0.2    0.3", "0.1    0.2", r"line 12, .*a point must have 9 columns .* but has 8"),
-        ("0.1     0.2    0.3", "0.1  0 0 5  0.2    0.3", r"line 12, .*a steady force on a point \(FX, FY, FZ\) is not supported"),
         ("20     0.1", "-20    0.1", r"line 12, .*`mass` must be non-negative"),
         ("-200 ", "inf  ", r"line 12, .*X must be a finite number, but is inf"),
         ("0       WaveKin", "9       WaveKin", r'line 29, "9 +WaveKin": WaveKin must be an integer from 0 to 7'),

@@ -284,7 +284,6 @@ FAILURE = "--- FAILURE ---\nh\nh\n1 %s\n--- OPTIONS"
         ("--- OPTIONS", FAILURE % "3 7 0 9", r"line 20, .*a failure must be of a line in LINES, but 7 is none"),
         ("--- OPTIONS", FAILURE % "3 1 0 9", r'line 20, .*but "line1" does not end at point 3'),
         ("--- OPTIONS", FAILURE % "3 1 0", r"line 20, .*a failure must have 5 columns .* but has 4"),
-        ("--- OPTIONS", "--- EXTERNAL LOADS ---\nh\nh\n1 Point2 5|0|0 0 0 -\n--- OPTIONS", r"line 20, .*external loads"),
         ("--- OPTIONS", "--- OPTION ---", r'line 17: a section must be one .* heading is "OPTION", did you mean "OPTIONS"\?'),
         ("1 hose 1 2 42", "1 hose 1 R1A 42", r"line 15, .*a line must end at a rod in RODS, but R1A is none"),
         (POINT_3, "3 Body1 1 2 -3 0 0 0 0", r"line 11, .*must be on a body in BODIES, but body 1 is not there"),
@@ -335,8 +334,8 @@ def test_all_that_is_refused_is_told_at_once():
 
 
 def test_rows_that_are_refused_for_one_reason_are_told_together():
-    loads = "--- EXTERNAL LOADS ---\nh\nh\n1 Point2 5 0 0 -\n2 Point2 0 6 0 -\n3 Point2 0 0 7 -\n--- OPTIONS"
-    with pytest.raises(DeckError, match=r'^deck, lines 20 to 22, "1 Point2 5 0 0 -": external loads are not supported'):
+    loads = "--- EXTERNAL LOADS ---\nh\nh\n1 Point2 0 5 0 -\n2 Point2 0 6 0 -\n3 Point2 0 0 7 -\n--- OPTIONS"
+    with pytest.raises(DeckError, match=r'^deck, lines 20 to 22, "1 Point2 0 5 0 -": dampers from outside are not supported'):
         read(("--- OPTIONS", loads))
 
 

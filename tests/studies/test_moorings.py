@@ -92,7 +92,7 @@ def test_a_ratio_takes_the_cheapest_setting_within_the_tolerance():
 
 def test_a_refused_deck_is_a_line_with_its_reason(tmp_path):
     (tmp_path / "syrope.txt").write_text(REFUSED, encoding="utf-8")
-    found = tables.deck_row({"file": str(tmp_path / "syrope.txt"), "t_end_s": 1.0, "peer": False, "settle_s": 1.0})
+    found = tables.deck_row({"file": str(tmp_path / "syrope.txt"), "t_end_s": 1.0, "peer": False})
     assert found["read"] == "refused" and "Syrope" in found["reason"] and set(tables.RESULTS) <= set(found)
 
 

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped import EquilibriumError, Scene, SixMotions, equilibrium, platform, signals, simulate
+from anet_lumped import EquilibriumError, Scene, SceneError, SixMotions, State, equilibrium, platform, signals, simulate
 from anet_lumped.files.moordyn_file import Deck
 from anet_lumped.files.moordyn_writer import moordyn_text
 from anet_lumped.scene.platform import driven_from_outside
+from studies.peers.moordyn import state_file
 from studies.peers.moordyn_deck import loaded
 from studies.peers.problem import explicit_limit
 
@@ -25,6 +26,8 @@ SETTLE_LIMIT = 100.0  # [s] that MoorDyn has to come to rest, after its own way 
 RK4_REACH = 2.78
 TRIES, SHORTER = 4, 0.25  # of MoorDyn, whose contact with the bottom may want shorter steps than its lines
 PUSHING = "cables with EI push"
+OWN_WAY, FROM_HERE = "at rest by its own way", "at rest from this library's rest"
+NOT_AT_REST = f"not wholly at rest after {SETTLE_LIMIT:g} s"
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,23 +82,54 @@ def displacement(t: np.ndarray) -> np.ndarray:
 
 
 class Peer:
-    """MoorDyn on one deck, which is written anew where MoorDyn does not read it; its rest is found once."""
+    """MoorDyn on one deck, which is written anew where MoorDyn does not read it."""
 
     def __init__(self, file: str | Path, deck: Deck):
         self._lines, self.limit = len(deck.lines), explicit_limit(deck.scene, RK4_REACH)
         self._text, self.written_anew = Path(file).read_text(encoding="utf-8", errors="replace"), False
-        self._scene = deck.scene
+        self._scene, self._rigid = deck.scene, True
 
-    def rest(self):
-        """Its tensions at rest, whether they stood still, and the state.
+    def rest(self, found: State):
+        """Bring it to rest, by its own way, or where that does not end, from the rest `found` here.
+
+        What is found from there is as much MoorDyn's own: it moves on until its tensions stand still. States of bodies that move by
+        themselves, and of lines that creep, are not written for MoorDyn: its own way is all they have. A body that is driven is
+        written as its points.
+
+        Returns
+        -------
+        tensions : (lines, 2) float64 [N]
+        way : str, how it came to rest, or that it did not
+        state : bytes, from which `march` goes on
 
         Raises
         ------
         RuntimeError : MoorDyn does not read the deck, or diverges
         """
+        tensions, settled, state = self._settled(None)
+        if settled:
+            return tensions, OWN_WAY, state
+        own = self._text, self.written_anew
+        if not self._scene.bodies and found.crept is None and self._of_points():
+            from_here = self._settled(found)
+            if from_here[1]:
+                return from_here[0], FROM_HERE, from_here[2]
+        self._text, self.written_anew = own
+        return tensions, NOT_AT_REST, state
+
+    def _of_points(self):
+        """Whether MoorDyn's file has points and lines alone; one with bodies that are driven is written anew where that can be."""
+        if self._rigid:
+            try:
+                self._text, self.written_anew = moordyn_text(self._scene), True
+            except SceneError:
+                return False
+        return True
+
+    def _settled(self, start):
         for _ in range(TRIES - 1):
             try:
-                return self._rest()
+                return self._settle(start)
             except RuntimeError as error:
                 if "Create" not in str(error):
                     self.limit *= SHORTER
@@ -103,12 +137,17 @@ class Peer:
                     raise
                 else:
                     self._text, self.written_anew = moordyn_text(self._scene), True
-        return self._rest()
+        return self._settle(start)
 
-    def _rest(self):
+    def _settle(self, start):
         with self._loaded(0.6 * self.limit) as engine, tempfile.TemporaryDirectory() as folder:
-            engine.start()
-            settled, state = engine.settle(SETTLE_LIMIT), Path(folder) / "state"
+            state, self._rigid = Path(folder) / "state", engine.has_rigid_bodies
+            if start is None:
+                engine.start()
+            else:
+                state.write_bytes(state_file(start))
+                engine.load(state)
+            settled = engine.settle(SETTLE_LIMIT)
             engine.save(state)
             return engine.tensions(), settled, state.read_bytes()
 

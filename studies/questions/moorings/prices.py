@@ -54,7 +54,7 @@ def cost_rows(row):
         contestants[OWN, f"rk4, dt = {1e3 * dt:.4g} ms"] = lambda dt=dt: own(method="rk4", dt=dt)
     if row["peer"]:
         other = Peer(row["file"], deck)
-        _, _, state = other.rest()
+        _, _, state = other.rest(prepared.rest)
 
         def march(scheme, share, coupling):
             try:

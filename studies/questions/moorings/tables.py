@@ -57,10 +57,9 @@ def _beside(row, deck, prepared, run):
     """The columns that MoorDyn gives."""
     other = Peer(row["file"], deck)
     try:
-        rest, settled, state = other.rest()
+        rest, way, state = other.rest(prepared.rest)
         found = {
-            "moordyn": ("reads the file as written here" if other.written_anew else "reads it")
-            + ("" if settled else f", not wholly at rest after {row['settle_s']:g} s"),
+            "moordyn": ("reads the file as written here" if other.written_anew else "reads it") + f", {way}",
             "statics_error": _largest(tensions(deck, prepared.rest) - rest) / np.abs(rest).max(),
         }
         if run is None:
@@ -95,11 +94,9 @@ def compute(quick=False, executor=None, out=None, data=None):
     from pathlib import Path
     from tempfile import mkdtemp
 
-    from studies.questions.moorings.motion import SETTLE_LIMIT
-
     folder = Path(mkdtemp(prefix="decks")) if out is None else Path(out) / "decks_written"
     found, has_peer = decks.files(data, folder), peer("moordyn").version() is not None
-    asked = [{"file": str(file), "t_end_s": T_END[quick], "peer": has_peer, "settle_s": SETTLE_LIMIT} for file in found]
+    asked = [{"file": str(file), "t_end_s": T_END[quick], "peer": has_peer} for file in found]
     table = run_rows(deck_row, asked, executor=executor, out=out and Path(out) / "decks")
     table.insert(0, "deck", [Path(file).name for file in table["file"]])
     priced = [file for file in found if file.name in COST_DECKS] or found
@@ -107,7 +104,7 @@ def compute(quick=False, executor=None, out=None, data=None):
         priced = priced[:1]
     rows = [{"file": str(file), "t_end_s": T_END[quick], "peer": has_peer, "quick": quick} for file in priced]
     lists = run_rows(cost_rows, rows, executor=executor, out=out and Path(out) / "cost")
-    return {"decks": table.drop(columns=["file", "peer", "settle_s"]), "cost": _unpacked(lists)}
+    return {"decks": table.drop(columns=["file", "peer"]), "cost": _unpacked(lists)}
 
 
 def _unpacked(lists):
