@@ -15,6 +15,7 @@ from anet_lumped.scene.varied import SETTINGS, Varied, VaryError, found, hint, k
 from studies.quantities import SIZES, amount
 from studies.sweeping.units import unit_of
 
+QUANTITY = re.compile(r"[+-]?[\d.]+(e[+-]?\d+)?\s*[^\W\d_]\S*", re.IGNORECASE)  # a number and a unit
 CALL = re.compile(r"([a-z_]+)\((.*)\)")  # a distribution, "lognormal(1e4,0.2)"
 
 
@@ -163,4 +164,8 @@ def _number(word, sizes):
             raise VaryError(f"A number must be one that a float can hold, but it is {word}.")
         return value
     with_unit = amount(word, sizes)
-    return float(f"{with_unit:.12g}") if math.isfinite(with_unit) else word  # 12 digits: 0.003 rather than 0.0030000000000000001
+    if math.isfinite(with_unit):
+        return float(f"{with_unit:.12g}")  # 12 digits: 0.003 rather than 0.0030000000000000001
+    if sizes and QUANTITY.fullmatch(word):
+        raise VaryError(f"A number may be given in {', '.join(sizes)} here, but it is {shown(word)}.")
+    return word

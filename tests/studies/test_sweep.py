@@ -77,9 +77,16 @@ def test_a_grid_holds_every_combination(net):
 def test_values_may_have_the_unit_of_their_field_in_another_size(net):
     values = read_values(net, {"diameter": "2mm,0.5 cm", "EA": "1kN:1MN:4log", "p0.mass": "40g", "dt": "5ms"})
     assert values == {"diameter": [0.002, 0.005], "EA": [1e3, 1e4, 1e5, 1e6], "p0.mass": [0.04], "dt": [0.005]}
-    assert read_values(net, {"diameter": "2kg"}) == {"diameter": ["2kg"]}  # which the scene refuses
     with pytest.raises(VaryError, match=r'A range must be a:b:n .*, but "1kg:2kg:3" was given'):
         read_values(net, {"EA": "1kg:2kg:3"})
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "units"), [("diameter", "2kg", "mm, cm, um, µm, km, m"), ("EA", "1e3 lbf", "MN, kN, mN, N")]
+)
+def test_a_unit_of_another_kind_is_told_those_that_do(name, value, units):
+    with pytest.raises(VaryError, match=f"A number may be given in {units} here, but it is '{value}'"):
+        read_values(load_scene("net_held"), {name: value})
 
 
 def test_a_name_means_all_parts_or_one(net):
