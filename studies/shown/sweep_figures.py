@@ -12,10 +12,6 @@ from studies.shown.sentences import listed, power
 MOST_PANELS, MOST_LINES = 6, 1000  # measures and inputs of a matrix; lines of parallel coordinates
 FEW = 8  # values of an input that are told apart by colours
 SCALE = "viridis"  # which grey prints and colour-blind readers keep in order
-UNITS = {
-    "EA": "N", "BA": "N·s", "EI": "N·m²", "mass": "kg", "mass_per_length": "kg/m", "length": "m", "diameter": "m", "g": "m/s²",
-    "dt": "s", "t_end": "s", "zeta": "-", "x": "m", "y": "m", "z": "m", "speed": "m/s",
-}  # fmt: skip
 
 
 class SweepFigure(NamedTuple):
@@ -26,7 +22,7 @@ class SweepFigure(NamedTuple):
 
 
 class Columns(NamedTuple):
-    """Columns of a sweep's table: names of inputs, of measures that are numbers, and the unit of each measure."""
+    """Columns of a sweep's table: names of inputs, of measures that are numbers, and the units that are known."""
 
     inputs: Sequence[str]
     measures: Sequence[str]
@@ -34,7 +30,7 @@ class Columns(NamedTuple):
 
     def label(self, name: str) -> str:
         """Label of an axis."""
-        unit = self.units.get(name) or ("" if name in self.measures else UNITS.get(name.rpartition(".")[2], ""))
+        unit = self.units.get(name)
         return f"{name} [{unit}]" if unit else name
 
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from anet_lumped.checks import InputError, shown
+from anet_lumped.checks import InputError, SceneError, shown
+from anet_lumped.scene.as_dict import scene_from_dict
 from studies.shown.figure_file import save_figure
 from studies.shown.page import SHOWN, write_template
 from studies.shown.sentences import counted, listed
@@ -15,6 +16,7 @@ from studies.sweeping.best import read_constraint, read_objective
 from studies.sweeping.measures import MEASURES
 from studies.sweeping.rows import read_rows
 from studies.sweeping.sensitivity import sensitivities
+from studies.sweeping.units import unit_of
 
 
 class SweepPageError(InputError):
@@ -50,7 +52,9 @@ def write_sweep_page(folder: Path, out: Path) -> Path:
     measures = [name for name in measures if done[name].notna().all() and np.isfinite(done[name].astype(float)).all()]
     done = done.astype({name: float for name in measures})
     known = {name: MEASURES[name.partition(":")[0]] for name in identity["measures"] if name.partition(":")[0] in MEASURES}
-    columns = Columns(inputs, measures, {name: measure.unit for name, measure in known.items()})
+    columns = Columns(
+        inputs, measures, _units_of(identity.get("scene", {}), inputs) | {name: one.unit for name, one in known.items()}
+    )
     kind = "search" if "best" in identity else "sample" if "sample" in identity else "grid"
     tables = [
         ("Inputs", _of_inputs(table, identity, columns), ""),
@@ -96,6 +100,15 @@ def write_sweep_page(folder: Path, out: Path) -> Path:
             identity=json.dumps(identity, indent=1, ensure_ascii=False),
         )
     return out
+
+
+def _units_of(scene, inputs):
+    """Units of inputs by what the scene says of its fields; none of a scene with effects that this process does not know."""
+    try:
+        loaded = scene_from_dict(scene)
+    except SceneError:
+        return {}
+    return {name: unit_of(loaded, name) for name in inputs}
 
 
 def _about(table, identity, folder, kind):

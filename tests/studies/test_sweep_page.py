@@ -61,7 +61,8 @@ def test_the_page_of_a_grid_stands_alone_and_has_its_figures_rows_and_failures(h
     assert page.addresses and all(address.startswith("data:image/") for address in page.addresses)
     assert not re.search(r"https?://(?!www\.w3\.org)", file.read_text(encoding="utf-8").split("What it was made with")[0])
     assert page.captions == ["Stretch and tension:top over EA and end.mass. White: no run that is done."]
-    assert "Argument `EA` must be positive" in file.read_text(encoding="utf-8")
+    text = file.read_text(encoding="utf-8")
+    assert "Argument `EA` must be positive" in text and "EA [N]" in text and "end.mass [kg]" in text
 
 
 def test_the_page_of_a_sample_has_sensitivities_distributions_and_a_matrix(hanging, tmp_path):
@@ -133,7 +134,7 @@ def test_a_heat_map_has_each_value_where_its_inputs_are():
 
 def test_words_are_lines_of_their_own():
     table = table_of(dt=[1.0, 2.0, 1.0, 2.0], method=["edmc", "edmc", "verlet", "verlet"], m=[1.0, 2.0, 3.0, 4.0])
-    found = next(sweep_figures(table, Columns(["dt", "method"], ["m"], {}), "grid"))
+    found = next(sweep_figures(table, Columns(["dt", "method"], ["m"], {"dt": "s"}), "grid"))
     assert [line.get_label() for line in found.figure.axes[0].lines] == ["method = edmc", "method = verlet"]
     assert found.figure.axes[0].get_xlabel() == "dt [s]" and "a line for each method" in found.caption
 
