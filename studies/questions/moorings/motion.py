@@ -57,8 +57,11 @@ def prepare(deck: Deck) -> Prepared:
 
 
 def tensions(deck: Deck, found: Any) -> np.ndarray:
-    """Tensions at both ends of each line of a State (lines, 2) or of a Run (k, lines, 2) [N]."""
-    return np.stack([found.tension(name)[..., [0, -1]] for name in deck.lines.values()], axis=-2)
+    """Sizes of the tensions at both ends of each line of a State (lines, 2) or of a Run (k, lines, 2) [N].
+
+    MoorDyn tells sizes, too: where the damper of a slack segment pushes, its tension is negative here.
+    """
+    return np.abs(np.stack([found.tension(name)[..., [0, -1]] for name in deck.lines.values()], axis=-2))
 
 
 def own_run(prepared: Prepared, t_end: float, **settings):
