@@ -12,7 +12,7 @@ from anet_lumped.effects import REGISTRY
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("studies", "anet_lumped", "integrators")  # each may import those after it
-SHARED = {"effect", "signatures", "laws", "flow", "fluid_on_bodies", "shapes"}  # what effects may share
+SHARED = {"effect", "signatures", "laws", "flow", "fluid_on_bodies", "vortex_shedding", "shapes"}  # what effects may share
 OUTSIDE = {"effects", "checks", "compiled", "prescribed", "regular_files"}  # what they may import of the rest
 
 

@@ -163,6 +163,16 @@ class Effect:
         """What the effect does to the rigid bodies of a scene, as an effect with compiled functions of its own; None if nothing."""
         return None
 
+    def on_shedding(self, scene: Any) -> "Effect | None":
+        """What the effect does by the vortices of cables that shed some, as an effect with compiled functions of its own."""
+        return None
+
+    def inner_states(self, index: "np.ndarray", params: "np.ndarray") -> "np.ndarray":
+        """Positions in ``params`` of the inner states, numbers that its `settle` advances from step to step, (m,) int64."""
+        import numpy as np
+
+        return np.empty(0, np.int64)
+
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> "Effect | None":
         """The same effect once cables have broken, or None if it acts on nothing any more.
 

@@ -28,6 +28,7 @@ whole_step(t, h, damper, base, q, index, params, f, D, near, far) -> dissipated,
 settle(t, h, damper, base, q, v, index, params) -> by_method
     After a step of h [s] from ``base`` to ``q``, which ends at t: take out of the velocities v at its end what rings and the step
     cannot resolve, for ``damper`` as in `whole_step`. ``by_method`` [J], never negative, is the kinetic energy that it takes.
+    Advance the inner states in ``params``, of an effect that has some.
 inertia(t, q, index, params, A)
     Add to the added masses A (n_free, 3, 3) [kg] of the moving nodes.
 

@@ -178,6 +178,13 @@ class Water(Effect):
 
         return FluidOnBodies(self.density, self.level, self.current, self.all_waves, self.gravity(scene), floats=self.points_float)
 
+    def on_shedding(self, scene: Any) -> Effect | None:
+        if not any(cable.Cl > 0.0 for cable in scene.cables):
+            return None
+        from .vortex_shedding import VortexShedding  # compiled for those scenes alone
+
+        return VortexShedding(self.density, self.level, self.current, self.all_waves, self.gravity(scene))
+
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         from importlib import import_module  # water at rest is half of the work, and compiled for itself
 

@@ -3,10 +3,10 @@
 MoorDyn v2's files are read and MoorDyn v1's, of the C++ and of the Fortran version (its documentation, "Input Files"; its sources
 MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says what it means: `moordyn_line_types`, `moordyn_points`,
 `moordyn_bodies`, `moordyn_rods`, `moordyn_lines`, `moordyn_failure`, `moordyn_options`, `moordyn_seafloor`, `moordyn_effects`,
-`moordyn_flow`, `moordyn_water_file`, `moordyn_syrope`.
+`moordyn_flow`, `moordyn_water_file`, `moordyn_syrope`, `moordyn_shedding`.
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
-be had is refused, all of it at once: dampers from outside, tables in place of numbers but for EA, line lift (VIV).
+be had is refused, all of it at once: dampers from outside, tables in place of numbers but for EA.
 """
 
 import pathlib
@@ -32,6 +32,7 @@ from .moordyn_points import OnMovingBody, Places, read_points
 from .moordyn_rods import Rods, bodies_under, read_rods
 from .moordyn_rows import rows_by_section
 from .moordyn_seafloor import read_seafloor
+from .moordyn_shedding import with_windows
 from .moordyn_syrope import read_largest_tensions
 
 NEEDED = ("line types", "lines")
@@ -82,8 +83,8 @@ def read_moordyn(
     outside : bool
         Whether tables that the deck names may be outside its folder.
     like_moordyn : bool
-        Whether MoorDyn's laws are taken where they are others: of the damper of the bottom, of friction on it, and of points at the
-        surface.
+        Whether MoorDyn's laws are taken where they are others: of the damper of the bottom, of friction on it, of points at the
+        surface, and of the time in which vibrations by vortices are known.
 
     Returns
     -------
@@ -135,6 +136,7 @@ def deck_from_text(
     lines = read_lines(rows, names, types, places, held, findings)
     failures = read_failures(sections.get("failure", []), lines, places, findings)
     options = read_options(sections.get("options", []), findings)
+    lines = with_windows(lines, options, findings, like_moordyn)
     seafloor = read_seafloor(options, tables, findings)
     effects = read_effects(options, places, bodies, lines, tables, like_moordyn=like_moordyn, seafloor=seafloor)
     effects += read_loads(sections, places, bodies, {number for line in lines for number in line.ends})

@@ -7,7 +7,8 @@ on d·L0 and on the displaced mass; `CdAx`, `CaAx` are Cdt, Cat, on π·d·L0 an
 as in MoorDyn, whatever their names.
 
 A viscoelastic line has its EA and its EA_dynamic in `EA`, between bars, and a third number may be EA_dynamic_per_tension;
-`BA/-zeta` is its BA_creep (or, where it is negative, the zeta of that and of EA) and its BA. Of polyester see `moordyn_syrope`.
+`BA/-zeta` is its BA_creep (or, where it is negative, the zeta of that and of EA) and its BA. Of polyester see `moordyn_syrope`,
+of `Cl`, `dF` and `cF` `moordyn_shedding`.
 """
 
 import os
@@ -19,6 +20,7 @@ from anet_lumped.regular_files import read_text
 
 from .moordyn_findings import Findings
 from .moordyn_rows import WORD, Row, is_number, number_of
+from .moordyn_shedding import shedding_fields
 from .moordyn_syrope import is_syrope, read_syrope_file, syrope_numbers
 
 BAR, MOST_NUMBERS = "|", 3
@@ -105,11 +107,11 @@ def _type(row: Row, tables: Tables) -> dict[str, Any]:
         fields |= {"EA": row.number(3, "EA")} if curve is None else {"tension_strain": curve}
         fields |= {"zeta": -damping} if damping <= 0.0 else {"BA": damping}
     names = ("Can", "Cat", "Cdn", "Cdt") if first else ("EI", "Cdn", "Can", "Cdt", "Cat")
-    return fields | {name: row.number(column, name) for column, name in enumerate(names, start=5)}
+    return fields | {name: row.number(column, name) for column, name in enumerate(names, start=5)} | shedding_fields(row)
 
 
 def _check_laws(row: Row, first: bool) -> None:
-    """Refuse laws of stretching, damping, bending and lift that are no number."""
+    """Refuse laws of stretching, damping and bending that are no number."""
     columns = ((3, "EA"), (4, "BA/-zeta")) if first else ((3, "EA"), (4, "BA/-zeta"), (5, "EI"))
     refused = []
     for column, what in columns:
@@ -120,8 +122,6 @@ def _check_laws(row: Row, first: bool) -> None:
             refused += _wrong_bars(what, word, BAR in row.words[3])
         elif what != "EA" and not is_number(row.words[column]):
             refused.append(f"{what} must be a number; {word}, a table in a file, is not supported")
-    if len(row.words) > 10 and row.number(10, "Cl") != 0.0:
-        refused.append("vortex-induced vibration is not supported; Cl must be 0")
     if refused:
         raise row.error("; ".join(refused) + ".")
 

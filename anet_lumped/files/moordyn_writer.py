@@ -4,7 +4,8 @@ Written so that MoorDyn v2 runs it and that `moordyn_file` reads it back as an e
 `MoordynBottom` and points do not float; names travel as remarks. What a deck cannot hold is refused: two-way springs, cables that
 do not stretch or may break, payloads that change, damping by the environment; of bodies see `moordyn_body_rows`. What it has no
 place for is lost: the path of a driven point or body, which MoorDyn moves from outside, the EI of a scene without bending, the zeta
-of a cable that creeps, that a cable has no diameter and that a free point has no place. Of polyester see `moordyn_syrope_writer`.
+of a cable that creeps, the window of one that sheds vortices, that a cable has no diameter and that a free point has no place. Of
+polyester see `moordyn_syrope_writer`.
 """
 
 import math
@@ -20,6 +21,7 @@ from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene, check_sc
 from .moordyn_body_rows import body_points, body_rows, pins, rod_ends
 from .moordyn_rows import named
 from .moordyn_seafloor import seafloor_text
+from .moordyn_shedding import shedding_columns
 from .moordyn_syrope import PREFIX
 from .moordyn_syrope_writer import curve_of, syrope_name, syrope_rows, syrope_text
 
@@ -96,7 +98,8 @@ def moordyn_text(
     environment = _environment(scene, max(abs(float(at[2])) for at in places.values()))
     bends = "bending" in {_name(effect) for effect in scene.effects}
     curves = _curves(scene, stem)
-    rows = [_type(cable, bends, curves) for cable in scene.cables]
+    rows = [" ".join((_type(one, bends, curves), *map(repr, shedding_columns(scene.cables, one)))) for one in scene.cables]
+    sheds = any(cable.Cl for cable in scene.cables)
     types = {row: f"type{number}" for number, row in enumerate(dict.fromkeys(rows), start=1)}
     of_bodies, left_out = body_points(scene), pins(scene)
     points = [point for point in scene.points if point.name not in left_out]
@@ -106,8 +109,8 @@ def moordyn_text(
         "--------------------- MoorDyn Input File ---------------------",
         "written by anet-lumped",
         "--------------------- LINE TYPES ---------------------",
-        "TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx",
-        "(name) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)",
+        "TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx" + (" Cl dF cF" if sheds else ""),
+        "(name) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)" + (" (-) (-) (-)" if sheds else ""),
         *(f"{name} {row}" for row, name in types.items()),
         *body_rows(scene),
         "--------------------- POINTS ---------------------",

@@ -132,6 +132,7 @@ def fly(
         pushed=True,
         crept=None if rows[0][0].crept is None else np.array([state.crept for state, _ in rows]),
         T_max=None if rows[0][0].T_max is None else np.array([state.T_max for state, _ in rows]),
+        shedding=None if rows[0][0].shedding is None else np.array([state.shedding for state, _ in rows]),
     )  # fmt: skip
     if status == STATUS[INTERRUPTED]:
         raise RunInterrupt(run)

@@ -51,13 +51,17 @@ def system(model, force=True, newton=True, mean=True, links=False):
     else:
         from anet_lumped.mechanics.observe import energies_of_singles as energies
         from anet_lumped.mechanics.observe import observe_singles as observe
+    if model.sheds:
+        from anet_lumped.mechanics import inner_states
+
+        observe = inner_states.observe_and_inner if len(model.cable_groups) else inner_states.observe_singles_and_inner
     own = _of_links() if links else {}
     return System(
         prescribe=own.get("prescribe") or first_class(prescribe.prescribe),
         force=own.get("force") or first_class(of_forces),
         **(_newton() if newton else dict.fromkeys(NEWTON, _Absent())),
         average=_average() if newton and mean else _Absent(),
-        remember=own.get("remember") or (_remember() if events else _Absent()),
+        remember=own.get("remember") or (_remember(model) if events else _Absent()),
         observe=own.get("observe") or first_class(observe),
         energy=first_class(energies),
         margin=own.get("margin") or (_margin() if events else first_class(no_margin)),
@@ -121,7 +125,11 @@ def _margin():
     return first_class(margin)
 
 
-def _remember():
+def _remember(model):
+    if model.sheds:
+        from anet_lumped.mechanics.inner_states import remember_with_inner
+
+        return first_class(remember_with_inner)
     from anet_lumped.mechanics.memory import remember
 
     return first_class(remember)

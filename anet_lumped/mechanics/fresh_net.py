@@ -26,7 +26,7 @@ from anet_lumped.prescribed.paths import PathTable
 from anet_lumped.prescribed.turning import matrix_of
 
 
-def fresh_net(model, force=True, newton=True, links=False, crept=None):
+def fresh_net(model, force=True, newton=True, links=False, crept=None, shedding=None):
     """Make the arrays that compiled code works on, with fresh scratch space. Each run needs its own.
 
     Parameters
@@ -39,6 +39,8 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
     crept : (2, n_segments) float64 or None
         Slow stretch of each segment at the start [m] and the largest tension that it has held [N], for a motion of cables that
         creep. None is for statics, and for scenes without.
+    shedding : (n, 4) float64 or None
+        Inner states of the nodes whose cables shed vortices, see `State`, for a motion of such a scene; else None.
 
     Returns
     -------
@@ -49,6 +51,8 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
     has_added_mass = any("inertia" in effect.kernels() for effect in model.forces)
     changing = len(model.lengths.cable) > 0  # rest lengths change: then masses and laws belong to the run
     effects = model.effects._replace(params=model.effects.params.copy())
+    if shedding is not None and model.sheds:
+        effects.params[effects.inner] = shedding[model.shedding_nodes].ravel()
     net = Net(
         n_free=model.n_free,
         n_interior=model.n_interior,
@@ -90,7 +94,9 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None):
         added_mass=np.zeros((model.n_free if has_added_mass else 0, 3, 3)),
         breaking_tension=model.breaking_tension,
         observed_tension=np.zeros(len(model.breaking_tension)),
-        remembered=np.zeros((SEGMENT_COLUMNS + 2 + CREPT_COLUMNS * creeps) * len(model.breaking_tension) + LINEARISED_COLUMNS),
+        remembered=np.zeros(
+            (SEGMENT_COLUMNS + 2 + CREPT_COLUMNS * creeps) * len(model.breaking_tension) + LINEARISED_COLUMNS + len(effects.inner)
+        ),
         links=model.links.of_a_run() if links else NO_LINKS,
         kernels=np.zeros(KERNELS, np.int64),
     ).addressed()

@@ -25,8 +25,8 @@ def renewable_net(model, **needs):
 
 
 def can_be_renewed(model):
-    """Whether a net of a model can be taken for others: no cable breaks or creeps, and none changes its length in time."""
-    return not (len(model.breaking_tension) or model.creeps or len(model.lengths.cable))
+    """Whether a net of a model can be taken for others: no cable breaks, creeps, sheds vortices or changes its length in time."""
+    return not (len(model.breaking_tension) or model.creeps or model.sheds or len(model.lengths.cable))
 
 
 def renew(net, model):

@@ -40,7 +40,7 @@ from anet_lumped.scene.scene import Driven, Free
 BYTES_OF_NODE = 1e3  # of a model and of what a computation needs, about
 # Of a Model, made when they are asked for: what names and ends decide, and what numbers do.
 OF_TOPOLOGY = ("n_segments", "ends", "node_segments", "cable_of", "kinds_of_library", "unheld", "nodes_found")
-OF_NUMBERS = ("forces", "creep", "breaking_tension", "links", "springs_of_cables", "path_table")
+OF_NUMBERS = ("forces", "creep", "breaking_tension", "links", "springs_of_cables", "path_table", "shedding_nodes")
 TOPOLOGIES = 8  # that are kept
 _KNOWN = {}  # what scenes share, `_topology`: the model of one of them
 
@@ -271,7 +271,7 @@ def _effect_tables(effects, model, checked=(), checked_kinds=()):
 
     What effects say of themselves is compared with what they do, but for those among ``checked`` and those of ``checked_kinds``.
     """
-    index, params = [], []
+    index, params, inner, begin = [], [], [np.empty(0, np.int64)], 0
     for effect in effects:
         of_known = type(effect) in checked_kinds or effect in checked
         if not of_known:
@@ -286,6 +286,8 @@ def _effect_tables(effects, model, checked=(), checked_kinds=()):
             check_claims(effect, model, *own)
         index.append(own[0])
         params.append(own[1])
+        inner.append(begin + effect.inner_states(*own))
+        begin += len(own[1])
     return Effects(
         address=np.array([addresses(effect) for effect in effects], np.int64).reshape(-1, len(SLOTS)),
         index=np.concatenate([*index, np.empty(0, np.int64)]),
@@ -293,4 +295,5 @@ def _effect_tables(effects, model, checked=(), checked_kinds=()):
         params=np.concatenate([*params, np.empty(0)]),
         params_at=np.array([0, *accumulate(map(len, params))], np.int64),
         linear_in_node_state=int(all(effect.linear_in_node_state for effect in effects)),
+        inner=np.concatenate(inner),
     )

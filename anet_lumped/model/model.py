@@ -96,8 +96,9 @@ class Model:
 
     @cached_property
     def forces(self):
-        """Effects that exert forces, in the order of ``effects``: those of the scene, each before what it does to bodies."""
-        all_effects = [part for effect in self.scene.effects for part in (effect, effect.on_bodies(self.scene))]
+        """Effects that exert forces, in the order of ``effects``: those of the scene, each before what it makes for its scene."""
+        scene = self.scene
+        all_effects = [part for one in scene.effects for part in (one, one.on_bodies(scene), one.on_shedding(scene))]
         return tuple(effect for effect in all_effects if effect is not None and effect.kernels())
 
     @cached_property
@@ -114,6 +115,16 @@ class Model:
     def near_rows(self):
         """Pairs of nodes that effects may join: the ends of each segment, then the `pairs` of bodies."""
         return self.n_segments + len(self.bodies.pairs)
+
+    @property
+    def sheds(self):
+        """Whether there are nodes of cables that shed vortices."""
+        return len(self.effects.inner) > 0
+
+    @cached_property
+    def shedding_nodes(self):
+        """(k,) int64: nodes inside the cables that shed vortices, in the order of ``effects.inner``, four numbers each."""
+        return np.concatenate([np.empty(0, np.int64), *(self.nodes(one.name)[1:-1] for one in self.scene.cables if one.Cl)])
 
     @property
     def creeps(self):

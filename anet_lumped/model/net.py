@@ -21,7 +21,8 @@ _i1, _i2 = (types.Array(types.int64, d, "C") for d in (1, 2))
 
 class Effects(NamedTuple):
     """The effects of a scene other than axial ones. Effect k has the numbers ``index[index_at[k]:index_at[k+1]]`` and
-    ``params[params_at[k]:params_at[k+1]]`` and the functions at ``address[k]``, in the order of `signatures.SLOTS`."""
+    ``params[params_at[k]:params_at[k+1]]`` and the functions at ``address[k]``, in the order of `signatures.SLOTS`. ``inner`` (m,)
+    are the positions in ``params`` of inner states."""
 
     address: np.ndarray
     index: np.ndarray
@@ -29,6 +30,7 @@ class Effects(NamedTuple):
     params: np.ndarray
     params_at: np.ndarray
     linear_in_node_state: int  # 1 if the force of each is linear in the position and velocity of the node that it acts on
+    inner: np.ndarray
 
     def numbers(self, e):
         """Index and parameters of the e-th effect."""
@@ -251,7 +253,7 @@ class Net(NamedTuple):
         return net
 
 
-EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1, types.int64), Effects)
+EFFECTS = types.NamedTuple((_i2, _i1, _i1, _f1, _i1, types.int64, _i1), Effects)
 LENGTHS = types.NamedTuple((_i1, _f2, TABLE, _f1, _i1, _i1, _f1, _f1, _i1, _i1, _f1, _f1, _f2, _f2, _f3), Lengths)
 CARRIED = types.NamedTuple((_i1, _f2, _f3), Carried)
 BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2) + (_i2,) * 5 + (_f2,) * 7, Bodies)

@@ -69,10 +69,10 @@ def check_method(method, rho_inf=None):
 def time_scale(scene, tension=0.0, speed=0.0):
     """Time in which the motion changes [s]: the shortest of
 
-    sqrt(L/g) of a cable that swings, the ramps of the driven points, 2/omega of those that shake, what an effect
-    says of itself, and without gravity L sqrt(mu/EA) times ten, or of a cable that does not stretch L over the ``speed`` [m/s]
-    between nodes, but no more than under gravity. Where the ``tension`` [N] of each cable is beyond `DRAWN` times the
-    weight of all, they are like one string with all their length and mass, sqrt(m L/T)/pi.
+    sqrt(L/g) of a cable that swings, the ramps of the driven points, 2/omega of those that shake and of the vortices that cables
+    shed, what an effect says of itself, and without gravity L sqrt(mu/EA) times ten, or of a cable that does not stretch L over the
+    ``speed`` [m/s] between nodes, but no more than under gravity. Where the ``tension`` [N] of each cable is beyond `DRAWN` times
+    the weight of all, they are like one string with all their length and mass, sqrt(m L/T)/pi.
     """
     g = float(np.linalg.norm(scene.gravity))
     scales = [_cable_scale(cable, g, speed) for cable in scene.cables]
@@ -80,6 +80,9 @@ def time_scale(scene, tension=0.0, speed=0.0):
         scales += _path_scales(path)
     for effect in scene.effects:
         scales += effect.time_scales
+        if (shed := effect.on_shedding(scene)) is not None:
+            fastest = shed.highest_frequency(scene)
+            scales += [2.0 / fastest] if fastest > 0.0 else []
     scales += [math.sqrt(body.radius / g) for body in scene.bodies if g > 0.0 and not body.is_driven]
     payloads = [min([p.mass, *(e.mass for e in scene.payload_changes if e.point == p.name)]) for p in scene.free_points]
     mass = sum(cable.mass_per_length * cable.length for cable in scene.cables) + sum(payloads)
@@ -155,7 +158,12 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
         )
     creeping = next((cable.name for cable in scene.cables if cable.creeps), None)
     if creeping is not None:
-        _check_creep(method, adaptive, creeping)
+        _check_inner_states(method, adaptive, "A cable that creeps", f"cable {quoted(creeping)} has an `EA_dynamic`")
+    shedding = next(
+        (cable.name for cable in scene.cables if cable.Cl and any(one.on_shedding(scene) for one in scene.effects)), None
+    )
+    if shedding is not None:
+        _check_inner_states(method, adaptive, "A cable that sheds vortices", f"cable {quoted(shedding)} has a `Cl`")
     chosen_by_user = method is not None
     if method is not None and dt is not None and not adaptive:
         method = schemes.scheme(method).with_given_steps or method
@@ -175,6 +183,8 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
         method, why = DEFAULT_IMPLICIT, f"cable {quoted(rigid)} does not stretch"
     elif creeping is not None:
         method, why = DEFAULT_IMPLICIT, f"cable {quoted(creeping)} creeps"
+    elif shedding is not None:
+        method, why = DEFAULT_IMPLICIT, f"cable {quoted(shedding)} sheds vortices"
     elif adaptive:
         method, why = DEFAULT_IMPLICIT, "adaptive steps: no limit of stability, and no energy gained"
     elif dt is not None:
@@ -190,9 +200,10 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
             f"{_cheaper(method, costs)} ({DEFAULT_IMPLICIT} with steps of {motion:.3g} s, 1/{1 / SHARE_OF_TIME_SCALE:.0f} of the "
             f"motion's time scale, {DEFAULT_EXPLICIT} with {explicit_step:.3g} s, stable to {limit:.3g} s)"
         )
-    if undamped_slack_cable is not None and not chosen_by_user and rigid is None and creeping is None:
+    by_need = chosen_by_user or any(name is not None for name in (rigid, creeping, shedding))
+    if undamped_slack_cable is not None and not by_need:
         why += f"; cable {quoted(undamped_slack_cable)} may go slack undamped, where an explicit step gains energy"
-    if stiff_effect is not None and not chosen_by_user and rigid is None and creeping is None:
+    if stiff_effect is not None and not by_need:
         why += f"; no limit of an explicit step is known before the run for the forces of {stiff_effect}"
     scheme, limit = schemes.scheme(method), limits[method]
     if scheme.keeps_constraints:
@@ -223,14 +234,14 @@ def _cheaper(method, costs):
     )
 
 
-def _check_creep(method, adaptive, creeping):
-    """How far a cable has crept is a state of its own, which few methods carry, and none from a step that is taken again."""
-    able, what = schemes.names(takes_creep=True), f"cable {quoted(creeping)} has an `EA_dynamic`"
+def _check_inner_states(method, adaptive, who, what):
+    """Inner states, such as how far a cable has crept, are carried by few methods, and by none from a step that is taken again."""
+    able = schemes.names(takes_inner_states=True)
     if method is not None and method not in able:
         needed = " or ".join(f'method="{name}"' for name in able)
-        raise InputError(f"A cable that creeps needs {needed}, but {what} and the method is {method}.")
+        raise InputError(f"{who} needs {needed}, but {what} and the method is {method}.")
     if adaptive:
-        raise InputError(f"A cable that creeps needs fixed steps, but {what} and a tolerance is given.")
+        raise InputError(f"{who} needs fixed steps, but {what} and a tolerance is given.")
 
 
 def _of_links(scheme, dt, motion, adaptive, transverse):

@@ -90,11 +90,11 @@ def flag_energy_gain(run, limit, adaptive=False):
         )
     elif run.method == "edmc":
         why = "; try a smaller step"
-        loose = [type(effect).__name__ for effect in run.scene.effects if not effect.keeps_energy]
+        loose = [type(effect).__name__ for effect in run.model.forces if not effect.keeps_energy]
         if loose:
             why = f"{why}, or an energy in place of the force of {' and '.join(loose)}, of which nothing says that it is kept"
     else:
-        kept = all(effect.keeps_energy for effect in run.scene.effects)
+        kept = all(effect.keeps_energy for effect in run.model.forces)
         why = f'; try method="edmc"{", which never gains any," if kept else ""} or a smaller step'
     message = (
         f"{run.method} with dt={run.dt:.3g} s reached t={run.t[-1]:.4g} s, but its energy rose by {gained:.2g} of the energy in "

@@ -61,6 +61,7 @@ def extrapolated(coarse, fine):
         segment_tension=tension,
         crept=None if fine.crept is None else np.maximum(_extrapolate(coarse.crept, fine.crept), 0.0),
         T_max=None if fine.T_max is None else np.maximum(_extrapolate(coarse.T_max, fine.T_max), 0.0),
+        shedding=None if fine.shedding is None else _extrapolated_shedding(coarse.shedding, fine.shedding),
         dt=coarse.dt,
         reason=coarse.reason + "; extrapolated with half of it",
         extrapolated=True,
@@ -68,6 +69,13 @@ def extrapolated(coarse, fine):
         error_growth=np.maximum.accumulate(WEIGHT * np.linalg.norm(fine.q - coarse.q, axis=2).max(axis=1)),
         wall_time=coarse.wall_time + fine.wall_time,
     )
+
+
+def _extrapolated_shedding(coarse, fine):
+    """Inner states of nodes that shed vortices: mean squares, the last two numbers, are not negative."""
+    shedding = _extrapolate(coarse, fine)
+    shedding[..., 2:] = np.maximum(shedding[..., 2:], 0.0)
+    return shedding
 
 
 def _extrapolate(coarse, fine):

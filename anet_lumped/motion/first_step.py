@@ -40,7 +40,8 @@ def _accelerations(run: Any) -> np.ndarray:
     """Accelerations of the moving nodes at the start of a run, (n_free, 3) [m/s2]."""
     from anet_lumped.mechanics.bindings import system  # compiled on first use
 
-    net = fresh_net(run.model, force=True, newton=False, crept=None if run.crept is None else run.crept[0])
+    inner = {name: None if rows is None else rows[0] for name, rows in (("crept", run.crept), ("shedding", run.shedding))}
+    net = fresh_net(run.model, force=True, newton=False, **inner)
     bound, f = system(run.model, force=True, newton=False), np.zeros_like(run.q[0])
     bound.force(run.t[0], run.q[0].copy(), run.v[0].copy(), net.address, f, np.zeros(BALANCE))
     return f[: run.model.n_free] * bound.per_mass[: run.model.n_free]

@@ -49,7 +49,7 @@ def as_asked(run: Run, save_every: float, tension_error: float) -> Run:
     rows[-1] = True
     some = {
         name: getattr(run, name)[rows]
-        for name in ("t", "q", "v", "energy", "segment_tension", "error_growth", "q_near", "crept", "T_max")
+        for name in ("t", "q", "v", "energy", "segment_tension", "error_growth", "q_near", "crept", "T_max", "shedding")
         if getattr(run, name) is not None
     }
     peak, shown = float(run.segment_tension.max(initial=0.0)), float(some["segment_tension"].max(initial=0.0))

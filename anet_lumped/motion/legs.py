@@ -22,7 +22,7 @@ from anet_lumped.scene.payload_change import carried_from
 from integrators import schemes
 from integrators.system import BALANCE, DONE, ENERGIES, EVENT, SAME_TIME, UNCONVERGED
 
-from .inner_states import inner_at_start, inner_of, split_inner
+from .inner_states import inner_at_start, inner_of, shedding_at_start, split_inner
 from .joint_blow import blow_at_joints
 from .link_catch import blow
 from .link_legs import Handover
@@ -34,13 +34,14 @@ NEARLY_TAUT = 10.0  # steps before cables would not reach any more, within which
 class Start(NamedTuple):
     """State that a leg starts from: q, v (n, 3) [m], [m/s] and the tension of every segment (n_segments,) [N]; all its own.
 
-    And (2, n_segments) of `inner_states`; None where no cable creeps.
+    And of `inner_states` (2, n_segments), None where no cable creeps, and (n, 4), None where no cable sheds vortices.
     """
 
     q: np.ndarray
     v: np.ndarray
     tension: np.ndarray
     crept: np.ndarray | None = None
+    shedding: np.ndarray | None = None
 
 
 class Settings(NamedTuple):
@@ -91,7 +92,8 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
         leg = made.leg._replace(begin=made.t, end=end if short is None else short.t)
         if handover is None:
             made.take_blow()
-        begin, taken = Start(made.q[own.node], made.v[own.node], made.tension[own.segment], made.crept_of(own)), choice
+        inner = made.crept_of(own), made.shedding_of(own)
+        begin, taken = Start(made.q[own.node], made.v[own.node], made.tension[own.segment], *inner), choice
         if handover is not None:
             taken, begin, until = handover.next_leg(made, own.model, begin, leg.end)
             leg = leg._replace(end=until)
@@ -130,6 +132,7 @@ class _Rows(NamedTuple):
     tension: np.ndarray
     error: np.ndarray | None
     crept: np.ndarray | None
+    shedding: np.ndarray | None
 
 
 class Legs:
@@ -138,7 +141,7 @@ class Legs:
     def __init__(self, scene, start, leg, dt):
         self.scene, self.model, self.leg, self.dt = scene, build(scene), leg, dt
         self.t, self.q, self.v, self.tension = start.t, start.q.copy(), start.v.copy(), start.segment_tension.copy()
-        self.crept = inner_at_start(self.model, start)
+        self.crept, self.shedding = inner_at_start(self.model, start), shedding_at_start(self.model, start)
         self.events, self.broken = list(start.events), broken(start.events)
         earlier = sorted((event for event in scene.payload_changes if event.t < start.t), key=lambda event: event.t)
         self.payloads = {}
@@ -168,13 +171,15 @@ class Legs:
         new = slice(first, count)
         error = None if run.error_growth is None else self.left_out + run.error_growth
         saved = run.t[new], run.q[new], run.v[new], energy[new], run.segment_tension[new]
-        inner = inner_of(run)
-        self.rows.append(_Rows(own, *saved, None if error is None else error[new], None if inner is None else inner[:, new]))
+        inner, shed = inner_of(run), None if run.shedding is None else run.shedding[new]
+        self.rows.append(_Rows(own, *saved, None if error is None else error[new], None if inner is None else inner[:, new], shed))
         self.left_out = 0.0 if error is None else float(error[-1])
         self.t = float(run.t[-1])
         self.q[own.node], self.v[own.node], self.tension[own.segment] = run.q[-1], run.v[-1], run.segment_tension[-1]
         if self.crept is not None:
             self.crept[:, own.segment] = 0.0 if inner is None else inner[:, -1]  # what is left may not creep
+        if self.shedding is not None:
+            self.shedding[own.node] = 0.0 if run.shedding is None else run.shedding[-1]
         self.carried[WORK:] = energy[-1, WORK:]
         self.runs.append(run)
 
@@ -182,13 +187,17 @@ class Legs:
         """Save the current state."""
         own = self.left
         row = self.t, self.q[own.node], self.v[own.node], self.energies(), self.tension[own.segment]
-        crept = self.crept_of(own)
-        saved = (np.array([part]) for part in row)
-        self.rows.append(_Rows(own, *saved, np.array([self.left_out]), None if crept is None else crept[:, None]))
+        crept, shed = self.crept_of(own), self.shedding_of(own)
+        saved, shed = (np.array([part]) for part in row), None if shed is None else shed[None]
+        self.rows.append(_Rows(own, *saved, np.array([self.left_out]), None if crept is None else crept[:, None], shed))
 
     def crept_of(self, own):
         """`inner_states` of the segments of what is left, (2, n_segments); None where no cable creeps."""
         return self.crept[:, own.segment] if own.model.creeps else None
+
+    def shedding_of(self, own):
+        """`inner_states` of the nodes of what is left, (n, 4); None where no cable sheds vortices."""
+        return self.shedding[own.node] if own.model.sheds else None
 
     def energies(self):
         """Kinetic, elastic and potential energy now, work and what was taken so far, (7,) [J]."""
@@ -314,15 +323,18 @@ class Legs:
         q, v = np.empty((2, len(t), self.model.n, 3))
         tension, begin = np.zeros((len(t), self.model.n_segments)), 0
         inner = None if self.crept is None else np.zeros((2, *tension.shape))
+        shedding = None if self.shedding is None else np.zeros((len(t), *self.shedding.shape))
         for leg in self.rows:
             rows = slice(begin, begin + len(leg.t))
             q[rows, leg.left.node], v[rows, leg.left.node], tension[rows, leg.left.segment] = leg.q, leg.v, leg.tension
             if leg.crept is not None:
                 inner[:, rows, leg.left.segment] = leg.crept
+            if leg.shedding is not None:
+                shedding[rows, leg.left.node] = leg.shedding
             begin = rows.stop
         return replace(
             last,
-            model=self.model, t=t, q=q, v=v, segment_tension=tension, **split_inner(self.model, inner),
+            model=self.model, t=t, q=q, v=v, segment_tension=tension, **split_inner(self.model, inner), shedding=shedding,
             energy=np.concatenate([leg.energy for leg in self.rows]),
             status=STATUS[DONE] if last.status == STATUS[EVENT] else last.status,
             work=Work(*np.sum([astuple(run.work) for run in self.runs], axis=0).tolist()),

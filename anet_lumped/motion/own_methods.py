@@ -11,11 +11,11 @@ from integrators.marching.fixed_steps import FixedSteps
 from integrators.marching.march import march as march_system
 
 from .failure_messages import stiff_for, why_it_stopped
-from .inner_states import split_inner
+from .inner_states import shedding_of_rows, split_inner
 from .times import stops
 
 
-def net_and_system(model, scheme, tension, crept=None):
+def net_and_system(model, scheme, tension, crept=None, shedding=None):
     """What a march with a scheme of this package works on.
 
     Parameters
@@ -24,6 +24,7 @@ def net_and_system(model, scheme, tension, crept=None):
     scheme : Scheme
     tension : (n_segments,) float64 [N], at the start
     crept : (2, n_segments) float64 [m], [N], of `inner_states`; None where no cable creeps
+    shedding : (n, 4) float64, of `inner_states`; None where no cable sheds vortices
 
     Returns
     -------
@@ -32,7 +33,10 @@ def net_and_system(model, scheme, tension, crept=None):
     from anet_lumped.mechanics.bindings import system  # compiled on first use: a scene or its equilibrium need none of it
 
     needs = {"force": scheme.evaluates_force, "newton": not scheme.explicit, "links": scheme.keeps_constraints}
-    net, bound = fresh_net(model, **needs, crept=crept), system(model, **needs, mean=scheme.observes_mean_over_stages)
+    net, bound = (
+        fresh_net(model, **needs, crept=crept, shedding=shedding),
+        system(model, **needs, mean=scheme.observes_mean_over_stages),
+    )
     net.tension[:] = tension
     return net, bound
 
@@ -57,7 +61,7 @@ def march(model, choice, leg, start, settings):
     RunInterrupt : Ctrl-C
     """
     scheme = schemes.scheme(choice.method)
-    net, bound = net_and_system(model, scheme, start.tension, start.crept)
+    net, bound = net_and_system(model, scheme, start.tension, start.crept, start.shedding)
     if settings.adaptive:
         times = AdaptiveSteps(leg.begin, leg.end, choice.dt, *settings.tolerances, stops(model.scene))
         saves = leg.times()
@@ -65,7 +69,7 @@ def march(model, choice, leg, start, settings):
         stride, saves = leg.stride(choice.dt)
         times = FixedSteps(leg.begin, leg.end, choice.dt, leg.run_begin, stride)
     parameters = scheme.parameters(rho_inf=settings.rho_inf)
-    observed = 3 * model.n_segments if model.creeps else model.n_segments
+    observed = (3 * model.n_segments if model.creeps else model.n_segments) + len(net.effects.inner)
     out = march_system(scheme, bound, net.address, times, start.q, start.v, (saves, observed), parameters)
     run = run_of(model, choice, out, settings)
     if out.interrupted:
@@ -88,7 +92,8 @@ def run_of(model, choice, out, settings):
     Run
     """
     scheme = schemes.scheme(choice.method)
-    tensions, inner = np.split(out.saved.observed, [model.n_segments], axis=1)
+    rows = out.saved.observed
+    tensions, inner, shed = np.split(rows, [model.n_segments, rows.shape[1] - len(model.effects.inner)], axis=1)
     tolerances = settings.tolerances if settings.adaptive and scheme.embedded else None
     stiff = stiff_for(choice, tolerances, out.counts, out.held, out.held_for) if tolerances else ()
     if not scheme.books_its_losses:
@@ -103,4 +108,5 @@ def run_of(model, choice, out, settings):
         warnings=(*choice.warnings, *stiff),
         segment_tension=tensions,
         **split_inner(model, np.stack(np.split(inner, 2, axis=1)) if model.creeps else None),
+        shedding=shedding_of_rows(model, shed) if model.sheds else None,
     )  # fmt: skip

@@ -36,7 +36,7 @@ from .choice import check_method, choose
 from .failure_messages import why_it_stopped
 from .given_forces import GivenForces
 from .given_motions import GivenMotions
-from .inner_states import inner_of_net, split_inner
+from .inner_states import inner_of_net, shedding_of_net, split_inner
 from .legs import Legs
 from .own_methods import net_and_system
 from .readings import Sight, compiled_see, readings_of, sight_of, words_in_memory
@@ -106,7 +106,7 @@ class Session:
         self._forces = GivenForces(scene)
         self._counts, self._first_t, self._steps = np.zeros(COUNTS, np.int64), begin.t, 0
         state = State(build(pushed), begin.t, begin.q, begin.v, begin.segment_tension, events=begin.events)
-        state = replace(state, crept=begin.crept, T_max=begin.T_max)
+        state = replace(state, crept=begin.crept, T_max=begin.T_max, shedding=begin.shedding)
         self._legs = Legs(pushed, state, Leg(begin.t, math.inf, begin.t, math.inf, None), self.dt)
         self._due = sorted({event.t for event in pushed.events if event.t >= begin.t})
         self._new_march()
@@ -120,7 +120,8 @@ class Session:
         if not scheme.keeps_constraints:
             legs.take_blow()
         own, model = legs.left, legs.left.model
-        self._net, self._system = net_and_system(model, scheme, legs.tension[own.segment], legs.crept_of(own))
+        inner = legs.crept_of(own), legs.shedding_of(own)
+        self._net, self._system = net_and_system(model, scheme, legs.tension[own.segment], *inner)
         q, v = (np.array(x[own.node], float, order="C") for x in (legs.q, legs.v))
         self._state = StepState(q, v, np.zeros((scheme.memory_rows, model.n, 3)), np.zeros(BALANCE))
         start = scratch_for(self._state, scheme.carried_rows, 0).start
@@ -281,6 +282,8 @@ class Session:
         legs.tension[own.segment] = self._end_tension()
         if own.model.creeps:
             legs.crept[:, own.segment] = inner_of_net(self._net)
+        if own.model.sheds:
+            legs.shedding[own.node] = shedding_of_net(own.model, self._net)
         legs.carried[WORK:] += self._state.balance[WORK:ENERGIES]
 
     # What is read --------------------------------------------------------------------------------------------------------
@@ -321,10 +324,11 @@ class Session:
         crept = None if self._legs.crept is None else self._legs.crept.copy()
         if crept is not None and own.model.creeps:
             crept[:, own.segment] = inner_of_net(self._net)
-        pushed = self._forces.acts
-        return State(
-            self.model, self.t, q + self._origin, v, tension, events=self.events, pushed=pushed, **split_inner(self.model, crept)
-        )
+        shed = None if self._legs.shedding is None else self._legs.shedding.copy()
+        if shed is not None and own.model.sheds:
+            shed[own.node] = shedding_of_net(own.model, self._net)
+        inner = split_inner(self.model, crept) | {"shedding": shed}
+        return State(self.model, self.t, q + self._origin, v, tension, events=self.events, pushed=self._forces.acts, **inner)
 
     def position(self, point: str) -> np.ndarray:
         """(3,) place of a point [m]."""

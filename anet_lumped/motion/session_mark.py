@@ -47,7 +47,8 @@ def check_mark(mark: Any, session: Any) -> None:
 
 def arrays_of_legs(legs: Any) -> tuple[np.ndarray, ...]:
     """What the legs hold of the state."""
-    return legs.q, legs.v, legs.tension, legs.carried, *(() if legs.crept is None else (legs.crept,))
+    inner = (array for array in (legs.crept, legs.shedding) if array is not None)
+    return legs.q, legs.v, legs.tension, legs.carried, *inner
 
 
 def own_arrays(value: Any, model: Any) -> list[np.ndarray]:

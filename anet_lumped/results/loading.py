@@ -74,11 +74,14 @@ def _run(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Run:
         model = build(scene)
     except InputError as error:
         raise DamagedError(f"its scene has no model: {error}".rstrip(".")) from None
+    if ("shedding" in arrays) != model.sheds:
+        raise DamagedError("it tells the phases of vortices, and no cable sheds any, or it does not, and one does")
     return Run(
         model, arrays["t"], arrays["q"], arrays["v"], arrays["energy"], **texts,
         dt=float(account["dt"]), wall_time=float(account["wall_time"]), segment_tension=arrays["tension"],
         error_growth=arrays.get("error"), error_factor=float(numbers["error_factor"]),
-        crept=arrays.get("crept"), T_max=arrays.get("T_max"), work=work, audit=_record(Audit, "audit", account), events=events,
+        crept=arrays.get("crept"), T_max=arrays.get("T_max"), shedding=arrays.get("shedding"), work=work,
+        audit=_record(Audit, "audit", account), events=events,
         warnings=_read(tuple[str, ...], "warnings", _typed(str, "warnings", account)),
         extrapolated=bool(account.get("extrapolated", 0)),
         pushed=bool(account.get("pushed", 0)),
@@ -106,7 +109,7 @@ def _check_finite(arrays: Mapping[str, np.ndarray], finished: bool) -> None:
     """Times are finite and increase; what a run that reached its end holds besides is finite too."""
     if not np.isfinite(arrays["t"]).all() or (np.diff(arrays["t"]) < 0.0).any():
         raise DamagedError("its times are not finite, or do not increase")
-    for name in ("q", "v", "tension", "energy", "crept", "T_max") if finished else ():
+    for name in ("q", "v", "tension", "energy", "crept", "T_max", "shedding") if finished else ():
         if name in arrays and not np.isfinite(arrays[name]).all():
             raise DamagedError(f"its run reached its end, but `{name}` is not finite")
 

@@ -95,6 +95,7 @@ class Run:
     pushed : bool, as of a `State`
     crept : (k, n_segments) float64 [m] or None, likewise; of scenes with a cable that creeps
     T_max : (k, n_segments) float64 [N] or None, likewise; of scenes with a `working_curve`
+    shedding : (k, n, 4) float64 or None, likewise; of scenes with cables that shed vortices
     """
 
     model: Model
@@ -121,6 +122,7 @@ class Run:
     pushed: bool = False
     crept: np.ndarray | None = None
     T_max: np.ndarray | None = None
+    shedding: np.ndarray | None = None
 
     def __repr__(self) -> str:
         states = f"{len(self.t)} states of {self.q.shape[1]} nodes from t={self.t[0]:g} s to {self.t[-1]:g} s"
@@ -155,9 +157,10 @@ class Run:
     def energy_promise(self) -> EnergyPromise:
         """What the method promises of the energy of this scene: nothing where an effect has a force without an energy.
 
-        Nor does it where a spring gets stiffer as a cable creeps (`EA_dynamic_per_tension`), or follows working curves.
+        Nor does it where a spring gets stiffer as a cable creeps (`EA_dynamic_per_tension`), or follows working curves, and where
+        vortices shake a cable.
         """
-        kept = all(effect.keeps_energy for effect in self.scene.effects)
+        kept = all(effect.keeps_energy for effect in self.model.forces)
         kept = kept and not any(cable.EA_dynamic_per_tension or cable.working_curve for cable in self.scene.cables)
         return schemes.scheme(self.method).energy if kept else EnergyPromise.NONE
 
@@ -212,6 +215,7 @@ class Run:
         columns = self.energy.shape[1:] if self.energy.shape[1:] in ((len(COLUMNS),), (len(UNDIVIDED),)) else (len(COLUMNS),)
         shapes = {"q": places, "v": places, "q_near": places, "segment_tension": (*rows, self.model.n_segments)}
         shapes["crept"] = shapes["T_max"] = shapes["segment_tension"]
+        shapes["shedding"] = (*places[:2], 4)
         for name, shape in (shapes | {"error_growth": rows, "energy": (*rows, *columns)}).items():
             found = getattr(self, name)
             if found is not None and found.shape != shape:
@@ -228,10 +232,8 @@ class Run:
         t = float(self.t[k])
         near = None if self.q_near is None else self.q_near[k]
         tension, events = self.segment_tension[k], self.events_before(k)
-        crept, T_max = (None if rows is None else rows[k] for rows in (self.crept, self.T_max))
-        return State(
-            self.model, t, self.q[k], self.v[k], tension, events=events, q_near=near, pushed=self.pushed, crept=crept, T_max=T_max
-        )
+        inner = {name: None if (rows := getattr(self, name)) is None else rows[k] for name in ("crept", "T_max", "shedding")}
+        return State(self.model, t, self.q[k], self.v[k], tension, events=events, q_near=near, pushed=self.pushed, **inner)
 
     def events_before(self, k: int) -> tuple[Event, ...]:
         """What had happened before the k-th saved state."""

@@ -27,7 +27,8 @@ WHAT = "A saved run"  # for messages
 AXES = ["x", "y", "z"]
 DIMENSIONS = {
     "t": ("t",), "q": ("t", "node", "axis"), "v": ("t", "node", "axis"), "tension": ("t", "segment"), "energy": ("t", "energy_of"),
-    "error": ("t",), "crept": ("t", "segment"), "T_max": ("t", "segment"), "rotation": ("t", "body", "quaternion"),
+    "error": ("t",), "crept": ("t", "segment"), "T_max": ("t", "segment"), "shedding": ("t", "node", "inner"),
+    "rotation": ("t", "body", "quaternion"),
 }  # fmt: skip
 
 
@@ -66,6 +67,8 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         arrays["crept"] = run.crept
     if run.T_max is not None:
         arrays["T_max"] = run.T_max
+    if run.shedding is not None:
+        arrays["shedding"] = run.shedding
     if run.scene.bodies:
         arrays["rotation"] = np.stack([run.quaternion(body.name) for body in run.scene.bodies], axis=1)
     about: dict[str, dict[str, str]] = {
@@ -77,6 +80,7 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         "rotation": {"units": "1", "long_name": "unit quaternion (w, x, y, z) of each body"},
         "crept": {"units": "m", "long_name": "how far each segment has crept"},
         "T_max": {"units": "N", "long_name": "largest tension that each segment has held for long"},
+        "shedding": {"long_name": "phase [rad], f d/U, and mean squares [m2/s2], [m2/s4] of vortices"},
         "error": {"units": "m", "long_name": "what the steps left out of places"},
     }
     variables: dict[str, Any] = {name: (DIMENSIONS[name], array, about[name]) for name, array in arrays.items()}
@@ -93,7 +97,7 @@ def read(path: str | PathLike[str]) -> tuple[dict[str, np.ndarray], dict[str, An
     Returns
     -------
     arrays : dict of str to float64
-        t, q, v, tension, energy and, if there are such, error, crept and T_max; shapes agree with each other.
+        t, q, v, tension, energy and, if there are such, error, crept, T_max and shedding; shapes agree with each other.
     account : dict
         The attributes, as text and numbers.
 

@@ -71,6 +71,10 @@ class State:
         How far each segment has crept, see `effects.laws.creep`; None is that of lengths that have been held for long.
     T_max : (n_segments,) float64 [N] or None
         Largest tension that each segment has held for long, of scenes with a `working_curve`; comes with ``crept``.
+    shedding : (n, 4) float64 or None
+        Of nodes whose cable sheds vortices: the phase of the lift [rad], which grows by 2 pi a pair of vortices, its frequency
+        f d/U, the mean squares of the velocity [m2/s2] and of the acceleration [m2/s4] across the flow; zeros of other nodes. None
+        is that of a flow that begins.
     """
 
     model: Model
@@ -85,6 +89,7 @@ class State:
     pushed: bool = False
     crept: np.ndarray | None = None
     T_max: np.ndarray | None = None
+    shedding: np.ndarray | None = None
 
     @classmethod
     def of(cls, scene: Scene, shapes: Any = None, velocities: Any = None, points: Any = None, t: float = 0.0) -> "State":

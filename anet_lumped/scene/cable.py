@@ -11,6 +11,7 @@ from anet_lumped.checks import SceneError, check_count, check_name, check_number
 
 from .creep import check_creep
 from .polyester import static_curve
+from .shedding import check_shedding
 from .tension_strain import Curve, check_curve, slopes
 from .working_curves import WorkingCurve
 
@@ -51,6 +52,10 @@ class Cable:
     EA_dynamic_per_tension : float, by how much EA_dynamic grows with the tension held
     working_curve : one of `working_curves` or None, of a polyester rope with an `EA_dynamic`: what it follows below the largest
         tension that it has held for long; above it `tension_strain`
+    Cl : float, lift coefficient of the vortices that the cable sheds in `Water`, see `effects.vortex_shedding`; 0: none are shed
+    St : float, Strouhal number f·d/U of the vortices of a cable at rest
+    St_range : float, less than St, by how much f·d/U is larger or smaller where the cable vibrates
+    shedding_window : float [s] or None, in which a vibration is known by its mean squares; None: 10 periods of the vortices
     """
 
     start: str
@@ -76,6 +81,10 @@ class Cable:
     BA_creep: float | None = field(default=None, kw_only=True)
     EA_dynamic_per_tension: float = field(default=0.0, kw_only=True)
     working_curve: WorkingCurve | None = field(default=None, kw_only=True)
+    Cl: float = field(default=0.0, kw_only=True)
+    St: float = field(default=0.18, kw_only=True)
+    St_range: float = field(default=0.08, kw_only=True)
+    shedding_window: float | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         for point in (self.start, self.end):
@@ -107,6 +116,7 @@ class Cable:
         else:
             checked["EA"] = math.inf if number(self.EA) == math.inf else check_number("EA", self.EA, "N", owner, sign="positive")
         check_creep(self, checked, owner)
+        check_shedding(self, checked, owner)
         vars(self).update(checked)
         if self.start == self.end:
             raise SceneError(f"A cable must join two different points, but {owner} runs from {quoted(self.start)} to itself.")

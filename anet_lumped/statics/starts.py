@@ -132,10 +132,11 @@ def _checked_arrays(state):
     if not isinstance(state.model, Model):
         raise InputError(f"`model` of a State must be that of a scene, but it is {shown(state.model)}.")
     n, n_segments, found = state.model.n, state.model.n_segments, []
-    expected_shapes = {"q": (n, 3), "v": (n, 3), "segment_tension": (n_segments,), "crept": (n_segments,), "T_max": (n_segments,)}
+    of_nodes = {"q": (n, 3), "v": (n, 3), "shedding": (n, 4)}
+    expected_shapes = of_nodes | {"segment_tension": (n_segments,), "crept": (n_segments,), "T_max": (n_segments,)}
     for name, expected in expected_shapes.items():
-        what = "nodes" if name in ("q", "v") else "segments"
-        if name in ("crept", "T_max") and getattr(state, name) is None:
+        what = "nodes" if name in of_nodes else "segments"
+        if name in ("crept", "T_max", "shedding") and getattr(state, name) is None:
             found.append(None)
             continue
         array = _numbers(getattr(state, name), f"`{name}` of a State")
@@ -153,7 +154,8 @@ def _adopt(model, state):
     q, v, tension = np.zeros((model.n, 3)), np.zeros((model.n, 3)), np.zeros(model.n_segments)
     if not np.isfinite(number(state.t)):
         raise InputError(f"A State to start from must have a finite time [s], but it has t={shown(state.t)}.")
-    own_q, own_v, own_tension, *own_inner = _checked_arrays(state)
+    own_q, own_v, own_shedding, own_tension, *own_inner = _checked_arrays(state)
+    shedding = None if own_shedding is None or not model.sheds else np.zeros((model.n, own_shedding.shape[1]))
     inner = [None if own is None or not model.creeps else np.zeros(model.n_segments) for own in own_inner]
     segments = {cable.name: cable.segments for cable in state.scene.cables}
     for cable in model.scene.cables:
@@ -165,6 +167,8 @@ def _adopt(model, state):
             )
         mine, theirs = model.nodes(cable.name), state.model.nodes(cable.name)
         q[mine], v[mine] = own_q[theirs], own_v[theirs]
+        if shedding is not None and cable.Cl:
+            shedding[mine[1:-1]] = own_shedding[theirs[1:-1]]
         tension[model.segments(cable.name)] = own_tension[state.model.segments(cable.name)]
         for array, own in zip(inner, own_inner, strict=True):
             if array is not None:
@@ -181,7 +185,21 @@ def _adopt(model, state):
         cable = model.scene.cables[model.cable_of[s]]
         raise InputError(f"A start must have finite tensions, but a segment of cable {quoted(cable.name)} has {tension[s]} N.")
     _check_inner(model, *inner)
-    return State(model, float(state.t), q, v, tension, events=state.events, crept=inner[0], T_max=inner[1])
+    _check_shedding(model, shedding)
+    return State(
+        model, float(state.t), q, v, tension, events=state.events, crept=inner[0], T_max=inner[1], shedding=shedding
+    )  # fmt: skip
+
+
+def _check_shedding(model, shedding):
+    """Phases are finite; frequencies and mean squares are not negative besides."""
+    right = shedding is None or (np.isfinite(shedding).all(axis=1) & (shedding[:, 1:] >= 0.0).all(axis=1))
+    if not np.all(right):
+        i = int(np.flatnonzero(~right)[0])
+        raise InputError(
+            "A start must have finite phases of vortices, and frequencies and mean squares of no less than 0, but "
+            f"{model.where(i)} has {shedding[i].tolist()}."
+        )
 
 
 def _check_inner(model, crept, T_max):

@@ -101,7 +101,7 @@ class Scheme:
     with_given_steps : str, name of the scheme that takes its place where steps are given; "" for itself
     takes_changing_rest_lengths : bool, springs whose rest lengths change in time
     takes_rigid_bodies : bool, nodes that move as one piece: its steps ask `System.project` for that, or solve for their motion
-    takes_creep : bool, springs whose state is more than places and velocities, in steps of `LAW_BETWEEN`
+    takes_inner_states : bool, springs and forces whose state is more than places and velocities, in steps of `LAW_BETWEEN`
     stops_at_events : bool, a march that ends within a step where a margin of the system turns positive
 
     Of the schemes of this package alone:
@@ -141,7 +141,7 @@ class Scheme:
     with_given_steps: str = ""
     takes_changing_rest_lengths: bool = False
     takes_rigid_bodies: bool = False
-    takes_creep: bool = False
+    takes_inner_states: bool = False
     stops_at_events: bool = True
     step: Callable | None = None
     memory_rows: int = 0

@@ -33,7 +33,8 @@ def window(run, since):
     rows = _rows(run, since)
     if np.count_nonzero(rows) < 2:
         raise WindowError(f"A run must have two saved times from t={since:g} s on, but it ends at t={run.t[-1]:g} s.")
-    arrays = {name: getattr(run, name) for name in ("t", "q", "v", "energy", "segment_tension", "error_growth", "q_near", "crept")}
+    of_states = "t", "q", "v", "energy", "segment_tension", "error_growth", "q_near", "crept", "T_max", "shedding"
+    arrays = {name: getattr(run, name) for name in of_states}
     return replace(run, **{name: array[rows] for name, array in arrays.items() if array is not None})
 
 

@@ -121,6 +121,7 @@ NAMES = {
 NONE = {
     ("Free", "at"), ("Cable", "BA"), ("Cable", "name"), ("Cable", "diameter"), ("Cable", "breaking_tension"),
     ("Cable", "tension_strain"), ("Cable", "EA_dynamic"), ("Cable", "BA_creep"), ("Cable", "working_curve"),
+    ("Cable", "shedding_window"),
     ("working_curves.Linear", "EA"),
     ("air", "wind"), ("air", "surface"), ("water", "current"), ("water", "wave"),
     ("water", "waves"), ("water", "g"), ("shapes.Cylinder", "edge"), ("shapes.Box", "edge"),
