@@ -182,7 +182,6 @@ def test_a_deck_that_is_silent_has_moordyns_sea_down_to_its_deepest_point():
         ("4e7    3.0e3", "4e7    3e3|4e3", r"line 7, .*BA/-zeta must be one number where EA is, but is 3e3\|4e3"),
         ("4e7    3.0e3       0 ", "4e7    3.0e3       ei.dat ", r"line 7, .*EI must be a number; ei.dat, a table"),
         ("4e7    3.0e3", "-4e7   3.0e3", r"line 18, .*`EA` must be positive"),
-        ("0.01    0.0\n", "0.01    0.0   0.8\n", r"line 7, .*vortex-induced vibration is not supported; Cl must be 0"),
         ("0.01    0.0\n", "0.01\n", r"line 7, .*a line type must have 10 columns .* but has 9"),
         ("rope       0.05", "chain      0.05", r"line 7, .*a line type must come once, but chain comes again"),
         ("2     Free ", "2     Fre  ", r'line 12, .*must be Fixed, Coupled, Free or Body and a number, did you mean "free"\?'),
