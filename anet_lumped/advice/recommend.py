@@ -16,7 +16,14 @@ import numpy as np
 
 from anet_lumped.checks import InputError, number, printable, quoted, shown
 from anet_lumped.model.build import build
-from anet_lumped.motion.choice import EXPLICIT_COST, SHARE_OF_LIMIT, SHARE_OF_TIME_SCALE, time_scale
+from anet_lumped.motion.choice import (
+    EXPLICIT_COST,
+    SHARE_OF_LIMIT,
+    SHARE_OF_TIME_SCALE,
+    has_inner_states,
+    shedding_cable,
+    time_scale,
+)
 from anet_lumped.motion.simulate import RunError, simulate
 from anet_lumped.motion.stability import predict
 from anet_lumped.motion.times import stops
@@ -231,7 +238,7 @@ def recommend(
         left_out = "the same cables without stretch"
         elasticity, best = search.elasticity(count, found.best), found.best
         found = replace(found, elasticity=elasticity)
-        if best.method != "links" and elasticity + checked <= error:
+        if best.method != "links" and elasticity + checked <= error and shedding_cable(scene) is None:
             rigid = search.by_links(search.without_stretch(count), share)
             if rigid is not None and rigid.times_real_time > best.times_real_time:
                 found = replace(found, rigid=rigid)
@@ -362,14 +369,14 @@ class _Search:
 
     def _methods(self, scene: Scene, share: float) -> Iterator[Candidate | None]:
         plain = cast(Candidate, self.fixed(scene, share))  # None is for extrapolation alone
-        creeps = any(cable.creeps for cable in scene.cables)  # which edmc alone carries, at fixed steps
+        inner = has_inner_states(scene)  # which edmc alone carries, at fixed steps
         yield plain
-        yield None if creeps else self.adaptive(scene, share)
+        yield None if inner else self.adaptive(scene, share)
         if all(cable.breaking_tension is None for cable in scene.cables):
             yield self.fixed(scene, share, extrapolate=True, least=cast(float, plain.dt))
-        if all(cable.inextensible for cable in scene.cables):
+        if not inner and all(cable.inextensible for cable in scene.cables):
             yield self.by_links(scene, share)
-        if not creeps and not any(cable.inextensible for cable in scene.cables):
+        if not inner and not any(cable.inextensible for cable in scene.cables):
             limit = predict(scene, schemes=("verlet",)).limits["verlet"].step
             dt, implicit = self.step(SHARE_OF_LIMIT * limit), self.t_end / plain.times_real_time
             if EXPLICIT_COST * build(scene).n * self.t_end / dt < PATIENCE * implicit:

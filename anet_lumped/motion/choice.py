@@ -91,6 +91,18 @@ def time_scale(scene, tension=0.0, speed=0.0):
     return min(scales)
 
 
+def shedding_cable(scene):
+    """Name of the first cable that sheds vortices; None if none does."""
+    if not any(effect.on_shedding(scene) is not None for effect in scene.effects):
+        return None
+    return next(cable.name for cable in scene.cables if cable.Cl)
+
+
+def has_inner_states(scene):
+    """Whether a scene has states beside places and velocities: of cables that creep or shed vortices."""
+    return any(cable.creeps for cable in scene.cables) or shedding_cable(scene) is not None
+
+
 def _cable_scale(cable, g, speed):
     if g > 0.0:
         return math.sqrt(cable.length / g)
@@ -159,9 +171,7 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
     creeping = next((cable.name for cable in scene.cables if cable.creeps), None)
     if creeping is not None:
         _check_inner_states(method, adaptive, "A cable that creeps", f"cable {quoted(creeping)} has an `EA_dynamic`")
-    shedding = next(
-        (cable.name for cable in scene.cables if cable.Cl and any(one.on_shedding(scene) for one in scene.effects)), None
-    )
+    shedding = shedding_cable(scene)
     if shedding is not None:
         _check_inner_states(method, adaptive, "A cable that sheds vortices", f"cable {quoted(shedding)} has a `Cl`")
     chosen_by_user = method is not None

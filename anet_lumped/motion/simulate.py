@@ -20,7 +20,7 @@ from integrators import schemes
 from integrators.schemes.record import Origin, Scheme
 
 from .accuracy import TENSION_ERROR, Wanted, keep_error
-from .choice import Choice, by_links, links_are_cheaper
+from .choice import Choice, by_links, links_are_cheaper, shedding_cable
 from .extrapolation import extrapolated, method_to_extrapolate
 from .judged_states import as_asked, judged_every
 from .legs import Settings, march_legs
@@ -155,8 +155,8 @@ def simulate(
         def march(choice: Choice, duration: float) -> Run:
             return whole(choice, save_every=every, t_end=begin.t + duration)
 
-        jointed = any(body.is_jointed for body in scene.bodies)  # links take none
-        rigid = by_default and not jointed and all(cable.inextensible for cable in scene.cables)
+        without_links = any(body.is_jointed for body in scene.bodies) or shedding_cable(scene) is not None  # links take none
+        rigid = by_default and not without_links and all(cable.inextensible for cable in scene.cables)
         run = keep_error(march, choice, wanted, t_end, save_every or t_end, by_links_instead if rigid else None, asked=asked)
         if rigid and run.ok and not run.kept:  # what multiplies errors leaves less of those of order 8
             run = by_links_instead(run, math.inf) or run

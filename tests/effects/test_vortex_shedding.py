@@ -12,6 +12,7 @@ from anet_lumped import (
     Cable,
     CableCut,
     Fixed,
+    Free,
     InputError,
     Scene,
     SceneError,
@@ -23,6 +24,7 @@ from anet_lumped import (
     waves,
     wind,
 )
+from anet_lumped.advice.recommend import recommend
 from anet_lumped.effects import Gravity, ViscousDamping, Water
 from anet_lumped.effects.laws.shed_lift import frequency
 from anet_lumped.effects.vortex_shedding import INNER, VortexShedding
@@ -401,3 +403,18 @@ def test_other_states_begin_anew():
     bare = State(start.model, 0.0, start.q, start.v, start.segment_tension)
     run = simulate(held(), t_end=0.01, dt=1e-3, method="edmc", start=bare)
     assert run.shedding[0, run.model.nodes("a-b")[1], 1] == 0.18 and INNER == 7
+
+
+def test_cables_that_do_not_stretch():
+    """By `edmc`, where others without a method given go by links, which carry no phases."""
+    points = [Fixed("a", (0.0, 0.0, -10.0)), Free("b", mass=20.0)]
+    cable = Cable("a", "b", length=4.0, mass_per_length=0.5, EA=float("inf"), segments=6, diameter=D, Cl=0.8)
+    water = Water(RHO, current=wind.Uniform((U, 0.0, 0.0)))
+    run = simulate(Scene(points, [cable], [Gravity(), water]), t_end=0.2, error=0.01)
+    assert run.ok and run.method == "edmc" and (run.shedding[-1, run.model.nodes("a-b")[1:-1], 0] > 2.0).all()
+
+
+def test_recommended_are_fixed_steps():
+    """Of edmc, which alone carries the phases; other methods and tolerances are left out."""
+    found = recommend(held(Cdn=1.2), 1e-3, t_end=0.3)
+    assert found.best.method == "edmc" and "dt" in found.best.stepping
