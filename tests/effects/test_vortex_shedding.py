@@ -32,6 +32,7 @@ from anet_lumped.model.build import build
 from anet_lumped.motion.choice import time_scale
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 from integrators.schemes.record import EnergyPromise
+from studies.sweeping import over_time
 
 RHO, D, U = 1000.0, 0.02, 1.0
 ENDS = ((0.0, 0.0, -10.0), (0.0, 0.0, -8.0))
@@ -301,6 +302,16 @@ def test_goes_on_where_it_was(tmp_path):
     for _ in range(200):
         session.step()
     assert np.array_equal(session.state.shedding, end)
+
+
+def test_states_from_a_time_on_and_extrapolated():
+    scene = held(segments=4, Cdn=1.2)
+    coarse, fine = (simulate(scene, t_end=0.2, dt=dt, save_every=0.01, method="edmc") for dt in (2e-3, 1e-3))
+    late = over_time.window(fine, 0.1)
+    assert np.array_equal(late.shedding, fine.shedding[-len(late.t) :]) and len(late.t) < len(fine.t)
+    found = simulate(scene, t_end=0.2, dt=2e-3, save_every=0.01, extrapolate=True)
+    assert found.shedding[..., 0] == pytest.approx((4.0 * fine.shedding[..., 0] - coarse.shedding[..., 0]) / 3.0)
+    assert (found.shedding[..., 2:] >= 0.0).all()
 
 
 def test_phases_go_on_through_a_break():

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from anet_lumped import Cable, Driven, Fixed, Free, Scene, simulate
+from anet_lumped import Cable, Driven, Fixed, Free, Scene, simulate, working_curves
 from anet_lumped.effects import Gravity
 from anet_lumped.prescribed import paths
 from studies.sweeping import over_time
@@ -123,3 +123,16 @@ def test_a_run_that_ends_before_says_so(run):
 def test_a_time_that_no_measure_or_run_has_is_refused(falling, asked, since, message):
     with pytest.raises(VaryError, match=message):
         sweep(falling, {"t_end": [1.0, 0.2]}, asked, since=since)
+
+
+def test_largest_tensions_held_from_a_time_on():
+    """A rope with a working curve; its largest tensions go with the other states."""
+    rope = Cable(
+        "a", "b", length=1.0, mass_per_length=1.0, segments=2, tension_strain=[(0.1, 1e4)], EA_dynamic=3e5, BA_creep=1e5,
+        working_curve=working_curves.Linear(permanent=0.1),
+    )  # fmt: skip
+    run = simulate(
+        Scene([Fixed("a", (0, 0, 0)), Fixed("b", (0, 0, -1.05))], [rope], [Gravity(G)]), t_end=0.1, dt=0.01, method="edmc"
+    )
+    late = over_time.window(run, 0.05)
+    assert np.array_equal(late.T_max, run.T_max[-len(late.t) :]) and 2 <= len(late.t) < len(run.t)
