@@ -9,6 +9,7 @@ from typing import Any
 
 from numba.core.compiler_lock import global_compiler_lock
 
+from .compiler_shortcuts import keep_as_old
 from .ctrl_c import ctrl_c_later
 
 
@@ -31,6 +32,7 @@ def _without_collection() -> Iterator[None]:
         yield
     finally:
         if was_enabled:
+            keep_as_old()
             gc.enable()
 
 

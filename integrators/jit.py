@@ -6,9 +6,10 @@ write. Without reference counts, and without wrappers that no caller needs, a fu
 
 import numba
 
-from . import typing_rules  # noqa: F401  which every kernel is compiled with
+from . import compiler_shortcuts, typing_rules  # noqa: F401  which every kernel is compiled with
 from .compile_once import compile_for
 from .kept_code import KeptCode
+from .linked_code import LinkedCompiler
 
 
 def njit(signature=None, cache=False, **options):
@@ -34,11 +35,12 @@ def njit(signature=None, cache=False, **options):
 
 SHARED = {"cache": True, "error_model": "numpy", "_nrt": False}
 WITHOUT_PYTHON, WITHOUT_ADDRESS = {"no_cpython_wrapper": True}, {"no_cfunc_wrapper": True}
+ONLY_LINKED = WITHOUT_PYTHON | WITHOUT_ADDRESS | {"pipeline_class": LinkedCompiler}
 
-inlined = njit(forceinline=True, **SHARED, **WITHOUT_PYTHON, **WITHOUT_ADDRESS)
+inlined = njit(forceinline=True, **SHARED, **ONLY_LINKED)
 """A part of a function, written once, copied into every function that calls it."""
 
-internal = njit(**SHARED, **WITHOUT_PYTHON, **WITHOUT_ADDRESS)
+internal = njit(**SHARED, **ONLY_LINKED)
 """A function that compiled functions call."""
 
 scheme_step = njit(**SHARED, **WITHOUT_PYTHON)

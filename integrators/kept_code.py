@@ -18,6 +18,7 @@ from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
 from numba.core.serialize import dumps
 
+from .linked_code import LINKED, loaded
 from .source_stamp import source_stamp
 
 LOG = logging.getLogger(__name__)
@@ -49,6 +50,11 @@ class _Location(CompileResultCacheImpl):
     """Where a function is kept: in the first folder that can be written, if there is one."""
 
     _locator_classes = (*CompileResultCacheImpl._locator_classes, _Unwritable)
+
+    def rebuild(self, target_context, payload):
+        """A compiled function from what was kept; arguments as Numba names them."""
+        (_, kind, _), *_ = payload
+        return loaded(target_context, payload) if kind == LINKED else super().rebuild(target_context, payload)
 
 
 class _CheckedFile(IndexDataCacheFile):

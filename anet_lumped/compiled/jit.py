@@ -4,16 +4,16 @@ Only those of laws count references to arrays. The others allocate nothing, and 
 write. Without reference counts, and without a wrapper for Python, a function compiles in half the time.
 """
 
-from integrators.jit import SHARED, WITHOUT_ADDRESS, WITHOUT_PYTHON, njit
+from integrators.jit import ONLY_LINKED, SHARED, WITHOUT_PYTHON, njit
 
 __all__ = ["inlined", "inlined_law", "internal", "kernel", "law", "njit", "on_demand", "sum_on_demand"]
 
 _SHARED = SHARED | {"fastmath": {"contract"}}
 
-inlined = njit(forceinline=True, **_SHARED, **WITHOUT_PYTHON, **WITHOUT_ADDRESS)
+inlined = njit(forceinline=True, **_SHARED, **ONLY_LINKED)
 """A part of a kernel, written once and copied into every kernel that calls it."""
 
-internal = njit(**_SHARED, **WITHOUT_PYTHON, **WITHOUT_ADDRESS)
+internal = njit(**_SHARED, **ONLY_LINKED)
 """A part of a kernel, written once and called."""
 
 on_demand = njit(**_SHARED, **WITHOUT_PYTHON)
