@@ -8,6 +8,7 @@ import multiprocessing
 import os
 import sys
 from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
 
 from anet_lumped.environment import check_environment
 from integrators.compiling import NOTICE
@@ -33,7 +34,6 @@ from anet_lumped.files.moordyn_file import read_moordyn
 from anet_lumped.files.moordyn_writer import save_moordyn
 from anet_lumped.files.motion_file import read_motions
 from anet_lumped.files.scene_file import load_scene, save_scene
-from anet_lumped.motion.session import Session, SessionError
 from anet_lumped.motion.simulate import RunError, RunInterrupt, simulate
 from anet_lumped.motion.simulate_many import simulate_many
 from anet_lumped.motion.winch import winched
@@ -53,6 +53,9 @@ from anet_lumped.scene.scene import Body, Cable, Driven, Fixed, Free, Rod, Scene
 from anet_lumped.statics.catenary import catenary
 from anet_lumped.statics.equilibrium import EquilibriumError, NoRestError, equilibrium
 from anet_lumped.statics.tensioned import tensioned
+
+if TYPE_CHECKING:
+    from anet_lumped.motion.session import Session, SessionError
 
 try:
     __version__ = version("anet-lumped")
@@ -104,6 +107,15 @@ __all__ = [
     "wind",
     "working_curves",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Sessions are imported when they are asked for: programs without one need not compile what they call."""
+    if name in ("Session", "SessionError"):
+        from anet_lumped.motion import session
+
+        return getattr(session, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -22,8 +22,6 @@ from anet_lumped.prescribed.signals import Signal
 from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.starts import Start
 
-from .session import Session
-
 LOOPS = 0.25  # of the step at which the loop of tension and length would overshoot by all that is missing
 LOOKS = 400  # in the time, at least
 _NUMBERS = itertools.count()
@@ -71,6 +69,8 @@ def winched(
     mark = Signal("winch", (("number", next(_NUMBERS)),), held.path)  # a scene of its own, whose paths are written to below
     marked = _with_length(scene, cable, mark)
     row = 2 * list(changes(marked)).index(cable)
+    from .session import Session  # what it calls is compiled as it is imported
+
     session = Session(marked, dt, method="edmc", start=start)
     piece = session._net.lengths.paths.first[row]
     t, paid, speed = [session.t], [0.0], []

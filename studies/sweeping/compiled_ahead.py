@@ -9,12 +9,13 @@ from studies.sweeping.side_processes import SideProcesses
 
 
 def compile_effects() -> None:
-    """Import all effects and the controllers of flights, whose functions are compiled as they are imported."""
+    """Import all effects, sessions and the controllers of flights, whose functions are compiled as they are imported."""
     from anet_lumped import effects
     from anet_lumped.effects import fluid_on_bodies, vortex_shedding
     from anet_lumped.flight import laws, pilot_kernel
+    from anet_lumped.motion import session
 
-    _ = list(effects.REGISTRY.values()), fluid_on_bodies, vortex_shedding, laws, pilot_kernel
+    _ = list(effects.REGISTRY.values()), fluid_on_bodies, vortex_shedding, laws, pilot_kernel, session
 
 
 def compile_motions() -> None:
