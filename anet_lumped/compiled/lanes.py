@@ -6,8 +6,8 @@ plain arithmetic, comparisons, ``abs``, ``max``, ``min``, `math.sqrt` and `selec
 answers. It has no truth value, so that `select` takes the place of ``if``.
 
 An address is the position of a number in a flat array, or of a row in a table. It is one integer for a cable, and a tuple of four
-integers for a group; `shifted` advances it. `load`, `load_four`, `store`, `store_four` and `column` read and write at an address.
-`lane`, `max_of_lanes` and `sum_of_lanes` make one number of four.
+integers for a group; `shifted` advances it. `load`, `load_three`, `load_four`, `store`, `store_four`, `add_three` and `column` read
+and write at an address, `load_lanes` four numbers side by side. `lane`, `max_of_lanes` and `sum_of_lanes` make one number of four.
 """
 
 import math
@@ -59,7 +59,7 @@ def _spread(builder, value):
 
 def _shuffle(builder, a, b, lanes):
     """Vector of chosen elements of two vectors; those of the second one are numbered from `WIDTH` on."""
-    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_i32, WIDTH), lanes))
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_i32, len(lanes)), lanes))
 
 
 def _as_lanes(context, builder, value, kind):
@@ -249,6 +249,69 @@ def store(typing_context, array, address, value):
 
     kind = _kind_of(address)
     return types.void(_f1, kind, LANES if kind == FOUR else types.float64), codegen
+
+
+_pair = ir.VectorType(_double, 2)
+
+
+def _pair_at(builder, first):
+    """Address of two numbers, of that of the first."""
+    return builder.bitcast(first, _pair.as_pointer())
+
+
+def _load_pair(builder, first):
+    two = builder.load(_pair_at(builder, first))
+    two.align = 8
+    return two
+
+
+@intrinsic
+def load_three(typing_context, array, address):
+    """Tuple of the number at an address of a flat array and of the two numbers after it; each is lanes for a group."""
+
+    def codegen(context, builder, signature, args):
+        firsts = [_address(context, builder, args[0], part) for part in _parts(builder, signature.args[1], args[1])]
+        thirds = [builder.load(builder.gep(first, [_i32(2)])) for first in firsts]
+        if len(firsts) == 1:
+            found = [builder.load(firsts[0]), builder.load(builder.gep(firsts[0], [_i32(1)])), *thirds]
+        else:
+            a, b, c, d = (_load_pair(builder, first) for first in firsts)
+            even, odd = _shuffle(builder, a, c, [0, 1, 2, 3]), _shuffle(builder, b, d, [0, 1, 2, 3])
+            found = [_shuffle(builder, even, odd, [0, 4, 2, 6]), _shuffle(builder, even, odd, [1, 5, 3, 7]), _pack(builder, thirds)]
+        return context.make_tuple(builder, signature.return_type, found)
+
+    kind = _kind_of(address)
+    return types.UniTuple(LANES if kind == FOUR else types.float64, 3)(_f1, kind), codegen
+
+
+@intrinsic
+def add_three(typing_context, array, address, values):
+    """Add a tuple of three lanes to the numbers at an address of a flat array and behind it, for one member after the other."""
+
+    def codegen(context, builder, signature, args):
+        x, y, z = (builder.extract_value(args[2], k) for k in range(3))
+        even, odd = _shuffle(builder, x, y, [0, 4, 2, 6]), _shuffle(builder, x, y, [1, 5, 3, 7])
+        pairs = [_shuffle(builder, both, both, half) for half in ([0, 1], [2, 3]) for both in (even, odd)]
+        for k, (pair, part) in enumerate(zip(pairs, _parts(builder, FOUR, args[1]), strict=True)):
+            first = _address(context, builder, args[0], part)
+            builder.store(builder.fadd(_load_pair(builder, first), pair), _pair_at(builder, first)).align = 8
+            third = builder.gep(first, [_i32(2)])
+            builder.store(builder.fadd(builder.load(third), builder.extract_element(z, _i32(k))), third)
+        return context.get_dummy_value()
+
+    return types.void(_f1, FOUR, types.UniTuple(LANES, 3)), codegen
+
+
+@intrinsic
+def load_lanes(typing_context, array, address):
+    """Lanes of the number at an address, one integer, of a flat array and of the three numbers after it."""
+
+    def codegen(context, builder, signature, args):
+        four = builder.load(_row(context, builder, *args))
+        four.align = 8
+        return four
+
+    return LANES(_f1, types.int64), codegen
 
 
 def _transposed(builder, a, b, c, d):

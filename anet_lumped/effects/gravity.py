@@ -55,9 +55,12 @@ class Gravity(Effect):
 @njit(FORCE_SIGNATURE, cache=True)
 def force(t, q, v, index, params, f):
     """f_i += m_i g. Source: Newton."""
+    gx, gy, gz = params[0], params[1], params[2]  # read once: f might lie where they do, as far as the compiler knows
     for i in range(len(params) - 3):
-        for x in range(3):
-            f[i, x] += params[3 + i] * params[x]
+        m = params[3 + i]
+        f[i, 0] += m * gx
+        f[i, 1] += m * gy
+        f[i, 2] += m * gz
     return 0.0
 
 

@@ -24,6 +24,7 @@ from anet_lumped.model.tables import (
     KERNEL_FORCE_BODIES,
     KERNEL_FORCE_GROUPS,
     KERNEL_FORCE_SINGLES,
+    KERNEL_FORCE_TRAILS,
     KERNEL_POWER_OF_LENGTHS,
     KERNEL_SET_LENGTHS,
     SLOT_FORCE,
@@ -67,16 +68,10 @@ def _cable_force(net, c, members, count, q, v, f):
 
 @on_demand
 def force_of_singles(net_address, q, v, f):
-    """Add the force of the cables that are in no group to f; return the power that their dampers dissipate [W].
-
-    Those of one segment come first, of which a net has thousands: without a loop over segments they take a fifth less.
-    """
+    """Add the force of the cables that are in no group and on no trail to f; return the power that their dampers dissipate [W]."""
     net, dissipated = view_net(net_address), 0.0
-    single, short = net.single_cables, net.single_kinds[0]
-    for i in range(short):
-        dissipated += _cable_force(net, single[i], 1, 1, q, v, f)
-    for i in range(short, single.shape[0]):
-        dissipated += _cable_force(net, single[i], 1, segment_count(net, single[i]), q, v, f)
+    for c in net.trails.other_cables:
+        dissipated += _cable_force(net, c, 1, segment_count(net, c), q, v, f)
     return dissipated
 
 
@@ -111,13 +106,15 @@ def force(t, q, v, net_address, f, power):
     net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:
         as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)
-    for i in range(net.n_interior, f.shape[0]):
+    for i in range(0 if net.trails.run.shape[0] > 0 else net.n_interior, f.shape[0]):
         for x in range(3):
             f[i, x] = 0.0
     by_dampers, by_effects, put_in = 0.0, 0.0, 0.0
     if net.cable_groups.shape[0] > 0:
         by_dampers += as_cable_force(net.kernels[KERNEL_FORCE_GROUPS])(net_address, q, v, f)
-    if net.single_cables.shape[0] > 0:
+    if net.trails.run.shape[0] > 0:
+        by_dampers += as_cable_force(net.kernels[KERNEL_FORCE_TRAILS])(net_address, q, v, f)
+    if net.trails.other_cables.shape[0] > 0:
         by_dampers += as_cable_force(net.kernels[KERNEL_FORCE_SINGLES])(net_address, q, v, f)
     effects = net.effects
     for e in range(effects.address.shape[0]):

@@ -4,7 +4,7 @@ import numpy as np
 
 from anet_lumped.mechanics.required_kernels import require
 from anet_lumped.model import rest_lengths
-from anet_lumped.model.net import NO_LINKS, Carried, Net
+from anet_lumped.model.net import NO_LINKS, NO_TRAILS, Carried, Net
 from anet_lumped.model.tables import (
     BORDER_COLUMNS,
     BORDER_UNKNOWNS,
@@ -22,6 +22,7 @@ from anet_lumped.model.tables import (
     LINEARISED_TAU,
     SEGMENT_COLUMNS,
 )
+from anet_lumped.model.trails import with_numbers
 from anet_lumped.prescribed.paths import PathTable
 from anet_lumped.prescribed.turning import matrix_of
 
@@ -50,6 +51,7 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None, shedding=
     couples, creeps = model.coupled_neighbours, crept is not None and model.creeps
     has_added_mass = any("inertia" in effect.kernels() for effect in model.forces)
     changing = len(model.lengths.cable) > 0  # rest lengths change: then masses and laws belong to the run
+    axial = model.axial_of_fast_parts if creeps else model.axial.copy() if changing else model.axial
     effects = model.effects._replace(params=model.effects.params.copy())
     if shedding is not None and model.sheds:
         effects.params[effects.inner] = shedding[model.shedding_nodes].ravel()
@@ -62,7 +64,8 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None, shedding=
         cable_groups=model.cable_groups,
         single_cables=model.single_cables,
         single_kinds=model.single_kinds,
-        axial=model.axial_of_fast_parts if creeps else model.axial.copy() if changing else model.axial,
+        trails=with_numbers(*model.trails, axial) if force and not links else NO_TRAILS,
+        axial=axial,
         springs=model.springs,
         creep=model.creep if creeps else np.zeros((0, CREEP_COLUMNS)),
         crept=np.column_stack([crept[0], np.zeros(segments), crept[1]]) if creeps else np.zeros((0, CREPT_COLUMNS)),

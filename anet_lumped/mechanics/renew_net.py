@@ -3,6 +3,7 @@
 import numpy as np
 
 from anet_lumped.mechanics.fresh_net import fresh_net, nothing_linearised
+from anet_lumped.model.trails import with_numbers
 
 SCRATCH = (
     "segment", "tension", "mean_tension", "law_force", "predicted_force", "right_side", "diagonal", "factor", "border",
@@ -53,6 +54,8 @@ def renew(net, model):
         (net.effects.address, model.effects.address), (net.effects.params_at, model.effects.params_at),
         (net.bodies.arm, model.bodies.arm),
     )  # fmt: skip
+    if len(net.trails.run):
+        pairs.append((net.trails.number, with_numbers(*model.trails, model.axial).number))
     if net.effects.linear_in_node_state != model.effects.linear_in_node_state:
         return False
     for ours, theirs in same:

@@ -34,7 +34,12 @@ def require(net, model, force=False, newton=False, links=False):
     if force and not links:
         from anet_lumped.mechanics import force as forces
 
-        _write_both(net, "force", forces.force_of_singles if singles else None, forces.force_of_groups if groups else None)
+        others = len(net.trails.other_cables) > 0
+        _write_both(net, "force", forces.force_of_singles if others else None, forces.force_of_groups if groups else None)
+        if len(net.trails.run):
+            from anet_lumped.mechanics import trail_force
+
+            _write(net, "FORCE_TRAILS", "force", trail_force.force_of_trails)
     if newton:
         from anet_lumped.mechanics import newton_step, residual, settle
 

@@ -113,8 +113,10 @@ def refilled(known, scene):
     if (axial[:, AXIAL_PUSH_SHARE] != known.axial[:, AXIAL_PUSH_SHARE]).any():  # the rest of what `_groups` looks at is shared
         groups, single, kinds = _groups(known.cable, axial, np.array([one.creeps for one in scene.cables]))
         vars(model).update(cable_groups=groups, single_cables=single, single_kinds=kinds)
+        vars(model).pop("trails", None)
     vars(model).update(effects=_effect_tables(model.forces, model, known.forces, known.kinds_of_library))
     if rest_lengths.changes(scene) or len(known.lengths.cable):
+        vars(model).pop("trails", None)
         vars(model).update(lengths=rest_lengths.table(scene, model, _cut))
     return model
 
@@ -169,7 +171,7 @@ def _cut(scene):
 
 
 def _numbers(scene, node_of, cable, n_free):
-    """Masses of the nodes (n,) [kg] and the table ``axial`` (n_cables, 9) of a `Net`, for the table and the nodes of the cables.
+    """Masses of the nodes (n,) [kg] and the table ``axial`` (n_cables, 10) of a `Net`, for the table and the nodes of the cables.
 
     Raises
     ------

@@ -30,6 +30,7 @@ from anet_lumped.scene.scene import Driven, Scene
 from .held import first_unheld
 from .link_order import link_tables
 from .net import Bodies, Effects, Lengths, Points
+from .trails import trail_tables
 
 NOWHERE = (0.0, 0.0, 0.0)
 
@@ -45,10 +46,9 @@ def ends_of_segments(cable):
 class Model:
     """A scene cut into nodes and segments.
 
-    Nodes are numbered: interior nodes cable by cable, free points, points of bodies, fixed points, driven points;
-    segments cable by cable,
-    from the end that is eliminated first. ``cable``, ``axial``, ``springs``, ``cable_groups``,
-    ``single_cables`` and ``single_kinds`` are the tables of `Net`.
+    Nodes are numbered: interior nodes cable by cable, free points, points of bodies, fixed points, driven points; segments cable by
+    cable, from the end that is eliminated first. ``cable``, ``axial``, ``springs``, ``cable_groups``, ``single_cables`` and
+    ``single_kinds`` are the tables of `Net`.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Model:
     mass : (n,) float64 [kg]
         Half of the segments on either side, and the point's own.
     cable : (n_cables, 10) int64
-    axial : (n_cables, 9) float64
+    axial : (n_cables, 10) float64
     springs : (rows, 2) float64
     flipped : (n_cables,) bool
         The cable is eliminated from its end to its start.
@@ -206,6 +206,11 @@ class Model:
         """(n_segments,) float64: tension at which each segment breaks [N], inf for never; empty if no cable breaks."""
         limits = [np.inf if cable.breaking_tension is None else cable.breaking_tension for cable in self.scene.cables]
         return np.array(limits)[self.cable_of] if np.isfinite(limits).any() else np.empty(0)
+
+    @cached_property
+    def trails(self):
+        """`Trails` without numbers, and the cable of each number, see `trail_tables`."""
+        return trail_tables(self)
 
     @cached_property
     def links(self):

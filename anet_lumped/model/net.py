@@ -80,7 +80,7 @@ class Bodies(NamedTuple):
     pivot: np.ndarray  # (bodies,) node about which a body is pinned at a place of the world, -1 for any other
     arm: np.ndarray  # (nodes, 3) [m] place of each node in the axes of its body
     blocks: np.ndarray  # (bodies, 2) blocks (shift, turn) and (turn, shift)
-    joined: np.ndarray  # (pairs, 12) cables that end at a body and at another one, or at a free point
+    joined: np.ndarray  # (pairs, 14) cables that end at a body and at another one, or at a free point
     pairs: np.ndarray  # (pairs, 3) body, and two of its nodes, by their places in ``node``, of which effects may join the forces
     joint: np.ndarray  # (joints, 14) bodies that are pinned to another body, or to a point that moves
     joint_pairs: np.ndarray  # (pairs, 4) joints at one body
@@ -118,13 +118,27 @@ class Fronts(NamedTuple):
     entry: np.ndarray  # (blocks, 3) a block of the system, and its row and column among the points of the front
     point: np.ndarray  # pivots and rows of each front
     in_parent: np.ndarray  # where each row stands among the points of the front that this one is added to; -1 for pivots
-    factor: np.ndarray  # scratch: rows of U and of L
+    factor: np.ndarray  # scratch: the rows of U of each front
     dense: np.ndarray  # scratch: the front at hand
     waiting: np.ndarray  # scratch: what is left of fronts until it is added
 
     def of_a_run(self):
         """The same with scratch of its own."""
         return self._replace(**{name: np.empty_like(getattr(self, name)) for name in self._fields[4:]})
+
+
+class Trails(NamedTuple):
+    """Walks over segments that the force at one time takes by fours, see `model.trails`; empty for a run without such forces.
+
+    Group g goes along the rows ``run[g, 0]`` to ``run[g, 0] + run[g, 1]`` of ``position``; the segments that end at the nodes of a
+    row have the numbers in the same row of ``number``.
+    """
+
+    law: np.ndarray  # (groups, 2) share of the stiffness that pushes, and 1 for a damper that acts on slack segments too
+    run: np.ndarray  # (groups, 2)
+    position: np.ndarray  # (rows, 4) where the row of a node begins in a flat (n, 3) array
+    number: np.ndarray  # (rows, 12) L0 [m] of four segments, their k [N/m] and c [N s/m]
+    other_cables: np.ndarray  # single cables that no trail goes along
 
 
 class Points(NamedTuple):
@@ -172,11 +186,11 @@ class Links(NamedTuple):
     mobility: np.ndarray  # (n,) [1/kg] inverse of the masses, 0 for prescribed nodes
     matrix_mobility: np.ndarray  # (nodes, 3, 3) of the last moving nodes: of bodies' ones, or with added mass of all
     vector: np.ndarray  # (n_segments, 3) [m]
-    size: np.ndarray  # (n_segments,) diagonal of the system
+    diagonal: np.ndarray  # (n_segments,) of the system
     pivot: np.ndarray  # (n_segments,) inverse of the pivot
     to_next: np.ndarray  # (n_segments,) factor towards the next link of the cable
     to_start: np.ndarray  # (n_segments,) factor towards the first link of the cable, which is an end link
-    diagonal: np.ndarray  # (end links,) inverse of the pivot
+    end_pivot: np.ndarray  # (end links,) inverse of the pivot; while the system is put together, its diagonal
     entry: np.ndarray  # (entries,) of the system of the end links, and its factors
     right_side: np.ndarray  # (n_segments,) and the solution
     tau: np.ndarray  # (n_segments,) [N/m] tension over length
@@ -207,6 +221,7 @@ class Net(NamedTuple):
     cable_groups: np.ndarray  # (groups, 5) cables that are taken at once, the last one repeated, and how many of the four count
     single_cables: np.ndarray  # (cables not in a group,): first those of one segment, then those between two free points, the rest
     single_kinds: np.ndarray  # (2,) where in ``single_cables`` the second and the third kind begin
+    trails: Trails
     axial: np.ndarray
     springs: np.ndarray  # (rows, 2) of tension-strain curves, see `Cable.springs`
     creep: np.ndarray  # (n_cables, 9) of cables that creep, columns in `tables`; empty where none does, and in statics
@@ -258,6 +273,7 @@ LENGTHS = types.NamedTuple((_i1, _f2, TABLE, _f1, _i1, _i1, _f1, _f1, _i1, _i1, 
 CARRIED = types.NamedTuple((_i1, _f2, _f3), Carried)
 BODIES = types.NamedTuple((types.int64, _i1, _i1, _i1, _f2) + (_i2,) * 5 + (_f2,) * 7, Bodies)
 FRONTS = types.NamedTuple((_i2, _i2, _i1, _i1) + (_f1,) * 3, Fronts)
+TRAILS = types.NamedTuple((_f2, _i2, _i2, _f2, _i1), Trails)
 POINTS = types.NamedTuple((_i1,) * 7 + (_f3, FRONTS), Points)
 LINKS = types.NamedTuple((_i2,) + (_i1,) * 5 + (_i2, _i2, _f1, _f3, _f2) + (_f1,) * 8 + (_f2, _f3, _f2, _f2, _f1), Links)
 
@@ -267,9 +283,9 @@ def _empty(kind):
     return kind.instance_class(*(np.zeros((0,) * of.ndim, np.int64 if of.dtype == types.int64 else float) for of in kind.types))
 
 
-NO_LINKS, NO_FRONTS = _empty(LINKS), _empty(FRONTS)
+NO_LINKS, NO_FRONTS, NO_TRAILS = _empty(LINKS), _empty(FRONTS), _empty(TRAILS)
 NET = types.NamedTuple(
-    (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, _f2, _f2, _f2, _f2, TABLE, types.int64)
+    (types.int64, types.int64, _f1, _f1, _i2, _i2, _i1, _i1, TRAILS, _f2, _f2, _f2, _f2, TABLE, types.int64)
     + (CARRIED, EFFECTS, LENGTHS, POINTS, BODIES, POINTS)
     + (_f2, _f1, _f1, _f1, _f2, _f2, _f2, _f3, _f2, _f2, _f2, _f3)
     + (_f2,) * 3

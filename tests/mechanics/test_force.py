@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from systems import mesh, nets, scatter
 
+from anet_lumped import Cable, Fixed, Free, Scene
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.effects.laws.axial import SWITCHES
 from anet_lumped.mechanics.bindings import system
@@ -39,6 +40,27 @@ def test_forces_energies_and_tensions_of_nets(compression):
         for cable in scene.cables:
             expected = [next(at) for _ in range(cable.segments)]
             np.testing.assert_allclose(T[model.segments(cable.name)], expected, rtol=1e-10, atol=1e-10)
+
+
+def test_force_of_trails_that_meet():
+    """Trails of one group that pass one node at once, and lanes that wait: a star, whose segments all end at its hub."""
+    names = [f"r{i}" for i in range(11)]
+    scene = Scene(
+        [Fixed("s", (0, 0, 0)), Free("hub"), *map(Free, names)],
+        [
+            Cable(a, "hub", segments=1, length=1.0 + 0.1 * i, mass_per_length=0.1, EA=300.0 + i, zeta=0.1, compression="damped")
+            for i, a in enumerate(["s", *names])
+        ],
+    )
+    model = build(scene)
+    compiled, net, rng = system(model), fresh_net(model), np.random.default_rng(5)
+    q, v = scatter(model, rng), rng.normal(size=(model.n, 3))
+    f, power = np.zeros((model.n, 3)), np.zeros(3)
+    compiled.force(0.0, q, v, net.address, f, power)
+    assert len(net.trails.run) > 0 and len(net.trails.other_cables) == 0
+    expected, by_dampers, *_ = naive.force(model, q, v)
+    np.testing.assert_allclose(f, expected, atol=1e-11)  # sums of a dozen forces of 1e3 N
+    assert power[0] == pytest.approx(by_dampers, rel=1e-12)
 
 
 def test_force_is_the_slope_of_the_energy():

@@ -74,7 +74,7 @@ def meet_bodies(net_address):
         pair = links.body_meeting[j]
         first, second = pair[BODY_MEETING_FIRST], pair[BODY_MEETING_SECOND]
         if first == second:
-            links.diagonal[pair[BODY_MEETING_ENTRY]], links.size[first] = 0.0, 0.0
+            links.end_pivot[pair[BODY_MEETING_ENTRY]], links.diagonal[first] = 0.0, 0.0
             continue
         k, l = pair[BODY_MEETING_FIRST_NODE], pair[BODY_MEETING_SECOND_NODE]
         moved = _mobile(links, pair[BODY_MEETING_BODY], row(arms, l), row(arms, k), row(links.vector, first))

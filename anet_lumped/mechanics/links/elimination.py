@@ -60,17 +60,17 @@ def _change(net, x, i, fx, fy, fz):
 @internal
 def _factor_end_links(links):
     """Factor the system of the end links, L D L^T; returns how many of them are redundant."""
-    diagonal, entry, redundant = links.diagonal, links.entry, 0
-    for u in range(diagonal.shape[0]):
-        if diagonal[u] > REDUNDANT * links.size[links.segment[u]]:
-            diagonal[u] = 1.0 / diagonal[u]
+    end_pivot, entry, redundant = links.end_pivot, links.entry, 0
+    for u in range(end_pivot.shape[0]):
+        if end_pivot[u] > REDUNDANT * links.diagonal[links.segment[u]]:
+            end_pivot[u] = 1.0 / end_pivot[u]
         else:
-            diagonal[u] = 0.0
-            redundant += 1 if links.size[links.segment[u]] > 0.0 else 0  # see `bodies`: size 0 is of a link that nothing can move
+            end_pivot[u] = 0.0
+            redundant += 1 if links.diagonal[links.segment[u]] > 0.0 else 0  # see `bodies`: 0 is of a link that nothing can move
         first, last, target = links.later_at[u], links.later_at[u + 1], links.target_at[u]
         for i in range(first, last):
-            share = entry[i] * diagonal[u]
-            diagonal[links.later[i]] -= share * entry[i]
+            share = entry[i] * end_pivot[u]
+            end_pivot[links.later[i]] -= share * entry[i]
             for j in range(i + 1, last):
                 entry[links.target[target]] -= share * entry[j]
                 target += 1
@@ -91,10 +91,10 @@ def factor(net, q, shift):
         Pivots of no more than `REDUNDANT` of their diagonal entry; such a link is left without tension.
     """
     links, redundant = net.links, 0
-    vector, size, pivot, to_next, to_start = links.vector, links.size, links.pivot, links.to_next, links.to_start
-    diagonal, entry = links.diagonal, links.entry
-    for u in range(diagonal.shape[0]):
-        diagonal[u] = 0.0
+    vector, diagonal, pivot, to_next, to_start = links.vector, links.diagonal, links.pivot, links.to_next, links.to_start
+    end_pivot, entry = links.end_pivot, links.entry
+    for u in range(end_pivot.shape[0]):
+        end_pivot[u] = 0.0
     for k in range(entry.shape[0]):
         entry[k] = 0.0
     for c in range(net.cable.shape[0]):
@@ -107,7 +107,7 @@ def factor(net, q, shift):
             xa, ya, za = mobile(net, a, x, y, z)
             xb, yb, zb = mobile(net, b, x, y, z)
             own = x * (xa + xb) + y * (ya + yb) + z * (za + zb)
-            vector[s, 0], vector[s, 1], vector[s, 2], size[s] = x, y, z, own
+            vector[s, 0], vector[s, 1], vector[s, 2], diagonal[s] = x, y, z, own
             value, off = own * (1.0 + shift), -(x0 * xa + y0 * ya + z0 * za)
             if u >= 0 and j == 1:
                 border = off
@@ -117,9 +117,9 @@ def factor(net, q, shift):
                 value -= share * off
                 border = -share * border
             if u >= 0 and j == 0:
-                diagonal[u] += value
+                end_pivot[u] += value
             elif w >= 0 and j == count - 1:
-                diagonal[w] += value
+                end_pivot[w] += value
                 if u >= 0:
                     entry[links.unknown[c, END_LINKS_ENTRY]] += border
             else:
@@ -131,7 +131,7 @@ def factor(net, q, shift):
                 pivot[s] = per_pivot
                 if u >= 0:
                     to_start[s] = border * per_pivot
-                    diagonal[u] -= to_start[s] * border
+                    end_pivot[u] -= to_start[s] * border
             a, x0, y0, z0 = b, x, y, z
     for k in range(links.meeting.shape[0]):
         row = links.meeting[k]
@@ -154,7 +154,7 @@ def _solve_end_links(links):
             right_side[segment[later[i]]] -= entry[i] * r
     for k in range(count):
         u = count - 1 - k
-        tau = right_side[segment[u]] * links.diagonal[u]
+        tau = right_side[segment[u]] * links.end_pivot[u]
         for i in range(links.later_at[u], links.later_at[u + 1]):
             tau -= entry[i] * right_side[segment[later[i]]]
         right_side[segment[u]] = tau
