@@ -1,7 +1,7 @@
 """Rows of the nodes of a cable, or of the four cables of a group at once, read and written in compiled code."""
 
 from anet_lumped.compiled.jit import inlined
-from anet_lumped.compiled.lanes import column, lane, load_three, shifted, store
+from anet_lumped.compiled.lanes import column, lane, load, shifted, store
 from anet_lumped.model.tables import CABLE_SEGMENTS
 
 
@@ -14,7 +14,8 @@ def segment_count(net, c):
 @inlined
 def row3(numbers, node):
     """Row ``node`` of an (n, 3) array that is given flat."""
-    return load_three(numbers, shifted(node, 0, 3, 0))
+    i = shifted(node, 0, 3, 0)
+    return load(numbers, i), load(numbers, shifted(i, 0, 1, 1)), load(numbers, shifted(i, 0, 1, 2))
 
 
 @inlined

@@ -104,17 +104,18 @@ def force(t, q, v, net_address, f, power):
         Power taken by dampers; power taken by effects; power put in by prescribed nodes and by changes of the rest lengths.
     """
     net = view_net(net_address)
+    trails = net.trails
     if net.lengths.cable.shape[0] > 0:
         as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)
-    for i in range(0 if net.trails.run.shape[0] > 0 else net.n_interior, f.shape[0]):
+    for i in range(0 if trails.run.shape[0] > 0 else net.n_interior, f.shape[0]):
         for x in range(3):
             f[i, x] = 0.0
     by_dampers, by_effects, put_in = 0.0, 0.0, 0.0
     if net.cable_groups.shape[0] > 0:
         by_dampers += as_cable_force(net.kernels[KERNEL_FORCE_GROUPS])(net_address, q, v, f)
-    if net.trails.run.shape[0] > 0:
+    if trails.run.shape[0] > 0:
         by_dampers += as_cable_force(net.kernels[KERNEL_FORCE_TRAILS])(net_address, q, v, f)
-    if net.trails.other_cables.shape[0] > 0:
+    if trails.other_cables.shape[0] > 0:
         by_dampers += as_cable_force(net.kernels[KERNEL_FORCE_SINGLES])(net_address, q, v, f)
     effects = net.effects
     for e in range(effects.address.shape[0]):

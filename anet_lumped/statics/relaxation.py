@@ -28,6 +28,9 @@ STEPS, ITERATIONS = 400, 20  # largest number of pseudo-steps, and of Newton ite
 # A pseudo-step is too long whose force out of balance, after so many Newton iterations, is so many times that before it, or the
 # load of a node. Of nets in a current, steps that found their end had up to 20 times as much by then, others 100 times and more.
 SETTLING, HOPELESS = 4, 50.0
+# So is one where the line search cuts a Newton step to so much and it still leaves so much of the force out of balance: slack and
+# taut segments take turns from there on.
+CUT, GAINLESS = 1 / 8, 0.9
 
 
 class Pace(NamedTuple):
@@ -168,4 +171,6 @@ def _step(net, q, tau, load, tolerance):
             length *= 0.5
             newton_step.correct(net.address, -length, q)
             norm, _, noise, predicted = residual.residual(stage, base, base, q, net.address)
+        if length <= CUT and norm > GAINLESS * before:
+            break
     return min(predicted, max(norm - noise, 0.0)), ITERATIONS

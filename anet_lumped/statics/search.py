@@ -156,18 +156,29 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
     for _ in range(leaves):
         if found.stable or not found.balanced or lost == 2 or bends_but_does_not_push(model, found.shape.q):
             break
-        beside = found.shape.q.copy()
-        beside[: model.n_free] += nudge * found.down.direction
-        keep_shapes(model, beside)
-        if not model.has_bodies:
-            whole.tension[:] = descended(model, net, beside, load)[0]
-        residual = _balanced(model, net, whole, beside, load, attempt.pace)
-        other = _judged(model, net, whole, beside, residual, load)
+        other = _beside(model, net, whole, found, nudge, load, attempt.pace)
         if other.stable or (other.balanced and other.down.directions_down < found.down.directions_down):
             found = other
         lost = 0 if other.balanced else lost + 1
         nudge *= -2.0
     return found
+
+
+def _beside(model, net, whole, found, nudge, load, pace):
+    """`Found` from beside a rest that is not stable: by pseudo-steps alone where forces have no energy, else after a descent."""
+    beside = found.shape.q.copy()
+    beside[: model.n_free] += nudge * found.down.direction
+    keep_shapes(model, beside)
+    if not found.down.has_energy:
+        q = beside.copy()
+        whole.tension[:] = found.shape.tension
+        other = _judged(model, net, whole, q, relaxed(model, whole, q, load, pace), load)
+        if other.stable:
+            return other
+    if not model.has_bodies:
+        whole.tension[:] = descended(model, net, beside, load)[0]
+    residual = _balanced(model, net, whole, beside, load, pace)
+    return _judged(model, net, whole, beside, residual, load)
 
 
 def _balanced(model, net, whole, q, load, pace):

@@ -5,6 +5,9 @@ import pytest
 
 from anet_lumped import NoRestError, Scene, equilibrium, nets, simulate, wind
 from anet_lumped.effects import Gravity, Ground, Water
+from anet_lumped.mechanics.fresh_net import fresh_net
+from anet_lumped.statics.relaxation import net_at_rest
+from anet_lumped.statics.stability import tangent
 
 FIELD = [(0, 0, -1.0), (0.6, 0, -1.0), (0.6, 0.6, -1.0), (0, 0.6, -1.0)]
 TWINE = {"mass_per_length": 0.01, "EA": 1e4, "zeta": 0.05, "diameter": 0.003}
@@ -62,6 +65,23 @@ def test_most_of_a_net_lies_slack_on_the_ground(held, in_water):
     # forces balance to 1e-10 of the load at each of 400 nodes
     assert pull(rest, held) + rest.reaction("ground")[2] == pytest.approx(carried, abs=1e-6)
     assert rest.stable and (len(held) == 4 or (rest.segment_tension <= 0.0).mean() > 0.8)
+
+
+def test_a_net_in_a_stream_leaves_a_rest_that_has_no_energy_to_fall():
+    """Held by two corners along the stream, it sinks to the ground in one plane, where a push across the stream leads away.
+
+    The rest that it leaves to is stable: no eigenvalue of the tangent of its forces has a negative real part.
+    """
+    field = [(0, 0, -1.0), (3, 0, -1.0), (3, 3, -1.0), (0, 3, -1.0)]
+    parts = nets.grid((19, 19), field, cable=TWINE, held=("p0_0", "p19_0"), knot_mass=1e-3, slack=0.02)
+    stream = Water(current=wind.Uniform((0.3, 0.0, 0.0)))
+    scene = Scene(parts.points, parts.cables, [GRAVITY, Ground(height=-1.5, stiffness=1e6), stream])
+    rest = equilibrium(scene)
+    assert rest.stable and rest.residual < 1e-9
+    model = rest.model
+    net = net_at_rest(model, fresh_net(model, force=False, newton=False), weight(parts))
+    K = tangent(model, net, rest.q, rest.segment_tension).toarray()
+    assert np.linalg.eigvals(K).real.min() > -1e-9 * np.abs(K).max()
 
 
 def test_a_stream_carries_a_net_that_is_held_at_one_side():
