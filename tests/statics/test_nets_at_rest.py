@@ -67,6 +67,7 @@ def test_most_of_a_net_lies_slack_on_the_ground(held, in_water):
     assert rest.stable and (len(held) == 4 or (rest.segment_tension <= 0.0).mean() > 0.8)
 
 
+@pytest.mark.slow
 def test_a_net_in_a_stream_leaves_a_rest_that_has_no_energy_to_fall():
     """Held by two corners along the stream, it sinks to the ground in one plane, where a push across the stream leads away.
 
