@@ -7,6 +7,8 @@ Errors of steps and flights fade as the motion does: dampers and drag that take 
 amplitude, and the errors in it, fade at the rate D/2E. E is kinetic energy and what springs hold beyond their least: a net that is
 let go stretched many times gives its dampers far more than it moves with, and forgets little of where it went meanwhile.
 
+Where tensions that change pump what is across the motion, errors grow by more than what is added to them (`amplification`).
+
 Besides, energy that the method took is missing in the motion, and what it gave is too much: of an amplitude A, which goes with the
 square root of the energy, a share E_lost/2E. A swing that starts at rest goes 2A. Where all is lost the motion is off by its whole
 way 2A, and so it is by its share of 2A where a weight flies as high as its energy takes it. What a method took of stretching alone,
@@ -24,6 +26,7 @@ from anet_lumped.results.energy_balance import BY_DAMPERS, BY_EFFECTS, BY_METHOD
 from anet_lumped.scene.scene import Driven
 from integrators import schemes
 
+from .amplification import amplification
 from .break_errors import break_errors
 from .free_flight import flight_errors, loose
 from .tension_error import lowest_axial_mode, vibration_lost
@@ -46,7 +49,7 @@ def place_errors(run: Any) -> np.ndarray:
     if run.extrapolated or run.energy.shape[1] <= BY_METHOD:  # two runs have been compared; a file of version 0.1
         return run.error_growth
     flies = loose(run)
-    left_out = _faded(run.error_growth + flight_errors(run, flies), run.energy)
+    left_out = _faded(run.error_growth + flight_errors(run, flies), run.energy, amplification(run))
     left_out += break_errors(run, left_out)
     told = run.error_factor * (left_out + _lost_way(run, float(flies.any(axis=1).mean())))
     return np.minimum(told, max(float(np.abs(run.q - run.q[0]).max()), float(run.error_growth[0])))
@@ -73,8 +76,11 @@ def _lost_way(run: Any, flying: float) -> np.ndarray:
     return way
 
 
-def _faded(growth: np.ndarray, energy: np.ndarray) -> np.ndarray:
-    """Largest of what is left of errors up to each saved time, (k,) [m], of what steps have left out in all and the energies."""
+def _faded(growth: np.ndarray, energy: np.ndarray, multiplied: np.ndarray) -> np.ndarray:
+    """Largest of what is left of errors up to each saved time, (k,) [m], of what steps have left out in all and the energies.
+
+    ``multiplied`` (k,) is the logarithm of `amplification`.
+    """
     from scipy.ndimage import maximum_filter1d  # a third of a second to import
 
     rows = len(growth)
@@ -85,6 +91,7 @@ def _faded(growth: np.ndarray, energy: np.ndarray) -> np.ndarray:
     decay = np.minimum(taken / np.maximum(motion[1:] + motion[:-1], 1e-300), FORGOTTEN)
     keeps = np.exp(-decay)
     adds = np.diff(growth) * np.where(decay > 1e-9, (1.0 - keeps) / np.maximum(decay, 1e-300), 1.0)
+    keeps *= np.exp(np.diff(multiplied))
     left = [float(growth[0])]
     for keep, add in zip(keeps.tolist(), adds.tolist(), strict=True):
         left.append(keep * left[-1] + add)

@@ -41,7 +41,8 @@ def goes_loose(run: Any) -> bool:
 
 def first_loose(run: Any) -> float | None:
     """First saved time after the start at which a node of a cable of several segments has none that is taut [s]; None: never."""
-    if not (run.segment_tension[1:] <= 0.0).any():  # a small part of the time of what follows
+    pulls_only = [cable.name for cable in run.scene.cables if cable.compression != "linear"]
+    if not any((run.tension(name)[1:] <= 0.0).any() for name in pulls_only):  # a small part of the time of what follows
         return None
     found = np.flatnonzero((loose(run) & _of_several_segments(run))[1:].any(axis=1))
     return float(run.t[1 + found[0]]) if len(found) else None

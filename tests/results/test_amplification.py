@@ -1,0 +1,69 @@
+"""How many times a motion multiplies errors, beside the closed form of parametric resonance and beside finer runs."""
+
+import math
+
+import numpy as np
+import pytest
+
+from anet_lumped import Cable, Driven, Fixed, Free, Scene, paths, simulate
+from anet_lumped.effects import Gravity
+from anet_lumped.results.amplification import LEAST_ROWS, amplification
+from studies.catalogue.random_motions import random_motion
+
+L, G = 1.0, 9.81
+OMEGA = math.sqrt(G / L)
+
+
+def shaken(share):
+    """A weight that hangs from a support which goes up and down twice as fast as the weight would swing, by `share` of gravity."""
+    way, frequency = share * G / (2.0 * OMEGA) ** 2, 2.0 * OMEGA / (2.0 * math.pi)
+    path = paths.harmonic((0.0, 0.0, 0.0), (0.0, 0.0, way), frequency, ramp=1.0)
+    cable = Cable("a", "b", length=L, mass_per_length=1e-3, EA=1e5, zeta=1.0, segments=1)
+    return Scene([Driven("a", path), Free("b", mass=1.0)], [cable], [Gravity(G)])
+
+
+def pendulum(angle):
+    cable = Cable("a", "b", length=L, mass_per_length=0.1, EA=1e5, zeta=1.0, segments=4)
+    at = (L * math.sin(angle), 0.0, -L * math.cos(angle))
+    return Scene([Fixed("a", (0.0, 0.0, 0.0)), Free("b", mass=1.0, at=at)], [cable], [Gravity(G)])
+
+
+def test_a_swing_that_is_pumped():
+    """A sway z with z'' = -omega^2 (1 + h cos(2 omega t)) z grows by exp(h omega t/4), to the first order of h."""
+    h = 0.3
+    run = simulate(shaken(h), 40.0, method="edmc", dt=0.02, save_every=0.02)
+    grown, later = amplification(run), (run.t > 18.0) & (run.t < 36.0)  # the envelope looks ahead, and ends with the run
+    slope = np.polyfit(run.t[later], grown[later], 1)[0]
+    assert slope == pytest.approx(h * OMEGA / 4.0, rel=0.03)  # the next term of h, and steps of the envelope
+
+
+def test_a_large_swing_multiplies_nothing():
+    run = simulate(pendulum(0.8), 60.0, method="edmc", dt=0.02, save_every=0.02, start="straight")
+    assert len(run.t) > LEAST_ROWS and run.error_growth[-1] > 1e-3
+    assert not amplification(run).any()
+
+
+def test_what_is_saved_too_seldom_shows_nothing():
+    """Three states a turn of the tension."""
+    run = simulate(shaken(0.3), 40.0, method="edmc", dt=0.02, save_every=0.3)
+    assert len(run.t) > LEAST_ROWS and not amplification(run).any()
+
+
+def test_no_number_grows_too_large():
+    """Of a sway that grows by e^290, and of all of that its errors are multiplied by."""
+    run = simulate(shaken(0.9), 500.0, method="edmc", dt=0.02, save_every=0.02)
+    grown = amplification(run)
+    assert 250.0 < grown[-1] < 400.0 and np.isfinite(run.error).all()
+
+
+@pytest.mark.parametrize(("seed", "number", "steps", "most"), [(501, 4, 1446, 4.0), (11, 1, 580, 5.0)])
+def test_nets_that_are_carried_fast(seed, number, steps, most):
+    """Their swings beat against each other: what steps leave out is multiplied 10 and 5 times, and more is told."""
+    motion = random_motion(number, seed)
+    run, fine = (
+        simulate(motion.scene, motion.t_end, method="edmc", dt=motion.t_end / (steps * n), save_every=motion.t_end / steps)
+        for n in (1, 8)
+    )  # fmt: skip
+    off = np.linalg.norm(run.q - fine.q, axis=2).max()
+    assert off > 4.0 * run.error_growth[-1]
+    assert 1.0 < run.error_estimate / off < most
