@@ -3,7 +3,9 @@
 The forces f at the start would change velocities by h f/m in a step of h. Where they do so by far less, because the force has ended
 or turned round within the step, nothing that is seen at the ends of steps tells what it gave: a stage that takes the force at the
 start throws a node off with some share of h f/m, and differences of what follows see a smooth flight. `edmc` and backward Euler
-raise no energy, so that no node becomes faster than what is stored allows; an explicit step that is stable resolves its forces.
+raise no energy, so that no node becomes faster than what is stored allows; but how fast one is where such a force has ended is
+known to some per cent only, and a node that flies keeps what its velocity is off by. An explicit step that is stable resolves its
+forces.
 """
 
 from typing import Any
@@ -25,12 +27,19 @@ def thrown(run: Any) -> float | None:
     Parameters
     ----------
     run : Run
-        At fixed steps, of a scheme of this package.
+        At fixed steps, of a scheme of this package. Of one that never raises the energy None, see `unresolved_start`.
     """
+    return None if schemes.scheme(run.method).energy is EnergyPromise.NEVER_RISES else unresolved_start(run)
+
+
+def unresolved_start(run: Any) -> float | None:
+    """As `thrown`, of any scheme."""
     scheme, n_free = schemes.scheme(run.method), run.model.n_free
-    if scheme.explicit or scheme.energy is EnergyPromise.NEVER_RISES or len(run.t) < 2 or run.extrapolated or run.model.has_bodies:
+    if scheme.explicit or len(run.t) < 2 or run.extrapolated or run.model.has_bodies:
         return None
     change = np.linalg.norm(run.v[1, :n_free] - run.v[0, :n_free], axis=1)
+    if change.max(initial=0.0) <= OF_FASTEST * np.linalg.norm(run.v[:, :n_free], axis=2).max(initial=0.0):
+        return None  # without a look at the forces
     by_force = run.dt * np.linalg.norm(_accelerations(run), axis=1)
     largest = float(change.max(initial=0.0, where=by_force > TIMES * change))
     return largest if largest > OF_FASTEST * np.linalg.norm(run.v[:, :n_free], axis=2).max(initial=0.0) else None

@@ -22,7 +22,7 @@ from anet_lumped.scene.scene import Driven
 from integrators import schemes
 
 from .energy_gain import ALLOWED_GAIN
-from .first_step import thrown
+from .first_step import thrown, unresolved_start
 
 EXCESS_STRETCH = 0.1  # by which a cable may be stretched more than its tension stretches it, over the latter
 SHARE_OF_PATH = 0.05  # of the path of a node: error of the finer of two runs up to which they are extrapolated
@@ -152,9 +152,16 @@ def _multiplied_errors(run):
 
 def _thrown_at_start(run, step):
     """Nodes that a first step has thrown which does not resolve the forces at the start."""
-    speed = thrown(run) if schemes.scheme(run.method).own else None
-    if speed is None:
+    own = schemes.scheme(run.method).own
+    speed, left_with = (thrown(run), unresolved_start(run)) if own else (None, None)
+    if speed is None and left_with is None:
         return ""
+    if speed is None:
+        return (
+            f"{run.method}: its first step gives a node {left_with:.2g} m/s, most of what is seen in the run, and does not "
+            "resolve the forces at the start: that velocity is known to some per cent only, and so is the way of a node that flies "
+            f"with it, which run.error_estimate does not tell; take {step}."
+        )
     return (
         f"{run.method}: its first step throws a node off with {speed:.2g} m/s, most of what is seen in the run, and does not "
         f'resolve the forces at the start; places may be wrong by the way of such a node. Take {step}, or method="edmc".'

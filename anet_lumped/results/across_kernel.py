@@ -34,7 +34,7 @@ def carry_across(t, q, tension, ends, mass, motion, scratch, logarithm):  # type
     Source: Hairer, Lubich & Wanner, Geometric Numerical Integration, 2006, I.1.4 (leapfrog) and I.5.2 (its limit).
     """
     n, scaled = mass.shape[0], 0.0
-    for r in range(t.shape[0] - 1):
+    for r in range(tension.shape[0] - 1):
         step, fastest = t[r + 1] - t[r], 0.0
         for i in range(n):
             scratch[0, i] = 0.0

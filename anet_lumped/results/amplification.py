@@ -78,7 +78,8 @@ def _carried(run: Any, tension: np.ndarray) -> np.ndarray:
     mass, motion = np.zeros(model.n), np.zeros((2, model.n))
     mass[:n_free] = model.mass[:n_free]
     motion[0, :n_free] = np.random.default_rng(0).uniform(-1.0, 1.0, n_free)
-    logarithm = np.zeros(len(tension))
+    rows = len(tension)
+    logarithm = np.zeros(rows)
     scratch = np.zeros((2, max(model.n, model.n_segments)))
-    carry_across(run.t, run.q, tension, np.ascontiguousarray(model.ends), mass, motion, scratch, logarithm)
+    carry_across(run.t[:rows], run.q[:rows], tension, np.ascontiguousarray(model.ends), mass, motion, scratch, logarithm)
     return logarithm

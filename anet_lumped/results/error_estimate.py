@@ -4,8 +4,9 @@ What the steps leave out adds up in the march (`integrators.marching.error_growt
 off by (`free_flight`). A break comes too early or too late by what is off before it, and that goes on (`break_errors`).
 
 Errors of steps and flights fade as the motion does: dampers and drag that take the power D of a motion of the energy E let its
-amplitude, and the errors in it, fade at the rate D/2E. E is kinetic energy and what springs hold beyond their least: a net that is
-let go stretched many times gives its dampers far more than it moves with, and forgets little of where it went meanwhile.
+amplitude, and the errors in it, fade at the rate D/2E. E is kinetic energy and what springs hold beyond their least, that of a
+ground too: a net that is let go stretched many times, or a weight deep inside the ground, gives dampers far more than it moves
+with, and forgets little of where it went meanwhile.
 
 Where tensions that change pump what is across the motion, errors grow by more than what is added to them (`amplification`).
 
@@ -22,7 +23,17 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.results.energy_balance import BY_DAMPERS, BY_EFFECTS, BY_METHOD, ELASTIC, KINETIC, SWINGS, lost_share, moved_share
+from anet_lumped.results.energy_balance import (
+    BY_DAMPERS,
+    BY_EFFECTS,
+    BY_METHOD,
+    ELASTIC,
+    KINETIC,
+    POTENTIAL,
+    SWINGS,
+    lost_share,
+    moved_share,
+)
 from anet_lumped.scene.scene import Driven
 from integrators import schemes
 
@@ -49,7 +60,7 @@ def place_errors(run: Any) -> np.ndarray:
     if run.extrapolated or run.energy.shape[1] <= BY_METHOD:  # two runs have been compared; a file of version 0.1
         return run.error_growth
     flies = loose(run)
-    left_out = _faded(run.error_growth + flight_errors(run, flies), run.energy, amplification(run))
+    left_out = _faded(run.error_growth + flight_errors(run, flies), run.energy, _stored(run), amplification(run))
     left_out += break_errors(run, left_out)
     told = run.error_factor * (left_out + _lost_way(run, float(flies.any(axis=1).mean())))
     return np.minimum(told, max(float(np.abs(run.q - run.q[0]).max()), float(run.error_growth[0])))
@@ -76,16 +87,27 @@ def _lost_way(run: Any, flying: float) -> np.ndarray:
     return way
 
 
-def _faded(growth: np.ndarray, energy: np.ndarray, multiplied: np.ndarray) -> np.ndarray:
+def _stored(run: Any) -> np.ndarray:
+    """Energy beyond its least that springs hold, and of a scene with a ground what its effects hold besides gravity, (k,) [J].
+
+    Of moving nodes with the masses that they have at first.
+    """
+    stored = run.energy[:, ELASTIC]
+    if any(effect.is_ground for effect in run.scene.effects):
+        n_free = run.model.n_free
+        stored = stored + run.energy[:, POTENTIAL] + (run.q[:, :n_free] @ run.scene.gravity) @ run.model.mass[:n_free]
+    return stored - stored.min()
+
+
+def _faded(growth: np.ndarray, energy: np.ndarray, stored: np.ndarray, multiplied: np.ndarray) -> np.ndarray:
     """Largest of what is left of errors up to each saved time, (k,) [m], of what steps have left out in all and the energies.
 
-    ``multiplied`` (k,) is the logarithm of `amplification`.
+    ``stored`` (k,) is what springs hold [J], and ``multiplied`` (k,) the logarithm of `amplification`.
     """
     from scipy.ndimage import maximum_filter1d  # a third of a second to import
 
     rows = len(growth)
     width = max(1, rows // SWINGS)
-    stored = energy[:, ELASTIC] - energy[:, ELASTIC].min()
     motion = maximum_filter1d(energy[:, KINETIC] + stored, 2 * width + 1, mode="nearest")  # of a swing it comes and goes
     taken = np.maximum(np.diff(energy[:, BY_DAMPERS] + energy[:, BY_EFFECTS]), 0.0)
     decay = np.minimum(taken / np.maximum(motion[1:] + motion[:-1], 1e-300), FORGOTTEN)

@@ -8,6 +8,7 @@ import pytest
 from anet_lumped import Cable, Driven, Fixed, Free, Scene, paths, simulate
 from anet_lumped.effects import Gravity
 from anet_lumped.results.amplification import LEAST_ROWS, amplification
+from anet_lumped.results.free_flight import first_loose
 from studies.catalogue.random_motions import random_motion
 
 L, G = 1.0, 9.81
@@ -47,6 +48,14 @@ def test_what_is_saved_too_seldom_shows_nothing():
     """Three states a turn of the tension."""
     run = simulate(shaken(0.3), 40.0, method="edmc", dt=0.02, save_every=0.3)
     assert len(run.t) > LEAST_ROWS and not amplification(run).any()
+
+
+def test_nothing_grows_once_it_is_loose():
+    """A cable that is let go level whips: `multiplies` says so, and no growth counts from there on."""
+    run = simulate(pendulum(1.57), 3.0, method="edmc", dt=2e-3, save_every=2e-3, start="straight")
+    grown, since = amplification(run), first_loose(run)
+    assert 0.0 < since < 2.0 and run.multiplies > 1.0
+    assert (grown[run.t >= since] == grown[np.searchsorted(run.t, since) - 1]).all()
 
 
 def test_no_number_grows_too_large():
