@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from anet_lumped.results.run import STATUS, Run
 from integrators import schemes
-from integrators.marching.error_growth import UNSEEN
+from integrators.marching.error_growth import steps_of_differences
 from integrators.system import DIVERGED, UNCONVERGED
 
 from .energy_gain import GAINED, flag_energy_gain
@@ -12,8 +12,8 @@ from .failure_messages import with_cause
 from .first_step import thrown
 from .run_warnings import warnings_of
 
-# Steps that a run must have taken, and differences of p + 1 velocities that `error_growth` must have formed of them, `UNSEEN` steps
-# apart, for an error to be seen in them.
+# Steps that a run must have taken, and differences of velocities that `error_growth` must have formed of them, for an error to be
+# seen in them.
 LEAST_STEPS, DIFFERENCES = 10, 3
 ORDER_AT_KINKS, DIFFERENCES_AT_KINKS = 2, 30  # of any method past a kink of the force, and of one of a higher order
 
@@ -52,7 +52,7 @@ def _knows_no_error(run: Run, adaptive: bool) -> bool:
         return False
     order = scheme.error_order or scheme.order
     differences = DIFFERENCES_AT_KINKS if order > ORDER_AT_KINKS and _meets_kinks(run) else DIFFERENCES
-    least = max(LEAST_STEPS, order + (differences - 1) * (order + 1 + UNSEEN))
+    least = max(LEAST_STEPS, steps_of_differences(scheme, differences))
     return round((run.t[-1] - run.t[0]) / run.dt) < least
 
 

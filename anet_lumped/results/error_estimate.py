@@ -62,7 +62,7 @@ def place_errors(run: Any) -> np.ndarray:
     flies = loose(run)
     left_out = _faded(run.error_growth + flight_errors(run, flies), run.energy, _stored(run), amplification(run))
     left_out += break_errors(run, left_out)
-    told = run.error_factor * (left_out + _lost_way(run, float(flies.any(axis=1).mean())))
+    told = run.error_factor * np.maximum.accumulate(left_out + _lost_way(run, float(flies.any(axis=1).mean())))
     return np.minimum(told, max(float(np.abs(run.q - run.q[0]).max()), float(run.error_growth[0])))
 
 

@@ -5,9 +5,13 @@ difference of the velocities at p + 1 steps in a row,
 
     h^p d^(p+1) q/dt^(p+1) = sum_j (-1)^(p-j) (p over j) v_j ,
 
-so that it costs one addition a step. The prescribed nodes are where they should be, and what moves along with them is, too; but
-what stays behind, as a weight does whose support shakes fast, is no more off for their motion. So of a coordinate the geometric
-mean of two counts: the derivative less the mean of the prescribed nodes, and the smaller of that and its own.
+so that it costs one addition a step. An implicit scheme of order 2 lets velocities swing from step to step where it does not
+resolve a vibration. Places hardly move with that, and its errors do not add up. So of such a scheme the difference is that of the
+means of two velocities in a row, which do not swing.
+
+The prescribed nodes are where they should be, and what moves along with them is, too; but what stays behind, as a weight does whose
+support shakes fast, is no more off for their motion. So of a coordinate the geometric mean of two counts: the derivative less the
+mean of the prescribed nodes, and the smaller of that and its own.
 
 What is left out is summed up by its size, since the error of a swing is one of its phase, which grows as long as it swings:
 x = A cos(omega t) is off by A C (omega h)^p omega t, and the sum is 2/pi of that. A damped motion forgets some of its errors, and a
@@ -26,8 +30,8 @@ from integrators.jit import internal
 from integrators.states import copy
 
 SWING = 0.5 * np.pi  # largest of |cos| over its mean: the sum of what a swing leaves out is so much less than its error of phase
-# Steps after p + 1 in a row that are taken to be like these, so that what is added costs some per cent of a step. Of a short march
-# of explicit steps, which costs next to nothing, not so many: a snap among few steps would be overlooked.
+# Steps after those of a difference that are taken to be like these, so that what is added costs some per cent of a step. Of a short
+# march of explicit steps, which costs next to nothing, not so many: a snap among few steps would be overlooked.
 UNSEEN, UNSEEN_EXPLICIT = 2, 29
 SHORT = 4096  # steps
 WAITS = -1  # steps that a difference has, before which the next step is not one of it
@@ -45,20 +49,44 @@ class StepError(NamedTuple):
     constant : float
         C.
     unseen : int
-        Steps that are not looked at after p + 1 in a row, see `unseen_steps`.
+        Steps that are not looked at after those of a difference, see `unseen_steps`.
+    of_means : int
+        1 where the difference is that of means of two velocities, which takes one step more, else 0.
     """
 
     needs_copied_start: bool
     order: int
     constant: float
     unseen: int
+    of_means: int
 
 
-STEP_ERROR = types.NamedTuple((types.boolean, types.int64, types.float64, types.int64), StepError)
+STEP_ERROR = types.NamedTuple((types.boolean, types.int64, types.float64, types.int64, types.int64), StepError)
+MEANS_OF_ORDER = 2  # of implicit schemes
+
+
+def step_error(scheme, steps):
+    """What a scheme's steps leave out, in a march of so many.
+
+    Parameters
+    ----------
+    scheme : Scheme
+    steps : float
+    """
+    explicit, order = scheme.explicit and not scheme.keeps_constraints, scheme.error_order or scheme.order
+    of_means = int(not scheme.explicit and order == MEANS_OF_ORDER)
+    return StepError(scheme.needs_copied_start, order, scheme.error_constant, unseen_steps(explicit, steps), of_means)
+
+
+def steps_of_differences(scheme, differences):
+    """Steps that a march takes for so many differences, looking as often as it does at most."""
+    error = step_error(scheme, 0)
+    each = error.order + error.of_means
+    return each + (differences - 1) * (each + 1 + UNSEEN)
 
 
 def unseen_steps(explicit, steps):
-    """Steps that a march of so many does not look at after p + 1 in a row."""
+    """Steps that a march of so many does not look at after those of a difference."""
     return UNSEEN_EXPLICIT if explicit and steps > SHORT else UNSEEN
 
 
@@ -103,17 +131,18 @@ def follow(growth, step_error, steps, weight, h, v, n_free):
     -------
     steps, weight
     """
-    p, V, difference, error = step_error.order, flat(v), flat(growth.difference), growth.error
+    p, of_means, V, difference, error = step_error.order, step_error.of_means, flat(v), flat(growth.difference), growth.error
     steps += 1
     if steps == 0:
         copy(V, difference)
         return steps, 1.0
+    before = of_means * weight  # a velocity is part of two means
     weight *= -float(p - steps + 1) / float(steps)
     for i in range(V.shape[0]):
-        difference[i] += weight * V[i]
-    if steps < p:
+        difference[i] += (weight + before) * V[i]
+    if steps < p + of_means:
         return steps, weight
-    left_out = SWING * step_error.constant * h * (p + step_error.unseen + 1)
+    left_out = SWING * step_error.constant * h * (p + of_means + step_error.unseen + 1) / (1 + of_means)
     n, per_node = v.shape[0], 1.0 / max(v.shape[0] - n_free, 1)
     for x in range(3):
         shared = 0.0

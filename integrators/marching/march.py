@@ -26,7 +26,7 @@ from integrators.system import (
 from . import embedded_steps
 from .adaptive_steps import AdaptiveSteps, compiled_adaptive_steps
 from .embedded_steps import PairLimits, compiled_embedded_steps
-from .error_growth import Growth, StepError, unseen_steps
+from .error_growth import Growth, step_error
 from .fixed_steps import FixedSteps, compiled_fixed_steps
 from .interruptible import interruptible
 from .stepper import Stepper
@@ -102,9 +102,8 @@ class March:
             loop, loop_argument = compiled_adaptive_steps(), scheme.order
         else:
             loop = compiled_fixed_steps()
-            explicit, steps = scheme.explicit and not scheme.keeps_constraints, (times.t_end - times.origin) / times.dt
-            unseen = unseen_steps(explicit, steps)
-            loop_argument = StepError(scheme.needs_copied_start, scheme.error_order or scheme.order, scheme.error_constant, unseen)
+            steps = (times.t_end - times.origin) / times.dt
+            loop_argument = step_error(scheme, steps)
         self.scratch = scratch_for(self.state, scheme.carried_rows, observed)
         room = () if self.adaptive else (Growth(np.empty((n, 3)), np.zeros((n, 3))),)
         self.loop, self.short = entry_point(loop), not self.adaptive and steps * n < SHORT

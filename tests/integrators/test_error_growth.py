@@ -6,7 +6,7 @@ from duffing import Duffing
 from test_boundary import FIRST, OWN, run
 
 from integrators import schemes
-from integrators.marching.error_growth import SHORT, UNSEEN, UNSEEN_EXPLICIT, unseen_steps
+from integrators.marching.error_growth import SHORT, UNSEEN, UNSEEN_EXPLICIT, step_error, unseen_steps
 
 T_END = 3.0  # [s], one turn of the fastest motion
 
@@ -47,3 +47,8 @@ def test_a_short_march_of_explicit_steps_is_looked_at_as_often_as_an_implicit_on
     """Otherwise a snap among a hundred steps would mostly be overlooked."""
     assert unseen_steps(False, 1e9) == unseen_steps(True, 100) == UNSEEN
     assert unseen_steps(True, SHORT + 1) == UNSEEN_EXPLICIT > UNSEEN
+
+
+@pytest.mark.parametrize(("name", "of_means"), [("edmc", 1), ("midpoint", 1), ("backward_euler", 0), ("verlet", 0), ("links", 0)])
+def test_means_are_for_implicit_schemes_of_order_two(name, of_means):
+    assert step_error(schemes.scheme(name), 10).of_means == of_means

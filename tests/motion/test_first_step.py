@@ -48,7 +48,7 @@ def test_a_first_step_that_is_resolved_is_no_throw(method):
 def test_what_never_raises_the_energy_throws_nothing(method):
     """But the velocity of 5 m/s that it leaves the ground with is off by 0.08 m/s, and it flies with that, which the run says."""
     run = run_of(method, DT)
-    assert thrown(run) is None and 0.25 * off(run) < run.error_estimate < 1.2 * off(run) < 0.03
+    assert thrown(run) is None and 0.2 * off(run) < run.error_estimate < 1.2 * off(run) < 0.03
     (said,) = [text for text in run.warnings if "does not resolve the forces at the start" in text]
     assert said.startswith(f"{method}: its first step gives a node") and said.endswith(f"take a smaller step than dt={DT:.3g} s.")
     assert unresolved_start(run) == pytest.approx(4.8, abs=0.1)  # after ten steps, with 0.1 m/s less by gravity

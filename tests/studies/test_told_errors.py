@@ -18,7 +18,7 @@ def test_random_motions_are_the_same_again_and_of_all_kinds():
     assert motions[7] == random_motion(7) and motions[7] != random_motion(7, seed=12)
 
 
-@pytest.mark.parametrize("number", [3, 7])  # a pendulum and a string, 96 and 107 steps
+@pytest.mark.parametrize("number", [3, 7, 140])  # a pendulum and two strings, of which the last rings from step to step
 def test_a_motion_beside_its_reference(number):
     row = error_estimate.compare({"number": number})
     runs, default = pd.DataFrame(json.loads(row["runs"])), json.loads(row["default"])
