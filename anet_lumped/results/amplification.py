@@ -39,8 +39,11 @@ def amplification(run: Any) -> np.ndarray:
 
     An error that is made at the row a is multiplied exp(x[b] - x[a]) times up to the row b.
     """
-    grown, rows = np.zeros(len(run.t)), _rows_before_it_is_loose(run)
-    if rows < LEAST_ROWS or not _is_seen(run):
+    grown = np.zeros(len(run.t))
+    if len(run.t) < LEAST_ROWS or not _is_seen(run):
+        return grown
+    rows = _rows_before_it_is_loose(run)
+    if rows < LEAST_ROWS:
         return grown
     tension = np.ascontiguousarray(run.segment_tension[:rows])
     if not _shown(tension):

@@ -39,7 +39,7 @@ from integrators import schemes
 
 from .amplification import amplification
 from .break_errors import break_errors
-from .free_flight import flight_errors, loose
+from .free_flight import flight_errors, longest_way, loose
 from .tension_error import lowest_axial_mode, vibration_lost
 
 FORGOTTEN = 300.0  # exponent of decay over a run beyond which nothing of an error is left
@@ -63,7 +63,7 @@ def place_errors(run: Any) -> np.ndarray:
     left_out = _faded(run.error_growth + flight_errors(run, flies), run.energy, _stored(run), amplification(run))
     left_out += break_errors(run, left_out)
     told = run.error_factor * np.maximum.accumulate(left_out + _lost_way(run, float(flies.any(axis=1).mean())))
-    return np.minimum(told, max(float(np.abs(run.q - run.q[0]).max()), float(run.error_growth[0])))
+    return np.minimum(told, max(longest_way(run), float(run.error_growth[0])))
 
 
 def _lost_way(run: Any, flying: float) -> np.ndarray:
@@ -74,7 +74,8 @@ def _lost_way(run: Any, flying: float) -> np.ndarray:
     moved = run.q - run.q[0]
     if any(isinstance(point, Driven) for point in run.scene.all_points):
         moved = moved - moved[:, run.model.n_free :].mean(axis=1, keepdims=True)
-    amplitude = 0.5 * np.maximum.accumulate(np.abs(moved).max(axis=(1, 2)))
+    moved = moved.reshape(len(moved), -1)
+    amplitude = 0.5 * np.maximum.accumulate(np.maximum(moved.max(axis=1), -moved.min(axis=1)))
     books = schemes.scheme(run.method).books_its_losses
     share = lost_share(run.energy) if books else np.maximum(lost_share(run.energy), moved_share(run.energy))
     way = share * (0.5 + 1.5 * np.maximum(share, flying)) * amplitude

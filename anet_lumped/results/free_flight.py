@@ -52,8 +52,13 @@ def multiplied(run: Any) -> float:
     """Times the errors told of places that they may be, as far as nodes go: 1, or what looseness and buckling make of them."""
     if not run.error_estimate or not (goes_loose(run) or first_buckled(run) is not None):
         return 1.0
-    times = min(float(np.abs(run.q - run.q[0]).max()) / run.error_estimate, times_at_most(run))
+    times = min(longest_way(run) / run.error_estimate, times_at_most(run))
     return times if times > WITHIN else 1.0
+
+
+def longest_way(run: Any) -> float:
+    """Longest way that a node has gone from its first position, along an axis [m]."""
+    return float(max((run.q.max(axis=0) - run.q[0]).max(), (run.q[0] - run.q.min(axis=0)).max()))
 
 
 def times_at_most(run: Any) -> float:

@@ -96,14 +96,14 @@ def tension_error(run: Any) -> float:
     -------
     error : float
     """
-    largest, more, flies = 0.0, 0.0, loose(run)
+    largest, more, flies, lost_of = 0.0, 0.0, loose(run), {}
     for cable in run.scene.cables:
         T = run.tension(cable.name)
         peak = float(T.max(initial=0.0))
         largest = max(largest, peak)
         if len(T) > 2 and peak > 0.0:
             taut = T > 0.0
-            more = max(more, float((T + _missing(run, cable, T))[taut].max()), snap_tension(run, cable, flies))
+            more = max(more, float((T + _missing(run, cable, T, lost_of))[taut].max()), snap_tension(run, cable, flies))
     if largest == 0.0:
         return 0.0
     lost = float(lost_share(run.energy)[-1]) if run.energy.shape[1] > BY_METHOD else 0.0
@@ -127,8 +127,11 @@ def snap_tension(run: Any, cable: Cable, flies: np.ndarray) -> float:
     return float(v) * math.sqrt(cable.EA_fast * cable.mass_per_length) * highest_axial_mode(cable).unresolved(run.dt)
 
 
-def _missing(run: Any, cable: Cable, T: np.ndarray) -> np.ndarray:
-    """What the tensions of a cable (k, segments) may lack at each saved time [N], of the same shape."""
+def _missing(run: Any, cable: Cable, T: np.ndarray, lost_of: dict[Any, np.ndarray]) -> np.ndarray:
+    """What the tensions of a cable (k, segments) may lack at each saved time [N], of the same shape.
+
+    ``lost_of`` keeps `_lost_tension` of cables that are alike, as those of a net are.
+    """
     second, jump = _differences(run, T)
     jump = counted_jumps(T, jump)
     lowest, decay = lowest_axial_mode(run.scene, cable), np.zeros(len(T) - 1)
@@ -139,7 +142,10 @@ def _missing(run: Any, cable: Cable, T: np.ndarray) -> np.ndarray:
     missing = np.maximum(BETWEEN * second, lowest.overshoot * unresolved * ringing)
     missing = np.maximum(missing, OF_SEGMENT * highest_axial_mode(cable).unresolved(run.dt) * jump)
     if unresolved > 0.0 and run.energy.shape[1] > BY_METHOD and schemes.scheme(run.method).books_its_losses:
-        missing = np.maximum(missing, np.minimum(_lost_tension(run, cable, lowest)[:, None], ringing / unresolved))
+        alike = lowest, highest_axial_mode(cable), cable.segments, cable.EA_fast, cable.length
+        if alike not in lost_of:
+            lost_of[alike] = _lost_tension(run, cable, lowest)
+        missing = np.maximum(missing, np.minimum(lost_of[alike][:, None], ringing / unresolved))
     return missing
 
 
@@ -246,13 +252,30 @@ def vibration_lost(energy: np.ndarray, decay: np.ndarray) -> np.ndarray:
     ``decay`` (k - 1,) gives (k,), and that of several vibrations (k - 1, n) gives (k, n), as if each had all of the energy.
     """
     taken = np.maximum.accumulate(np.maximum(energy[:, BY_METHOD] - energy[0, BY_METHOD], 0.0))
+    lost = np.zeros((len(energy), *decay.shape[1:]))
+    if not len(decay):
+        return lost
+    passed, taken = np.cumsum(decay, axis=0), np.diff(taken).reshape(-1, *[1] * (decay.ndim - 1))
+    short = passed[-1] < FORGOTTEN  # then its exponential is a number, and one sum is enough
+    if decay.ndim == 1 and not short:
+        lost[1:] = _lost_in_powers_of_two(taken, decay)
+    elif decay.ndim == 1 or short.all():
+        lost[1:] = np.cumsum(np.exp(passed - decay) * taken, axis=0) * np.exp(-passed)
+    else:
+        lost[1:, short] = np.cumsum(np.exp(passed[:, short] - decay[:, short]) * taken, axis=0) * np.exp(-passed[:, short])
+        lost[1:, ~short] = _lost_in_powers_of_two(taken, decay[:, ~short])
+    return lost
+
+
+def _lost_in_powers_of_two(taken: np.ndarray, decay: np.ndarray) -> np.ndarray:
+    """As `vibration_lost` of energies that were taken between two rows each, of vibrations that soon lose all."""
     keep, reach = np.exp(-decay), 1
-    left = (keep.T * np.diff(taken)).T  # of what was taken in one row; then in two, four and so on
+    left = keep * taken  # of what was taken in one row; then in two, four and so on
     while reach < len(left) and keep[reach:].any():
         left[reach:] += keep[reach:] * left[:-reach]
         keep[reach:] *= keep[:-reach]
         reach *= 2
-    return np.concatenate([np.zeros_like(left[:1]), left])
+    return left
 
 
 def highest_axial_mode(cable: Cable) -> Mode:
