@@ -96,7 +96,8 @@ def tension_error(run: Any) -> float:
     -------
     error : float
     """
-    largest, more, flies, lost_of = 0.0, 0.0, loose(run), {}
+    largest, more, flies = 0.0, 0.0, loose(run)
+    lost_of: dict[Any, np.ndarray] = {}
     for cable in run.scene.cables:
         T = run.tension(cable.name)
         peak = float(T.max(initial=0.0))
