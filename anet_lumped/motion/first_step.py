@@ -33,16 +33,20 @@ def thrown(run: Any) -> float | None:
 
 
 def unresolved_start(run: Any) -> float | None:
-    """As `thrown`, of any scheme."""
+    """As `thrown`, of any scheme; of one that never raises the energy only of nodes that no cable holds, which fly."""
     scheme, n_free = schemes.scheme(run.method), run.model.n_free
     if scheme.explicit or len(run.t) < 2 or run.extrapolated or run.model.has_bodies:
         return None
     change = np.linalg.norm(run.v[1, :n_free] - run.v[0, :n_free], axis=1)
-    if change.max(initial=0.0) <= OF_FASTEST * np.linalg.norm(run.v[:, :n_free], axis=2).max(initial=0.0):
+    least = OF_FASTEST * np.linalg.norm(run.v[:, :n_free], axis=2).max(initial=0.0)
+    if change.max(initial=0.0) <= least:
         return None  # without a look at the forces
-    by_force = run.dt * np.linalg.norm(_accelerations(run), axis=1)
-    largest = float(change.max(initial=0.0, where=by_force > TIMES * change))
-    return largest if largest > OF_FASTEST * np.linalg.norm(run.v[:, :n_free], axis=2).max(initial=0.0) else None
+    counts = run.dt * np.linalg.norm(_accelerations(run), axis=1) > TIMES * change
+    if scheme.energy is EnergyPromise.NEVER_RISES:
+        held = run.model.ends[(run.segment_tension[:2] != 0.0).any(axis=0)].ravel()
+        counts[held[held < n_free]] = False
+    largest = float(change.max(initial=0.0, where=counts))
+    return largest if largest > least else None
 
 
 def _accelerations(run: Any) -> np.ndarray:
