@@ -203,10 +203,12 @@ def keep_error(
         run = budget.spend(march(choice, duration), choice.dt / first)
         if not run.ok:
             return run
-        if (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0) and run.tension_error > before.tension_error:
+        whips = goes_loose(run) or first_buckled(run) is not None  # then a coarser run that tells less knows less
+        tells_more = (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0)
+        if tells_more and run.tension_error > before.tension_error and not whips:
             return told(coarser, before, wanted, too_short=run.dt)
         known = _compared(run, coarser, wanted, before.apart)
-        if parts > TRUSTED_PARTS and _kept(run, known, wanted) and (goes_loose(run) or first_buckled(run)):
+        if parts > TRUSTED_PARTS and _kept(run, known, wanted) and whips:
             between = budget.spend(march(_finer(before_choice, (parts + 1) // 2, span), duration), 1.0)
             if between.ok:
                 known = known._replace(error=max(known.error, _left_of(run, between)))
