@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from anet_lumped.mechanics.fresh_net import fresh_net
+from anet_lumped.motion.inner_states import inner_of
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from integrators.system import BALANCE
@@ -53,8 +54,9 @@ def _accelerations(run: Any) -> np.ndarray:
     """Accelerations of the moving nodes at the start of a run, (n_free, 3) [m/s2]."""
     from anet_lumped.mechanics.bindings import system  # compiled on first use
 
-    inner = {name: None if rows is None else rows[0] for name, rows in (("crept", run.crept), ("shedding", run.shedding))}
-    net = fresh_net(run.model, force=True, newton=False, **inner)
+    inner = inner_of(run)
+    crept, shedding = None if inner is None else inner[:, 0], None if run.shedding is None else run.shedding[0]
+    net = fresh_net(run.model, force=True, newton=False, crept=crept, shedding=shedding)
     bound, f = system(run.model, force=True, newton=False), np.zeros_like(run.q[0])
     bound.force(run.t[0], run.q[0].copy(), run.v[0].copy(), net.address, f, np.zeros(BALANCE))
     return f[: run.model.n_free] * bound.per_mass[: run.model.n_free]
