@@ -7,7 +7,7 @@ answers. It has no truth value, so that `select` takes the place of ``if``.
 
 An address is the position of a number in a flat array, or of a row in a table. It is one integer for a cable, and a tuple of four
 integers for a group; `shifted` advances it. `load`, `load_three`, `load_four`, `store`, `store_four`, `add_three` and `column` read
-and write at an address, `load_lanes` four numbers side by side. `lane`, `max_of_lanes` and `sum_of_lanes` make one number of four.
+and write at an address. `lane`, `max_of_lanes` and `sum_of_lanes` make one number of four.
 """
 
 import math
@@ -300,18 +300,6 @@ def add_three(typing_context, array, address, values):
         return context.get_dummy_value()
 
     return types.void(_f1, FOUR, types.UniTuple(LANES, 3)), codegen
-
-
-@intrinsic
-def load_lanes(typing_context, array, address):
-    """Lanes of the number at an address, one integer, of a flat array and of the three numbers after it."""
-
-    def codegen(context, builder, signature, args):
-        four = builder.load(_row(context, builder, *args))
-        four.align = 8
-        return four
-
-    return LANES(_f1, types.int64), codegen
 
 
 def _transposed(builder, a, b, c, d):

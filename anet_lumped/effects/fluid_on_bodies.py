@@ -48,6 +48,7 @@ from anet_lumped.effects.laws.axes_drag import (
 from anet_lumped.effects.laws.drag import segment_coefficients, subtract_segment_slopes, tangent_of
 from anet_lumped.effects.laws.hull import NONE, add_lift_over_step, add_lift_slopes, hull_immersed, hull_share, weight_on_node
 from anet_lumped.effects.laws.morison import add_mass, segment_force, subtract_inertia_slopes
+from anet_lumped.effects.laws.over_a_step import middle_of, minus, velocity_of
 from anet_lumped.effects.laws.submergence import (
     ALWAYS_UNDER,
     point_share,
@@ -160,24 +161,6 @@ def _fluid(params):
 
 
 @inlined_law
-def _middle(base, q, i):
-    return 0.5 * (base[i, 0] + q[i, 0]), 0.5 * (base[i, 1] + q[i, 1]), 0.5 * (base[i, 2] + q[i, 2])
-
-
-@inlined_law
-def _velocity(base, q, v, per_h, i):
-    """Mean velocity of a node over a step, or where per_h is 0 that in v."""
-    if per_h == 0.0:
-        return v[i, 0], v[i, 1], v[i, 2]
-    return per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
-
-
-@inlined_law
-def _minus(a, b):
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-@inlined_law
 def _add(f, i, w, force):
     f[i, 0] += w * force[0]
     f[i, 1] += w * force[1]
@@ -209,13 +192,13 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
     for k in range(index[0]):
         at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
         o, b = index[at], index[at + 4]
-        origin = _middle(base, q, o)
+        origin = middle_of(base, q, o)
         (e1, _), (e2, _), (e3, _) = (
-            axis_of(origin, _middle(base, q, index[at + 1])), axis_of(origin, _middle(base, q, index[at + 2])),
-            axis_of(origin, _middle(base, q, index[at + 3])),
+            axis_of(origin, middle_of(base, q, index[at + 1])), axis_of(origin, middle_of(base, q, index[at + 2])),
+            axis_of(origin, middle_of(base, q, index[at + 3])),
         )  # fmt: skip
-        axes, centre = (e1, e2, e3), _middle(base, q, b)
-        flow, V = flow_at(t, centre, level, motion), _velocity(base, q, v, per_h, b)
+        axes, centre = (e1, e2, e3), middle_of(base, q, b)
+        flow, V = flow_at(t, centre, level, motion), velocity_of(base, q, v, per_h, b)
         share, _ = _sphere(flow[0], numbers[3], dry)
         if numbers[10] > 0.0:
             down = centre[2] - flow[0]
@@ -226,7 +209,7 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
                 for i in range(4):
                     lift, node = -per_volume * weight_on_node(wet.g, numbers, i), index[at + i]
                     f[node, 2] += lift
-                    power -= lift * _velocity(base, q, v, per_h, node)[2] if counts else 0.0
+                    power -= lift * velocity_of(base, q, v, per_h, node)[2] if counts else 0.0
         elif lifts:
             f[b, 2] += share * numbers[4]
             power -= share * numbers[4] * V[2] if counts else 0.0
@@ -235,29 +218,29 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
         inertia_force = (numbers[5] * (a[0] + more[0]), numbers[5] * (a[1] + more[1]), numbers[5] * (a[2] + more[2]))
         _add(f, b, share, inertia_force)
         power -= share * dot(inertia_force, V)
-        V = _velocity(base, q, v, per_h, o)
+        V = velocity_of(base, q, v, per_h, o)
         for a in range(3):
             if numbers[16 + a] > 0.0:
                 p = index[at + 1 + (a + 1) % 3]
-                of_p = _minus(_velocity(base, q, v, per_h, p), V)
+                of_p = minus(velocity_of(base, q, v, per_h, p), V)
                 turn = turning_drag(of_p, axes[(a + 2) % 3], share * numbers[16 + a], numbers[9])
                 _add(f, p, 1.0, turn)
                 _add(f, o, -1.0, turn)
                 power -= dot(turn, of_p)
-        drag = axes_drag(_minus(flow_at(t, origin, level, motion)[2], V), axes, numbers[0:3])
+        drag = axes_drag(minus(flow_at(t, origin, level, motion)[2], V), axes, numbers[0:3])
         _add(f, o, share, drag)
         power -= share * dot(drag, V)
     at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
     for s in range(index[1]):
         i, j, numbers = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], params[begin + SEGMENT_NUMBERS * s :]
-        q1, q2 = _middle(base, q, i), _middle(base, q, j)
-        flow_i, flow_j, d = flow_at(t, q1, level, motion), flow_at(t, q2, level, motion), _minus(q2, q1)
+        q1, q2 = middle_of(base, q, i), middle_of(base, q, j)
+        flow_i, flow_j, d = flow_at(t, q1, level, motion), flow_at(t, q2, level, motion), minus(q2, q1)
         w1, w2, _, _, _ = _along(flow_i[0], flow_j[0], numbers[1], dry)
         tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
         for side in range(2):
             node, w, flow = (i, w1, flow_i) if side == 0 else (j, w2, flow_j)
-            V = _velocity(base, q, v, per_h, node)
-            F = segment_force(_minus(flow[2], V), flow[4], (tx, ty, tz), numbers[2], numbers[3], numbers[5], numbers[6], numbers[7])
+            V = velocity_of(base, q, v, per_h, node)
+            F = segment_force(minus(flow[2], V), flow[4], (tx, ty, tz), numbers[2], numbers[3], numbers[5], numbers[6], numbers[7])
             _add(f, node, w, F)
             power -= w * dot(F, V)
             if lifts:
@@ -266,11 +249,11 @@ def _on_bodies(t, base, q, v, per_h, lifts, index, params, f):
     at, begin = at + ROD_INDEX * index[1], begin + SEGMENT_NUMBERS * index[1]
     for s in range(index[2]):
         i, j, numbers = index[at + CAP_INDEX * s], index[at + CAP_INDEX * s + 1], params[begin + CAP_NUMBERS * s :]
-        q1, q2, V = _middle(base, q, i), _middle(base, q, j), _velocity(base, q, v, per_h, i)
-        flow, d = flow_at(t, q1, level, motion), _minus(q1, q2)
+        q1, q2, V = middle_of(base, q, i), middle_of(base, q, j), velocity_of(base, q, v, per_h, i)
+        flow, d = flow_at(t, q1, level, motion), minus(q1, q2)
         w, _ = _sphere(flow[0], numbers[1], dry)
         tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
-        F = segment_force(_minus(flow[2], V), flow[4], (tx, ty, tz), 0.0, numbers[2], numbers[3], -1.0, 0.0)
+        F = segment_force(minus(flow[2], V), flow[4], (tx, ty, tz), 0.0, numbers[2], numbers[3], -1.0, 0.0)
         _add(f, i, w, F)
         power -= w * dot(F, V)
     return power
@@ -291,7 +274,7 @@ def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
     for k in range(index[0]):
         at, numbers = 3 + BODY_INDEX * k, params[begin + BODY_NUMBERS * k : begin + BODY_NUMBERS * (k + 1)]
         o, b, row = index[at], index[at + 4], index[at + 5]
-        origin, centre = _middle(base, q, o), _middle(base, q, b)
+        origin, centre = middle_of(base, q, o), middle_of(base, q, b)
         flow, M = flow_at(t, centre, level, motion), numbers[5]
         share, slope = _sphere(flow[0], numbers[3], dry)
         if numbers[10] > 0.0:
@@ -304,16 +287,16 @@ def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
         elif lifts:
             _subtract_share_slope(D[b], (0.0, 0.0, numbers[4]), c_q * slope, flow[1])
         flow_o = flow_at(t, origin, level, motion)
-        V = _velocity(base, q, v, per_h, o)
-        u = _minus(flow_o[2], V)
+        V = velocity_of(base, q, v, per_h, o)
+        u = minus(flow_o[2], V)
         for a in range(3):
-            e, per = axis_of(origin, _middle(base, q, index[at + 1 + a]))
+            e, per = axis_of(origin, middle_of(base, q, index[at + 1 + a]))
             if numbers[a] > 0.0:
                 subtract_axis_slopes(u, flow_o[3], e, per, share * numbers[a], c_q, c_v, D[o], near[row + a, 0])
             if numbers[16 + a] > 0.0:
-                b1, (e3, _) = (a + 1) % 3, axis_of(origin, _middle(base, q, index[at + 1 + (a + 2) % 3]))
+                b1, (e3, _) = (a + 1) % 3, axis_of(origin, middle_of(base, q, index[at + 1 + (a + 2) % 3]))
                 p = index[at + 1 + b1]
-                of_p = _minus(_velocity(base, q, v, per_h, p), V)
+                of_p = minus(velocity_of(base, q, v, per_h, p), V)
                 subtract_turning_slopes(of_p, e3, share * numbers[16 + a], numbers[9], c_v, D[o], D[p], near[row + b1])
             if len(motion[1]) > 0:
                 m, s = c_q * share * M, c_q * slope * M * (1.0 + numbers[6 + a]) * dot(flow[4], e)
@@ -324,13 +307,13 @@ def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
     at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
     for s in range(index[1]):
         i, j, row = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], index[at + ROD_INDEX * s + 2]
-        numbers, q1, q2 = params[begin + SEGMENT_NUMBERS * s :], _middle(base, q, i), _middle(base, q, j)
-        flow_i, flow_j, d = flow_at(t, q1, level, motion), flow_at(t, q2, level, motion), _minus(q2, q1)
+        numbers, q1, q2 = params[begin + SEGMENT_NUMBERS * s :], middle_of(base, q, i), middle_of(base, q, j)
+        flow_i, flow_j, d = flow_at(t, q1, level, motion), flow_at(t, q2, level, motion), minus(q2, q1)
         w1, w2, k11, k12, k22 = _along(flow_i[0], flow_j[0], numbers[1], dry)
         tx, ty, tz, per_l = tangent_of(d[0], d[1], d[2], numbers[0])
         for side in range(2):
             node, w, k, flow, up = (i, w1, k11, flow_i, flow_j[1]) if side == 0 else (j, w2, k22, flow_j, flow_i[1])
-            u, own, other, sign = _minus(flow[2], _velocity(base, q, v, per_h, node)), D[node], near[row, side], 2.0 * side - 1.0
+            u, own, other, sign = minus(flow[2], velocity_of(base, q, v, per_h, node)), D[node], near[row, side], 2.0 * side - 1.0
             subtract_segment_slopes(
                 u, flow[3], (tx, ty, tz), per_l, w * numbers[2], w * numbers[3], sign, c_q, c_v, own, other
             )  # fmt: skip
@@ -346,9 +329,9 @@ def _slopes(t, base, q, v, per_h, lifts, index, params, c_q, c_v, D, near):
     at, begin = at + ROD_INDEX * index[1], begin + SEGMENT_NUMBERS * index[1]
     for s in range(index[2]):
         i, j, numbers = index[at + CAP_INDEX * s], index[at + CAP_INDEX * s + 1], params[begin + CAP_NUMBERS * s :]
-        q1, q2 = _middle(base, q, i), _middle(base, q, j)
-        flow, d = flow_at(t, q1, level, motion), _minus(q1, q2)
-        (w, slope), u = _sphere(flow[0], numbers[1], dry), _minus(flow[2], _velocity(base, q, v, per_h, i))
+        q1, q2 = middle_of(base, q, i), middle_of(base, q, j)
+        flow, d = flow_at(t, q1, level, motion), minus(q1, q2)
+        (w, slope), u = _sphere(flow[0], numbers[1], dry), minus(flow[2], velocity_of(base, q, v, per_h, i))
         tx, ty, tz, per_l = tangent_of(d[0], d[1], d[2], numbers[0])
         subtract_segment_slopes(u, flow[3], (tx, ty, tz), 0.0, 0.0, w * numbers[2], 1.0, c_q, c_v, D[i], D[i])
         F = segment_force(u, flow[4], (tx, ty, tz), 0.0, numbers[2], numbers[3], -1.0, 0.0)
@@ -432,12 +415,12 @@ def inertia(t, q, index, params, A):
         if numbers[10] > 0.0:
             share = hull_share(hull_immersed(q, q, q[b, 2] - height, index, at, numbers), numbers)
         for a in range(3):
-            e, _ = axis_of(_middle(q, q, o), _middle(q, q, index[at + 1 + a]))
+            e, _ = axis_of(middle_of(q, q, o), middle_of(q, q, index[at + 1 + a]))
             add_mass(share * numbers[5] * numbers[6 + a], 0.0, 1.0, e, A[b])
     at, begin = 3 + BODY_INDEX * index[0], begin + BODY_NUMBERS * index[0]
     for s in range(index[1]):
         i, j, numbers = index[at + ROD_INDEX * s], index[at + ROD_INDEX * s + 1], params[begin + SEGMENT_NUMBERS * s :]
-        d = _minus(_middle(q, q, j), _middle(q, q, i))
+        d = minus(middle_of(q, q, j), middle_of(q, q, i))
         tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
         _, w1, w2, _, _, _ = wetted(height_at(t, q, i, level, motion), height_at(t, q, j, level, motion), numbers[1])
         add_mass(w1 * numbers[5], numbers[6], numbers[7], (tx, ty, tz), A[i])
@@ -445,7 +428,7 @@ def inertia(t, q, index, params, A):
     at, begin = at + ROD_INDEX * index[1], begin + SEGMENT_NUMBERS * index[1]
     for s in range(index[2]):
         i, j, numbers = index[at + CAP_INDEX * s], index[at + CAP_INDEX * s + 1], params[begin + CAP_NUMBERS * s :]
-        d = _minus(_middle(q, q, i), _middle(q, q, j))
+        d = minus(middle_of(q, q, i), middle_of(q, q, j))
         tx, ty, tz, _ = tangent_of(d[0], d[1], d[2], numbers[0])
         w, _, _ = submerged_share(height_at(t, q, i, level, motion), numbers[1])
         add_mass(w * numbers[3], 0.0, 1.0, (tx, ty, tz), A[i])

@@ -31,6 +31,7 @@ from anet_lumped.compiled.jit import inlined_law, kernel
 from anet_lumped.effects.flow.waves.base import Wave
 from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
 from anet_lumped.effects.flow.wind.kernel import pack
+from anet_lumped.effects.laws.over_a_step import middle_of, minus, velocity_of
 from anet_lumped.effects.laws.shed_lift import across, frequency, lift, lift_slopes
 from anet_lumped.effects.laws.submergence import point_share
 
@@ -155,24 +156,6 @@ def _water(params):
 
 
 @inlined_law
-def _place(base, q, i):
-    return 0.5 * (base[i, 0] + q[i, 0]), 0.5 * (base[i, 1] + q[i, 1]), 0.5 * (base[i, 2] + q[i, 2])
-
-
-@inlined_law
-def _velocity(base, q, v, per_h, i):
-    """Mean velocity of a node over a step, or where per_h is 0 that in v."""
-    if per_h == 0.0:
-        return v[i, 0], v[i, 1], v[i, 2]
-    return per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
-
-
-@inlined_law
-def _minus(a, b):
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-@inlined_law
 def _times(in_u, gradient, x, y):
     """Entry of the product of two matrices (9,)."""
     return in_u[3 * x] * gradient[y] + in_u[3 * x + 1] * gradient[3 + y] + in_u[3 * x + 2] * gradient[6 + y]
@@ -199,8 +182,8 @@ def _lift_on(t, h, base, q, v, index, params, k):
     motion, begin = _water(params)
     a, p = 1 + NODE_INDEX * k, begin + NODE_NUMBERS * k
     i, c, d = index[a], params[p], params[p + 1]
-    V, flow = _velocity(base, q, v, 1.0 / h if h > 0.0 else 0.0, i), flow_at(t, _place(base, q, i), params[0], motion)
-    u, chord = _minus(flow[2], V), _minus(_place(base, q, index[a + 2]), _place(base, q, index[a + 1]))
+    V, flow = velocity_of(base, q, v, 1.0 / h if h > 0.0 else 0.0, i), flow_at(t, middle_of(base, q, i), params[0], motion)
+    u, chord = minus(flow[2], V), minus(middle_of(base, q, index[a + 2]), middle_of(base, q, index[a + 1]))
     along, per_l, w, speed = across(u, chord, params[p + 6])
     ahead = math.pi * h * params[p + INNER + 1] / d
     phase = params[p + INNER] + ahead * speed

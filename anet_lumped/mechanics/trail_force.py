@@ -3,7 +3,8 @@
 import math
 
 from anet_lumped.compiled.jit import on_demand
-from anet_lumped.compiled.lanes import WIDTH, add_three, group_members, load_lanes, load_three, sum_of_lanes
+from anet_lumped.compiled.lanes import WIDTH, add_three, group_members, load_three, sum_of_lanes
+from anet_lumped.compiled.rows_of_lanes import load_row
 from anet_lumped.effects.laws.axial import Spring, tension_parts
 from anet_lumped.mechanics.segment_law import SHORTEST
 from anet_lumped.model.net import view_net
@@ -29,7 +30,7 @@ def force_of_trails(net_address, q, v, f):
         for row in range(first + 1, first + 1 + trails.run[g, 1]):
             ahead, at = group_members(trails.position, row), 3 * WIDTH * row
             q1, v1 = load_three(flat_q, ahead), load_three(flat_v, ahead)
-            L0, k, c = load_lanes(number, at), load_lanes(number, at + WIDTH), load_lanes(number, at + 2 * WIDTH)
+            L0, k, c = load_row(number, at), load_row(number, at + WIDTH), load_row(number, at + 2 * WIDTH)
             dx, dy, dz = q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]
             l = math.sqrt(dx * dx + dy * dy + dz * dz)
             per_l = 1.0 / max(l, SHORTEST * L0)

@@ -89,7 +89,7 @@ def _trails(ends, segments):
     for first in segments:
         if first not in left:
             continue
-        node, s, trail = int(ends[first, 0]), first, None
+        node, s = int(ends[first, 0]), first
         trail = [(node, None)]
         while s is not None:
             left.remove(s)

@@ -9,6 +9,7 @@ from anet_lumped.compiled.jit import inlined_law
 from anet_lumped.effects.flow.surface import flow_at, height_at
 from anet_lumped.effects.laws.drag import subtract_multiple, subtract_point_slopes, subtract_segment_slopes, tangent_of
 from anet_lumped.effects.laws.morison import add_mass, point_force, segment_force, subtract_inertia_slopes
+from anet_lumped.effects.laws.over_a_step import middle_of
 from anet_lumped.effects.laws.submergence import point_share, point_share_between, wetted, wetted_between
 
 HEADER, SEGMENT_NUMBERS, POINT_NUMBERS = 3, 8, 5  # numbers in ``params`` before all others, of each segment and of each point
@@ -187,11 +188,6 @@ def energy_of(q, index, params, motion):
 
 
 @inlined_law
-def _middle(base, q, i):
-    return 0.5 * (base[i, 0] + q[i, 0]), 0.5 * (base[i, 1] + q[i, 1]), 0.5 * (base[i, 2] + q[i, 2])
-
-
-@inlined_law
 def _mean_velocity(base, q, i, per_h):
     return per_h * (q[i, 0] - base[i, 0]), per_h * (q[i, 1] - base[i, 1]), per_h * (q[i, 2] - base[i, 2])
 
@@ -227,7 +223,7 @@ def force_over_step(t, h, base, q, index, params, f, D, near, motion):
     flow_j = flow_i
     for s in range(segments):
         i, j, numbers = index[1 + 2 * s], index[2 + 2 * s], params[begin + SEGMENT_NUMBERS * s : begin + SEGMENT_NUMBERS * (s + 1)]
-        q1, q2 = _middle(base, q, i), _middle(base, q, j)
+        q1, q2 = middle_of(base, q, i), middle_of(base, q, j)
         flow_i = flow_j if i == last else flow_at(t, q1, level, motion)
         flow_j, last = flow_at(t, q2, level, motion), j
         v1, v2, d, lift = _mean_velocity(base, q, i, per_h), _mean_velocity(base, q, j, per_h), _difference(q2, q1), numbers[4]
@@ -244,7 +240,7 @@ def force_over_step(t, h, base, q, index, params, f, D, near, motion):
     begin += SEGMENT_NUMBERS * segments
     for p in range(index.shape[0] - 1 - 2 * segments):
         node, numbers = index[1 + 2 * segments + p], params[begin + POINT_NUMBERS * p : begin + POINT_NUMBERS * (p + 1)]
-        flow, V, lift = flow_at(t, _middle(base, q, node), level, motion), _mean_velocity(base, q, node, per_h), numbers[2]
+        flow, V, lift = flow_at(t, middle_of(base, q, node), level, motion), _mean_velocity(base, q, node, per_h), numbers[2]
         if not waves:
             g, slope = point_share_between(base[node, 2] - level, q[node, 2] - level, numbers[0])
             f[node, 2] += lift * g
