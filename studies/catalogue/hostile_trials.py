@@ -12,8 +12,7 @@ import signal
 import tempfile
 import time
 import warnings
-from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -46,7 +45,6 @@ from anet_lumped.effects import Air, AxialDamping, Gravity, Ground, Load, Temper
 from .hostile_files import SCENE, VALUES, changed_bytes, changed_moordyn_file, changed_scene_file, mooring
 from .hostile_outcomes import (
     ACCEPTED,
-    BAD,
     HANG,
     LONG_LINE,
     LONGEST_LINE,
@@ -321,24 +319,16 @@ KINDS: dict[str, Callable[[Any, Path], Callable[[], Outcome]]] = {
 """Kinds of cases: each draws one and returns what carries it out."""
 
 
-def try_many(kind: str, seed: int, first: int, count: int) -> list[dict]:
-    """The cases of a kind from number ``first`` on: kind, number, outcome and what was said of each."""
+def each(seed: int, first: int, count: int, kinds: Iterable[str] = tuple(KINDS)) -> Iterator[dict]:
+    """Cases of each kind by number as they end, as dicts: kind, number, outcome, said."""
     with tempfile.TemporaryDirectory() as folder:
         _compile(Path(folder))
-        found = []
-        for number in range(first, first + count):
-            outcome, said = attempt(kind, Random((seed, number)), Path(folder))
-            found.append({"kind": kind, "number": number, "outcome": outcome, "said": said[:1000]})
-        return found
+        for kind in kinds:
+            for number in range(first, first + count):
+                outcome, said = attempt(kind, Random((seed, number)), Path(folder))
+                yield {"kind": kind, "number": number, "outcome": outcome, "said": said[:1000]}
 
 
-def main(count: int = 200) -> None:
-    """Try some of each kind and print what must not be."""
-    counts: Counter = Counter()
-    for kind in KINDS:
-        for one in try_many(kind, 1, 0, count):
-            counts[kind, one["outcome"]] += 1
-            if one["outcome"] in BAD:
-                print(one)
-    for (kind, outcome), n in counts.items():
-        print(f"{n:5d} {kind}: {outcome}")
+def try_many(kind: str, seed: int, first: int, count: int) -> list[dict]:
+    """What `each` says of the cases of one kind, once all have ended."""
+    return list(each(seed, first, count, (kind,)))

@@ -1,13 +1,12 @@
 """Random nets, starts, paths, methods and steps: each run must end well with its energy accounted for, or say why not.
 
-Run as `python -m studies.fuzz`; it tries `TRIALS` of them and prints what failed. A trial is drawn with a
-`Pick`, so that tests draw the same trials from another source of chance.
+Run as `python -m studies.fuzz`. A trial is drawn with a `Pick`, so that tests draw the same trials from another source of chance.
 """
 
-import json
 import math
 import time
 import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -26,7 +25,6 @@ from integrators.schemes.record import EnergyPromise
 from studies.catalogue.outcome import DEFAULT, FAILED, GAINED, HELD, REFUSED, bounded_work, compiled_methods
 from studies.catalogue.random_extras import with_extras
 
-TRIALS = 2000
 IMBALANCE = 1e-4  # of the energy in play, what the exact balance of edmc may miss: Newton's tolerance over some ten steps
 RISE, GAIN = 1e-5, 0.1  # of the energy in play: of methods that never raise it; of the others, counted
 FAR_OFF = 10.0  # times the error that a run says it keeps: from there on it is wrong in silence
@@ -332,9 +330,8 @@ def _audit(trial, run):
     return HELD, ""
 
 
-def try_many(seed: int, first: int, count: int, surroundings: bool = True) -> list[dict]:
-    """Outcomes of trials by number, as dicts: number, method (or "default"), outcome, why, seconds."""
-    found = []
+def each(seed: int, first: int, count: int, surroundings: bool = True) -> Iterator[dict]:
+    """Trials by number as they end, as dicts: number, method (or "default"), outcome, why, seconds."""
     for number in range(first, first + count):
         began, method = time.perf_counter(), ""
         try:
@@ -343,20 +340,9 @@ def try_many(seed: int, first: int, count: int, surroundings: bool = True) -> li
             outcome, why = attempt(trial)
         except SceneError as error:  # such as a cable from a point to itself
             outcome, why, method = REFUSED, f"SceneError: {error}", "scene"
-        found.append({"number": number, "method": method, "outcome": outcome, "why": why, "seconds": time.perf_counter() - began})
-    return found
+        yield {"number": number, "method": method, "outcome": outcome, "why": why, "seconds": time.perf_counter() - began}
 
 
-def main(seed=7, trials=TRIALS):
-    """Try many and print what failed, how many had each outcome, and the slowest."""
-    found = try_many(seed, 0, trials)
-    for one in found:
-        if one["outcome"] in (FAILED, GAINED):
-            print(json.dumps(one))
-    counts = {outcome: sum(one["outcome"] == outcome for one in found) for outcome in (HELD, REFUSED, GAINED, FAILED)}
-    slowest = max(found, key=lambda one: one["seconds"])
-    print(counts, f"{math.fsum(one['seconds'] for one in found):.0f} s; slowest:", json.dumps(slowest))
-
-
-if __name__ == "__main__":
-    main()
+def try_many(seed: int, first: int, count: int, surroundings: bool = True) -> list[dict]:
+    """What `each` says of trials, once all have ended."""
+    return list(each(seed, first, count, surroundings))

@@ -1,11 +1,10 @@
 """Random cables that lie partly on the ground: each must come to a stable rest, that of the catenary on the bed, or say why not.
 
-Run as `python -m studies.fuzz rests`; it tries `TRIALS` of them and prints what failed.
+Run as `python -m studies.fuzz rests`.
 """
 
-import json
 import math
-import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +15,6 @@ from anet_lumped.effects import Bending, Gravity, Ground, Water
 from studies.catalogue.outcome import FAILED, HELD, REFUSED
 from studies.catalogue.random_trials import Pick, Random
 
-TRIALS = 300
 G, RHO = 9.81, 1025.0
 RESOLVED = 0.5  # of the length a = H/w over which a catenary turns at its vertex, that segments and bending may reach to resolve it
 NEAR = 0.01  # of H, beside what segments and bending change of it: the squares of their reach over a
@@ -112,14 +110,10 @@ def attempt(trial: RestTrial) -> tuple[str, str]:
     return HELD, ""
 
 
-def main(seed=7, trials=TRIALS):
-    """Try many and print what failed or was refused, and how many had each outcome."""
-    counts, began = {HELD: 0, REFUSED: 0, FAILED: 0}, time.perf_counter()
-    for number in range(trials):
+def each(seed: int, first: int, count: int) -> Iterator[dict]:
+    """Trials by number as they end, as dicts: number, outcome, why; without those that have no rest on the ground."""
+    for number in range(first, first + count):
         trial = draw(Random((seed, number)))
         if trial is not None:
             outcome, why = attempt(trial)
-            counts[outcome] += 1
-            if outcome != HELD:
-                print(json.dumps({"number": number, "outcome": outcome, "why": why}))
-    print(counts, f"{time.perf_counter() - began:.0f} s")
+            yield {"number": number, "outcome": outcome, "why": why}

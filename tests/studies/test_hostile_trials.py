@@ -25,6 +25,11 @@ from studies.catalogue.hostile_trials import KINDS, Outcome, attempt, try_many
 from studies.questions import hostile_input
 
 
+@pytest.fixture(scope="module", autouse=True)
+def compiled(tmp_path_factory):
+    hostile_trials._compile(tmp_path_factory.mktemp("compiled"))
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck), database=None)
 @given(st.data())
