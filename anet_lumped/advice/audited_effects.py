@@ -17,6 +17,8 @@ from anet_lumped.scene.scene import Cable, Free, Scene, SceneError
 
 from . import dimensionless
 
+UPRIGHT = 1e-12  # cosine of a chord's inclination, by rounding alone: such a cable has no sag
+
 
 class Scales(NamedTuple):
     """Sizes of a motion, of cables by name.
@@ -107,7 +109,14 @@ def _largest(scene: Scene, number: Callable[[Cable], float], wanted: Callable[[C
 
 def _elastic_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     numbers = {"strain": _largest(scene, lambda c: c.strain(scales.tension[c.name]))}
-    sagging = {c.name for c in scene.cables if scales.along[c.name] > 0.0 and scales.chord[c.name] > 0.0 and not c.inextensible}
+    sagging = {
+        c.name
+        for c in scene.cables
+        if scales.along[c.name] > 0.0
+        and scales.chord[c.name] > 0.0
+        and math.cos(scales.inclination[c.name]) > UPRIGHT
+        and not c.inextensible
+    }
     if scales.g > 0.0 and sagging:
         numbers["Irvine's lambda²"] = min(
             dimensionless.irvine(
