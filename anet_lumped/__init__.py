@@ -45,6 +45,7 @@ from anet_lumped.results.state import State
 from anet_lumped.scene import nets, working_curves
 from anet_lumped.scene.attach import attach
 from anet_lumped.scene.cable_cut import CableCut
+from anet_lumped.scene.carried import Carried
 from anet_lumped.scene.payload_change import PayloadChange
 from anet_lumped.scene.platform import platform
 from anet_lumped.scene.rod_body import rod_body
@@ -66,6 +67,7 @@ __all__ = [
     "Body",
     "Cable",
     "CableCut",
+    "Carried",
     "Driven",
     "EquilibriumError",
     "Fixed",

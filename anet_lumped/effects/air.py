@@ -91,7 +91,7 @@ class Air(Effect):
                 raise SceneError(
                     f"The effect Air needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
                 )
-        points = [point for point in model.scene.free_points if point.CdA > 0.0]
+        points = [point for point in model.scene.loaded_points if point.CdA > 0.0]
         of_cable = np.array([[cable.L0, cable.diameter, *segment_coefficients(self.density, cable)] for cable in cables])
         winds = pack(self.wind)
         nodes = [model.node(point.name) for point in points]

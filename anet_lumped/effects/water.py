@@ -151,7 +151,7 @@ class Water(Effect):
                 )
         g = self.gravity(scene)
         current, wave = pack(self.current), pack_waves(self.all_waves, g, self.level)
-        points = [point for point in scene.free_points if point.volume > 0.0 or point.CdA > 0.0]
+        points = scene.loaded_points
         of_cable = np.array([self._of_cable(cable, g) for cable in scene.cables])
         of_point = np.array([self._of_point(point, g) for point in points])
         nodes = [model.node(point.name) for point in points]

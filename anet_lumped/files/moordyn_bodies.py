@@ -8,6 +8,7 @@ MoorDyn's body has its weight and its buoyancy at its centre of gravity, its dra
 """
 
 import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy as np
 from anet_lumped.checks import Vector, quoted
 from anet_lumped.prescribed.six_motions import carried
 from anet_lumped.scene.body import Body
+from anet_lumped.scene.carried import Carried
 from anet_lumped.scene.rod import Rod
 
 from .moordyn_attachments import Hold, attachment
@@ -107,7 +109,9 @@ def _frame(number: int, row: Row) -> Frame:
     return Frame(Hold.FREE if pinned or hold is None else hold, (*place, *angles), name, pinned, hold is Hold.COUPLED, row)
 
 
-def moving_body(frame: Frame, attachments: list[tuple[str, Vector]], rods: list[Rod]) -> Body:
+def moving_body(
+    frame: Frame, attachments: list[tuple[str, Vector]], rods: list[Rod], carried: Mapping[str, dict[str, float]]
+) -> Body:
     """The body of a frame that moves by itself.
 
     Parameters
@@ -115,6 +119,7 @@ def moving_body(frame: Frame, attachments: list[tuple[str, Vector]], rods: list[
     frame : Frame
     attachments : list of name and (3,) place in its axes [m]
     rods : list of Rod
+    carried : dict of name of an attachment to the fields of a `Carried`
     """
     row, name = frame.row, quoted(frame.name)
     mass, volume = row.number(8, "Mass"), row.number(11, "Volume")
@@ -135,12 +140,14 @@ def moving_body(frame: Frame, attachments: list[tuple[str, Vector]], rods: list[
             else f"The origin of body {name} stays where it is, while the body turns about it; MoorDyn's C++ version lets it fall."
         )
     given: dict[str, Any] = {}
-    if mass or not any(rod.mass_per_length for rod in rods):
-        given = {"mass": mass, "inertia": _three(inertia)}
-    elif any(inertia):
-        raise row.error("a body without a Mass of its own must have no inertia I of its own.")
+    has_parts = any(rod.mass_per_length for rod in rods) or any(fields["mass"] for fields in carried.values())
+    if mass or not has_parts:
+        given["mass"] = mass
+    if mass or not has_parts or any(inertia):
+        given["inertia"] = _three(inertia)
     return made(
         row, Body, frame.name, at=frame.six[:3], rotation=frame.rotation, attachments=attachments, rods=rods,
+        carried={of: made(row, Carried, **fields) for of, fields in carried.items()},
         centre_of_mass=centre, centre_of_buoyancy=centre if volume else (0.0, 0.0, 0.0), volume=volume,
         CdA=_three(along), CdA_rotation=_three(turning), Ca=_three(Ca),
         pinned="" if frame.pinned else None, pinned_to=frame.pin, **given,

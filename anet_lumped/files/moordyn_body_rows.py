@@ -30,11 +30,17 @@ def body_points(scene: Scene) -> dict[str, str]:
     ends = {end for cable in scene.cables for end in (cable.start, cable.end)}
     found = {}
     for i, body in enumerate(_written(scene), start=1):
-        if body.name in ends:
-            found[body.name] = f"Body{i} 0.0 0.0 0.0 0 0 0 0{named('')}"
+        if body.name in ends or "" in dict(body.carried):
+            found[body.name] = f"Body{i} 0.0 0.0 0.0 {_carried(body, '')}{named('')}"
         for name, (x, y, z) in body.places:
-            found[f"{body.name}.{name}"] = f"Body{i} {x!r} {y!r} {z!r} 0 0 0 0{named(name)}"
+            found[f"{body.name}.{name}"] = f"Body{i} {x!r} {y!r} {z!r} {_carried(body, name)}{named(name)}"
     return found
+
+
+def _carried(body: Body, name: str) -> str:
+    """Columns M, V, CdA and CA of a point of a body."""
+    thing = dict(body.carried).get(name)
+    return "0 0 0 0" if thing is None else f"{thing.mass!r} {thing.volume!r} {thing.CdA!r} {thing.Ca!r}"
 
 
 def rod_ends(scene: Scene) -> dict[str, str]:
@@ -100,7 +106,14 @@ def _pinned_rod(scene: Scene, body: Body, bodies: list[Body]) -> tuple[str, tupl
     """What holds a rod that is pinned to a body, its ends in the axes of that body, the rod with the name of its body, its type."""
     other = next((one for one in bodies if body.pinned_to in {point.name for point in one.points}), None)
     rod = body.rods[0] if len(body.rods) == 1 else None
-    is_plain = rod is not None and body.mass is None and not any(body.CdA) and not body.displaced and not body.contact_area
+    is_plain = (
+        rod is not None
+        and body.mass is None
+        and not body.carried
+        and not any(body.CdA)
+        and not body.displaced
+        and not body.contact_area
+    )
     if other is None or rod is None or not is_plain or {("a", rod.start), ("b", rod.end)} != set(body.places) or body.pinned != "a":
         raise SceneError(
             'What is pinned to another point must be one rod, as `rod_body` makes it, pinned at its end "a" to a body that is '

@@ -67,6 +67,7 @@ def read_effects(
         findings.remark("No use is made of waves and currents: rho is 0.")
     if options.value("rho"):
         floating = any(isinstance(point, Free) and (point.volume or point.CdA) for point in places.points.values())
+        floating |= any(body.loaded_points for body in bodies)
         with findings.refusing():
             law = {"points_float": False} if like_moordyn else {}
             effects.append(_effect("water", options.row("rho"), density=options.value("rho"), **law, **flow))

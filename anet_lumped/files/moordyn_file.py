@@ -165,7 +165,7 @@ def _bodies(places: Places, rods: Rods, findings: Findings) -> list[Body]:
         frame = places.frames[number]
         assert frame is not None
         with findings.refusing():
-            bodies.append(moving_body(frame, attachments, rods.on_bodies.get(number, [])))
+            bodies.append(moving_body(frame, attachments, rods.on_bodies.get(number, []), places.carried.get(number, {})))
     return bodies
 
 

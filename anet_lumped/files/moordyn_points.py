@@ -43,6 +43,7 @@ class Places(NamedTuple):
     without_number : lines of the rows whose number cannot be read
     frames : bodies by number, None of one that is refused
     attachments : name and place in its axes (3,) [m] of the attachments of each body that moves by itself, by its number
+    carried : fields of what attachments of each such body carry, by the attachment's name
     leaves : direction (3,) in which a line leaves the end of a rod in line with the rod, by a word such as "R1A"
     smooth : ends of rods without a length, at which MoorDyn joins lines without a kink
     """
@@ -52,6 +53,7 @@ class Places(NamedTuple):
     without_number: list[int]
     frames: dict[int, Frame | None]
     attachments: dict[int, list[tuple[str, Vector]]]
+    carried: dict[int, dict[str, dict[str, float]]]
     leaves: dict[int | str, Vector]
     smooth: set[int | str]
 
@@ -69,7 +71,7 @@ def read_points(rows: list[Row], bodies: list[Row], carrying: set[int], coupled:
     findings : Findings
     """
     held: dict[int, Attachment] = {}
-    found = Places({}, {}, [], {}, {}, {}, set())
+    found = Places({}, {}, [], {}, {}, {}, {}, set())
     good: list[tuple[int, Row]] = []
     for row in rows:
         with findings.refusing():
@@ -136,8 +138,9 @@ def _read(number: int, row: Row, held: Attachment, path: Path | None, found: Pla
 def _attach(number: int, row: Row, body: int, frame: Frame, found: Places) -> None:
     """Read the point of a row on a body that moves by itself into ``found``; a row with the name "" is the origin of the body."""
     x, y, z = (row.number(2 + x, "XYZ"[x]) for x in range(3))
-    if any(_load(row).values()):
-        raise row.error("a point on a body that moves must have no load of its own: M, V, CdA and CA must be 0.")
+    load = _load(row)
+    if any(load[key] for key in ("mass", "volume", "CdA")):
+        found.carried.setdefault(body, {})["" if row.name == "" else row.name or f"point{number}"] = load
     if row.name == "":
         if x or y or z:
             raise row.error('a point on a body must have a name, or be at the origin of the body, but is called "".')

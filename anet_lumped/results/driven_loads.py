@@ -29,7 +29,7 @@ MASSLESS = 1e-12  # [kg] in place of the mass of a body that has none, with the 
 
 def has_loads(body: Body) -> bool:
     """Whether anything may act on a driven body itself."""
-    return bool(body.mass or body.rods or any(body.CdA) or body.displaced or body.contact_area)
+    return bool(body.mass or body.rods or any(body.CdA) or body.displaced or body.contact_area or body.carried)
 
 
 @lru_cache(maxsize=64)

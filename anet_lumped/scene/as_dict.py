@@ -22,6 +22,7 @@ from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
 from anet_lumped.scene import nets, working_curves
 from anet_lumped.scene.attach import attach
+from anet_lumped.scene.carried import Carried
 from anet_lumped.scene.happenings import KINDS as EVENTS
 from anet_lumped.scene.happenings import Happening
 from anet_lumped.scene.rod import Rod
@@ -193,13 +194,21 @@ def _body(entry: dict[str, Any], place: str) -> Body:
     if "rods" in entry:
         rods = [_make(Rod, rod, of) for rod, of in _tables(entry, "rods", place)]
         entry = entry | {"rods": rods}
+    if "carried" in entry:
+        within = f"{place}.carried"
+        carried = {
+            name: _make(Carried, _table(thing, f"{within}.{one_line(name, NAMED)}"), f"{within}.{one_line(name, NAMED)}")
+            for name, thing in _table(entry["carried"], within).items()
+        }
+        entry = entry | {"carried": carried}
     return _make(Body, entry, place)
 
 
 def _of_body(body: Body) -> dict[str, Any]:
     """`_plain` of a body, with its attachments by name and its rods as tables."""
     plain = _plain(body) | {"attachments": dict(body.attachments), "rods": [_plain(rod) for rod in body.rods]}
-    left_out = ({"at"} if body.is_jointed else set()) | (set() if body.rods else {"rods"})
+    plain["carried"] = {name: _plain(thing) for name, thing in dict(body.carried).items()}
+    left_out = ({"at"} if body.is_jointed else set()) | {key for key in ("rods", "carried") if not plain[key]}
     return {key: value for key, value in plain.items() if key not in left_out}
 
 

@@ -1,7 +1,7 @@
 """A rigid body, and the points that stand for it: see `body_mass` for its four masses."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations, pairwise
 from typing import Any
@@ -24,7 +24,8 @@ from anet_lumped.prescribed.paths import Path, line
 from anet_lumped.prescribed.turning import matrix_of
 from anet_lumped.prescribed.turning_path import TurningPath
 
-from .body_mass import NEGLIGIBLE, Mass, check_inertia, four_masses, sum_of, tensor
+from .body_mass import NEGLIGIBLE, Mass, check_inertia, four_masses, is_on_a_line, sum_of, tensor
+from .carried import Carried, check_carried
 from .point import Driven, Free
 from .rod import Rod
 
@@ -85,6 +86,8 @@ class Body:
         part of the box under a level surface lifts it at the centre of that part
     contact_area : float [m2], of its attachments together, or of its origin if it has none, on a ground
     rods : sequence of Rod, parts of the body that add their mass, inertia and forces; `mass` may then be left out
+    carried : dict of name to Carried, what sits at attachments, or, by the name "", at the origin, with a mass and forces of its
+        own; `mass` may then be left out too
 
     Raises
     ------
@@ -110,6 +113,7 @@ class Body:
     hull: Vector | None = field(default=None, kw_only=True)
     contact_area: float = field(default=0.0, kw_only=True)
     rods: Sequence[Rod] = field(default=(), kw_only=True)
+    carried: Mapping[str, Carried] | Sequence[tuple[str, Carried]] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
         check_name(self.name, "body")
@@ -142,12 +146,14 @@ class Body:
         if self.is_driven and self.pinned is not None:
             raise SceneError(f"A body may be pinned or have a prescribed motion, but {owner} has both.")
         checked |= _check_fluid(self, owner)
-        needs_mass = not self.is_driven and not any(rod.mass_per_length > 0.0 for rod in checked["rods"])
+        names = [name for name, _ in checked["attachments"]]
+        checked["carried"] = check_carried(self.carried, names, owner)
+        has_parts = any(rod.mass_per_length for rod in checked["rods"]) or any(thing.mass for _, thing in checked["carried"])
+        needs_mass = not self.is_driven and not has_parts
         if needs_mass or self.mass is not None:
             checked["mass"] = check_number("mass", self.mass, "kg", owner, sign="positive")
         if needs_mass or self.inertia is not None or (self.mass is not None and not self.is_driven):
             checked["inertia"] = check_inertia(self.inertia, owner)
-        names = [name for name, _ in checked["attachments"]]
         if self.pinned is not None and self.pinned not in ("", *names):
             raise SceneError(
                 f'Argument `pinned` must name an attachment, or be "" for the origin, but {owner} has pinned={shown(self.pinned)}'
@@ -155,6 +161,8 @@ class Body:
             )
         for key, value in checked.items():
             object.__setattr__(self, key, value)
+        if self.carried and self.inertia is None and not self.is_driven and is_on_a_line(self.whole):
+            raise SceneError(f"Masses on one line have no inertia about it, so that {owner} must have an `inertia` of its own.")
 
     @property
     def is_driven(self) -> bool:
@@ -211,7 +219,19 @@ class Body:
         named = [(*end, NEGLIGIBLE * total) for end in ends]
         named[4:4] = [(f"{self.name}[{k}]", arm, m) for k, (arm, m) in enumerate(masses, start=1)]
         R, origin = matrix_of(self.rotation), np.array(self.at)
-        return tuple(OnBody(name, m, at=tuple((origin + R @ arm).tolist()), body=self.name, arm=arm) for name, arm, m in named)
+        points = [OnBody(name, m, at=tuple((origin + R @ arm).tolist()), body=self.name, arm=arm) for name, arm, m in named]
+        carried = {f"{self.name}.{name}" if name else self.name: thing for name, thing in dict(self.carried).items()}
+        for k, point in enumerate(points if carried else ()):
+            if (thing := carried.get(point.name)) is not None:
+                points[k] = replace(point, CdA=thing.CdA, volume=thing.volume, Ca=thing.Ca)
+        return tuple(points)
+
+    @property
+    def loaded_points(self) -> tuple[Free, ...]:
+        """Those of its points that carry what air or water acts on; none of a body whose motion is prescribed."""
+        if self.is_driven or not self.carried:
+            return ()
+        return tuple(point for point in self.points if isinstance(point, Free) and (point.volume > 0.0 or point.CdA > 0.0))
 
     @property
     def places(self) -> tuple[tuple[str, Vector], ...]:
@@ -242,13 +262,15 @@ class Body:
 
     @cached_property
     def whole(self) -> Mass:
-        """`Mass` of the body with its rods."""
-        own = [] if self.mass is None else [Mass(self.mass, np.array(self.centre_of_mass, float), tensor(self.inertia))]
-        return sum_of([*own, *(rod.mass for rod in self.rods if rod.mass_per_length > 0.0)])
+        """`Mass` of the body with its rods and what it carries."""
+        own = [Mass(self.mass or 0.0, np.array(self.centre_of_mass, float), tensor(self.inertia))] if self.inertia else []
+        arms, carried = {"": (0.0, 0.0, 0.0)} | dict(self.places), dict(self.carried)
+        parts = [thing.mass_at(arms[name]) for name, thing in carried.items() if thing.mass > 0.0]
+        return sum_of([*own, *(rod.mass for rod in self.rods if rod.mass_per_length > 0.0), *parts])
 
     @property
     def inertia_tensor(self) -> np.ndarray:
-        """(3, 3) inertia of the body with its rods about their centre of mass [kg m2], in its own axes."""
+        """(3, 3) inertia of all of the body about their centre of mass [kg m2], in its own axes."""
         return self.whole.inertia
 
     @property

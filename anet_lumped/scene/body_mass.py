@@ -18,6 +18,7 @@ import numpy as np
 from anet_lumped.checks import SceneError, Vector, as_entries, check_vector, shown
 
 NEGLIGIBLE = 1e-9  # of the mass of a body: mass of each light point, taken from the rest of it so that all moments stay
+ON_A_LINE = 1e-9  # of the sum of the principal inertias: what is below it is the rounding of 0
 INERTIA_ROUNDING = 1e-6  # of the largest inertia: by how much one may exceed the sum of the other two
 
 
@@ -44,6 +45,11 @@ def sum_of(parts: Iterable[Mass]) -> Mass:
         d = part.centre - centre
         inertia += part.inertia + part.total * (d @ d * np.eye(3) - np.outer(d, d))
     return Mass(float(total), centre, inertia)
+
+
+def is_on_a_line(mass: Mass) -> bool:
+    """Whether a mass has no inertia about one of its axes: points on a line."""
+    return bool(np.linalg.eigvalsh(mass.inertia)[0] <= ON_A_LINE * mass.inertia.trace())
 
 
 def tensor(inertia: Any) -> np.ndarray:

@@ -226,6 +226,12 @@ class Scene:
         return tuple(point for point in self.points if isinstance(point, Free))
 
     @property
+    def loaded_points(self) -> tuple[Free, ...]:
+        """The free points, and the points of bodies, that carry what air or water acts on."""
+        own = [point for point in self.free_points if point.volume > 0.0 or point.CdA > 0.0]
+        return (*own, *(point for body in self.bodies for point in body.loaded_points))
+
+    @property
     def supports(self) -> list[Vector]:
         """Positions of the fixed points, and of the driven ones at t = 0 [m]."""
         fixed = [point.at for point in self.points if isinstance(point, Fixed)]

@@ -140,6 +140,7 @@ EMPTY = {
     ("Scene", "bodies"),
     ("Body", "attachments"),
     ("Body", "rods"),
+    ("Body", "carried"),
 }
 BY_NAME = {("axial_damping", "rate"), ("temperature", "expansion")}
 RIGHT = (
@@ -150,6 +151,7 @@ RIGHT = (
     | {
         ("an empty dict", "bending", "clamped"),
         ("an empty dict", "Body", "attachments"),
+        ("an empty dict", "Body", "carried"),
         ("a bool", "wind.Gust", "stays"),
         ("a bool", "water", "points_float"),
         ("escapes", "load", "cables"),
