@@ -14,7 +14,7 @@ from .body_mass import Mass
 class Carried:
     """A small thing that is fixed to a point of a body, and moves with it.
 
-    Its mass is one of the body, by Steiner's theorem. Air and water act on it at that point as they do on what a free point carries.
+    Its mass is one of the body, by Steiner's theorem. Air and water act on it there as on what a free point carries.
 
     Parameters
     ----------
