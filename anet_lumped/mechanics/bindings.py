@@ -3,8 +3,8 @@
 import numpy as np
 from numba import types
 
+from anet_lumped.mechanics import observe as observing
 from anet_lumped.mechanics import prescribe
-from anet_lumped.mechanics.observe import no_margin
 from anet_lumped.scene.origin import largest_distance
 from integrators.system import System, first_class
 
@@ -46,15 +46,9 @@ def system(model, force=True, newton=True, mean=True, links=False):
     else:
         from anet_lumped.mechanics.no_force import no_force as of_forces
     events = len(model.breaking_tension) > 0
-    if len(model.cable_groups):
-        from anet_lumped.mechanics.observe_groups import energies, observe
-    else:
-        from anet_lumped.mechanics.observe import energies_of_singles as energies
-        from anet_lumped.mechanics.observe import observe_singles as observe
+    observe = observing.observe
     if model.sheds:
-        from anet_lumped.mechanics import inner_states
-
-        observe = inner_states.observe_and_inner if len(model.cable_groups) else inner_states.observe_singles_and_inner
+        from anet_lumped.mechanics.inner_states import observe_and_inner as observe
     own = _of_links() if links else {}
     return System(
         prescribe=own.get("prescribe") or first_class(prescribe.prescribe),
@@ -63,8 +57,8 @@ def system(model, force=True, newton=True, mean=True, links=False):
         average=_average() if newton and mean else _Absent(),
         remember=own.get("remember") or (_remember(model) if events else _Absent()),
         observe=own.get("observe") or first_class(observe),
-        energy=first_class(energies),
-        margin=own.get("margin") or (_margin() if events else first_class(no_margin)),
+        energy=first_class(observing.energies),
+        margin=own.get("margin") or (_margin() if events else first_class(observing.no_margin)),
         project=own.get("project") or (_keep_bodies(model) if model.has_bodies else first_class(prescribe.keep)),
         per_mass=np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(
             -1, 3

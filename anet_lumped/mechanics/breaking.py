@@ -3,7 +3,7 @@
 from numba import float64, int64
 
 from anet_lumped.compiled.jit import kernel
-from anet_lumped.mechanics.observe_groups import observe
+from anet_lumped.mechanics.observe import observe
 from anet_lumped.model.net import view_net
 from integrators.system import NO_EVENTS
 

@@ -27,7 +27,7 @@ from anet_lumped.prescribed.paths import PathTable
 from anet_lumped.prescribed.turning import matrix_of
 
 
-def fresh_net(model, force=True, newton=True, links=False, crept=None, shedding=None):
+def fresh_net(model, force=True, newton=True, links=False, observed=None, crept=None, shedding=None):
     """Make the arrays that compiled code works on, with fresh scratch space. Each run needs its own.
 
     Parameters
@@ -37,6 +37,8 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None, shedding=
         Whether the run needs forces at one time, and whether it needs the stages of an implicit method.
     links : bool
         Whether its forces are those of links, cables that do not stretch.
+    observed : bool or None
+        Whether tensions and energies of its states are asked for; None where they are if the run needs forces or stages.
     crept : (2, n_segments) float64 or None
         Slow stretch of each segment at the start [m] and the largest tension that it has held [N], for a motion of cables that
         creep. None is for statics, and for scenes without.
@@ -103,7 +105,7 @@ def fresh_net(model, force=True, newton=True, links=False, crept=None, shedding=
         links=model.links.of_a_run() if links else NO_LINKS,
         kernels=np.zeros(KERNELS, np.int64),
     ).addressed()
-    require(net, model, force, newton, links)
+    require(net, model, force, newton, links, force or newton if observed is None else observed)
     if changing:
         from anet_lumped.mechanics.changing_lengths import set_lengths  # compiled for those scenes alone
 

@@ -5,38 +5,24 @@ For scenes that have some; others compile and call none of this.
 
 from numba import float64, int64, void
 
-from anet_lumped.compiled.jit import inlined, kernel
+from anet_lumped.compiled.jit import kernel
 from anet_lumped.mechanics.memory import remember
-from anet_lumped.mechanics.observe import observe_singles
-from anet_lumped.mechanics.observe_groups import observe
+from anet_lumped.mechanics.observe import observe
 from anet_lumped.model.net import view_net
 
 _f1, _f2 = float64[::1], float64[:, ::1]
 
 
-@inlined
-def _write_inner(net_address, row):
-    """Write the inner states to the end of a row that has room for more than tensions."""
+@kernel(void(_f2, _f2, int64, _f1))
+def observe_and_inner(q, v, net_address, row):
+    """`observe.observe`, then the inner states at the end of a row that has room for more than tensions."""
+    observe(q, v, net_address, row)
     net = view_net(net_address)
     inner, params = net.effects.inner, net.effects.params
     if row.shape[0] > net.tension.shape[0]:
         first = row.shape[0] - inner.shape[0]
         for i in range(inner.shape[0]):
             row[first + i] = params[inner[i]]
-
-
-@kernel(void(_f2, _f2, int64, _f1))
-def observe_singles_and_inner(q, v, net_address, row):
-    """`observe.observe_singles`, then the inner states."""
-    observe_singles(q, v, net_address, row)
-    _write_inner(net_address, row)
-
-
-@kernel(void(_f2, _f2, int64, _f1))
-def observe_and_inner(q, v, net_address, row):
-    """`observe_groups.observe`, then the inner states."""
-    observe(q, v, net_address, row)
-    _write_inner(net_address, row)
 
 
 @kernel(void(int64, int64))

@@ -1,19 +1,23 @@
-"""Tensions and energies of a state, which a run saves, of scenes without cables that are taken by fours."""
+"""Tensions and energies of a state, which a run saves.
+
+Cables that are taken one by one, cables that are taken by fours and cables that creep have kernels of their own, which are compiled
+for the scenes that have such cables.
+"""
 
 import math
 
 from numba import float64, int64, void
 
-from anet_lumped.compiled.jit import inlined, internal, kernel
-from anet_lumped.compiled.lanes import column, load, load_four, select, shifted, store
+from anet_lumped.compiled.jit import inlined, internal, kernel, on_demand
+from anet_lumped.compiled.lanes import WIDTH, column, group_members, load, load_four, select, shifted, store
 from anet_lumped.effects.laws.axial import elastic_secant, tension_parts
 from anet_lumped.effects.laws.creep import slow_part, stored_energy, tension_at_once
 from anet_lumped.effects.signatures import as_energy
-from anet_lumped.mechanics.cable_rows import row3, segment_count
+from anet_lumped.mechanics.cable_rows import row3, segment_count, sum_of_members
 from anet_lumped.mechanics.creeping_law import creep_of
 from anet_lumped.mechanics.effect_forces import numbers_of
-from anet_lumped.mechanics.optional import as_set_lengths
-from anet_lumped.mechanics.plain_cables import law_of
+from anet_lumped.mechanics.optional import as_cable_energy, as_cable_observe, as_set_lengths
+from anet_lumped.mechanics.plain_cables import are_plain, law_of, plain_law_of, plain_spring
 from anet_lumped.mechanics.segment_law import SHORTEST, spring_of
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
@@ -30,6 +34,10 @@ from anet_lumped.model.tables import (
     CREPT_CHANGE,
     CREPT_STRETCH,
     CREPT_T_MAX,
+    KERNEL_ENERGY_GROUPS,
+    KERNEL_ENERGY_SINGLES,
+    KERNEL_OBSERVE_GROUPS,
+    KERNEL_OBSERVE_SINGLES,
     KERNEL_SET_LENGTHS,
     LINEARISED_LAW,
     LINEARISED_MEAN_STEP,
@@ -49,7 +57,7 @@ _f1, _f2 = float64[::1], float64[:, ::1]
 
 @internal
 def _creeping_tension(net, c, s, stretch, rate, acting):
-    """`observe_singles` of a segment s of cable c that creeps, of the ``stretch`` l - L0 [m] and the ``rate`` of length [m/s]."""
+    """`observe` of a segment s of cable c that creeps, of the ``stretch`` l - L0 [m] and the ``rate`` of length [m/s]."""
     creep, crept, row, h = creep_of(net, c, s), net.crept[s, CREPT_STRETCH], net.segment[s], net.linearised[LINEARISED_TAU]
     if net.linearised[LINEARISED_LAW] != LAW_BETWEEN or stretch <= crept + slow_part(crept, creep).offset:
         return tension_at_once(stretch - crept, crept, rate, creep)
@@ -62,10 +70,9 @@ def _creeping_tension(net, c, s, stretch, rate, acting):
 
 @inlined
 def observe_cable(net, c, stage_law, law, q, v, tension, creeps):
-    """`observe_singles` of a cable, or of a group of cables.
+    """`observe` of a cable, or of a group of cables.
 
-    ``stage_law`` is that of the last stage, ``law`` what `law_of` returns, and ``creeps`` whether the cable creeps, None for a
-    group.
+    ``stage_law`` is that of the last stage, ``law`` what `law_of` returns, and ``creeps`` True for a cable that creeps, else None.
     """
     first, node, end = (
         column(net.cable, c, CABLE_FIRST_SEGMENT),
@@ -114,8 +121,7 @@ def observe_cable(net, c, stage_law, law, q, v, tension, creeps):
                 mean_tension = load(net.mean_tension, s)
                 T = mean_tension + (T - mean_tension) / (1.0 + stiff * stiff)
             if creeps is not None:
-                if creeps:
-                    T = _creeping_tension(net, c, s, l - L0, rate, acting)
+                T = _creeping_tension(net, c, s, l - L0, rate, acting)
         store(tension, s, T)
         q1, v1 = q2, v2
 
@@ -137,16 +143,50 @@ def elastic_energy_of_cable(net, c, spring, q, creeps):
         secant, _ = elastic_secant(0.0 * stretch, stretch, spring)
         energy = secant * stretch
         if creeps is not None:
-            if creeps:
-                crept = net.crept[first + j, CREPT_STRETCH]
-                energy = stored_energy(stretch - crept, crept, creep_of(net, c, first + j))
+            crept = net.crept[first + j, CREPT_STRETCH]
+            energy = stored_energy(stretch - crept, crept, creep_of(net, c, first + j))
         elastic = elastic + energy
     return elastic
 
 
+@on_demand
+def observe_of_singles(q, v, net_address, tension):
+    """`observe` of the cables that are in no group."""
+    net = view_net(net_address)
+    for c in net.single_cables:
+        observe_cable(net, c, net.linearised[LINEARISED_LAW], law_of(net, c), q, v, tension, None)
+
+
+@on_demand
+def observe_of_creeping(q, v, net_address, tension):
+    """`observe` of the cables that are in no group, some of which creep."""
+    net = view_net(net_address)
+    count = net.tension.shape[0]
+    for i in range(net.crept.shape[0] if tension.shape[0] > count else 0):
+        tension[count + i], tension[2 * count + i] = net.crept[i, CREPT_STRETCH], net.crept[i, CREPT_T_MAX]
+    for c in net.single_cables:
+        if net.creep[c, CREEP_STATIC] > 0.0:
+            observe_cable(net, c, net.linearised[LINEARISED_LAW], law_of(net, c), q, v, tension, True)
+        else:
+            observe_cable(net, c, net.linearised[LINEARISED_LAW], law_of(net, c), q, v, tension, None)
+
+
+@on_demand
+def observe_of_groups(q, v, net_address, tension):
+    """`observe` of the cables that are taken by fours."""
+    net = view_net(net_address)
+    stage_law = net.linearised[LINEARISED_LAW]
+    for g in range(net.cable_groups.shape[0]):
+        c = group_members(net.cable_groups, g)
+        if are_plain(stage_law, net, c):
+            observe_cable(net, c, LAW_BETWEEN, plain_law_of(net, c), q, v, tension, None)
+        else:
+            observe_cable(net, c, stage_law, law_of(net, c), q, v, tension, None)
+
+
 @kernel(void(_f2, _f2, int64, _f1))
-def observe_singles(q, v, net_address, tension):
-    """Write the tension of every segment in a state (n_segments,) [N], of the cables that are in no group.
+def observe(q, v, net_address, tension):
+    """Write the tension of every segment in a state (n_segments,) [N].
 
     The law at one time would multiply rounding errors of the positions by the stiffness. Therefore the tension depends on the last
     stage:
@@ -170,19 +210,50 @@ def observe_singles(q, v, net_address, tension):
     the tensions of all segments, where ``tension`` has room for them.
     """
     net = view_net(net_address)
-    count = net.tension.shape[0]
-    for i in range(net.crept.shape[0] if tension.shape[0] > count else 0):
-        tension[count + i], tension[2 * count + i] = net.crept[i, CREPT_STRETCH], net.crept[i, CREPT_T_MAX]
+    if net.cable_groups.shape[0] > 0:
+        as_cable_observe(net.kernels[KERNEL_OBSERVE_GROUPS])(q, v, net_address, tension)
+    if net.single_cables.shape[0] > 0:
+        as_cable_observe(net.kernels[KERNEL_OBSERVE_SINGLES])(q, v, net_address, tension)
+
+
+@on_demand
+def energy_of_singles(q, net_address):
+    """Energy of the springs of the cables that are in no group [J]."""
+    net, elastic = view_net(net_address), 0.0
     for c in net.single_cables:
-        creeps = net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0
-        observe_cable(net, c, net.linearised[LINEARISED_LAW], law_of(net, c), q, v, tension, creeps)
+        elastic += elastic_energy_of_cable(net, c, spring_of(net, c), q, None)
+    return elastic
+
+
+@on_demand
+def energy_of_creeping(q, net_address):
+    """`energy_of_singles` where some of these cables creep [J]."""
+    net, elastic = view_net(net_address), 0.0
+    for c in net.single_cables:
+        if net.creep[c, CREEP_STATIC] > 0.0:
+            elastic += elastic_energy_of_cable(net, c, spring_of(net, c), q, True)
+        else:
+            elastic += elastic_energy_of_cable(net, c, spring_of(net, c), q, None)
+    return elastic
+
+
+@on_demand
+def energy_of_groups(q, net_address):
+    """Energy of the springs of the cables that are taken by fours [J]."""
+    net, elastic = view_net(net_address), 0.0
+    for g in range(net.cable_groups.shape[0]):
+        c = group_members(net.cable_groups, g)
+        if are_plain(LAW_BETWEEN, net, c):
+            of_cables = elastic_energy_of_cable(net, c, plain_spring(net, c), q, None)
+        else:
+            of_cables = elastic_energy_of_cable(net, c, spring_of(net, c), q, None)
+        elastic += sum_of_members(of_cables, net.cable_groups[g, WIDTH])
+    return elastic
 
 
 @kernel(void(float64, _f2, _f2, int64, _f1))
-def energies_of_singles(t, q, v, net_address, energy):
-    """Kinetic energy of the moving nodes, spring energy of the cables that are in no group, and potential energy of the effects:
-    (3,) [J], overwritten.
-    """
+def energies(t, q, v, net_address, energy):
+    """Energies: kinetic of the moving nodes, springs of the cables, potential of the effects: (3,) [J], overwritten."""
     net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:
         as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)
@@ -190,9 +261,10 @@ def energies_of_singles(t, q, v, net_address, energy):
     for i in range(net.n_free):
         x, y, z = flat_v[3 * i], flat_v[3 * i + 1], flat_v[3 * i + 2]
         kinetic += 0.5 * net.mass[i] * (x * x + y * y + z * z)
-    for c in net.single_cables:
-        creeps = net.creep.shape[0] > 0 and net.creep[c, CREEP_STATIC] > 0.0
-        elastic += elastic_energy_of_cable(net, c, spring_of(net, c), q, creeps)
+    if net.single_cables.shape[0] > 0:
+        elastic += as_cable_energy(net.kernels[KERNEL_ENERGY_SINGLES])(q, net_address)
+    if net.cable_groups.shape[0] > 0:
+        elastic += as_cable_energy(net.kernels[KERNEL_ENERGY_GROUPS])(q, net_address)
     effects = net.effects
     for e in range(effects.address.shape[0]):
         index, params = numbers_of(effects, e)

@@ -53,10 +53,10 @@ class CableAccount(NamedTuple):
     by_full_damper: float
 
 
-_f1, _f2 = float64[::1], float64[:, ::1]
-
 SIGNATURES = {
     "force": float64(int64, _f2, _f2, _f2),
+    "observe": types.void(_f2, _f2, int64, _f1),
+    "energy": float64(_f2, int64),
     "residual": types.NamedUniTuple(float64, 6, CableBalance)(STAGE, int64, _f2, _f2, float64, float64),
     "finish": float64(STAGE, int64),
     "settle": types.NamedUniTuple(float64, 5, CableAccount)(STAGE, int64, _f2, _f2, _f2),
@@ -102,3 +102,4 @@ as_mobility_bodies, as_meet_bodies, as_pull_bodies, as_shape_bodies = (
     callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("mobility", "meet", "pull", "shape")
 )
 as_settle_joints = callable_at(SIGNATURES["settle_joints"])
+as_cable_observe, as_cable_energy = callable_at(SIGNATURES["observe"]), callable_at(SIGNATURES["energy"])

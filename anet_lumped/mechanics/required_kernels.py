@@ -5,7 +5,7 @@ from anet_lumped.mechanics.optional import SIGNATURES
 from anet_lumped.model import tables
 
 
-def require(net, model, force=False, newton=False, links=False):
+def require(net, model, force=False, newton=False, links=False, observed=False):
     """Write the addresses of the kernels that a run needs to ``net.kernels``; compile those that have not been compiled.
 
     Parameters
@@ -16,6 +16,8 @@ def require(net, model, force=False, newton=False, links=False):
         Whether the run needs forces at one time, and whether it needs the stages of an implicit method.
     links : bool
         Whether its forces are those of links, cables that do not stretch.
+    observed : bool
+        Whether tensions and energies of its states are asked for.
     """
     groups, singles = len(net.cable_groups) > 0, len(net.single_cables) > 0
     if model.n_driven < model.n:
@@ -31,6 +33,13 @@ def require(net, model, force=False, newton=False, links=False):
 
         for name in ("set_lengths", "power_of_lengths", "work_of_lengths", "energy_of_paid_out"):
             _write(net, name.upper(), name, getattr(changing_lengths, name))
+    if observed:
+        from anet_lumped.mechanics import observe
+
+        one = "creeping" if len(net.creep) else "singles"
+        for name in ("energy",) if links else ("observe", "energy"):
+            of_singles, of_groups = (getattr(observe, f"{name}_of_{kind}") for kind in (one, "groups"))
+            _write_both(net, name, of_singles if singles else None, of_groups if groups else None)
     if force and not links:
         from anet_lumped.mechanics import force as forces
 

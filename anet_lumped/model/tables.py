@@ -102,7 +102,8 @@ KERNEL_TURN_BODIES, KERNEL_STIFFEN_BODIES, KERNEL_FORCE_BODIES = 25, 26, 27
 KERNEL_MOBILITY_BODIES, KERNEL_MEET_BODIES, KERNEL_PULL_BODIES, KERNEL_SHAPE_BODIES = 28, 29, 30, 31
 KERNEL_RELINEARISE_CREEP, KERNEL_SETTLE_JOINTS, KERNEL_SOLVE_FRONTS = 32, 33, 34
 KERNEL_FORCE_TRAILS = 35
-KERNELS = 36
+KERNEL_OBSERVE_SINGLES, KERNEL_OBSERVE_GROUPS, KERNEL_ENERGY_SINGLES, KERNEL_ENERGY_GROUPS = 36, 37, 38, 39
+KERNELS = 40
 
 # `Fronts.front`, one row a front: how many points are its pivots and its rows; where its points begin in `Fronts.point`, its
 # entries in `Fronts.entry` and its factors in `Fronts.factor`; the first front of those that are added to it, directly or not;

@@ -204,7 +204,7 @@ class Legs:
         from anet_lumped.mechanics.bindings import system  # compiled on first use
 
         own, energy = self.left, np.zeros(BALANCE)
-        net = fresh_net(own.model, force=False, newton=False, crept=self.crept_of(own))
+        net = fresh_net(own.model, force=False, newton=False, observed=True, crept=self.crept_of(own))
         system(own.model, force=False, newton=False).energy(self.t, self.q[own.node], self.v[own.node], net.address, energy)
         return energy[:ENERGIES] + self.carried
 
