@@ -1,17 +1,20 @@
 """The report: runs the studies, cheap and telling ones first, and writes the page after each of them.
 
-Studies that compare times run alone, in this process. Of the others two run at once, each in a process beside this one: one
-compiles, draws or waits for its last rows while the other has rows to run. Before all of them two processes compile what most need:
-the first studies run alone, and would compile on one core.
+Two studies run at once, each in a process beside this one: one compiles, draws or waits for its last rows while the other has
+rows to run. Of studies that compare times one runs at a time, on a core that no other study has; what they compare takes turns, so
+that what slows one of two down slows the other. With `full`, and where a system gives no process a core of its own, they run alone.
+Before all of them two processes compile what most need.
 """
 
 import contextlib
+import os
 import time
 import traceback
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from studies.shown.page import Entry, State, write_page
 from studies.shown.sentences import listed
@@ -20,9 +23,10 @@ from studies.sweeping.compiled_ahead import compile_ahead
 from studies.sweeping.folder_lock import locked
 from studies.sweeping.provenance import provenance
 from studies.sweeping.side_processes import SideProcesses
-from studies.sweeping.workers import available_cores
+from studies.sweeping.workers import available_cores, own_cores
 
 PAGE = "report.html"
+ALL_CORES = own_cores()  # that this process began with
 
 
 class ReportInterrupt(KeyboardInterrupt):
@@ -91,7 +95,8 @@ def most_at_once() -> int:
 
 def _write(out, names, full, executor, at_once, tell):
     """`write_report` in a folder that nobody else writes to."""
-    entries = {name: _entry(name, full) for name in names}
+    beside = at_once > 1 and not full and ALL_CORES is not None
+    entries = {name: _entry(name, full, beside) for name in names}
     command = "anet-lumped report" + " --full" * full
     began, done = {}, []
 
@@ -113,7 +118,7 @@ def _write(out, names, full, executor, at_once, tell):
         write()
         if at_once > 1:
             compile_ahead()
-        with contextlib.closing(_run_all(names, at_once, begin)) as results:
+        with contextlib.closing(_run_all(names, at_once, beside, begin)) as results:
             for name, result in results:
                 entries[name] = result if isinstance(result, Entry) else _failed(entries[name], result)
                 done.append(name)
@@ -130,40 +135,57 @@ def _write(out, names, full, executor, at_once, tell):
     return [name for name, entry in entries.items() if entry.state is State.FAILED]
 
 
-def _run_all(names, at_once, begin):
+def _run_all(names, at_once, beside, begin):
     """Yield the name of each study as it ends, and its entry, or the exception that the process beside this one was lost by.
 
-    When nothing runs, the next study in order begins. Beside one that does not compare times runs the next that does not either.
+    When nothing runs, the next study in order begins. Beside one runs the next in order that may.
 
     Parameters
     ----------
     names, at_once : as for `write_report`
+    beside : whether a study that compares times runs beside one that does not
     begin : is called with the name of a study that begins now, and returns the arguments of `run_entry`
     """
-    waiting, running = list(names), 0
+    waiting, running = list(names), []
+    times = {name for name in names if module_of(name).STUDY.compares_times}
     with SideProcesses() as processes:
         while waiting or running:
-            name = next((name for name in waiting if not running or not _alone(name, at_once)), None) if running < at_once else None
+            excluded = (times if not beside or times & set(running) else set()) if running else set()
+            name = next((name for name in waiting if name not in excluded), None) if len(running) < at_once else None
             if name is None:
-                running -= 1
-                yield processes.next_result()
+                name, result = processes.next_result()
+                running.remove(name)
+                yield name, result
                 continue
+            cores = _cores(name in times) if beside and times & {*waiting, *running} else None
             waiting.remove(name)
             arguments = begin(name)
-            if _alone(name, at_once):
+            if at_once == 1 or (name in times and not beside):
                 yield name, run_entry(*arguments)
             else:
-                running += 1
-                processes.start(name, run_entry, *arguments)
+                running.append(name)
+                processes.start(name, run_on, cores, *arguments)
 
 
-def _alone(name, at_once):
-    return at_once == 1 or module_of(name).STUDY.compares_times
+def _cores(compares_times):
+    """The core of a study that compares times, or those of the studies beside it."""
+    first, *others = sorted(ALL_CORES)
+    return {first} if compares_times else set(others)
 
 
-def _entry(name, full):
+def run_on(cores: set[int] | None, *arguments: Any) -> Entry:
+    """`run_entry` on some cores of the machine, with the processes that it begins; on all that it may use for None."""
+    if ALL_CORES is not None:
+        os.sched_setaffinity(0, cores or ALL_CORES)
+    return run_entry(*arguments)
+
+
+def _entry(name, full, beside):
     record = module_of(name).STUDY
-    return Entry(name, record.question, record.part, first_look="" if full else record.first_look)
+    return Entry(
+        name, record.question, record.part, first_look="" if full else record.first_look,
+        on_one_core=beside and record.compares_times,
+    )  # fmt: skip
 
 
 def run_entry(entry: Entry, out: Path, executor: Executor | None = None) -> Entry:

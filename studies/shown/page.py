@@ -33,6 +33,7 @@ class Entry:
     state : how far the study has come
     study : `Study`, once it is done
     first_look : of a study that is shortened, what it takes of the whole; empty for a whole one
+    on_one_core : whether it timed runs on a core of its own, while other studies ran on others
     reason, traceback : of a study that failed
     """
 
@@ -42,6 +43,7 @@ class Entry:
     state: State = State.TO_COME
     study: Any = None
     first_look: str = ""
+    on_one_core: bool = False
     reason: str = ""
     traceback: str = ""
 

@@ -171,8 +171,13 @@ def check_workers(workers: int | None, elsewhere: bool = False) -> None:
 
 
 def available_cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    """Number of cores that this process may use."""
+    return len(own_cores() or ()) or os.cpu_count() or 1
+
+
+def own_cores() -> set[int] | None:
+    """Cores that this process may use; None on a system that gives no process cores of its own."""
+    return os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else None
 
 
 def slots(executor: Executor) -> int:
@@ -331,7 +336,7 @@ def _start_pool(workers, run, started):
         raise TypeError(f"A row's function must be picklable to reach worker processes, but {error}.") from None
     context = _Context(started, needs_script)
     compiles = context.RawValue("b", 0)  # without a lock, which a worker that is killed could hold
-    executor = ProcessPoolExecutor(workers, mp_context=context, initializer=_prepare_worker, initargs=(compiles,))
+    executor = ProcessPoolExecutor(workers, mp_context=context, initializer=_prepare_worker, initargs=(compiles, own_cores()))
     try:
         with held_back("SIGINT", "SIGTERM", "SIGHUP"):  # a process that is lost as it starts would not be ended
             loaded = executor.submit(callable, run)
@@ -345,6 +350,9 @@ def _start_pool(workers, run, started):
     return Pool(executor, workers, compiles)
 
 
-def _prepare_worker(compiles):
+def _prepare_worker(compiles, cores):
+    """Run on the cores of the process that asked for this one, which are not always those of the process that it is forked from."""
+    if cores:
+        os.sched_setaffinity(0, cores)
     prepare_process()
     call_when_compiling(lambda: setattr(compiles, "value", 1))

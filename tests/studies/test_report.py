@@ -23,6 +23,7 @@ from studies.shown import figure_file
 from studies.shown.page import State
 from studies.shown.show import as_text, column_head
 from studies.study import NAMES, Drawing, Part, Record, StudyError, module_of, run_study
+from studies.sweeping.rows import run_rows
 
 QUESTIONS = Path(study.__file__).parent / "questions"
 
@@ -223,15 +224,64 @@ def quick_entry(entry, out, executor=None):
     return replace(entry, state=State.FAILED, reason=about)
 
 
+def quick_entry_on(cores, *arguments):
+    """In the place of `report.run_on`."""
+    return quick_entry(*arguments)
+
+
+def entry_with_cores(cores, entry, out, executor=None):
+    """In the place of `report.run_on`: a study that ends when as many have begun as its name says, and tells its cores."""
+    (out.parent / "began").mkdir(exist_ok=True)
+    (out.parent / "began" / entry.name).touch()
+    wanted, limit = {"thesis_tables": 2, "order": 3, "speed": 4}.get(entry.name, 0), time.monotonic() + 60.0
+    while len(list((out.parent / "began").iterdir())) < wanted:
+        assert time.monotonic() < limit
+        time.sleep(0.01)
+    return replace(entry, state=State.FAILED, reason=f"{os.getpid()} {cores}")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not report.ALL_CORES or len(report.ALL_CORES) < 2, reason="it takes two cores")
+def test_in_a_first_look_one_study_that_compares_times_has_a_core_of_its_own(monkeypatch, tmp_path):
+    """Beside it runs one that does not, on the others; two that compare times never run at once."""
+    monkeypatch.setattr(report, "compile_ahead", lambda: None)
+    monkeypatch.setattr(report, "run_on", entry_with_cores)
+    names, told = ["thesis_tables", "speed", "order", "length_error"], []
+    write_report(tmp_path, names=names, at_once=2, tell=told.append)
+    assert [one.name for one in told if one.state is State.RUNNING] == ["thesis_tables", "order", "speed", "length_error"]
+    first, *others = sorted(report.ALL_CORES)
+    reasons = {one.name: one.reason.split(" ", 1) for one in told if one.state is State.FAILED}
+    assert str(os.getpid()) not in {pid for pid, _ in reasons.values()}
+    assert reasons["thesis_tables"][1] == reasons["speed"][1] == str({first})
+    assert reasons["order"][1] == reasons["length_error"][1] == str(set(others))
+
+
+@pytest.mark.skipif(not report.ALL_CORES, reason="this system gives no process cores of its own")
+def test_a_study_runs_on_the_cores_that_it_is_given_and_so_do_its_rows(monkeypatch):
+    monkeypatch.setattr(report, "run_entry", lambda: run_rows(cores_of_row, [{"n": n} for n in range(2)])["cores"].tolist())
+    last = max(report.ALL_CORES)
+    try:
+        assert report.run_on({last}) == [str({last})] * 2
+        assert report.run_on(None) == [str(report.ALL_CORES)] * 2
+    finally:
+        os.sched_setaffinity(0, report.ALL_CORES)
+
+
+def cores_of_row(row):
+    """The cores that a worker may use."""
+    return {"cores": str(os.sched_getaffinity(0))}
+
+
 @pytest.mark.slow
 def test_studies_run_two_at_once_and_those_that_compare_times_alone(monkeypatch, tmp_path):
     """One that fails and one whose process dies take no other with them; that of times runs here, when nothing else does."""
     ahead = []
     monkeypatch.setattr(report, "compile_ahead", lambda: ahead.append((tmp_path / PAGE).exists()))
     monkeypatch.setattr(report, "run_entry", quick_entry)
+    monkeypatch.setattr(report, "run_on", quick_entry_on)
     names, told = ["order", "speed", "length_error", "stability_map", "energy_rise", "model_mismatch"], []
     assert [module_of(name).STUDY.compares_times for name in names] == [False, True, False, False, False, False]
-    write_report(tmp_path, names=names, at_once=2, tell=told.append)
+    write_report(tmp_path, names=names, at_once=2, full=True, tell=told.append)
     assert ahead == [True]  # once, with a page to look at
     starts = [one.name for one in told if one.state is State.RUNNING]
     assert starts == ["order", "length_error", "stability_map", "energy_rise", "model_mismatch", "speed"]
@@ -256,10 +306,15 @@ def endless_entry(entry, out, executor=None):
         (out.parent / entry.name).with_suffix(".ended").touch()
 
 
+def endless_entry_on(cores, *arguments):
+    """In the place of `report.run_on`."""
+    return endless_entry(*arguments)
+
+
 @pytest.mark.slow
 def test_ctrl_c_ends_both_studies_in_order(monkeypatch, tmp_path):
     monkeypatch.setattr(report, "compile_ahead", lambda: None)
-    monkeypatch.setattr(report, "run_entry", endless_entry)
+    monkeypatch.setattr(report, "run_on", endless_entry_on)
 
     def stop():
         while len(list(tmp_path.glob("*.pid"))) < 2:
