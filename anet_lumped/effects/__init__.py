@@ -65,6 +65,7 @@ REGISTRY = Registry(
         "applied_forces": "AppliedForces",
         "axial_damping": "AxialDamping",
         "bending": "Bending",
+        "dashpots": "Dashpots",
         "gravity": "Gravity",
         "ground": "Ground",
         "ground_map": "GroundMap",

@@ -1,7 +1,7 @@
 """Forces on points and bodies, and torques on bodies, constant or functions of time."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
@@ -17,6 +17,7 @@ from .laws.couple import along, combined, couple, cross_product, direction_weigh
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE
 
 AXES = ("world", "body")
+UNITS = {"force": "N", "torque": "N m", "force_in_body": "N"}
 FORCE, TORQUE = 0, 1
 IN_WORLD, IN_BODY = 0, 1
 HEADER = 5  # of a load in ``index``: force or torque, its axes, pieces of its path, whether it has a sine, nodes
@@ -28,6 +29,7 @@ class _Load(NamedTuple):
     kind: int
     path: Path
     body: Any
+    in_body: bool  # along the axes of the body
 
 
 @dataclass(frozen=True)
@@ -45,16 +47,19 @@ class AppliedForces(Effect):
         By the name of a body, likewise.
     axes : "world" or "body"
         Axes in which forces and torques are given; those of a body turn with it, those on a free point are the world's.
+    force_in_body : dict or pairs of str and (3,) array_like or Path [N]
+        Forces on bodies and attachments along the axes of the body, whatever `axes` are.
     """
 
     force: Mapping[str, Vector | Path] | tuple[tuple[str, Vector | Path], ...] = ()
     torque: Mapping[str, Vector | Path] | tuple[tuple[str, Vector | Path], ...] = ()
     axes: Literal["world", "body"] = "world"
+    force_in_body: Mapping[str, Vector | Path] | tuple[tuple[str, Vector | Path], ...] = ()
 
     def check_parameters(self) -> None:
         if self.axes not in AXES:
             raise SceneError(f'Argument `axes` must be "world" or "body", but {self._called} has axes={shown(self.axes)}.')
-        for argument, unit in (("force", "N"), ("torque", "N m")):
+        for argument, unit in UNITS.items():
             pairs = check_pairs(argument, getattr(self, argument), "a name and a vector or path", self._called, may_be_empty=True)
             self._set(**{argument: tuple((name, self._checked(argument, name, value, unit)) for name, value in pairs)})
 
@@ -76,19 +81,19 @@ class AppliedForces(Effect):
     @property
     def dead_load(self) -> bool:
         """Constant forces in the axes of the world, and no torque."""
-        return self.axes == "world" and not self.torque and not any(isinstance(value, Path) for value in dict(self.force).values())
+        return self.linear_in_node_state and not any(isinstance(value, Path) for value in dict(self.force).values())
 
     @property
     def linear_in_node_state(self) -> bool:
         """A force that does not turn with a body is the same at any place."""
-        return self.axes == "world" and not self.torque
+        return self.axes == "world" and not self.torque and not self.force_in_body
 
     @property
     def signals(self) -> tuple[Signal, ...]:
         """The functions of time, whose corners steps end on."""
         return tuple(
             Signal(argument, ((name, value),), value)
-            for argument in ("force", "torque") for name, value in dict(getattr(self, argument)).items() if isinstance(value, Path)
+            for argument in UNITS for name, value in dict(getattr(self, argument)).items() if isinstance(value, Path)
         )  # fmt: skip
 
     @classmethod
@@ -106,11 +111,11 @@ class AppliedForces(Effect):
         index: list[int] = []
         numbers: list[np.ndarray] = []
         for load, name in [*self._forces(model.scene), *self._torques(model.scene)]:
-            turns = load.body is not None and (load.kind == TORQUE or self.axes == "body")
+            turns = load.body is not None and (load.kind == TORQUE or load.in_body)
             points = load.body.points if turns else ()
             nodes = [model.node_of[point.name] for point in points]
             path = load.path
-            axes = IN_BODY if self.axes == "body" and turns else IN_WORLD
+            axes = IN_BODY if load.in_body and turns else IN_WORLD
             index += [load.kind, axes, len(path.breaks), path.sine is not None, len(nodes), model.node_of[name], *nodes]
             numbers.append(numbers_of_path(path))
             if turns:
@@ -128,19 +133,27 @@ class AppliedForces(Effect):
                 raise SceneError(
                     f"A force must act on a point or body that moves freely, but {quoted(name)} of {self._called} does not."
                 )
-        return [(_Load(FORCE, _path(value), on_body.get(name)), name) for name, value in dict(self.force).items()]
+        for name in dict(self.force_in_body):
+            if name not in on_body:
+                scene.point(name)
+                raise SceneError(
+                    f"A force in the axes of a body must be on one that moves freely, but {quoted(name)} of {self._called} is not."
+                )
+        loads = [(name, value, self.axes == "body") for name, value in dict(self.force).items()]
+        loads += [(name, value, True) for name, value in dict(self.force_in_body).items()]
+        return [(_Load(FORCE, _path(value), on_body.get(name), in_body), name) for name, value, in_body in loads]
 
     def _torques(self, scene: Any) -> list[tuple[_Load, str]]:
         """Torques, with the names of their bodies."""
         for name in dict(self.torque):
             if scene.body(name).is_driven:
                 raise SceneError(f"A torque must act on a body that moves freely, but {quoted(name)} of {self._called} does not.")
-        return [(_Load(TORQUE, _path(value), scene.body(name)), name) for name, value in dict(self.torque).items()]
+        in_body = self.axes == "body"
+        return [(_Load(TORQUE, _path(value), scene.body(name), in_body), name) for name, value in dict(self.torque).items()]
 
     def without_bodies(self, held: Sequence[str]) -> Effect | None:
-        force = tuple((name, value) for name, value in dict(self.force).items() if name not in held)
-        torque = tuple((name, value) for name, value in dict(self.torque).items() if name not in held)
-        return AppliedForces(force, torque, self.axes) if force or torque else None
+        left = {key: tuple((name, value) for name, value in dict(getattr(self, key)).items() if name not in held) for key in UNITS}
+        return replace(self, **left) if any(left.values()) else None  # type: ignore[arg-type]  # pairs, as they are checked
 
     def of_cables(self) -> Effect | None:
         return None

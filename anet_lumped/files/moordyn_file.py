@@ -6,7 +6,7 @@ MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says wha
 `moordyn_flow`, `moordyn_water_file`, `moordyn_syrope`, `moordyn_shedding`.
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
-be had is refused, all of it at once: dampers from outside, tables in place of numbers but for EA.
+be had is refused, all of it at once: tables in place of numbers but for EA.
 """
 
 import pathlib

@@ -1,13 +1,13 @@
-"""Constant forces of a MoorDyn file on what moves freely, as `AppliedForces`.
+"""Forces and dampers of a MoorDyn file on what moves freely, as `AppliedForces` and `Dashpots`.
 
-The Fortran version has a section EXTERNAL LOADS (its documentation, "External Loads"): a force on a point, on the end A of a rod or
-on the origin of a body, along the axes of the world, or of the body where `CSys` is L, with dampers, which have no counterpart
-here. The C++ version passes over that section. Version 1 has the columns FX, FY, FZ of a point, in N.
+The Fortran version has a section EXTERNAL LOADS (its documentation, "External Loads"): a constant force and dampers on a point, on
+the end A of a rod or on the origin of a body, along the axes of the world, or of the body where `CSys` is L. Dampers of a rod are
+two, across it and along it. The C++ version passes over that section. Version 1 has the columns FX, FY, FZ of a point, in N.
 """
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from anet_lumped.checks import Vector
@@ -16,25 +16,37 @@ from anet_lumped.scene.point import Free
 
 from .moordyn_attachments import Hold
 from .moordyn_points import OnMovingBody, Places, steady_force
-from .moordyn_rows import Row, number_of
+from .moordyn_rows import Row, made, number_of
 
 OBJECT = re.compile(r"(body|rod|point|node|connection|connect|con)(\d{1,18})")
 COLUMNS = 5  # ID, Object, Fext, Blin, Bquad; CSys may be left out
-IN_WORLD, IN_BODY = "world", "body"
 FIXED = "loads on what is held, or moved from outside"
 
 
 class _Load(NamedTuple):
-    """Force (3,) [N] of a row on a point, or the origin or an attachment of a body, in axes of the world or of the body."""
+    """What a row exerts on a point, or on the origin or an attachment of a body.
+
+    Parameters
+    ----------
+    row : where it stands
+    name : of the point
+    force : (3,) [N]
+    force_in_body : whether that is along the axes of the body
+    linear, quadratic : (3,) or (2,) coefficients of dampers [N s/m], [N s2/m2], empty without any
+    dampers_in_body : whether those are along the axes of the body
+    """
 
     row: Row
     name: str
     force: Vector
-    axes: str
+    force_in_body: bool = False
+    linear: tuple[float, ...] = ()
+    quadratic: tuple[float, ...] = ()
+    dampers_in_body: bool = False
 
 
 def read_loads(sections: Mapping[str, list[Row]], places: Places, bodies: list[Body], reached: set[int | str]) -> list[Any]:
-    """The effect of all forces of a file, in a list that is empty if it has none.
+    """The effects of all forces and dampers of a file; none if it has none.
 
     Parameters
     ----------
@@ -54,19 +66,28 @@ def read_loads(sections: Mapping[str, list[Row]], places: Places, bodies: list[B
     loads = [load for load in found if load is not None]
     if not loads:
         return []
-    known = {body.name for body in bodies}
-    turning = {load.axes for load in loads if load.name in known}
-    last = loads[-1].row
-    with last.findings.refusing():
-        if len(turning) > 1 or (IN_BODY in turning and any("." in load.name for load in loads)):
-            raise last.error("forces on bodies and rods must all be along the axes of the world, or all on bodies along their own.")
-        force: dict[str, list[float]] = {}
-        for load in loads:
-            force[load.name] = [a + b for a, b in zip(force.get(load.name, (0.0, 0.0, 0.0)), load.force, strict=True)]
-        from anet_lumped.effects import REGISTRY
+    forces: dict[str, dict[str, list[float]]] = {}
+    dampers: dict[str, dict[str, list[float]]] = {}
+    for load in loads:
+        in_body = "_in_body" if load.force_in_body else ""
+        _add(forces, f"force{in_body}", load.name, load.force if any(load.force) else ())
+        in_body = "_in_body" if load.dampers_in_body else ""
+        _add(dampers, f"linear{in_body}", load.name, load.linear)
+        _add(dampers, f"quadratic{in_body}", load.name, load.quadratic)
+    from anet_lumped.effects import REGISTRY
 
-        return [REGISTRY["applied_forces"](force, axes=IN_BODY if IN_BODY in turning else IN_WORLD)]
-    return []
+    effects = []
+    for kind, fields in (("applied_forces", forces), ("dashpots", dampers)):
+        if fields:
+            effects.append(made(loads[-1].row, REGISTRY[kind], **fields))
+    return effects
+
+
+def _add(sums: dict[str, dict[str, list[float]]], field: str, name: str, numbers: Sequence[float]) -> None:
+    """Add numbers to those that a field has of a name; none of an empty sequence."""
+    if numbers:
+        of_field = sums.setdefault(field, {})
+        of_field[name] = [a + b for a, b in zip(of_field.get(name, [0.0] * len(numbers)), numbers, strict=True)]
 
 
 def _steady(row: Row, places: Places, reached: set[int | str]) -> _Load | None:
@@ -75,35 +96,48 @@ def _steady(row: Row, places: Places, reached: set[int | str]) -> _Load | None:
     if not any(force):
         return None
     name = _of_point(row.count(0, "the number of a point"), row, places, reached)
-    return None if name is None else _Load(row, name, force, IN_WORLD)
+    return None if name is None else _Load(row, name, force)
 
 
 def _external(row: Row, places: Places, bodies: list[Body], rods: Mapping[str, str], reached: set[int | str]) -> _Load | None:
     """Of a row of EXTERNAL LOADS."""
     if len(row.words) < COLUMNS:
         raise row.error(f"an external load must have 6 columns (ID, Object, Fext, Blin, Bquad, CSys), but has {len(row.words)}.")
-    if any(number_of(word) != 0.0 for column in row.words[3:5] for word in column.split("|")):
-        raise row.error("dampers from outside are not supported: Blin and Bquad must be 0.")
-    force = [number_of(word) for word in row.words[2].split("|")]
-    if not any(force):
-        row.findings.unused("0", row.line, "external loads")
-        return None
-    if len(force) != 3 or not all(map(math.isfinite, force)):
-        raise row.error("an external force Fext must be three finite numbers with | between them.")
     parts = OBJECT.fullmatch(row.words[1].lower())
     if parts is None:
         raise row.error("an external load must be on Point, Rod or Body and a number.")
     kind, number = parts[1], int(parts[2])
+    force = _numbers(row, 2, "an external force Fext", 3)
+    linear, quadratic = (_numbers(row, column, what, 2 if kind == "rod" else 3) for column, what in ((3, "Blin"), (4, "Bquad")))
+    if min((*linear, *quadratic), default=0.0) < 0.0:
+        raise row.error("dampers Blin and Bquad must not be negative.")
+    if not (force or linear or quadratic):
+        row.findings.unused("0", row.line, "external loads")
+        return None
+    in_body = False
     system = row.words[5].upper() if len(row.words) > COLUMNS else "-"
     if kind == "body":
         name = _of_body(number, row, places)
         if name is not None and system not in ("G", "L"):
             raise row.error("the axes CSys of a load on a body must be G, of the world, or L, its own.")
-        axes = IN_BODY if system == "L" else IN_WORLD
+        in_body = system == "L"
     else:
         name = _of_rod(rods.get(parts[2]), row, bodies) if kind == "rod" else _of_point(number, row, places, reached)
-        axes = IN_WORLD
-    return None if name is None else _Load(row, name, force, axes)
+    if name is None:
+        return None
+    x, y, z = force or (0.0, 0.0, 0.0)
+    return _Load(row, name, (x, y, z), in_body, linear, quadratic, in_body or kind == "rod")
+
+
+def _numbers(row: Row, column: int, what: str, count: int) -> tuple[float, ...]:
+    """Numbers in a column with | between them; none if all are 0, of which one will do."""
+    words = row.words[column].split("|")
+    numbers = tuple(number_of(word) for word in words)
+    if not any(numbers):
+        return ()
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+        raise row.error(f"{what} must be {('two', 'three')[count - 2]} finite numbers with | between them.")
+    return numbers
 
 
 def _of_point(number: int, row: Row, places: Places, reached: set[int | str]) -> str | None:

@@ -23,14 +23,14 @@ def apart(*effects, inertia=tuple(J), hook=HOOK):
     return Scene([Fixed("far", (10, 0, 0)), Free("near", mass=0.1, at=(9.0, 0, 0))], [cable], effects, bodies=[body])
 
 
-def by_euler(axes, t, at=(0.0, 0.0, 0.0)):
+def by_euler(axes, t, at=(0.0, 0.0, 0.0), torque=True):
     """Place of the centre [m] and rotation matrix of the body by Newton's and Euler's equations, solved by SciPy."""
     first = Rotation.from_rotvec((0.3, -0.2, 0.5))
 
     def rate(_, y):
         R, w = Rotation.from_quat(y[:4] / np.linalg.norm(y[:4])), y[4:7]
         tau, force = (TAU, R.apply(F)) if axes == "body" else (R.inv().apply(TAU), F)
-        tau = tau + np.cross(at, R.inv().apply(force))
+        tau = torque * tau + np.cross(at, R.inv().apply(force))
         x, y_, z, s = y[:4]
         quaternion = 0.5 * np.array([
             s * w[0] + y_ * w[2] - z * w[1], s * w[1] + z * w[0] - x * w[2], s * w[2] + x * w[1] - y_ * w[0],
@@ -64,6 +64,14 @@ def test_a_force_at_an_attachment_turns_the_body(axes):
     r, R = by_euler(axes, 0.5, HOOK)
     run = simulate(scene, 0.5, method="rk4", dt=1e-3, start="straight")
     # of order 4: 1e-9; the attachment has a billionth of the mass
+    assert run.rotation("box")[-1] == pytest.approx(R, abs=1e-7) and run.position("box")[-1] == pytest.approx(r, abs=1e-7)
+
+
+def test_forces_in_the_axes_of_a_body_beside_those_in_the_world():
+    """As by `axes`: the torque is of the world."""
+    r, R = by_euler("body", 0.5, HOOK, torque=False)
+    scene = apart(AppliedForces(force_in_body={"box.hook": tuple(F)}))
+    run = simulate(scene, 0.5, method="rk4", dt=1e-3, start="straight")
     assert run.rotation("box")[-1] == pytest.approx(R, abs=1e-7) and run.position("box")[-1] == pytest.approx(r, abs=1e-7)
 
 
@@ -157,6 +165,7 @@ def test_refuses(arguments, message):
     ({"torque": {"bax": (0, 0, 1)}}, 'no body "bax", did you mean "box"'),
     ({"torque": {"barge": (0, 0, 1)}}, 'A torque must act on a body that moves freely, but "barge"'),
     ({"force": {"barge": (0, 0, 1)}}, 'must act on a point or body that moves freely, but "barge"'),
+    ({"force_in_body": {"near": (0, 0, 1)}}, 'in the axes of a body must be on one that moves freely, but "near"'),
 ])  # fmt: skip
 def test_names(arguments, message):
     scene = apart(AppliedForces(**arguments))

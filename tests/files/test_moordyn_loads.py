@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from anet_lumped import equilibrium
-from anet_lumped.effects import AppliedForces
+from anet_lumped.effects import AppliedForces, Dashpots
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
 
@@ -79,8 +79,23 @@ def test_forces_on_points_rods_and_bodies_lean_their_ropes():
 
 
 def test_a_force_along_the_axes_of_a_body_turns_with_it():
-    (applied,) = [effect for effect in read("1 Body1 7|0|0 0 0 L").scene.effects if isinstance(effect, AppliedForces)]
-    assert applied.axes == "body" and dict(applied.force) == {"body1": (7.0, 0.0, 0.0)}
+    loads = "1 Body1 7|0|0 0 0 L", "2 Rod1 0|200|0 0|0 0|0 -", "3 Body1 0|0|5 0 0 G"
+    (applied,) = [effect for effect in read(*loads).scene.effects if isinstance(effect, AppliedForces)]
+    assert dict(applied.force_in_body) == {"body1": (7.0, 0.0, 0.0)}
+    assert dict(applied.force) == {"rod1": (0.0, 200.0, 0.0), "body1": (0.0, 0.0, 5.0)} and applied.axes == "world"
+
+
+def test_dampers():
+    """Those of a rod are two, across and along it, in its own axes."""
+    rows = "1 Point2 0|0|0 1|2|3 4|5|6 -", "2 Rod1 0 7|8 9|10 -", "3 Body1 0|0|0 1|1|1 0|0|0 G", "4 body1 3|0|0 0 0|2|0 L"
+    deck = read(*rows)
+    (dashpots,) = [effect for effect in deck.scene.effects if isinstance(effect, Dashpots)]
+    assert dashpots == Dashpots(
+        linear={"point2": (1.0, 2.0, 3.0), "body1": (1.0, 1.0, 1.0)},
+        quadratic={"point2": (4.0, 5.0, 6.0)},
+        linear_in_body={"rod1": (7.0, 8.0)},
+        quadratic_in_body={"rod1": (9.0, 10.0), "body1": (0.0, 2.0, 0.0)},
+    )
 
 
 def test_columns_of_version_1_are_forces_too():
@@ -106,8 +121,9 @@ def test_loads_that_move_nothing(load, remark):
 @pytest.mark.parametrize(
     ("load", "message"),
     [
-        ("1 Point2 9|0|0 1 0 -", "dampers from outside are not supported: Blin and Bquad must be 0"),
-        ("1 Point2 9|0|0 0 0|0|2 -", "dampers from outside are not supported"),
+        ("1 Point2 9|0|0 1 0 -", r"Blin must be three finite numbers with \| between them"),
+        ("1 Rod1 9|0|0 1|2|3 0 -", r"Blin must be two finite numbers with \| between them"),
+        ("1 Point2 9|0|0 0 0|-1|2 -", "dampers Blin and Bquad must not be negative"),
         ("1 Point2 9|0 0 0 -", r"an external force Fext must be three finite numbers with \| between them"),
         ("1 Point2 9|x|0 0 0 -", "an external force Fext must be three finite numbers"),
         ("1 Point2 9|0|0", r"an external load must have 6 columns .* but has 3"),
@@ -116,7 +132,6 @@ def test_loads_that_move_nothing(load, remark):
         ("1 Body9 9|0|0 0 0 G", "a load must be on a body in BODIES, but body 9 is not there"),
         ("1 Rod9 9|0|0 0 0 -", "a load on a rod must be on one that moves by itself"),
         ("1 Body1 9|0|0 0 0 -", "the axes CSys of a load on a body must be G, of the world, or L, its own"),
-        ("1 Body1 9|0|0 0 0 L\n2 Rod1 9|0|0 0 0 -", "must all be along the axes of the world, or all on bodies along their own"),
     ],
 )  # fmt: skip
 def test_loads_that_are_refused(load, message):

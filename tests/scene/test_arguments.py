@@ -142,6 +142,8 @@ EMPTY = {
     ("Body", "rods"),
     ("Body", "carried"),
 }
+APPLIED = ("force", "torque", "force_in_body")
+DASHPOTS = ("linear", "quadratic", "linear_in_body", "quadratic_in_body")
 BY_NAME = {("axial_damping", "rate"), ("temperature", "expansion")}
 RIGHT = (
     {("a string", *one) for one in NAMES}
@@ -156,7 +158,8 @@ RIGHT = (
         ("a bool", "water", "points_float"),
         ("escapes", "load", "cables"),
     }
-    | {(empty, "applied_forces", what) for empty in ("an empty list", "an empty dict") for what in ("force", "torque")}
+    | {(empty, "applied_forces", what) for empty in ("an empty list", "an empty dict") for what in APPLIED}
+    | {(empty, "dashpots", what) for empty in ("an empty list", "an empty dict") for what in DASHPOTS}
     | {("a list", "wind.Gridded", axis) for axis in "xyzt"}
     | {
         (f"{digits} digits", owner, "seed")
