@@ -3,7 +3,7 @@
 from anet_lumped.compiled.jit import inlined, internal
 from anet_lumped.effects.signatures import as_inertia
 from anet_lumped.mechanics.linear.node_elimination import inverse, times
-from anet_lumped.model.tables import SLOT_INERTIA, SLOT_TANGENT, SLOT_WHOLE_STEP
+from anet_lumped.model.tables import KERNEL_ELIMINATE_GROUPS_OF_INERTIA, SLOT_INERTIA, SLOT_TANGENT, SLOT_WHOLE_STEP
 from integrators.flat_view import flat
 
 
@@ -63,6 +63,16 @@ def any_live(net):
         if net.effects.address[e, SLOT_TANGENT] != 0 or net.effects.address[e, SLOT_WHOLE_STEP] != 0:
             return True
     return False
+
+
+@inlined
+def eliminates_inertia(net):
+    """Whether the blocks of all nodes inside cables are their inertia, so that ``net.diagonal`` is read of free points only.
+
+    See `chain.eliminate_groups_of_inertia`.
+    """
+    short, singles = net.single_kinds[0], net.single_cables.shape[0]
+    return short == singles and net.kernels[KERNEL_ELIMINATE_GROUPS_OF_INERTIA] != 0
 
 
 @internal

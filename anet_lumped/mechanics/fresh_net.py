@@ -2,12 +2,14 @@
 
 import numpy as np
 
+from anet_lumped.compiled.lanes import WIDTH
 from anet_lumped.mechanics.required_kernels import require
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.net import NO_LINKS, NO_TRAILS, Carried, Net
 from anet_lumped.model.tables import (
     BORDER_COLUMNS,
     BORDER_UNKNOWNS,
+    CABLE_SEGMENTS,
     CREEP_COLUMNS,
     CREPT_COLUMNS,
     FACTOR_COLUMNS,
@@ -87,7 +89,7 @@ def fresh_net(model, force=True, newton=True, links=False, observed=None, crept=
         predicted_force=np.zeros((n - model.n_interior, 3)),
         right_side=np.zeros((n, 3)),
         diagonal=np.zeros((model.n_free, 3, 3)),
-        factor=np.zeros((segments, FACTOR_COLUMNS)),
+        factor=np.zeros((segments + _lanes_of_groups(model), FACTOR_COLUMNS)),
         border=np.zeros((segments, BORDER_COLUMNS)),
         far_factor=np.zeros((segments if couples > 1 else 0, FAR_FACTOR_COLUMNS)),
         border_work=np.zeros((6, BORDER_UNKNOWNS, BORDER_UNKNOWNS)),
@@ -122,6 +124,11 @@ def _carried(scene, paths):
         arm=np.array(arms, float).reshape(-1, 3),
         values=np.zeros((3, paths if driven else 0, 3)),
     )
+
+
+def _lanes_of_groups(model):
+    """Rows of ``Net.factor`` for the cables that are taken by fours, which stand behind those of the segments: `linear.chain`."""
+    return WIDTH * int(model.cable[model.cable_groups[:, 0], CABLE_SEGMENTS].sum())
 
 
 def nothing_linearised():

@@ -61,13 +61,27 @@ def require(net, model, force=False, newton=False, links=False, observed=False):
             _write(net, "SETTLE_EFFECTS", "settle_effects", settle.settle_effects)
         if len(net.creep):
             _write(net, "RELINEARISE_CREEP", "relinearise_creep", creep_kernels().relinearise_creep)
-        require_elimination(net, model.coupled_neighbours)
+        require_elimination(net, model.coupled_neighbours, stiffened=_stiffen_nodes(net))
     if model.has_bodies:
         _require_bodies(net, force, newton, links)
 
 
-def require_elimination(net, reach):
-    """`require` for the elimination, where effects join nodes that are up to ``reach`` segments apart."""
+def _stiffen_nodes(net):
+    """Whether effects add to the inertia of nodes: by the derivative of their forces, or by added mass."""
+    return len(net.added_mass) > 0 or (net.effects.address[:, [tables.SLOT_TANGENT, tables.SLOT_WHOLE_STEP]] != 0).any()
+
+
+def require_elimination(net, reach, stiffened=True):
+    """`require` for the elimination.
+
+    Parameters
+    ----------
+    net : Net
+    reach : int
+        How many segments apart nodes are at most that effects join.
+    stiffened : bool
+        Whether effects add to the inertia of nodes, so that ``net.diagonal`` holds more than that.
+    """
     from anet_lumped.mechanics.linear import bordered, chain
 
     eliminating = substituting = {"groups": chain, "singles": chain, "bordered": bordered}
@@ -79,11 +93,13 @@ def require_elimination(net, reach):
         from anet_lumped.mechanics.linear import coupled_far
 
         eliminating = substituting = dict.fromkeys(eliminating, coupled_far)
+    net.kernels[tables.KERNEL_ELIMINATE_GROUPS_OF_INERTIA] = 0
     short, first_held = net.single_kinds
     kinds = {"groups": len(net.cable_groups) > 0, "singles": len(net.single_cables) > first_held, "bordered": first_held > short}
     for kind, present in kinds.items():
         if present:
-            _write(net, f"ELIMINATE_{kind.upper()}", "eliminate", getattr(eliminating[kind], f"eliminate_{kind}"))
+            name = f"eliminate_{kind}_of_inertia" if kind == "groups" and not stiffened else f"eliminate_{kind}"
+            _write(net, name.upper(), "eliminate", getattr(eliminating[kind], name))
         if present or (kind == "singles" and short):
             _write(net, f"SUBSTITUTE_{kind.upper()}", "substitute", getattr(substituting[kind], f"substitute_{kind}"))
 

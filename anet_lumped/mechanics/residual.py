@@ -13,10 +13,11 @@ from anet_lumped.compiled.lanes import (
     shifted,
     sum_of_lanes,
 )
+from anet_lumped.compiled.rows_of_lanes import load_row, spread, store_row, thrice
 from anet_lumped.effects.signatures import as_force, as_tangent, as_whole_step
 from anet_lumped.mechanics.cable_rows import add_to_points, row3, segment_count
 from anet_lumped.mechanics.creeping_law import linearise_creeping, with_largest_tension
-from anet_lumped.mechanics.effect_forces import add_masses, any_live, clear, numbers_of, take_middle
+from anet_lumped.mechanics.effect_forces import add_masses, any_live, clear, eliminates_inertia, numbers_of, take_middle
 from anet_lumped.mechanics.optional import (
     CableBalance,
     as_balance_bodies,
@@ -51,6 +52,7 @@ from anet_lumped.model.tables import (
     LINEARISED_TAKEN,
     LINEARISED_TAKEN_BY_METHOD,
     LINEARISED_TAU,
+    LINEARISED_W,
     SEGMENT_COLUMNS,
     SLOT_FORCE,
     SLOT_TANGENT,
@@ -185,32 +187,54 @@ def residual_of_groups(stage, net_address, base, q, step, largest_coordinate):
 
 @internal
 def _begin_with_inertia(net_address, weight, target, q):
-    """Write the inertial forces of a stage to ``net.right_side`` and their stiffness to ``net.diagonal``.
+    """Write the inertial forces of a stage to ``net.right_side``, and no force on prescribed nodes.
 
-    Of free nodes that are of no body, and no force on prescribed ones; ``weight`` is its W.
-    A function of its own, so that its loop keeps its numbers in registers.
+    ``weight`` is its W. The inertia of bodies is not that of each of their nodes. Four nodes are taken at once.
 
     Returns
     -------
     largest_coordinate : [m], and the largest components of inertial force [N] and inertial stiffness [N/m]
     """
     net = view_net(net_address)
-    n_free, mass, first_of_bodies, right_side, D = net.n_free, net.mass, net.bodies.first, flat(net.right_side), flat(net.diagonal)
-    flat_q, flat_target = flat(q), flat(target)
-    largest_coordinate, scale, largest_inertia = 0.0, 0.0, 0.0
-    for i in range(q.shape[0]):
-        W = mass[i] * weight if i < first_of_bodies else 0.0  # the inertia of bodies is not that of each of their nodes
-        a, b = 3 * i, 9 * i
+    mass, with_inertia, right_side, flat_q, flat_target = net.mass, net.bodies.first, flat(net.right_side), flat(q), flat(target)
+    by_fours = with_inertia - with_inertia % WIDTH
+    coordinates, forces, inertias = spread(0.0), spread(0.0), spread(0.0)
+    for i in range(0, by_fours, WIDTH):
+        a, W = 3 * i, weight * load_row(mass, i)
+        b, c, (W_a, W_b, W_c) = a + WIDTH, a + 2 * WIDTH, thrice(W)
+        x, y, z = load_row(flat_q, a), load_row(flat_q, b), load_row(flat_q, c)
+        fx, fy, fz = (
+            W_a * (load_row(flat_target, a) - x),
+            W_b * (load_row(flat_target, b) - y),
+            W_c * (load_row(flat_target, c) - z),
+        )
+        store_row(right_side, a, fx)
+        store_row(right_side, b, fy)
+        store_row(right_side, c, fz)
+        # the largest of three first: so the running maximum waits for one comparison, not for three
+        coordinates = max(coordinates, max(max(abs(x), abs(y)), abs(z)))
+        forces, inertias = max(forces, max(max(abs(fx), abs(fy)), abs(fz))), max(inertias, W)
+    largest_coordinate, scale, largest_inertia = max_of_lanes(coordinates), max_of_lanes(forces), max_of_lanes(inertias)
+    for i in range(by_fours, q.shape[0]):
+        W, a = mass[i] * weight if i < with_inertia else 0.0, 3 * i
         x, y, z = flat_q[a], flat_q[a + 1], flat_q[a + 2]
+        largest_coordinate, largest_inertia = max(largest_coordinate, abs(x), abs(y), abs(z)), max(largest_inertia, W)
         fx, fy, fz = W * (flat_target[a] - x), W * (flat_target[a + 1] - y), W * (flat_target[a + 2] - z)
-        right_side[a], right_side[a + 1], right_side[a + 2] = (fx, fy, fz) if i < n_free else (0.0, 0.0, 0.0)
-        # the largest of three components first: so the running maximum waits for one comparison a node, not for three
-        largest_coordinate, scale = max(largest_coordinate, max(abs(x), abs(y), abs(z))), max(scale, max(abs(fx), abs(fy), abs(fz)))
-        largest_inertia = max(largest_inertia, W)
-        if i < n_free:
-            D[b], D[b + 1], D[b + 2], D[b + 3] = W, 0.0, 0.0, 0.0
-            D[b + 4], D[b + 5], D[b + 6], D[b + 7], D[b + 8] = W, 0.0, 0.0, 0.0, W
+        if i >= net.n_free:
+            fx, fy, fz = 0.0, 0.0, 0.0  # also where a target is not finite
+        scale = max(scale, abs(fx), abs(fy), abs(fz))
+        right_side[a], right_side[a + 1], right_side[a + 2] = fx, fy, fz
     return largest_coordinate, scale, largest_inertia
+
+
+@inlined
+def _begin_with_inertial_stiffness(net, weight):
+    """Write the inertial stiffness of a stage to ``net.diagonal``, of the free nodes whose elimination reads it."""
+    D, with_inertia = flat(net.diagonal), net.bodies.first
+    for i in range(net.n_interior if eliminates_inertia(net) else 0, net.n_free):
+        W, b = net.mass[i] * weight if i < with_inertia else 0.0, 9 * i
+        D[b], D[b + 1], D[b + 2], D[b + 3] = W, 0.0, 0.0, 0.0
+        D[b + 4], D[b + 5], D[b + 6], D[b + 7], D[b + 8] = W, 0.0, 0.0, 0.0, W
 
 
 @kernel(types.UniTuple(float64, 4)(STAGE, _f2, _f2, _f2, int64))
@@ -251,6 +275,7 @@ def residual(stage, base, target, q, net_address):
         as_place_bodies(net.kernels[KERNEL_PLACE_BODIES])(stage, net_address, base, target, q)
     middle_q, middle_v, per_tau = net.middle_q, net.middle_v, 1.0 / stage.tau
     largest_coordinate, scale, largest_inertia = _begin_with_inertia(net_address, stage.W, target, q)
+    _begin_with_inertial_stiffness(net, stage.W)
     effects = net.effects
     if any_live(net):
         take_middle(net, stage.theta, per_tau, base, q)
@@ -291,6 +316,7 @@ def residual(stage, base, target, q, net_address):
     inertia_noise = FORCE_ROUNDING * largest_inertia * largest_coordinate
     predicted_force, step = net.predicted_force, net.linearised[LINEARISED_BEGINNING]
     net.linearised[LINEARISED_LAW], net.linearised[LINEARISED_TAU] = stage.law, stage.tau
+    net.linearised[LINEARISED_W] = stage.W
     net.linearised[LINEARISED_BEGINNING], net.linearised[LINEARISED_CURRENT] = LINEARISED_SAME_STEP, 1.0
     net.linearised[LINEARISED_TAKEN], net.linearised[LINEARISED_TAKEN_BY_METHOD] = taken, taken_by_method
     for i in range(net.n_interior, n):

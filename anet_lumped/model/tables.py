@@ -68,11 +68,12 @@ BORDER_COLUMNS = 4 * BORDER_UNKNOWNS
 # `Net.linearised`, of the stage that was linearised last: its law, or LINEARISED_NO_LAW; its tau [s]; where the next stage stands,
 # which is one of the three values below; the least share of the numerical damper in a step that begins; the step of
 # `Net.mean_tension` [s], 0 if no mean was taken; 1 if no Newton step has been taken since, so that `Net.right_side` holds the
-# forces of effects on driven nodes at the positions of now; and what effects took over the step there, and their numerical
-# dampers besides [J].
+# forces of effects on driven nodes at the positions of now; what effects took over the step there, and their numerical dampers
+# besides [J]; and the inertia of the stage over mass, W [1/s2].
 LINEARISED_LAW, LINEARISED_TAU, LINEARISED_BEGINNING, LINEARISED_LEAST_DAMPER, LINEARISED_MEAN_STEP = range(5)
 LINEARISED_CURRENT, LINEARISED_TAKEN, LINEARISED_TAKEN_BY_METHOD = 5, 6, 7
-LINEARISED_COLUMNS = 8
+LINEARISED_W = 8
+LINEARISED_COLUMNS = 9
 LINEARISED_NO_LAW = -1.0
 
 # In column LINEARISED_BEGINNING: the next stage belongs to a step that has been linearised before; it begins a step that follows
@@ -101,9 +102,9 @@ KERNEL_PLACE_BODIES, KERNEL_BALANCE_BODIES, KERNEL_REDUCE_BODIES, KERNEL_SPREAD_
 KERNEL_TURN_BODIES, KERNEL_STIFFEN_BODIES, KERNEL_FORCE_BODIES = 25, 26, 27
 KERNEL_MOBILITY_BODIES, KERNEL_MEET_BODIES, KERNEL_PULL_BODIES, KERNEL_SHAPE_BODIES = 28, 29, 30, 31
 KERNEL_RELINEARISE_CREEP, KERNEL_SETTLE_JOINTS, KERNEL_SOLVE_FRONTS = 32, 33, 34
-KERNEL_FORCE_TRAILS = 35
-KERNEL_OBSERVE_SINGLES, KERNEL_OBSERVE_GROUPS, KERNEL_ENERGY_SINGLES, KERNEL_ENERGY_GROUPS = 36, 37, 38, 39
-KERNELS = 40
+KERNEL_FORCE_TRAILS, KERNEL_ELIMINATE_GROUPS_OF_INERTIA = 35, 36
+KERNEL_OBSERVE_SINGLES, KERNEL_OBSERVE_GROUPS, KERNEL_ENERGY_SINGLES, KERNEL_ENERGY_GROUPS = 37, 38, 39, 40
+KERNELS = 41
 
 # `Fronts.front`, one row a front: how many points are its pivots and its rows; where its points begin in `Fronts.point`, its
 # entries in `Fronts.entry` and its factors in `Fronts.factor`; the first front of those that are added to it, directly or not;

@@ -36,6 +36,7 @@ def random_system(model, rng, stiffness, slack=0.2, turn=0.4):
     net.segment[:, tables.SEGMENT_TENSION] = rng.normal(size=S) * (net.segment[:, tables.SEGMENT_STIFFNESS] > 0)
     net.diagonal[:] = INERTIA * (np.eye(3) + rng.uniform(-0.1, 0.1, (model.n_free, 3, 3)))
     net.right_side[: model.n_free] = rng.normal(size=(model.n_free, 3))
+    require_elimination(net, 0)
     return net
 
 
@@ -63,6 +64,30 @@ def coupled(model, net, rng, couples, size=3.0):
     net = net._replace(**more, kernels=net.kernels.copy()).addressed()
     require_elimination(net, couples)
     return net
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 1e1, 1e4, 1e10])
+@pytest.mark.parametrize("name", NETS)
+def test_solution_of_nodes_that_have_inertia_alone(name, stiffness):
+    """Blocks W m I with a mass for each point, and for the nodes of each cable: those of groups are not read."""
+    model = build(NETS[name])
+    net = random_system(model, np.random.default_rng(5), stiffness)
+    mass, W = INERTIA * (1.0 + np.random.default_rng(6).uniform(size=model.n)), 0.7
+    for _, count, node, *_ in model.cable.tolist():
+        mass[node : node + count - 1] = mass[node] if count > 1 else 0.0
+    net.diagonal[:] = W * mass[: model.n_free, None, None] * np.eye(3)
+    net = net._replace(mass=mass).addressed()
+    require_elimination(net, 0, stiffened=False)
+    net.linearised[tables.LINEARISED_W] = W
+    right = net.right_side.copy()
+    if len(net.cable_groups) and len(net.single_cables) == net.single_kinds[0]:
+        unread = net.diagonal.copy()
+        net.diagonal[: model.n_interior] = np.nan
+        solve.solve(net.address)
+        d = net.newton_step.copy()
+        assert np.isfinite(d).all()
+        net.diagonal[:], net.right_side[:] = unread, right
+    check(model, net, stiffness)
 
 
 @pytest.mark.parametrize("couples", [1, 2])

@@ -22,6 +22,7 @@ from anet_lumped.model.tables import (
     CABLE_FIRST_SEGMENT,
     CABLE_SEGMENTS,
     CABLE_START,
+    FACTOR_COLUMNS,
     FACTOR_CONSTANT,
     FACTOR_PER_NEXT,
     FACTOR_TENSION_PER_NEXT,
@@ -105,7 +106,8 @@ def _eliminate_bordered(net_address, blocks, c):
         state = behind + six_zeros + six_zeros + six_zeros + six_zeros + six_zeros
         _subtract_block(push_second, net.far_blocks[s, 1])
         _subtract_block(per_second, net.far_blocks[s, 0])
-    flat_arrays = flat_arrays_of(net)
+    flat_arrays, first_segment = flat_arrays_of(net), net.cable[c, CABLE_FIRST_SEGMENT]
+    first_factor = first_segment * FACTOR_COLUMNS
     for j in range(net.cable[c, CABLE_SEGMENTS] - 1):
         s += 1
         segment, border = net.segment[s], net.border[s]
@@ -114,9 +116,7 @@ def _eliminate_bordered(net_address, blocks, c):
             next_per_node = identity_multiple_minus(a, blocks_of_segment(blocks[0], s)[9:])
             if len(blocks) > 1:
                 next_per_node = difference(next_per_node, state[21:30])
-        eliminated = eliminate_node(
-            state, flat_arrays, blocks, net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_FIRST_SEGMENT], j
-        )
+        eliminated = eliminate_node(state, flat_arrays, (), blocks, net.cable[c, CABLE_FIRST_NODE], first_segment, first_factor, j)
         state, M_inverse, y, z, rho_k = eliminated.ahead, eliminated.M_inverse, eliminated.y, eliminated.z, eliminated.rho_k
         # what u adds to the displacement of the node and to the tension of the segment, and with them to the force on the next node
         for u in range(BORDER_UNKNOWNS):
@@ -195,7 +195,11 @@ def _substitute_bordered(net, far_factors, c):
     tension[first], smallest, second_ahead = T0, T0, (0.0, 0.0, 0.0)
     for j in range(count - 1, 0, -1):
         b, i = net.border[first + j], node + j - 1
-        (x, y, z, T), second_ahead = displacement_behind(flat(factor), far_factors, first + j, x, y, z, second_ahead), (x, y, z)
+        row = (first + j) * FACTOR_COLUMNS
+        (x, y, z, T), second_ahead = (
+            displacement_behind(flat(factor), far_factors, row, first + j, x, y, z, second_ahead),
+            (x, y, z),
+        )
         x += b[0] * sx + b[1] * sy + b[2] * sz + b[3] * T0
         y += b[4] * sx + b[5] * sy + b[6] * sz + b[7] * T0
         z += b[8] * sx + b[9] * sy + b[10] * sz + b[11] * T0

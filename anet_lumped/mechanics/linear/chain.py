@@ -21,6 +21,7 @@ import numpy as np
 
 from anet_lumped.compiled.jit import inlined, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, lane, load, load_four, max_of_lanes, shifted, store, store_four
+from anet_lumped.compiled.rows_of_lanes import columns_apart, load_tile, store_tile
 from anet_lumped.mechanics.linear.node_elimination import (
     SegmentTangent,
     eliminate,
@@ -35,9 +36,9 @@ from anet_lumped.model.tables import (
     CABLE_SEGMENTS,
     CABLE_START,
     FACTOR_COLUMNS,
-    FACTOR_PER_NEXT,
     FAR_FACTOR_COLUMNS,
     FAR_FACTOR_PER_SECOND,
+    LINEARISED_W,
     SEGMENT_COLUMNS,
     SEGMENT_DIRECTION,
     SEGMENT_GEOMETRIC,
@@ -81,14 +82,22 @@ def blocks_of_segment(numbers, s):
 
 
 @inlined
-def eliminate_node(behind, flat_arrays, blocks, node, first, j):
+def _block_of_node(diagonal, node, j):
+    """The block (9,) of node ``node + j`` in the flat array ``Net.diagonal``."""
+    i = shifted(node, j, 9, 0)
+    return load_four(diagonal, i) + load_four(diagonal, shifted(i, 0, 1, 4)) + (load(diagonal, shifted(i, 0, 1, 8)),)
+
+
+@inlined
+def eliminate_node(behind, flat_arrays, inertia, blocks, node, first, first_factor, j):
     """Eliminate interior node j of a cable through its segment j + 1; write ``net.factor`` and ``net.far_factor``.
 
-    ``flat_arrays`` are those of `flat_arrays_of`, ``blocks`` those of `eliminate_all_groups`. Returns the `EliminatedNode`.
+    Takes ``flat_arrays`` of `flat_arrays_of` and ``blocks`` of `eliminate_all_groups`; ``inertia``, (W m,) of nodes that have inertia
+    alone, else empty; and ``first_factor``, where the factors of the first segment are. Returns the `EliminatedNode`.
     """
     diagonal, right, segment, factor, far_factor = flat_arrays
-    index_D, index_r, index_factor = shifted(node, j, 9, 0), shifted(node, j, 3, 0), shifted(first, j + 1, FACTOR_COLUMNS, 0)
-    D = (*load_four(diagonal, index_D), *load_four(diagonal, shifted(index_D, 0, 1, 4)), load(diagonal, shifted(index_D, 0, 1, 8)))
+    index_r, index_factor = shifted(node, j, 3, 0), factors_of_segment(first, first_factor, j + 1)
+    D = inertia if len(inertia) == 1 else _block_of_node(diagonal, node, j)
     r = (load(right, index_r), load(right, shifted(index_r, 0, 1, 1)), load(right, shifted(index_r, 0, 1, 2)))
     tangent, s = _linearised(segment, first, j + 1), shifted(first, j, 1, 1)
     if len(blocks) == 0:
@@ -104,11 +113,25 @@ def eliminate_node(behind, flat_arrays, blocks, node, first, j):
         store_four(far_factor, index_far, follows[16:20])
         store_four(far_factor, shifted(index_far, 0, 1, 4), follows[20:24])
         store_four(far_factor, shifted(index_far, 0, 1, 8), follows[24:])
-    store_four(factor, index_factor, follows[:4])
-    store_four(factor, shifted(index_factor, 0, 1, 4), follows[4:8])
-    store_four(factor, shifted(index_factor, 0, 1, 8), follows[8:12])
-    store_four(factor, shifted(index_factor, 0, 1, 12), follows[12:16])
+    apart = columns_apart(first)
+    store_tile(factor, index_factor, follows[:4])
+    store_tile(factor, index_factor + 4 * apart, follows[4:8])
+    store_tile(factor, index_factor + 8 * apart, follows[8:12])
+    store_tile(factor, index_factor + 12 * apart, follows[12:16])
     return eliminated
+
+
+@inlined
+def factors_of_segment(first, first_factor, j):
+    """Address in ``net.factor``, flat, of the factors of segment j of a cable, or of a group, whose first ones are at
+    ``first_factor``; ``first`` is the address of the first segment."""
+    return first_factor + j * FACTOR_COLUMNS * columns_apart(first)
+
+
+@inlined
+def factors_of_groups(net):
+    """Address in ``net.factor``, flat, of the factors of the first group: they stand behind the rows of all segments, as lanes."""
+    return net.tension.shape[0] * FACTOR_COLUMNS
 
 
 @inlined
@@ -118,8 +141,11 @@ def flat_arrays_of(net):
 
 
 @inlined
-def _eliminate(net, blocks, c, members):
-    """Eliminate the interior of a cable with a prescribed start, or of the ``members`` cables of a group."""
+def _eliminate(net, inertia, blocks, c, members, first_factor):
+    """Eliminate the interior of a cable with a prescribed start, or of the ``members`` cables of a group.
+
+    Returns the address of the factors of the next group.
+    """
     first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
     ex, ey, ez, gx, gy, gz, a, k, T = _linearised(flat(net.segment), first, 0)
     kx, ky, kz = k * ex, k * ey, k * ez
@@ -132,10 +158,11 @@ def _eliminate(net, blocks, c, members):
         zero = 0.0 * a  # nothing behind acts beyond the first node
         six_zeros = (zero, zero, zero, zero, zero, zero)
         behind = state + six_zeros + six_zeros + six_zeros + six_zeros + six_zeros
-    flat_arrays = flat_arrays_of(net)
-    for j in range(lane(column(net.cable, c, CABLE_SEGMENTS), 0) - 1):
-        behind = eliminate_node(behind, flat_arrays, blocks, node, first, j).ahead
+    flat_arrays, count = flat_arrays_of(net), lane(column(net.cable, c, CABLE_SEGMENTS), 0)
+    for j in range(count - 1):
+        behind = eliminate_node(behind, flat_arrays, inertia, blocks, node, first, first_factor, j).ahead
     add_to_end_point(net, c, members, behind)
+    return factors_of_segment(first, first_factor, count)
 
 
 @inlined
@@ -160,8 +187,24 @@ def eliminate_all_groups(net_address, blocks):
     ``Net.far_blocks``. The compiler knows how many.
     """
     net = view_net(net_address)
+    first_factor = factors_of_groups(net)
     for g in range(net.cable_groups.shape[0]):
-        _eliminate(net, blocks, group_members(net.cable_groups, g), net.cable_groups[g, WIDTH])
+        c = group_members(net.cable_groups, g)
+        first_factor = _eliminate(net, (), blocks, c, net.cable_groups[g, WIDTH], first_factor)
+
+
+@on_demand
+def eliminate_groups_of_inertia(net_address):
+    """`eliminate_all_groups` where effects neither join neighbours nor stiffen nodes.
+
+    Then the block of each node inside a cable is its inertia W m I, of one mass, and ``net.diagonal`` is not read.
+    """
+    net = view_net(net_address)
+    first_factor, W = factors_of_groups(net), net.linearised[LINEARISED_W]
+    for g in range(net.cable_groups.shape[0]):
+        c = group_members(net.cable_groups, g)
+        inertia = (W * load(net.mass, column(net.cable, c, CABLE_FIRST_NODE)),)
+        first_factor = _eliminate(net, inertia, (), c, net.cable_groups[g, WIDTH], first_factor)
 
 
 @inlined
@@ -169,7 +212,8 @@ def eliminate_all_singles(net_address, blocks):
     """Eliminate the interior of the cables that are in no group and have a prescribed start."""
     net = view_net(net_address)
     for i in range(net.single_kinds[1], net.single_cables.shape[0]):
-        _eliminate(net, blocks, net.single_cables[i], 1)
+        c = net.single_cables[i]
+        _eliminate(net, (), blocks, c, 1, net.cable[c, CABLE_FIRST_SEGMENT] * FACTOR_COLUMNS)
 
 
 @on_demand
@@ -185,23 +229,24 @@ def eliminate_singles(net_address):
 
 
 @inlined
-def displacement_behind(factor, far_factors, s, x, y, z, second_ahead):
+def displacement_behind(factor, far_factors, row, s, x, y, z, second_ahead):
     """Displacement of the node behind segment s and tension of the segment, from the displacement (x, y, z) of the node ahead.
 
+    ``row`` is where `factors_of_segment` has those of the segment.
     ``far_factors`` is (``Net.far_factor``,) where both also depend on ``second_ahead``, the displacement of the second node ahead;
     else it is empty.
     """
-    row = shifted(s, 0, FACTOR_COLUMNS, FACTOR_PER_NEXT)
-    h00, h01, h02, h10 = load_four(factor, row)
-    h11, h12, h20, h21 = load_four(factor, shifted(row, 0, 1, 4))
-    h22, hx, hy, hz = load_four(factor, shifted(row, 0, 1, 8))
-    wx, wy, wz, T = load_four(factor, shifted(row, 0, 1, 12))
+    apart = columns_apart(s)
+    h00, h01, h02, h10 = load_tile(factor, row, x)
+    h11, h12, h20, h21 = load_tile(factor, row + 4 * apart, x)
+    h22, hx, hy, hz = load_tile(factor, row + 8 * apart, x)
+    wx, wy, wz, T = load_tile(factor, row + 12 * apart, x)
     if len(far_factors) == 1:
         u, v, w = second_ahead
-        row = shifted(s, 0, FAR_FACTOR_COLUMNS, FAR_FACTOR_PER_SECOND)
-        j00, j01, j02, j10 = load_four(far_factors[0], row)
-        j11, j12, j20, j21 = load_four(far_factors[0], shifted(row, 0, 1, 4))
-        j22, ox, oy, oz = load_four(far_factors[0], shifted(row, 0, 1, 8))
+        far_row = shifted(s, 0, FAR_FACTOR_COLUMNS, FAR_FACTOR_PER_SECOND)
+        j00, j01, j02, j10 = load_four(far_factors[0], far_row)
+        j11, j12, j20, j21 = load_four(far_factors[0], shifted(far_row, 0, 1, 4))
+        j22, ox, oy, oz = load_four(far_factors[0], shifted(far_row, 0, 1, 8))
         hx = hx + j00 * u + j01 * v + j02 * w
         hy = hy + j10 * u + j11 * v + j12 * w
         hz = hz + j20 * u + j21 * v + j22 * w
@@ -213,17 +258,21 @@ def displacement_behind(factor, far_factors, s, x, y, z, second_ahead):
 
 
 @inlined
-def _substitute(net, far_factors, c):
-    """`solve.substitute_cables` of a cable, or of a group, that has a prescribed start or no interior."""
+def _substitute(net, far_factors, c, first_factor):
+    """`solve.substitute_cables` of a cable, or of a group, that has a prescribed start or no interior.
+
+    Returns their smallest tension [N], and the address of the factors of the next group.
+    """
     first, node = column(net.cable, c, CABLE_FIRST_SEGMENT), column(net.cable, c, CABLE_FIRST_NODE)
     end = column(net.cable, c, CABLE_END)
     step, factor, segment = flat(net.newton_step), flat(net.factor), flat(net.segment)
     index_end, index_start = shifted(end, 0, 3, 0), shifted(column(net.cable, c, CABLE_START), 0, 3, 0)
     x, y, z = load(step, index_end), load(step, shifted(index_end, 0, 1, 1)), load(step, shifted(index_end, 0, 1, 2))
     largest_push, second_ahead = -np.inf + 0.0 * x, (0.0 * x, 0.0 * x, 0.0 * x)
-    for j in range(lane(column(net.cable, c, CABLE_SEGMENTS), 0) - 1, 0, -1):
-        s = shifted(first, j, 1, 0)
-        (x, y, z, T), second_ahead = displacement_behind(factor, far_factors, s, x, y, z, second_ahead), (x, y, z)
+    count = lane(column(net.cable, c, CABLE_SEGMENTS), 0)
+    for j in range(count - 1, 0, -1):
+        s, row = shifted(first, j, 1, 0), factors_of_segment(first, first_factor, j)
+        (x, y, z, T), second_ahead = displacement_behind(factor, far_factors, row, s, x, y, z, second_ahead), (x, y, z)
         store(net.tension, s, T)
         i = shifted(node, j - 1, 3, 0)
         store(step, i, x)
@@ -238,15 +287,17 @@ def _substitute(net, far_factors, c):
     )
     T = T + k * (gx * x + gy * y + gz * z)
     store(net.tension, first, T)
-    return -max_of_lanes(max(largest_push, -T))
+    return -max_of_lanes(max(largest_push, -T)), factors_of_segment(first, first_factor, count)
 
 
 @inlined
 def substitute_all_groups(net_address, far_factors):
     """`solve.substitute_cables` of the cables that are taken by fours; returns their smallest tension [N]."""
     net, smallest = view_net(net_address), np.inf
+    first_factor = factors_of_groups(net)
     for g in range(net.cable_groups.shape[0]):
-        smallest = min(smallest, _substitute(net, far_factors, group_members(net.cable_groups, g)))
+        own, first_factor = _substitute(net, far_factors, group_members(net.cable_groups, g), first_factor)
+        smallest = min(smallest, own)
     return smallest
 
 
@@ -256,7 +307,9 @@ def substitute_all_singles(net_address, far_factors):
     net, smallest = view_net(net_address), np.inf
     for i in range(net.single_cables.shape[0]):
         if i < net.single_kinds[0] or i >= net.single_kinds[1]:
-            smallest = min(smallest, _substitute(net, far_factors, net.single_cables[i]))
+            c = net.single_cables[i]
+            own, _ = _substitute(net, far_factors, c, net.cable[c, CABLE_FIRST_SEGMENT] * FACTOR_COLUMNS)
+            smallest = min(smallest, own)
     return smallest
 
 

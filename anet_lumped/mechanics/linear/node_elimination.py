@@ -142,9 +142,12 @@ def _condense(behind, D, r, segment):
     s00, m01, m02, m10, s11, m12, m20, m21, s22, r0, r1, r2 = behind
     ex, ey, ez, gx, gy, gz, a, k, T_0 = segment
     r0, r1, r2 = r0 + r[0], r1 + r[1], r2 + r[2]
-    m00, m01, m02 = s00 + D[0] + a, m01 + D[1], m02 + D[2]
-    m10, m11, m12 = m10 + D[3], s11 + D[4] + a, m12 + D[5]
-    m20, m21, m22 = m20 + D[6], m21 + D[7], s22 + D[8] + a
+    if len(D) == 1:
+        m00, m11, m22 = s00 + D[0] + a, s11 + D[0] + a, s22 + D[0] + a
+    else:
+        m00, m01, m02 = s00 + D[0] + a, m01 + D[1], m02 + D[2]
+        m10, m11, m12 = m10 + D[3], s11 + D[4] + a, m12 + D[5]
+        m20, m21, m22 = m20 + D[6], m21 + D[7], s22 + D[8] + a
     # LU whose rows are not divided by their pivots m00, p11 and det (Bareiss): one division serves all of them, and
     # g . y = (g0 e0 p11 det + f1 h1 det + f2 h2)/(m00 p11 det) does not wait for it
     p11, p12 = m00 * m11 - m10 * m01, m00 * m12 - m10 * m02
@@ -177,7 +180,7 @@ def eliminate(behind, D, r, segment):
     ----------
     behind : tuple of 12
         Block (9) and right-hand side (3) that all that lies behind adds to the node.
-    D, r : tuples of 9 and 3
+    D, r : tuples of 9, or of 1 for a multiple of I, and of 3
     segment : SegmentTangent
 
     Returns

@@ -17,6 +17,7 @@ from anet_lumped.model.tables import (
     CABLE_START,
     KERNEL_ELIMINATE_BORDERED,
     KERNEL_ELIMINATE_GROUPS,
+    KERNEL_ELIMINATE_GROUPS_OF_INERTIA,
     KERNEL_ELIMINATE_SINGLES,
     KERNEL_REDUCE_BODIES,
     KERNEL_SPREAD_BODIES,
@@ -44,7 +45,9 @@ def eliminate_cables(net_address):
         for x in range(3):
             for y in range(3):
                 block[p, x, y] = diagonal[net.n_interior + p, x, y] if p < free_points else 0.0
-    if net.cable_groups.shape[0] > 0:
+    if net.kernels[KERNEL_ELIMINATE_GROUPS_OF_INERTIA] != 0:
+        as_eliminate(net.kernels[KERNEL_ELIMINATE_GROUPS_OF_INERTIA])(net_address)
+    elif net.cable_groups.shape[0] > 0:
         as_eliminate(net.kernels[KERNEL_ELIMINATE_GROUPS])(net_address)
     for i in range(kinds[0]):
         _eliminate_short(net, net.single_cables[i])
