@@ -40,7 +40,10 @@ def buckling_exponents(run: Any) -> np.ndarray:
     An effect that bends is taken to do so by the `EI` of the cables.
     """
     model, n_free = run.model, run.model.n_free
-    pushed = (run.segment_tension < 0.0).any(axis=1)
+    pushes = run.segment_tension < 0.0
+    if not pushes.any():
+        return np.zeros(len(run.t))
+    pushed = pushes.any(axis=1)
     pushed[1:-1] &= pushed[:-2] | pushed[2:]  # what pushes at one saved time alone multiplies nothing
     rows = np.flatnonzero(pushed)
     if len(rows) < 2:

@@ -39,9 +39,10 @@ from integrators import schemes
 
 from .amplification import amplification
 from .break_errors import break_errors
-from .free_flight import flight_errors, longest_way, loose
+from .free_flight import flight_errors, loose
 from .tension_error import lowest_axial_mode, vibration_lost
 
+AT_ONCE = 256  # saved states that are looked at together: their places are at hand then
 FORGOTTEN = 300.0  # exponent of decay over a run beyond which nothing of an error is left
 
 
@@ -60,24 +61,23 @@ def place_errors(run: Any) -> np.ndarray:
     if run.extrapolated or run.energy.shape[1] <= BY_METHOD:  # two runs have been compared; a file of version 0.1
         return run.error_growth
     flies = loose(run)
-    left_out = _faded(run.error_growth + flight_errors(run, flies), run.energy, _stored(run), amplification(run))
+    left_out = _faded(run.error_growth + flight_errors(run, flies), run.energy, _stored(run), amplification(run, flies))
     left_out += break_errors(run, left_out)
-    told = run.error_factor * np.maximum.accumulate(left_out + _lost_way(run, float(flies.any(axis=1).mean())))
-    return np.minimum(told, max(longest_way(run), float(run.error_growth[0])))
+    ways = moved_ways(run.q)
+    told = run.error_factor * np.maximum.accumulate(left_out + _lost_way(run, float(flies.any(axis=1).mean()), ways))
+    return np.minimum(told, max(float(ways.max()), float(run.error_growth[0])))
 
 
-def _lost_way(run: Any, flying: float) -> np.ndarray:
+def _lost_way(run: Any, flying: float, ways: np.ndarray) -> np.ndarray:
     """Part of the way of the motion that is missing with the energy that the method took, or gave, (k,) [m].
 
-    ``flying`` is the share of the saved times at which a node has no taut segment.
+    ``flying`` is the share of the saved times at which a node has no taut segment, and ``ways`` are of `moved_ways`.
     """
-    moved = run.q - run.q[0]
-    if any(isinstance(point, Driven) for point in run.scene.all_points):
-        moved = moved - moved[:, run.model.n_free :].mean(axis=1, keepdims=True)
-    moved = moved.reshape(len(moved), -1)
-    amplitude = 0.5 * np.maximum.accumulate(np.maximum(moved.max(axis=1), -moved.min(axis=1)))
     books = schemes.scheme(run.method).books_its_losses
     share = lost_share(run.energy) if books else np.maximum(lost_share(run.energy), moved_share(run.energy))
+    if any(isinstance(point, Driven) for point in run.scene.all_points):
+        ways = moved_ways(run.q - run.q[:, run.model.n_free :].mean(axis=1, keepdims=True))
+    amplitude = 0.5 * np.maximum.accumulate(ways)
     way = share * (0.5 + 1.5 * np.maximum(share, flying)) * amplitude
     n_free = run.model.n_free
     weight = float(np.linalg.norm(run.scene.gravity)) * float(run.model.mass[:n_free].sum())
@@ -86,6 +86,16 @@ def _lost_way(run: Any, flying: float) -> np.ndarray:
         decay = np.minimum(min(mode.zeta * mode.omega for mode in modes) * np.diff(run.t), FORGOTTEN)
         way = np.minimum(way, np.maximum.accumulate(vibration_lost(run.energy, decay)) / weight)
     return way
+
+
+def moved_ways(q: np.ndarray) -> np.ndarray:
+    """Longest way along an axis by which a node of places (k, n, 3) is off its first one, (k,) [m]."""
+    rows, ways = q.reshape(len(q), -1), np.zeros(len(q))
+    for begin in range(0, len(q), AT_ONCE):
+        some = rows[begin : begin + AT_ONCE] - rows[0]
+        np.abs(some, out=some)
+        some.max(axis=1, out=ways[begin : begin + AT_ONCE])
+    return ways
 
 
 def _stored(run: Any) -> np.ndarray:
@@ -112,10 +122,17 @@ def _faded(growth: np.ndarray, energy: np.ndarray, stored: np.ndarray, multiplie
     motion = maximum_filter1d(energy[:, KINETIC] + stored, 2 * width + 1, mode="nearest")  # of a swing it comes and goes
     taken = np.maximum(np.diff(energy[:, BY_DAMPERS] + energy[:, BY_EFFECTS]), 0.0)
     decay = np.minimum(taken / np.maximum(motion[1:] + motion[:-1], 1e-300), FORGOTTEN)
-    keeps = np.exp(-decay)
-    adds = np.diff(growth) * np.where(decay > 1e-9, (1.0 - keeps) / np.maximum(decay, 1e-300), 1.0)
-    keeps *= np.exp(np.diff(multiplied))
-    left = [float(growth[0])]
-    for keep, add in zip(keeps.tolist(), adds.tolist(), strict=True):
+    adds = np.diff(growth) * np.where(decay > 1e-9, -np.expm1(-decay) / np.maximum(decay, 1e-300), 1.0)
+    return np.maximum.accumulate(_summed(growth[0], adds, np.diff(multiplied) - decay))
+
+
+def _summed(first: float, adds: np.ndarray, exponents: np.ndarray) -> np.ndarray:
+    """x[0] = first, x[i + 1] = exp(exponents[i]) x[i] + adds[i]; adds and exponents (k - 1,), x (k,)."""
+    passed = np.cumsum(exponents)
+    if np.abs(passed).max(initial=0.0) < FORGOTTEN:  # then their exponentials are numbers, and one sum is enough
+        factors = np.exp(np.append(0.0, passed))
+        return np.cumsum(np.append(first, adds) / factors) * factors
+    left = [float(first)]
+    for keep, add in zip(np.exp(exponents).tolist(), adds.tolist(), strict=True):
         left.append(keep * left[-1] + add)
-    return np.maximum.accumulate(left)
+    return np.array(left)

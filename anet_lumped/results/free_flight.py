@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from anet_lumped.model.tables import CABLE_END, CABLE_FIRST_NODE, CABLE_START
+
 from .buckling import buckling_exponents, first_buckled
 
 MULTIPLIED = 50.0  # times the error that a run tells of a motion that goes loose, or buckles: what it may be at least
@@ -24,14 +26,28 @@ def loose(run: Any) -> np.ndarray:
 
     A segment that pushes (compression="linear") holds its nodes as a taut one does.
     """
-    model = run.model
-    held = np.zeros((len(run.t), model.n), bool)
-    for cable in run.scene.cables:
-        taut = np.ones((len(run.t), cable.segments), bool) if cable.compression == "linear" else run.tension(cable.name) > 0.0
-        nodes = model.nodes(cable.name)
-        held[:, nodes[:-1]] |= taut
-        held[:, nodes[1:]] |= taut
+    model, k = run.model, len(run.t)
+    if not _any_slack(run):
+        return np.zeros((k, model.n_free), bool)
+    held, taut = np.zeros((k, model.n), bool), run.segment_tension > 0.0
+    for c, cable in enumerate(run.scene.cables):
+        first, count = model.segment_run(c)
+        if cable.compression == "linear":
+            taut[:, first : first + count] = True
+        node, start, end = model.cable[c, CABLE_FIRST_NODE], model.cable[c, CABLE_START], model.cable[c, CABLE_END]
+        of_cable = taut[:, first : first + count]
+        held[:, node : node + count - 1] |= of_cable[:, :-1] | of_cable[:, 1:]
+        held[:, start] |= of_cable[:, 0]
+        held[:, end] |= of_cable[:, -1]
     return ~held[:, : model.n_free]
+
+
+def _any_slack(run: Any) -> bool:
+    """Whether a segment that cannot push is slack at a saved time: far less work than to find which nodes are loose."""
+    slack = (run.segment_tension <= 0.0).any(axis=0)
+    if not slack.any():
+        return False
+    return any(slack[run.model.segments(cable.name)].any() for cable in run.scene.cables if cable.compression != "linear")
 
 
 def goes_loose(run: Any) -> bool:
@@ -41,10 +57,12 @@ def goes_loose(run: Any) -> bool:
 
 def first_loose(run: Any) -> float | None:
     """First saved time after the start at which a node of a cable of several segments has none that is taut [s]; None: never."""
-    pulls_only = [cable.name for cable in run.scene.cables if cable.compression != "linear"]
-    if not any((run.tension(name)[1:] <= 0.0).any() for name in pulls_only):  # a small part of the time of what follows
-        return None
-    found = np.flatnonzero((loose(run) & _of_several_segments(run))[1:].any(axis=1))
+    return first_of(run, loose(run)) if _any_slack(run) else None
+
+
+def first_of(run: Any, flies: np.ndarray) -> float | None:
+    """As `first_loose`, of what is `loose`."""
+    found = np.flatnonzero((flies & _of_several_segments(run))[1:].any(axis=1))
     return float(run.t[1 + found[0]]) if len(found) else None
 
 
@@ -91,17 +109,37 @@ def flight_errors(run: Any, flies: np.ndarray) -> np.ndarray:
     -------
     error : (k,) float64 [m]
     """
-    flies = flies & _of_several_segments(run)
-    if len(run.t) < 2 or not flies.any() or not _falls(run.scene):
-        return np.zeros(len(run.t))
-    v = run.v[:, : run.model.n_free]
-    second = np.linalg.norm(np.diff(np.concatenate([v[:1], v, v[-1:]]), 2, axis=0), axis=2)
-    second[1:] = np.maximum(second[1:], second[:-1])  # the force ends between the row before and this one
-    begins = np.zeros_like(flies)
-    begins[1:] = flies[1:] & ~flies[:-1]
-    row = np.maximum.accumulate(np.where(begins, np.arange(len(run.t))[:, None], 0), axis=0)  # where the flight began; 0: never
-    off = np.where(flies & (row > 0), OF_SECOND_DIFFERENCE * np.take_along_axis(second, row, axis=0), 0.0)
-    off = np.minimum(off, np.linalg.norm(v, axis=2))  # a node that lies still is off by nothing
-    grown = np.cumsum(off * np.diff(run.t, prepend=run.t[0])[:, None], axis=0)
-    before = np.take_along_axis(grown, np.maximum(row - 1, 0), axis=0)
-    return np.maximum.accumulate(np.where(flies, grown - before, 0.0).max(axis=1))
+    errors, k = np.zeros(len(run.t)), len(run.t)
+    if k < 2 or not flies.any() or not _falls(run.scene):
+        return errors
+    # one flight after the other, and of those no more that last from the start: they are off by nothing
+    flat = np.flatnonzero(np.ascontiguousarray((flies & _of_several_segments(run)).T))
+    begins = np.append(True, (flat[1:] != flat[:-1] + 1) | (flat[1:] % k == 0))[: len(flat)]
+    flight, first = np.cumsum(begins) - 1, flat[begins] % k
+    if not first.any():
+        return errors
+    if not first.all():
+        counts = first[flight] > 0
+        flat, begins = flat[counts], begins[counts]
+        flight, first = np.cumsum(begins) - 1, first[first > 0]
+    node, row = np.divmod(flat, k)
+    off = OF_SECOND_DIFFERENCE * _changes(run.v, first, node[begins])
+    speed = _sizes(run.v[row, node])  # a node that lies still is off by nothing
+    grown = np.cumsum(np.minimum(off[flight], speed) * np.diff(run.t)[row - 1])
+    before = np.append(0.0, grown)[np.flatnonzero(begins)]
+    np.maximum.at(errors, row, grown - before[flight])
+    return np.maximum.accumulate(errors)
+
+
+def _sizes(vectors: np.ndarray) -> np.ndarray:
+    """Of vectors (m, 3), (m,)."""
+    return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
+
+
+def _changes(v: np.ndarray, row: np.ndarray, node: np.ndarray) -> np.ndarray:
+    """Larger one of the second differences of velocities (k, n, 3) at rows of nodes and at the rows before them, (m,) [m/s].
+
+    The force on a node ends between the row before its flight and the first one of it.
+    """
+    earlier, before, now, after = (v[np.clip(row + n, 0, len(v) - 1), node] for n in (-2, -1, 0, 1))
+    return np.maximum(_sizes(after - 2.0 * now + before), _sizes(now - 2.0 * before + earlier))

@@ -42,20 +42,14 @@ import numpy as np
 from anet_lumped.results.energy_balance import BY_METHOD, lost_share
 from anet_lumped.scene.scene import Cable, Free, OnBody, Scene
 from integrators import schemes
+from integrators.addresses import words_of
 
 from .events import BREAK
 from .free_flight import loose
 
-BETWEEN = 0.125  # of the second difference of a tension: what a parabola hides at most between its samples
 OF_SEGMENT = 0.25  # of a jump, which the vibration of a segment that the steps do not resolve would add
-MEET = 0.2  # of the sum of the tensions of vibrations: what they add to the largest tension, but no more than
-OF_ONE = 0.5  # of the tension of one with all of their energy
-STEADY = 0.7  # of a jump of the means of two tensions in a row: what sets off a vibration while a cable stays taut
-LEAST = 0.25  # of a jump, that counts in any case
-BESIDE = range(4, 8)  # saved times before and after a jump, which neither it nor its own third differences reach
-ALONE = 20.0  # times the jumps beside it: one that is no wave
 OVERDAMPED = 1e3  # damping ratio beyond which a tension goes less than 1e-6 of a jump beyond its rest
-FORGOTTEN = 300.0  # exponent of decay between two saved times beyond which nothing is left
+FORGOTTEN = 300.0  # exponent of decay over a run beyond which nothing is left
 UNDAMPED = 0.01  # damping ratio of a segment from which on its damper takes a snap
 LOST = 0.25  # of the share of the energy that the method took: what a peak tension lacks
 
@@ -96,140 +90,91 @@ def tension_error(run: Any) -> float:
     -------
     error : float
     """
-    largest, more, flies = 0.0, 0.0, loose(run)
-    lost_of: dict[Any, np.ndarray] = {}
-    for cable in run.scene.cables:
-        T = run.tension(cable.name)
-        peak = float(T.max(initial=0.0))
-        largest = max(largest, peak)
-        if len(T) > 2 and peak > 0.0:
-            taut = T > 0.0
-            more = max(more, float((T + _missing(run, cable, T, lost_of))[taut].max()), snap_tension(run, cable, flies))
-    if largest == 0.0:
+    largest = float(run.segment_tension.max(initial=0.0))
+    if largest <= 0.0:
         return 0.0
+    more = max(float(look_at(run).most.max()), snap_tension(run)) if len(run.t) > 2 else largest
     lost = float(lost_share(run.energy)[-1]) if run.energy.shape[1] > BY_METHOD else 0.0
     return max(1.0 - largest / max(more, largest), LOST * lost)
 
 
-def snap_tension(run: Any, cable: Cable, flies: np.ndarray) -> float:
+def snap_tension(run: Any) -> float:
     """Largest tension of the waves that caught nodes send off, v sqrt(EA mu), as far as the steps do not resolve it [N].
 
-    Of a cable with dampers, and of one that does not stretch, 0. ``flies`` (k, n_free) bool is of `loose`; what hangs loose at the
-    start only has not been caught.
+    Of a cable with dampers, and of one that does not stretch, 0. What hangs loose at the start only has not been caught.
     """
-    if cable.inextensible or cable.damping_ratio >= UNDAMPED:
+    undamped = [one for one in run.scene.cables if not one.inextensible and one.damping_ratio < UNDAMPED]
+    if not undamped or not (run.segment_tension <= 0.0).any():  # else looking for loose nodes takes most of the time
         return 0.0
-    nodes = run.model.nodes(cable.name)
-    nodes = nodes[nodes < run.model.n_free]
-    caught = flies[1:-1, nodes] & ~flies[2:, nodes]
-    if not caught.any():
-        return 0.0
-    v = np.linalg.norm(np.diff(run.v[1:, nodes], axis=0), axis=2)[caught].max()
-    return float(v) * math.sqrt(cable.EA_fast * cable.mass_per_length) * highest_axial_mode(cable).unresolved(run.dt)
+    largest, flies = 0.0, loose(run)
+    for cable in undamped:
+        if not (run.tension(cable.name) > 0.0).any():
+            continue
+        nodes = run.model.nodes(cable.name)
+        nodes = nodes[nodes < run.model.n_free]
+        row, node = np.nonzero(flies[1:-1, nodes] & ~flies[2:, nodes])
+        if len(row):
+            v = np.linalg.norm(run.v[row + 2, nodes[node]] - run.v[row + 1, nodes[node]], axis=1).max()
+            wave = float(v) * math.sqrt(cable.EA_fast * cable.mass_per_length)
+            largest = max(largest, wave * highest_axial_mode(cable).unresolved(run.dt))
+    return largest
 
 
-def _missing(run: Any, cable: Cable, T: np.ndarray, lost_of: dict[Any, np.ndarray]) -> np.ndarray:
-    """What the tensions of a cable (k, segments) may lack at each saved time [N], of the same shape.
+def look_at(run: Any) -> Any:
+    """What a pass over the tensions of a run finds, a `TensionRows`."""
+    from .tension_pass import TensionRows, look_at_tensions  # compiled on first use
 
-    ``lost_of`` keeps `_lost_tension` of cables that are alike, as those of a net are.
-    """
-    second, jump = _differences(run, T)
-    jump = counted_jumps(T, jump)
-    lowest, decay = lowest_axial_mode(run.scene, cable), np.zeros(len(T) - 1)
-    unresolved = lowest.unresolved(run.dt)
-    if lowest.omega > 0.0:
-        decay = np.minimum(lowest.zeta * lowest.omega * np.diff(run.t), FORGOTTEN)
-    ringing = _remembered(jump, decay)
-    missing = np.maximum(BETWEEN * second, lowest.overshoot * unresolved * ringing)
-    missing = np.maximum(missing, OF_SEGMENT * highest_axial_mode(cable).unresolved(run.dt) * jump)
-    if unresolved > 0.0 and run.energy.shape[1] > BY_METHOD and schemes.scheme(run.method).books_its_losses:
-        alike = lowest, highest_axial_mode(cable), cable.segments, cable.EA_fast, cable.length
-        if alike not in lost_of:
-            lost_of[alike] = _lost_tension(run, cable, lowest)
-        missing = np.maximum(missing, np.minimum(lost_of[alike][:, None], ringing / unresolved))
-    return missing
+    T, t, h = run.segment_tension, run.t, run.dt
+    k, n = T.shape
+    second, of_means = _second(T), T[1:] + T[:-1]
+    for event in run.events:  # tensions of what breaks are lost in truth
+        if event.kind == BREAK:
+            second[1:-1][_beside(t, event.t)] = 0.0
+    books = run.energy.shape[1] > BY_METHOD and schemes.scheme(run.method).books_its_losses
+    taken = np.maximum.accumulate(np.maximum(run.energy[:, BY_METHOD] - run.energy[0, BY_METHOD], 0.0)) if books else np.zeros(k)
+    kinds: dict[tuple[Mode, Mode, int, float, float], int] = {}
+    cables, shares = [], []
+    for c, cable in enumerate(run.scene.cables):
+        lowest, highest = lowest_axial_mode(run.scene, cable), highest_axial_mode(cable)
+        unresolved, kind = lowest.unresolved(h), -1
+        if taken[-1] > 0.0 and unresolved > 0.0:  # those of cables that are alike are one
+            kind = kinds.setdefault((lowest, highest, cable.segments, cable.EA_fast, cable.length), len(kinds))
+        cables.append((*run.model.segment_run(c), kind))
+        per_unresolved = 1.0 / unresolved if kind >= 0 else 0.0
+        of_jumps = lowest.overshoot * unresolved, OF_SEGMENT * highest.unresolved(h)
+        shares.append((lowest.zeta * lowest.omega, *of_jumps, per_unresolved))
+    modes = [_vibrations(*kind, h) / ((1.0,), (len(run.scene.cables),)) for kind in kinds]
+    vibrations = np.zeros((len(kinds), 2, max((kind[2] for kind in kinds), default=0)))
+    for of_kind, found in zip(vibrations, modes, strict=True):
+        of_kind[:, : found.shape[1]] = found
+    rows = TensionRows(
+        t, np.ascontiguousarray(T), second, np.diff(second, axis=0), np.diff(_second(of_means), axis=0), taken,
+        np.array(cables, np.int64), np.array(shares), vibrations, np.zeros(vibrations.shape[1:]), np.zeros((len(kinds), k)),
+        np.zeros((k, 2)), np.zeros(n), np.zeros(n),
+    )  # fmt: skip
+    words = np.array(words_of(rows), np.int64)
+    look_at_tensions(words.ctypes.data)
+    return rows
 
 
-def _lost_tension(run: Any, cable: Cable, lowest: Mode) -> np.ndarray:
-    """Tension of the vibrations of a cable whose energy the method took, at each saved time (k,) [N].
+def _vibrations(lowest: Mode, highest: Mode, segments: int, EA: float, length: float, h: float) -> np.ndarray:
+    """Vibrations of a cable (2, segments): the rate at which the energy of each fades [1/s], and 2k times its share of the energy
+    that the method takes [N2/J].
 
     They are the lowest one and those of a chain of equal masses between two held ends, omega_max sin(pi j/(2 N)).
     """
-    highest, higher = highest_axial_mode(cable), np.arange(1, cable.segments)
-    omega = np.append(lowest.omega, highest.omega * np.sin(0.5 * np.pi * higher / cable.segments))
+    higher = np.arange(1, segments)
+    omega = np.append(lowest.omega, highest.omega * np.sin(0.5 * np.pi * higher / segments))
     rate = np.append(lowest.zeta * lowest.omega, highest.zeta * omega[1:] ** 2 / highest.omega)
-    share = 1.0 / (1.0 + (0.5 * omega * run.dt) ** 2)
-    lost = vibration_lost(run.energy, np.minimum(2.0 * rate * np.diff(run.t)[:, None], FORGOTTEN))
-    lost *= share / (share.sum() * len(run.scene.cables))
-    squares = 2.0 * cable.EA_fast / cable.length * lost
-    return np.minimum(MEET * np.sqrt(squares).sum(axis=1), OF_ONE * np.sqrt(squares.sum(axis=1)))
-
-
-def _differences(run: Any, T: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Sizes of second differences and of jumps of tensions (k, segments) [N] at each saved time.
-
-    Before its first saved time, a tension is taken to have been as it was then, and after its last likewise. Where a cable breaks,
-    tensions are lost in truth.
-    """
-    second = _second(T)
-    for event in run.events:
-        if event.kind == BREAK:
-            second[1:-1][_beside(run.t, event.t)] = 0.0
-    return np.abs(second[1:-1]), _jumps(second)
+    share = 1.0 / (1.0 + (0.5 * omega * h) ** 2)
+    return np.array([2.0 * rate, 2.0 * EA / length * share / share.sum()])
 
 
 def _second(T: np.ndarray) -> np.ndarray:
     """Second differences of tensions (k, segments), from a row before the first to a row after the last, (k + 2, segments)."""
-    return np.diff(np.concatenate([T[:1], T[:1], T, T[-1:], T[-1:]]), 2, axis=0)
-
-
-def _jumps(second: np.ndarray) -> np.ndarray:
-    """Half of the larger one of the third differences before and after each row, (k, segments) of `_second`."""
-    third = np.abs(np.diff(second, axis=0))
-    return 0.5 * np.maximum(third[1:], third[:-1])
-
-
-def counted_jumps(T: np.ndarray, jump: np.ndarray) -> np.ndarray:
-    """Jumps of tensions as far as they set off vibrations.
-
-    Parameters
-    ----------
-    T : (k, segments) float64 [N], of a cable
-    jump : (k, segments) float64 [N], half of the third differences of T
-
-    Returns
-    -------
-    counted : (k, segments) float64 [N], between `LEAST` times the jumps and all of them
-    """
-    if len(T) <= BESIDE[0]:
-        return jump
-    of_means = _jumps(_second(0.5 * (T[1:] + T[:-1])))  # between two rows each
-    counted = np.concatenate([of_means[:1], of_means])
-    np.maximum(counted[:-1], of_means, out=counted[:-1])
-    counted *= STEADY
-    np.maximum(counted, LEAST * jump, out=counted)
-    np.minimum(counted, jump, out=counted)
-    largest = jump.max(axis=1)
-    in_full = ~_stays(T.min(axis=1) > 0.0) | (largest >= ALONE * _beside_jumps(largest))
-    counted[in_full] = jump[in_full]
-    return counted
-
-
-def _stays(taut: np.ndarray) -> np.ndarray:
-    """Whether a cable is taut at each saved time (k,) and at the two before and after."""
-    padded = np.concatenate([[True, True], taut, [True, True]])
-    return np.logical_and.reduce([padded[n : n + len(taut)] for n in range(5)])
-
-
-def _beside_jumps(jump: np.ndarray) -> np.ndarray:
-    """The less of the largest jumps (k,) at the times `BESIDE` before and after each, and at its end those before it."""
-    before, after, least = np.zeros(len(jump)), np.zeros(len(jump)), BESIDE[0]
-    for n in BESIDE:
-        if n < len(jump):
-            np.maximum(before[n:], jump[:-n], out=before[n:])
-            np.maximum(after[:-n], jump[n:], out=after[:-n])
-    after[-least:] = np.inf
-    return np.minimum(before, after)
+    first = np.zeros((len(T) + 3, T.shape[1]))
+    np.subtract(T[1:], T[:-1], out=first[2:-2])
+    return first[1:] - first[:-1]
 
 
 def _beside(t: np.ndarray, at: float) -> np.ndarray:
@@ -238,33 +183,16 @@ def _beside(t: np.ndarray, at: float) -> np.ndarray:
     return (before <= at) & (after >= at)
 
 
-def _remembered(jump: np.ndarray, decay: np.ndarray) -> np.ndarray:
-    """Largest of the jumps so far (k, segments), each less by exp(-sum of decay (k - 1,)) since."""
-    passed = np.concatenate([[0.0], np.cumsum(decay)])[:, None]
-    if passed[-1] < FORGOTTEN:  # its exponential is a number, and takes a small part of the time of all logarithms
-        return np.maximum.accumulate(jump * np.exp(passed), axis=0) * np.exp(-passed)
-    with np.errstate(divide="ignore"):
-        return np.exp(np.maximum.accumulate(np.log(jump) + passed, axis=0) - passed)
-
-
 def vibration_lost(energy: np.ndarray, decay: np.ndarray) -> np.ndarray:
-    """Energy that the method took, less by exp(-sum of decay) since, at each saved time [J].
-
-    ``decay`` (k - 1,) gives (k,), and that of several vibrations (k - 1, n) gives (k, n), as if each had all of the energy.
-    """
+    """Energy that the method took, less by exp(-sum of decay (k - 1,)) since, at each saved time (k,) [J]."""
     taken = np.maximum.accumulate(np.maximum(energy[:, BY_METHOD] - energy[0, BY_METHOD], 0.0))
-    lost = np.zeros((len(energy), *decay.shape[1:]))
-    if not len(decay):
-        return lost
-    passed, taken = np.cumsum(decay, axis=0), np.diff(taken).reshape(-1, *[1] * (decay.ndim - 1))
-    short = passed[-1] < FORGOTTEN  # then its exponential is a number, and one sum is enough
-    if decay.ndim == 1 and not short:
-        lost[1:] = _lost_in_powers_of_two(taken, decay)
-    elif decay.ndim == 1 or short.all():
-        lost[1:] = np.cumsum(np.exp(passed - decay) * taken, axis=0) * np.exp(-passed)
-    else:
-        lost[1:, short] = np.cumsum(np.exp(passed[:, short] - decay[:, short]) * taken, axis=0) * np.exp(-passed[:, short])
-        lost[1:, ~short] = _lost_in_powers_of_two(taken, decay[:, ~short])
+    lost = np.zeros(len(energy))
+    if len(decay) and taken[-1] > 0.0:
+        passed, taken = np.cumsum(decay), np.diff(taken)
+        if passed[-1] < FORGOTTEN:  # then its exponential is a number, and one sum is enough
+            lost[1:] = np.cumsum(np.exp(passed - decay) * taken) * np.exp(-passed)
+        else:
+            lost[1:] = _lost_in_powers_of_two(taken, decay)
     return lost
 
 
