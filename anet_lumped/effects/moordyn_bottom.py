@@ -8,8 +8,8 @@ which holds a node back that rises faster than k s/c, and jumps where a node tou
 
     -mu min(D |v_t|, |N|) v_t/|v_t| ,     D = `friction_damping` ,
 
-with the velocity v_t along the plane. At MoorDyn's D = 200 N s/m and for the loads of large moorings it is next to nothing: a node
-that carries 1 kN has all of its friction at 5 m/s.
+with the velocity v_t along the plane; with a `static_ratio` r it is -mu D v_t up to r mu |N|, where it falls to mu |N|. At MoorDyn's
+D = 200 N s/m and for the loads of large moorings it is next to nothing: a node that carries 1 kN has all of its friction at 5 m/s.
 
 Over a whole step from a to b, N is the secant of the spring energy k s^2/2 plus c/h (max(s_b, 0) - max(s_a, 0)), plus the numerical
 damper of `laws.unresolved_contact`, and friction takes the mean velocity. Each takes energy at any step, or none.
@@ -32,7 +32,7 @@ from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled
 from .effect import Effect, height_under
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, SETTLE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
-HEADER, EACH = 3, 3  # numbers in ``params`` before those of the nodes, and of each node
+HEADER, EACH = 4, 3  # numbers in ``params`` before those of the nodes, and of each node
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,8 @@ class MoordynBottom(Effect):
         Coefficient mu: MoorDyn's FrictionCoefficient.
     friction_damping : float
         D, force per speed on a node over mu [N s/m]: MoorDyn's FricDamp.
+    static_ratio : float
+        r, the friction at which a node slips over that of one that slides: MoorDyn's StatDynFricScale.
     """
 
     height: float = 0.0
@@ -58,11 +60,14 @@ class MoordynBottom(Effect):
     damping: float = 3e5
     friction: float = 0.0
     friction_damping: float = 200.0
+    static_ratio: float = 1.0
 
     is_ground: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
-        self._check_numbers(height=("m", ""), **CONTACT, friction_damping=("N·s/m", "non-negative"))
+        self._check_numbers(
+            height=("m", ""), **CONTACT, friction_damping=("N·s/m", "non-negative"), static_ratio=("", "non-negative")
+        )
 
     def highest_frequency(self, scene: Any) -> float:
         """Of the mass of a segment on the springs under it."""
@@ -85,7 +90,7 @@ class MoordynBottom(Effect):
         -------
         index : empty
         params : float64
-            Height [m], mu, D [N s/m]; k [N/m], c [N s/m] and mass [kg] of each moving node.
+            Height [m], mu, D [N s/m], r; k [N/m], c [N s/m] and mass [kg] of each moving node.
 
         Raises
         ------
@@ -100,7 +105,7 @@ class MoordynBottom(Effect):
         area = sums_over_halves(model, "MoordynBottom", lambda cable, half: (half,))[:, 0]
         area, mass = area[: model.n_free], model.mass[: model.n_free]
         numbers = np.column_stack([self.stiffness * area, self.damping * area, mass]).ravel()
-        return np.empty(0, np.int64), np.array([self.height, self.friction, self.friction_damping, *numbers])
+        return np.empty(0, np.int64), np.array([self.height, self.friction, self.friction_damping, self.static_ratio, *numbers])
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return {"force": force, "tangent": tangent, "energy": energy, "whole_step": whole_step, "settle": settle}
@@ -117,7 +122,7 @@ def _of_node(params, i):
 def _friction(vx, vy, N, params):
     """Force over the velocity, F/|v_t| [N s/m], and 1 where it is limited by the load, else 0."""
     speed = math.sqrt(vx * vx + vy * vy)
-    if params[2] * speed <= abs(N):
+    if params[2] * speed <= params[3] * abs(N):
         return params[1] * params[2], 0.0
     return params[1] * abs(N) / speed, 1.0
 

@@ -23,6 +23,7 @@ from .moordyn_attachments import Hold, attachment
 from .moordyn_findings import Findings
 from .moordyn_rows import Row, made, number_of
 
+LIGHT = 1e-6  # [kg] of a body without a mass; over the mass times the square of its reach, the inertia of one without I
 COLUMNS = 14  # ID, Attachment, X0, Y0, Z0, r0, p0, y0, Mass, CG, I, Volume, CdA, Ca
 
 
@@ -142,9 +143,11 @@ def moving_body(
     given: dict[str, Any] = {}
     has_parts = any(rod.mass_per_length for rod in rods) or any(fields["mass"] for fields in carried.values())
     if mass or not has_parts:
-        given["mass"] = mass
-    if mass or not has_parts or any(inertia):
+        given["mass"] = mass or LIGHT
+    if any(inertia):
         given["inertia"] = _three(inertia)
+    elif mass or not has_parts:
+        given |= _light(row, name, mass, [np.subtract(place, centre) for _, place in attachments])
     return made(
         row, Body, frame.name, at=frame.six[:3], rotation=frame.rotation, attachments=attachments, rods=rods,
         carried={of: made(row, Carried, **fields) for of, fields in carried.items()},
@@ -152,6 +155,17 @@ def moving_body(
         CdA=_three(along), CdA_rotation=_three(turning), Ca=_three(Ca),
         pinned="" if frame.pinned else None, pinned_to=frame.pin, **given,
     )  # fmt: skip
+
+
+def _light(row: Row, name: str, mass: float, arms: list[np.ndarray]) -> dict[str, Any]:
+    """Inertia, and mass where there is none, of a body without: so little that what hangs on it counts alone."""
+    reach = max((float(np.linalg.norm(arm)) for arm in arms), default=0.0) or 1.0
+    mass_too = "" if mass else f" and a mass of {LIGHT:g} kg"
+    moment = LIGHT * (mass or 1.0) * reach**2
+    row.findings.remark(
+        f"Line {row.line}: body {name} has no inertia I; it is given {moment:.3g} kg m2{mass_too}, and turns with what hangs on it."
+    )
+    return {"mass": mass or LIGHT, "inertia": (moment,) * 3}
 
 
 def _three(numbers: list[float]) -> list[float]:

@@ -127,19 +127,19 @@ def _bottom(options: Options, places: Places, like_moordyn: bool, seafloor: Seaf
         numbers["height"] = -_depth(options, places)
     if not numbers["stiffness"]:
         raise options.row("kBot", "cBot").error("a bottom must have a kBot that carries something; for none, cBot must be 0 too.")
-    if friction and scale != 1.0:
-        raise options.row("StatDynFricScale").error("static friction that differs from dynamic is not supported; it must be 1.")
     row = options.row("kBot", "cBot")
     if seafloor is not None and like_moordyn:
         raise seafloor.row.error("a bottom that is not flat has this package's law alone; it must be read without like_moordyn.")
     if like_moordyn:
-        return _effect("moordyn_bottom", row, **numbers, friction_damping=options.value("FricDamp"))
+        return _effect("moordyn_bottom", row, **numbers, friction_damping=options.value("FricDamp"), static_ratio=scale)
     if options.value("cBot"):
         findings.remark(f"The damper of the bottom never pulls, where MoorDyn's holds back nodes that rise{other}")
     if friction:
         findings.remark(
             f"Friction on the bottom is {friction:g} of the load at any speed, where MoorDyn's grows with it, {friction:g} times "
-            f"FricDamp = {options.value('FricDamp'):g} N s/m a node{other}"
+            f"FricDamp = {options.value('FricDamp'):g} N s/m a node"
+            + (f", to {scale:g} of that before it slips, StatDynFricScale" if scale != 1.0 else "")
+            + other
         )
     if seafloor is not None:
         findings.remark(

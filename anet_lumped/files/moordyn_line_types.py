@@ -67,14 +67,16 @@ def read_line_types(rows: list[Row], used: set[str], tables: Tables, findings: F
     findings : Findings
     """
     types: dict[str, tuple[Row, dict[str, Any]]] = {}
-    names: set[str] = set()
+    last = {row.words[0]: row for row in rows}
     for row in rows:
         name = row.words[0]
         with findings.refusing():
-            if name in names:
-                raise row.error(f"a line type must come once, but {one_line(name, WORD)} comes again.")
-            names.add(name)
-            if name in used:
+            if row is not last[name]:
+                findings.remark(
+                    f"Line type {one_line(name, WORD)} is given on lines {row.line} and {last[name].line}; the last one counts, "
+                    "as in MoorDyn."
+                )
+            elif name in used:
                 types[name] = row, _type(row, tables)
             else:
                 findings.unused(one_line(name, WORD), row.line, "line types that no line has")

@@ -101,7 +101,7 @@ def _read(row: Row, found: Options) -> None:
         name = SEAFLOOR
     is_number_needed = name in (*ENVIRONMENT, *FRICTIONS)
     value = row.number(0, name) if is_number_needed else _value(word)
-    if is_number_needed and isinstance(value, float) and value < 0.0:
+    if is_number_needed and isinstance(value, float) and value < 0.0 and name != "WtrDpth":  # whatever is held is deeper
         raise row.error(f"{name} must not be negative.")
     if name == "WaterKin":
         value = _water_file(word, row)

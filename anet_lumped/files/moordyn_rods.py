@@ -32,6 +32,7 @@ from .moordyn_rows import WORD, Row, made
 TYPE_COLUMNS = 7  # TypeName, Diam, Mass/m, Cd, Ca, CdEnd, CaEnd
 COLUMNS = 11  # ID, RodType, Attachment, Xa, Ya, Za, Xb, Yb, Zb, NumSegs, RodOutputs
 PINNED = re.compile(r"pin(ned)?\d*", re.IGNORECASE)  # by itself; a number behind it is passed over
+LIGHT, WATER = 1e-6, 1000.0  # mass that a rod without one is given, over that of the water [kg/m3] in its volume
 STAYS = "stays where it is, while the rod turns about it."
 OF_TYPE = ((1, "Diam", "diameter"), (2, "Mass/m", "mass_per_length"), (3, "Cd", "Cdn"), (4, "Ca", "Can"))
 OF_ENDS = ((5, "CdEnd", "Cd_end"), (6, "CaEnd", "Ca_end"))
@@ -217,7 +218,12 @@ def _of(types: Mapping[str, Row], rod: Row) -> dict[str, Any]:
             f"a type of rods must have {TYPE_COLUMNS} columns (TypeName, Diam, Mass/m, Cd, Ca, CdEnd, CaEnd), but has "
             f"{len(row.words)}."
         )
-    beyond = row.words[TYPE_COLUMNS:]
-    if any(row.number(column, "a coefficient of a rod") for column in range(TYPE_COLUMNS, len(row.words))):
-        raise row.error(f"columns of types of rods behind CaEnd are not supported, but are {one_line(' '.join(beyond), WORD)}.")
-    return {field: row.number(column, what) for column, what, field in (*OF_TYPE, *OF_ENDS)} | {"Cdt": 0.0, "Cat": 0.0}
+    if beyond := row.words[TYPE_COLUMNS:]:
+        row.findings.unused(one_line(" ".join(beyond), WORD), row.line, "columns of types of rods behind CaEnd")
+    fields = {field: row.number(column, what) for column, what, field in (*OF_TYPE, *OF_ENDS)} | {"Cdt": 0.0, "Cat": 0.0}
+    if fields["mass_per_length"] == 0.0 and attachment(rod.words[2]).hold is not Hold.BODY:
+        fields["mass_per_length"] = LIGHT * WATER * 0.25 * math.pi * fields["diameter"] ** 2
+        row.findings.remark(
+            f"Line {row.line}: a rod of no mass that moves by itself is given {LIGHT:g} of that of the water in its volume."
+        )
+    return fields

@@ -118,7 +118,7 @@ def rows_by_section(text: str, findings: Findings) -> dict[str, list[Row]]:
     ----------
     text : str
     findings : Findings
-        Gathers a section that is there twice, or has the name of no section but nearly so, and what no use is made of.
+        Gathers a section that has the name of no section but nearly so, and what no use is made of: of sections that come again.
 
     Returns
     -------
@@ -161,7 +161,8 @@ def _section(heading: str, line: int, found: dict[str, list[Row]], findings: Fin
     where = f"{findings.source}, line {line}"
     with findings.refusing():
         if section in found:
-            raise SceneError(f"{where}: a section must come once, but {quoted(heading)} comes again.")
+            findings.unused(f"the section {quoted(heading)}", line, "sections that come again, as by MoorDyn")
+            return None
         if section is None and heading:
             names = [word for words in HEADINGS.values() for word in words]
             near = difflib.get_close_matches(asked[:LONGEST_HEADING], names, 1, ALIKE)

@@ -251,4 +251,7 @@ def _environment(scene: Scene, far: float) -> dict[str, float]:
     options |= {
         "WtrDpth": -ground.height + 0.0, "kBot": ground.stiffness, "cBot": ground.damping, "FrictionCoefficient": ground.friction,
     }  # fmt: skip
-    return options | ({"FricDamp": ground.friction_damping} if "moordyn_bottom" in given else {})
+    if "moordyn_bottom" not in given:
+        return options
+    static = {} if ground.static_ratio == 1.0 else {"StatDynFricScale": ground.static_ratio}
+    return options | {"FricDamp": ground.friction_damping} | static

@@ -53,6 +53,21 @@ def test_law(seed):
     assert power == pytest.approx(-np.sum(f * v) + np.sum(spring * v[:, 2]), rel=1e-12) and power > 0.0
 
 
+@pytest.mark.parametrize(("ratio", "speeds"), [(1.5, (2.9, 3.1)), (0.5, (0.9, 1.1))], ids=["static above", "static below"])
+def test_static_friction(ratio, speeds):
+    """-mu D v up to the ratio of the load N = k A s = 60 N, which D = 30 N s/m has at 2 m/s, and -mu N beyond."""
+    effect = MoordynBottom(0.1, 1e5, 0.0, 0.7, 30.0, static_ratio=ratio)
+    model = build(lying(effect))
+    index, params = effect.table(model)
+    i = model.nodes("a-b")[4]
+    q, v = np.ones((model.n, 3)), np.zeros((model.n, 3))
+    q[i, 2] = 0.1 - 60.0 / (1e5 * D * LENGTH / SEGMENTS)
+    for speed, expected in zip(speeds, (0.7 * 30.0 * speeds[0], 0.7 * 60.0), strict=True):
+        f, v[i, 1] = np.zeros_like(q), speed
+        moordyn_bottom.force(0.0, q, v, index, params, f)
+        assert f[i] == pytest.approx((0.0, -expected, 60.0), rel=1e-12)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_derivatives(seed):
     """Taylor's remainder is of order 2, but for nodes that pass a kink, of which there are none within the steps."""

@@ -183,7 +183,6 @@ def test_a_deck_that_is_silent_has_moordyns_sea_down_to_its_deepest_point():
         ("4e7    3.0e3       0 ", "4e7    3.0e3       ei.dat ", r"line 7, .*EI must be a number; ei.dat, a table"),
         ("4e7    3.0e3", "-4e7   3.0e3", r"line 18, .*`EA` must be positive"),
         ("0.01    0.0\n", "0.01\n", r"line 7, .*a line type must have 10 columns .* but has 9"),
-        ("rope       0.05", "chain      0.05", r"line 7, .*a line type must come once, but chain comes again"),
         ("2     Free ", "2     Fre  ", r'line 12, .*must be Fixed, Coupled, Free or Body and a number, did you mean "free"\?'),
         ("2     Free ", "2     Loose", r"line 12, .*must be Fixed, Coupled, Free or Body and a number\."),
         ("2     Free ", "1     Free ", r"line 12, .*a point must come once, but 1 comes again"),
@@ -195,9 +194,8 @@ def test_a_deck_that_is_silent_has_moordyns_sea_down_to_its_deepest_point():
         ("0       WaveKin", "WtrDpth 30", r"line 29, .*the value of an option must come before its name"),
         ("0       WaveKin", "7       Currents", r"line 29, .*Currents must be an integer from 0 to 5"),
         ("0       WaveKin", "bottom.txt SeafloorFile", r"line 29, .*a seafloor must be in a readable file, but bottom"),
-        ("500     WtrDpth", "-500    WtrDpth", r"line 26, .*WtrDpth must not be negative"),
+        ("0       kBot", "-1      kBot", r"line 27, .*kBot must not be negative"),
         ("500     WtrDpth", "sea.txt WtrDpth", r"line 26, .*a seafloor must be in a readable file, but sea"),
-        ("-- OUTPUTS", "-- POINTS ---\n-- OUTPUTS ---", r'line 30: a section must come once, but "POINTS" comes again'),
         ("-- LINE TYPES", "-- KINDS", r"mooring.txt: a MoorDyn file must have a section LINE TYPES, but this has none"),
     ],
 )  # fmt: skip
@@ -208,11 +206,13 @@ def test_messages(tmp_path, old, new, message):
     assert str(refused.value).startswith("mooring.txt")
 
 
-def test_static_friction_is_refused_where_there_is_friction():
+def test_static_friction_is_that_of_moordyns_bottom():
     deck = changed("0       kBot", "3e6     kBot\n1.5 StatDynFricScale")
     assert deck_from_text(deck).options["StatDynFricScale"] == 1.5
-    with pytest.raises(SceneError, match=r'line 28, "1.5 StatDynFricScale": static friction that differs'):
-        deck_from_text(changed("0       WaveKin", "0.5 FrictionCoefficient", deck))
+    rough = changed("0       WaveKin", "0.5 FrictionCoefficient", deck)
+    assert any("to 1.5 of that before it slips, StatDynFricScale; read_moordyn(" in said for said in deck_from_text(rough).remarks)
+    (bottom,) = [effect for effect in deck_from_text(rough, like_moordyn=True).scene.effects if isinstance(effect, MoordynBottom)]
+    assert (bottom.friction, bottom.static_ratio) == (0.5, 1.5)
 
 
 def test_no_file(tmp_path):

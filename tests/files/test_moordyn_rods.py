@@ -127,9 +127,7 @@ def test_ends_of_a_rod_on_a_body_that_others_move_are_points(word):
         ([(ROD, "1 pole Free -10 0 -75 10 0 -75 1.5 -")], r"line 12, .*NumSegs must be an integer of at least 0"),
         ([(ROD, "1 pole Free -10 0 -75 -10 0 -75 4 -")], r"line 12, .*A rod must have a length"),
         ([(ROD, "1 pole Body2 -10 0 -75 10 0 -75 4 -")], r"line 12, .*a rod must be on a body in BODIES, but body 2 is not there"),
-        ([("--- POINTS", BODY.replace("900", "0")), (ROD, "1 pole Body1 0 0 0 1 0 0 4 -")], r"line 16, .*must have no inertia I"),
         ([(TYPE, "pole 0.25 77.7 1.6 1.0 1.5")], r"line 8, .*a type of rods must have 7 columns .* but has 6"),
-        ([(TYPE, f"{TYPE} 0 0.1")], r"line 8, .*columns of types of rods behind CaEnd are not supported, but are 0 0\.1"),
     ],
 )
 def test_refusals(changes, message):

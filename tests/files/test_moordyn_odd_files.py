@@ -1,0 +1,97 @@
+"""Files that are odd, and that MoorDyn runs: they are read as it reads them."""
+
+import numpy as np
+import pytest
+from test_moordyn_loads_on_bodies import DECK
+
+from anet_lumped import simulate
+from anet_lumped.files.moordyn_file import deck_from_text
+from studies.peers.moordyn import silence
+
+ROD = """\
+--- ROD TYPES ---
+h
+h
+bar 0.5 0 0.6 1.0 0 0
+--- RODS ---
+h
+h
+1 bar Free 0.5 0.2 -20.3 -0.5 -0.2 -19.7 4 -
+--- POINTS ---"""
+
+
+def changed(*changes):
+    deck = DECK
+    for old, new in changes:
+        assert deck.count(old) == 1, old
+        deck = deck.replace(old, new)
+    return deck
+
+
+TWICE = ("--- BODIES ---", "light 0.02 0.05 3e4 0 0 0 0 0 0\n--- BODIES ---")
+
+
+@pytest.mark.parametrize(
+    ("change", "remark"),
+    [
+        (TWICE, "Line type light is given on lines 4 and 5; the last one counts, as in MoorDyn."),
+        (("--- OPTIONS ---", "--- LINES ---\nh\nh\n2 light 1 3 9 1 -\n--- OPTIONS ---"),
+         'No use is made of sections that come again, as by MoorDyn: the section "LINES" (line 19).'),
+        (("100 WtrDpth", "-100 WtrDpth"), None),
+    ],
+    ids=["line type", "section", "depth"],
+)  # fmt: skip
+def test_what_moordyn_takes_without_a_word(change, remark):
+    deck = deck_from_text(changed(change))
+    (cable,) = deck.scene.cables
+    assert cable.mass_per_length == (0.05 if change is TWICE else 0.01)
+    assert remark is None or remark in deck.remarks
+
+
+LOADED = ("-0.3 50 0.02 0.3 0.5", "-0.3 0 0 0 0")
+HEAVY = ("light 0.01 0.01 2e4", "light 0.01 4 2e4")
+THREE = (
+    (
+        "1 light 1 2 60 1 -",
+        "1 light 1 2 25 1 -\n2 light 4 3 25 1 -\n3 light 5 6 25 1 -",
+    ),
+    (
+        "3 Body1 -0.5 -0.2 0.3 0 0 0 0",
+        "3 Body1 -0.5 -0.2 0.3 0 0 0 0\n4 Fixed -20 0 0 0 0 0 0\n5 Fixed 0 20 0 0 0 0 0\n6 Body1 0 0.7 0 0 0 0 0",
+    ),
+)
+
+
+@pytest.mark.parametrize("mass", [100, 0], ids=["no inertia", "no mass"])
+def test_moordyn_moves_light_bodies_as_we_do(tmp_path, mass):
+    """MoorDyn lacks the pull of the ends of lines that circle: 2e-4 of the way after 20 ms, and growing with the time squared."""
+    moordyn = pytest.importorskip("moordyn", exc_type=ImportError)
+    quiet = "--- OPTIONS ---\n5e-5 dtM\nRK4 tScheme\n0 TmaxIC\n1 disableOutput\n0 writeLog"
+    light = ("0 100 0 20 0.05", f"0 {mass} 0 0 0.05")
+    text = changed(light, LOADED, HEAVY, *THREE, ("--- OPTIONS ---", quiet))
+    deck = deck_from_text(text, like_moordyn=True)
+    assert any("has no inertia I; it is given" in said for said in deck.remarks)
+    path, t_end = tmp_path / "deck.txt", 0.02
+    path.write_text(text)
+    ours = simulate(deck.scene, t_end, method="edmc", dt=2e-4, start="straight").final
+    with silence():
+        engine = moordyn.Create(str(path))
+        try:
+            moordyn.Init(engine, [], [])
+            for k in range(round(t_end / 0.01)):
+                moordyn.Step(engine, [], [], 0.01 * k, 0.01)
+            places = [moordyn.GetPointPos(moordyn.GetPoint(engine, number)) for number in (2, 3)]
+        finally:
+            moordyn.Close(engine)
+    for name, place in zip(("body1.point2", "body1.point3"), places, strict=True):
+        way = np.linalg.norm(np.subtract(place, deck.scene.point(name).at))
+        assert way > 2e-3 and np.allclose(ours.position(name), place, rtol=0.0, atol=1e-3 * way)
+
+
+def test_a_rod_without_a_mass():
+    text = changed(("--- POINTS ---", ROD), ("1 light 1 2 60", "1 light 1 R1A 60"))
+    deck = deck_from_text(text)
+    assert any("a rod of no mass that moves by itself is given 1e-06" in said for said in deck.remarks)
+    rod = deck.scene.body("rod1").rods[0]
+    assert rod.mass_per_length == pytest.approx(1e-6 * 1000.0 * np.pi * 0.25 * 0.25, rel=1e-12)
+    assert simulate(deck.scene, 0.05, method="edmc", dt=0.005, start="straight").ok
