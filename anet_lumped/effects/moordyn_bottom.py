@@ -8,7 +8,7 @@ which holds a node back that rises faster than k s/c, and jumps where a node tou
 
     -mu min(D |v_t|, |N|) v_t/|v_t| ,     D = `friction_damping` ,
 
-with the velocity v_t along the plane; with a `static_ratio` r it is -mu D v_t up to r mu |N|, where it falls to mu |N|. At MoorDyn's
+with the velocity v_t along the plane; with a `static_ratio` r it is -mu D v_t up to r mu |N|, and mu |N| beyond. At MoorDyn's
 D = 200 N s/m and for the loads of large moorings it is next to nothing: a node that carries 1 kN has all of its friction at 5 m/s.
 
 Over a whole step from a to b, N is the secant of the spring energy k s^2/2 plus c/h (max(s_b, 0) - max(s_a, 0)), plus the numerical
