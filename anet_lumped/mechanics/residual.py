@@ -96,6 +96,7 @@ def cable_residual(stage, net, cables, base, q, law, creep, largest_coordinate):
     flat_q, flat_base, flat_right, segment = flat(q), flat(base), flat(net.right_side), flat(net.segment)
     zero = 0.0 * L0
     norm, scale, predicted, sum_of_forces, tension_gap, largest_tension = zero, zero, zero, zero, zero, zero
+    largest_used = zero
     least_taut_slope = 0.9 * taut.undamped_slope  # a segment of a smaller slope is not linearised as taut
     q0, a0, pull_behind, predicted_behind = row3(flat_q, start), row3(flat_base, start), (zero, zero, zero), (zero, zero, zero)
     for j in range(count):
@@ -111,6 +112,7 @@ def cable_residual(stage, net, cables, base, q, law, creep, largest_coordinate):
             T, new, net.crept[s, CREPT_CHANGE] = linearise_creeping(stage, of_segment, q0, q1, a0, a1, predicted_tension, history)
         store_linearised(segment, row, new)
         tension_used = select(two_way_damper == 0.0, max(predicted_tension, 0.0), predicted_tension)
+        largest_used = max(largest_used, abs(tension_used))
         tension_gap = max(
             tension_gap,
             abs(new.tension - tension_used) * select(new.stiffness > least_taut_slope, taut.force_per_tension_error, 1.0),
@@ -132,9 +134,11 @@ def cable_residual(stage, net, cables, base, q, law, creep, largest_coordinate):
     add_to_points(net.predicted_force, net.n_interior, end, members, predicted_behind, -1.0)
     add_to_points(net.law_force, 0, end, members, pull_behind, -1.0)
     largest_length = max(L0, largest_coordinate)
-    noise = FORCE_ROUNDING * (largest_tension + (k + damper * per_tau) * largest_length)
+    # where all segments are slack, by the law and by the Newton step, no rounding of a length becomes a force
+    rounded_length = select(max(largest_tension, largest_used) > 0.0, largest_length, zero)
+    noise = FORCE_ROUNDING * (largest_tension + (k + damper * per_tau) * rounded_length)
     predicted_noise = FORCE_ROUNDING * (
-        largest_tension + (taut.force_per_tension_error * taut.damped_slope + taut.force_per_length_error) * largest_length
+        largest_tension + (taut.force_per_tension_error * taut.damped_slope + taut.force_per_length_error) * rounded_length
     )
     return CableBalance(
         max_of_lanes(norm),
