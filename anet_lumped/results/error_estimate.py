@@ -76,7 +76,7 @@ def _lost_way(run: Any, flying: float, ways: np.ndarray) -> np.ndarray:
     books = schemes.scheme(run.method).books_its_losses
     share = lost_share(run.energy) if books else np.maximum(lost_share(run.energy), moved_share(run.energy))
     if any(isinstance(point, Driven) for point in run.scene.all_points):
-        ways = moved_ways(run.q - run.q[:, run.model.n_free :].mean(axis=1, keepdims=True))
+        ways = moved_ways(run.q, run.q[:, run.model.n_free :].mean(axis=1))
     amplitude = 0.5 * np.maximum.accumulate(ways)
     way = share * (0.5 + 1.5 * np.maximum(share, flying)) * amplitude
     n_free = run.model.n_free
@@ -88,13 +88,18 @@ def _lost_way(run: Any, flying: float, ways: np.ndarray) -> np.ndarray:
     return way
 
 
-def moved_ways(q: np.ndarray) -> np.ndarray:
-    """Longest way along an axis by which a node of places (k, n, 3) is off its first one, (k,) [m]."""
-    rows, ways = q.reshape(len(q), -1), np.zeros(len(q))
+def moved_ways(q: np.ndarray, base: np.ndarray | None = None) -> np.ndarray:
+    """Longest way along an axis by which a node of places (k, n, 3) is off its first one, (k,) [m].
+
+    Less the way of a ``base`` (k, 3), if one is given.
+    """
+    ways = np.zeros(len(q))
     for begin in range(0, len(q), AT_ONCE):
-        some = rows[begin : begin + AT_ONCE] - rows[0]
+        some = q[begin : begin + AT_ONCE] - q[0]
+        if base is not None:
+            some -= (base[begin : begin + AT_ONCE] - base[0])[:, None]
         np.abs(some, out=some)
-        some.max(axis=1, out=ways[begin : begin + AT_ONCE])
+        some.reshape(len(some), -1).max(axis=1, out=ways[begin : begin + AT_ONCE])
     return ways
 
 

@@ -4,6 +4,9 @@ Where the last taut segment at a node goes slack, its force ends within a step. 
 size of the second difference of the velocities there. A node that is held swings about its place with that; one that flies keeps
 it, so that its error grows with the time of its flight. A weight on one segment leaves with the speed that the energy gives it,
 which `edmc` keeps; so only nodes of cables of several segments count, whose vibrations share the energy out.
+
+Errors of nodes that fly between several segments, of one cable or of more, are multiplied where these catch them, as those of a
+ball between walls.
 """
 
 import math
@@ -51,18 +54,23 @@ def _any_slack(run: Any) -> bool:
 
 
 def goes_loose(run: Any) -> bool:
-    """Whether a node of a cable of several segments has none that is taut at a saved time after the start."""
+    """Whether a node between several segments has none that is taut at a saved time after the start."""
     return first_loose(run) is not None
 
 
 def first_loose(run: Any) -> float | None:
-    """First saved time after the start at which a node of a cable of several segments has none that is taut [s]; None: never."""
+    """First saved time after the start at which a node between several segments has none that is taut [s]; None: never.
+
+    The end of a cable of several segments counts as one.
+    """
     return first_of(run, loose(run)) if _any_slack(run) else None
 
 
 def first_of(run: Any, flies: np.ndarray) -> float | None:
     """As `first_loose`, of what is `loose`."""
-    found = np.flatnonzero((flies & _of_several_segments(run))[1:].any(axis=1))
+    model = run.model
+    between = np.bincount(model.ends.ravel(), minlength=model.n)[: model.n_free] > 1
+    found = np.flatnonzero((flies & (between | _of_several_segments(run)))[1:].any(axis=1))
     return float(run.t[1 + found[0]]) if len(found) else None
 
 

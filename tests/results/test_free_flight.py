@@ -10,6 +10,7 @@ from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.model.build import build
 from anet_lumped.results.free_flight import MULTIPLIED, OF_SECOND_DIFFERENCE, first_loose, flight_errors, goes_loose, loose
 from anet_lumped.results.state import segment_tensions
+from studies.catalogue.random_motions import random_motion
 
 G = 9.81
 
@@ -117,3 +118,16 @@ def test_a_run_that_goes_loose_says_that_it_may_multiply_errors():
         assert compared.multiplies == 1.0 and not any("multiply" in text for text in compared.warnings)
     held = simulate(hanging(), 1.0, method="edmc", dt=0.1)
     assert held.multiplies == 1.0 and first_loose(held) is None
+
+
+def test_a_weight_that_two_slack_segments_catch_says_that_it_may_multiply_errors():
+    """A sway of a weight between two supports, each with a cable of one segment: it told a 23rd of its error without a word."""
+    motion = random_motion(36, 7301)
+    step = motion.t_end / 512
+    run, fine = (
+        simulate(motion.scene, motion.t_end, method="edmc", dt=step / parts, save_every=step, start=motion.start)
+        for parts in (1, 16)
+    )  # fmt: skip
+    off = np.linalg.norm(run.q - fine.q, axis=2).max()
+    assert off > 10.0 * run.error_estimate and 1.0 < run.multiplies * run.error_estimate / off < 4.0
+    assert all(cable.segments == 1 for cable in motion.scene.cables) and first_loose(run) < 0.5 * motion.t_end
