@@ -5,7 +5,7 @@ Written so that MoorDyn v2 runs it and that `moordyn_file` reads it back as an e
 do not stretch or may break, payloads that change, damping by the environment; of bodies see `moordyn_body_rows`. What it has no
 place for is lost: the path of a driven point or body, which MoorDyn moves from outside, the EI of a scene without bending, the zeta
 of a cable that creeps, the window of one that sheds vortices, that a cable has no diameter and that a free point has no place. Of
-polyester see `moordyn_syrope_writer`.
+polyester see `moordyn_syrope_writer`, of waves and currents `moordyn_flow_writer`.
 """
 
 import math
@@ -19,6 +19,7 @@ from anet_lumped.checks import SceneError, quoted, shown
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene, check_scene
 
 from .moordyn_body_rows import body_points, body_rows, pins, rod_ends
+from .moordyn_flow_writer import flow_files, flow_options
 from .moordyn_rows import named
 from .moordyn_seafloor import seafloor_text
 from .moordyn_shedding import shedding_columns
@@ -30,7 +31,9 @@ NO_BOTTOM = 1e4  # [m], depth of water without a bottom
 
 
 def save_moordyn(scene: Scene, path: str | PathLike[str], options: Mapping[str, Any] | None = None) -> None:
-    """Write a scene as a MoorDyn v2 input file.
+    """Write a scene as a MoorDyn v2 input file, and beside it the files that it names.
+
+    Waves and a current are in files whose names are MoorDyn's: current_profile.txt and wave_frequencies.txt.
 
     Parameters
     ----------
@@ -59,6 +62,8 @@ def save_moordyn(scene: Scene, path: str | PathLike[str], options: Mapping[str, 
     if (ground := _seafloor(scene)) is not None:
         text = seafloor_text(ground.x, ground.y, ground.heights)
         path.with_name(f"{path.stem}_seafloor.txt").write_text(text, encoding="utf-8")
+    for name, text in flow_files(scene).items():
+        path.with_name(name).write_text(text, encoding="utf-8")
     for (curve, working), name in _curves(scene, path.stem).items():
         rows = ("strain tension", "(-) (N)", "0 0", *(f"{strain!r} {tension!r}" for strain, tension in curve))
         if working is not None:
@@ -234,23 +239,27 @@ def _environment(scene: Scene, far: float) -> dict[str, float]:
         raise SceneError(f"A scene must have one bottom to be written for MoorDyn, but it has {' and '.join(bottoms)}.")
     water, ground = given.get("water"), given.get("ground", given.get("moordyn_bottom"))
     if water is not None:
-        for name, still in (("level", 0.0), ("current", None), ("wave", None), ("waves", None)):
-            if (value := getattr(water, name)) != still:
-                raise SceneError(f"Water must be still, with level=0, to be written for MoorDyn, but it has {name}={shown(value)}.")
+        if water.level != 0.0:
+            raise SceneError(f"Water must have level=0 to be written for MoorDyn, but it has level={water.level}.")
         if water.g not in (None, -z):
             raise SceneError(f"Water must have the g of Gravity, {-z:g} m/s2, to be written for MoorDyn, but it has g={water.g}.")
     options = {"g": -z + 0.0, "rho": 0.0 if water is None else water.density}
     if "ground_map" in given:
+        if water is not None and water.all_waves:
+            raise SceneError("Waves must be over a flat bottom to be written for MoorDyn, but the scene has a GroundMap.")
+        options |= {} if water is None else flow_options(water, None)
         ground = given["ground_map"]
         return options | {"kBot": ground.stiffness, "cBot": ground.damping, "FrictionCoefficient": ground.friction}
     if ground is None:
         reach = far + math.fsum(cable.length for cable in scene.cables)
-        return options | {"WtrDpth": max(NO_BOTTOM, 2.0 * reach), "kBot": 0.0, "cBot": 0.0}
+        options |= {"WtrDpth": max(NO_BOTTOM, 2.0 * reach), "kBot": 0.0, "cBot": 0.0}
+        return options | ({} if water is None else flow_options(water, None))
     if ground.height > 0.0:
         raise SceneError(f"The ground must lie at or below z=0 to be written for MoorDyn, but it has height={ground.height}.")
     options |= {
         "WtrDpth": -ground.height + 0.0, "kBot": ground.stiffness, "cBot": ground.damping, "FrictionCoefficient": ground.friction,
     }  # fmt: skip
+    options |= {} if water is None else flow_options(water, options["WtrDpth"])
     if "moordyn_bottom" not in given:
         return options
     static = {} if ground.static_ratio == 1.0 else {"StatDynFricScale": ground.static_ratio}

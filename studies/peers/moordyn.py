@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from anet_lumped.files.moordyn_flow_writer import flow_files
 from anet_lumped.files.moordyn_writer import moordyn_text
 from studies.peers.problem import explicit_limit, problem, raise_if_refused, unsupported, version_of
 
@@ -71,6 +72,8 @@ def run(scene, t_end, save_every, start=None, *, dt, scheme="rk4", coupling=COUP
     with tempfile.TemporaryDirectory() as folder, silence():
         deck, state = Path(folder) / "scene.txt", Path(folder) / "state"
         deck.write_text(_deck(task, dt, scheme), encoding="utf-8")
+        for name, text in flow_files(scene).items():
+            deck.with_name(name).write_text(text, encoding="utf-8")
         engine = moordyn.Create(str(deck))
         if engine is None:
             raise RuntimeError("MoorDyn could not read the scene that was written for it.")

@@ -304,7 +304,7 @@ def test_what_a_deck_has_no_place_for():
         ({"effects": [ViscousDamping(0.1)]}, r"A scene must have no ViscousDamping to be written for MoorDyn"),
         ({"effects": [Gravity(9.81, (0, 1, -1))]}, r"Gravity must point along -z to be written for MoorDyn, but"),
         ({"effects": [], "at": None}, r'A free point must have a place to be written for MoorDyn, but "point2" has no `at`'),
-        ({"level": 2.0}, r"Water must be still, with level=0, .* it has level=2.0"),
+        ({"level": 2.0}, r"Water must have level=0 to be written .* it has level=2.0"),
         ({"g": 3.0}, r"Water must have the g of Gravity, 9.81 m/s2, .* it has g=3.0"),
         ({"height": 2.0}, r"The ground must lie at or below z=0 .* height=2.0"),
     ],
