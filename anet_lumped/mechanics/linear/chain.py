@@ -92,8 +92,8 @@ def _block_of_node(diagonal, node, j):
 def eliminate_node(behind, flat_arrays, inertia, blocks, node, first, first_factor, j):
     """Eliminate interior node j of a cable through its segment j + 1; write ``net.factor`` and ``net.far_factor``.
 
-    Takes ``flat_arrays`` of `flat_arrays_of` and ``blocks`` of `eliminate_all_groups`; ``inertia``, (W m,) of nodes that have inertia
-    alone, else empty; and ``first_factor``, where the factors of the first segment are. Returns the `EliminatedNode`.
+    Takes ``flat_arrays`` of `flat_arrays_of` and ``blocks`` of `eliminate_all_groups`; ``inertia``, (W m,) of nodes that have
+    inertia alone, else empty; and ``first_factor``, where the factors of the first segment are. Returns the `EliminatedNode`.
     """
     diagonal, right, segment, factor, far_factor = flat_arrays
     index_r, index_factor = shifted(node, j, 3, 0), factors_of_segment(first, first_factor, j + 1)
