@@ -7,7 +7,7 @@ answers. It has no truth value, so that `select` takes the place of ``if``.
 
 An address is the position of a number in a flat array, or of a row in a table. It is one integer for a cable, and a tuple of four
 integers for a group; `shifted` advances it. `load`, `load_three`, `load_four`, `store`, `store_four`, `add_three` and `column` read
-and write at an address. `lane`, `max_of_lanes` and `sum_of_lanes` make one number of four.
+and write at an address. `lane`, `max_of_lanes` and `sum_of_lanes` make one number of four, and `all_of` one answer.
 """
 
 import math
@@ -393,6 +393,19 @@ def is_below(typing_context, address, n):
 
     kind = _kind_of(address)
     return (CHOICE if kind == FOUR else types.boolean)(kind, types.int64), codegen
+
+
+@intrinsic
+def all_of(typing_context, choice):
+    """Whether all answers of a choice are true; a truth value as it is."""
+
+    def codegen(context, builder, signature, args):
+        if signature.args[0] is not CHOICE:
+            return args[0]
+        mask = ir.IntType(WIDTH)
+        return builder.icmp_unsigned("==", builder.bitcast(args[0], mask), ir.Constant(mask, 2**WIDTH - 1))
+
+    return types.boolean(CHOICE if choice is CHOICE else types.boolean), codegen
 
 
 @intrinsic

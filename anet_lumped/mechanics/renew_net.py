@@ -1,5 +1,7 @@
 """The arrays of a run taken for another run: those of a scene that differs in its numbers alone."""
 
+import math
+
 import numpy as np
 
 from anet_lumped.mechanics.fresh_net import fresh_net, nothing_linearised
@@ -9,6 +11,7 @@ SCRATCH = (
     "segment", "tension", "mean_tension", "law_force", "predicted_force", "right_side", "diagonal", "factor", "border",
     "far_factor", "border_work", "newton_step", "middle_q", "middle_v", "near_blocks", "far_blocks", "added_mass",
 )  # fmt: skip
+LINE = 8  # numbers in a cache line, at which each array begins
 SCRATCH_OF_BODIES = ("arm_end", "arm_mean", "slowing", "state")
 
 
@@ -22,7 +25,19 @@ def renewable_net(model, **needs):
     """
     net = fresh_net(model, **needs)
     effects = net.effects._replace(index=net.effects.index.copy())
-    return net._replace(mass=net.mass.copy(), axial=net.axial.copy(), springs=net.springs.copy(), effects=effects).addressed()
+    own = {name: getattr(net, name).copy() for name in ("mass", "axial", "springs")}
+    return net._replace(**own, **_in_one_block(net), effects=effects).addressed()
+
+
+def _in_one_block(net):
+    """Arrays for the scratch space of a net, one behind the other in one array of zeros, so that `renew` clears all of it at once."""
+    sizes = [-(-getattr(net, name).size // LINE) * LINE for name in SCRATCH]
+    block, begins = np.zeros(sum(sizes)), np.cumsum([0, *sizes])
+    shapes = {name: getattr(net, name).shape for name in SCRATCH}
+    return {
+        name: block[begin : begin + math.prod(shape)].reshape(shape)
+        for (name, shape), begin in zip(shapes.items(), begins[:-1].tolist(), strict=True)
+    }
 
 
 def can_be_renewed(model):
@@ -65,8 +80,7 @@ def renew(net, model):
         if ours.shape != theirs.shape:
             return False
         ours[...] = theirs
-    for name in SCRATCH:
-        getattr(net, name).fill(0.0)
+    net.segment.base.fill(0.0)  # the block of all in `SCRATCH`
     for name in SCRATCH_OF_BODIES:
         getattr(net.bodies, name).fill(0.0)
     net.points.block.fill(0.0)

@@ -93,7 +93,8 @@ def run_of(model, choice, out, settings):
     """
     scheme = schemes.scheme(choice.method)
     rows = out.saved.observed
-    tensions, inner, shed = np.split(rows, [model.n_segments, rows.shape[1] - len(model.effects.inner)], axis=1)
+    n, begin_shed = model.n_segments, rows.shape[1] - len(model.effects.inner)
+    tensions, inner, shed = rows[:, :n], rows[:, n:begin_shed], rows[:, begin_shed:]
     tolerances = settings.tolerances if settings.adaptive and scheme.embedded else None
     stiff = stiff_for(choice, tolerances, out.counts, out.held, out.held_for) if tolerances else ()
     if not scheme.books_its_losses:

@@ -52,6 +52,7 @@ class Repeated:
         self.at_rest: Any = None
         self.planned: tuple[Any, Plan] | None = None
         self.last_near: tuple[Scene | None, bool] = None, False
+        self.last_steps: tuple[tuple[float, float], tuple[FixedSteps, int]] | None = None
         self.marches: dict[str, tuple[Any, March]] = {}  # a net, and a march of it, by the method
 
     def serves(self, scene: Scene) -> bool:
@@ -153,9 +154,7 @@ class Repeated:
     def march_of(self, begin: State, plan: Plan, room: int = 0) -> March | None:
         """A march that is ready for a scene; None if its arrays are of other shapes than those of the first one."""
         model, choice = begin.model, plan.choice
-        leg = Leg(begin.t, begin.t + self.asked.t_end, begin.t, begin.t + self.asked.t_end, self.asked.save_every)
-        stride, rows = leg.stride(choice.dt)
-        times = FixedSteps(leg.begin, leg.end, choice.dt, leg.run_begin, stride)
+        times, rows = self.steps(begin.t, choice.dt)
         if choice.method not in self.marches:
             self.marches[choice.method] = self._made(model, choice.method, times, rows)
         net, march = self.marches[choice.method]
@@ -167,6 +166,14 @@ class Repeated:
         march.system = march.system._replace(largest=largest_distance(model.scene))
         march.renew(times, room)
         return march
+
+    def steps(self, begin: float, dt: float) -> tuple[FixedSteps, int]:
+        """Times of the steps of a run that begins at a time [s], and the largest number of states that it saves."""
+        if self.last_steps is None or self.last_steps[0] != (begin, dt):
+            leg = Leg(begin, begin + self.asked.t_end, begin, begin + self.asked.t_end, self.asked.save_every)
+            stride, rows = leg.stride(dt)
+            self.last_steps = (begin, dt), (FixedSteps(leg.begin, leg.end, dt, leg.run_begin, stride), rows)
+        return self.last_steps[1]
 
     def _made(self, model: Model, method: str, times: FixedSteps, rows: int) -> tuple[Any, March]:
         scheme = schemes.scheme(method)

@@ -136,8 +136,8 @@ def _multiplied_errors(run):
     """
     if run.kept is not None or run.extrapolated or run.audit is not None or run.error_growth is None:
         return ""
-    times, way = times_at_most(run), float(np.abs(run.q - run.q[0]).max())
-    if min(times * run.error_growth[-1], way) <= SHARE * max(cable.length for cable in run.scene.cables):
+    times, allowed = times_at_most(run), SHARE * max(cable.length for cable in run.scene.cables)
+    if times * run.error_growth[-1] <= allowed or float(np.abs(run.q - run.q[0]).max()) <= allowed:
         return ""
     begins = {"nodes of cables are loose": first_loose(run), "cables that push buckle": first_buckled(run)}
     what, since = min(begins.items(), key=lambda one: math.inf if one[1] is None else one[1])

@@ -57,6 +57,19 @@ def test_lanes_compute_what_numbers_do():
     np.testing.assert_array_equal(x[5:13:2], last)
 
 
+@njit
+def _all_are_below(x, bound):
+    return lanes.all_of(lanes.load(x, (0, 1, 2, 3)) < bound), lanes.all_of(x[0] < bound)
+
+
+def test_all_answers_of_a_choice():
+    assert _all_are_below(np.array([1.0, 2.0, 3.0, 4.0]), 4.5) == (True, True)
+    for k in range(4):
+        x = np.ones(4)
+        x[k] = 9.0
+        assert _all_are_below(x, 4.5) == (False, k > 0)
+
+
 def _net(count, segments=(6,), **kwargs):
     """Cables of several lengths and stiffnesses from a ring of supports to a payload and a free end."""
     angle = 2 * np.pi * np.arange(count) / count

@@ -31,7 +31,7 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 
 from anet_lumped.compiled.jit import inlined_law
-from anet_lumped.compiled.lanes import select
+from anet_lumped.compiled.lanes import all_of, select
 
 SWITCHES = {"none": (0.0, 0.0), "damped": (0.0, 1.0), "linear": (1.0, 1.0)}
 """push_share and two_way_damper of each compression law, ``"damped"`` without EA_compression."""
@@ -181,6 +181,8 @@ def secant_tension(stretch_a, stretch_b, k, push_share):
     if push_share > 0.0 and push_share < 1.0:
         return _secant_of_two_springs(stretch_a, stretch_b, k, push_share * k)
     linear = (stretch_a >= 0.0) & (stretch_b > 0.0) | (push_share > 0.0)
+    if all_of(linear):  # of most segments, which need no division then
+        return 0.5 * k * (stretch_a + stretch_b), 0.5 * k
     taut_a, taut_b, change = max(stretch_a, 0.0), max(stretch_b, 0.0), stretch_b - stretch_a
     per_change = 1.0 / select(abs(change) > 1e-300, change, 1e-300)
     T = 0.5 * k * (taut_b * (taut_b * per_change) - taut_a * (taut_a * per_change))
