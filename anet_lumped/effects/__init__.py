@@ -71,6 +71,7 @@ REGISTRY = Registry(
         "ground_map": "GroundMap",
         "line_change": "LineChange",
         "load": "Load",
+        "moment_curvature": "MomentCurvature",
         "moordyn_bottom": "MoordynBottom",
         "natural_curvature": "NaturalCurvature",
         "obstacles": "Obstacles",

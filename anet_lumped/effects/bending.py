@@ -38,10 +38,13 @@ from anet_lumped.prescribed.signals import Signal
 
 from .effect import Effect
 from .laws.rod import (
+    ALPHA,
     add_row,
+    add_turn_block,
     assemble_pair,
     between_nodes,
     combined,
+    cross_block,
     dot,
     own_block,
     own_step_block,
@@ -51,7 +54,6 @@ from .laws.rod import (
 )
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
 
-ALPHA = 0.05  # numerical damper in full, see the module
 LOOKS = 200  # at the directions of a clamp that turns, for one that is zero
 
 
@@ -227,16 +229,6 @@ def force(t, q, v, index, params, f):
     return power
 
 
-@inlined_law
-def _cross_block(H, per, t1, t2):
-    """per (I - t1 t1^T)(I - t2 t2^T), for H."""
-    c = dot(t1, t2)
-    for x in range(3):
-        for y in range(3):
-            H[x, y] = per * (c * t1[x] * t2[y] - t1[x] * t1[y] - t2[x] * t2[y])
-        H[x, x] += per
-
-
 @law
 def _assemble_clamp(weight, node, H, D):
     """Add weight times the block of the node next to a clamp."""
@@ -258,8 +250,8 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         t2, l2 = tangent_of_segment(between_nodes(q, j, k), L0)
         own_block(H11, B, l1, t1, t2)
         own_block(H22, B, l2, t2, t1)
-        _cross_block(H12, -B / (l1 * l2), t1, t2)
-        _cross_block(H21, -B / (l1 * l2), t2, t1)
+        cross_block(H12, -B / (l1 * l2), t1, t2)
+        cross_block(H21, -B / (l1 * l2), t2, t1)
         assemble_pair(c_q, i, j, k, s, H11, H12, H21, H22, D, near, far)
         i_index, i_params = i_index + 4, i_params + 3
     while i_index < index.shape[0]:
@@ -289,16 +281,6 @@ def energy(t, q, index, params):
     return total
 
 
-@inlined_law
-def _add_turn_block(H, weight, S, e, t_b, l_b):
-    """Add weight S (I - e e^T)(I - t_b t_b^T)/l_b to H."""
-    c, per = dot(e, t_b), weight * S / l_b
-    for x in range(3):
-        for y in range(3):
-            H[x, y] += per * (c * e[x] * t_b[y] - e[x] * e[y] - t_b[x] * t_b[y])
-        H[x, x] += per
-
-
 @njit(WHOLE_STEP_SIGNATURE, cache=True, error_model="numpy")
 def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     """Forces over a whole step as discrete gradients of the energy, with the numerical damper; see the module."""
@@ -320,13 +302,13 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         add_row(f, k, g2, -1.0)
         by_method += alpha * B * dot(bend, bend)
         own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
-        _add_turn_block(H11, alpha * B, S1, e1, t1, l1)
+        add_turn_block(H11, alpha * B, S1, e1, t1, l1)
         own_step_block(H22, B, S2, e2, t2, l2a, l2, w2)
-        _add_turn_block(H22, alpha * B, S2, e2, t2, l2)
+        add_turn_block(H22, alpha * B, S2, e2, t2, l2)
         H12[:, :] = 0.0
         H21[:, :] = 0.0
-        _add_turn_block(H12, -(0.5 + alpha) * B, S1, e1, t2, l2)
-        _add_turn_block(H21, -(0.5 + alpha) * B, S2, e2, t1, l1)
+        add_turn_block(H12, -(0.5 + alpha) * B, S1, e1, t2, l2)
+        add_turn_block(H21, -(0.5 + alpha) * B, S2, e2, t1, l1)
         assemble_pair(1.0, i, j, k, s, H11, H12, H21, H22, D, near, far)
         i_index, i_params = i_index + 4, i_params + 3
     while i_index < index.shape[0]:
@@ -344,7 +326,7 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         by_method += alpha * B * dot(bend, bend)
         dissipated += B * (0.5 * (dot(t1a, turned) + dot(t1, turned)) + alpha * dot(bend, turned))
         own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
-        _add_turn_block(H11, alpha * B, S1, e1, t1, l1)
+        add_turn_block(H11, alpha * B, S1, e1, t1, l1)
         _assemble_clamp(1.0, j, H11, D)
         i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
     return dissipated, by_method

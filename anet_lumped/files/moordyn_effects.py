@@ -9,7 +9,7 @@ Three things mean one thing to MoorDyn and another here: what the damper of the 
 with the speed, and whether points float. `like_moordyn` takes MoorDyn's: `MoordynBottom` for `Ground`, and `points_float=False`.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from anet_lumped.checks import quoted
@@ -17,8 +17,8 @@ from anet_lumped.scene.body import Body
 from anet_lumped.scene.scene import Driven, Fixed, Free
 
 from .moordyn_flow import read_flow
-from .moordyn_line_types import Tables
-from .moordyn_lines import Line
+from .moordyn_line_types import Tables, moment_curves
+from .moordyn_lines import Line, type_of
 from .moordyn_options import Options
 from .moordyn_points import OnMovingBody, Places
 from .moordyn_rows import Row, made
@@ -33,6 +33,7 @@ def read_effects(
     places: Places,
     bodies: Iterable[Body],
     lines: Iterable[Line],
+    types: Mapping[str, tuple[Row, dict[str, Any]]],
     tables: Tables,
     *,
     like_moordyn: bool,
@@ -47,6 +48,8 @@ def read_effects(
     bodies : iterable of Body
         Those that move by themselves.
     lines : iterable of Line
+    types : dict
+        Row and cable fields of each line type.
     tables : Tables
         Where the tables of waves and currents are.
     like_moordyn : bool
@@ -78,10 +81,18 @@ def read_effects(
     if options.value("kBot") or options.value("cBot"):
         with findings.refusing():
             effects.append(_bottom(options, places, like_moordyn, seafloor))
+    lines = list(lines)
+    curves, of_curve = moment_curves(((type_of(line.row), line.cable.name) for line in lines), types, tables, findings)
     stiff = [line.row for line in lines if line.cable.EI]
-    if stiff:
+    if stiff or curves:
         with findings.refusing():
-            effects.append(_effect("bending", stiff[0], clamped=_clamps(places, lines)))
+            clamps = _clamps(places, [line for line in lines if line.cable.EI or line.cable.name in curves])
+            curved = {end for line in lines if line.cable.name in curves for end in (line.cable.start, line.cable.end)}
+            if stiff:
+                effects.append(_effect("bending", stiff[0], clamped={of: to for of, to in clamps.items() if of not in curved}))
+            if of_curve is not None:
+                clamped = {of: to for of, to in clamps.items() if of in curved}
+                effects.append(_effect("moment_curvature", of_curve, curves=curves, clamped=clamped))
     return effects
 
 
@@ -90,7 +101,7 @@ def _clamps(places: Places, lines: Iterable[Line]) -> dict[str, Any]:
     clamps: dict[str, Any] = {}
     joined: dict[str, int] = {}
     for line in lines:
-        for end in line.ends if line.cable.EI else ():
+        for end in line.ends:
             point = places.points[end]
             if end in places.smooth and point is not None:
                 joined[point.name] = joined.get(point.name, 0) + 1

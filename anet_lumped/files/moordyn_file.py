@@ -6,7 +6,7 @@ MoorDyn2.cpp, Line.cpp, MoorDyn.f90). Each section has a file here that says wha
 `moordyn_flow`, `moordyn_water_file`, `moordyn_syrope`, `moordyn_shedding`.
 
 What has no meaning here, such as options of MoorDyn's integrator, is listed in one warning. What would change the answer and cannot
-be had is refused, all of it at once: tables in place of numbers but for EA.
+be had is refused, all of it at once.
 """
 
 import pathlib
@@ -138,7 +138,7 @@ def deck_from_text(
     options = read_options(sections.get("options", []), findings)
     lines = with_windows(lines, options, findings, like_moordyn)
     seafloor = read_seafloor(options, tables, findings)
-    effects = read_effects(options, places, bodies, lines, tables, like_moordyn=like_moordyn, seafloor=seafloor)
+    effects = read_effects(options, places, bodies, lines, types, tables, like_moordyn=like_moordyn, seafloor=seafloor)
     effects += read_loads(sections, places, bodies, {number for line in lines for number in line.ends})
     findings.raise_if_refused()
     try:

@@ -1,7 +1,8 @@
 """The line types of a MoorDyn file: the cable fields that lines of one type share.
 
 `Diam` (volume-equivalent) is the cable's diameter, `Mass/m` its mass_per_length, `EA` and `EI` its stiffness; an `EA` that is the
-name of a file is its tension_strain, rows of a strain and a tension below lines of names and units. `BA/-zeta` is its BA [N·s], or
+name of a file is its tension_strain, rows of a strain and a tension below lines of names and units, and an `EI` that is one is a
+curve of the effect `MomentCurvature`, rows of a curvature and a moment. `BA/-zeta` is its BA [N·s], or
 its zeta where it is negative, because MoorDyn's c = zeta·L0·√(E·rho) times the area is zeta·L0·√(EA·mu). `Cd`, `Ca` are Cdn, Can,
 on d·L0 and on the displaced mass; `CdAx`, `CaAx` are Cdt, Cat, on π·d·L0 and on the displaced mass. Columns count by their place,
 as in MoorDyn, whatever their names.
@@ -13,6 +14,7 @@ of `Cl`, `dF` and `cF` `moordyn_shedding`.
 
 import os
 import pathlib
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from anet_lumped.checks import NAMED, InputError, one_line, quoted, shown
@@ -109,12 +111,15 @@ def _type(row: Row, tables: Tables) -> dict[str, Any]:
         fields |= {"EA": row.number(3, "EA")} if curve is None else {"tension_strain": curve}
         fields |= {"zeta": -damping} if damping <= 0.0 else {"BA": damping}
     names = ("Can", "Cat", "Cdn", "Cdt") if first else ("EI", "Cdn", "Can", "Cdt", "Cat")
-    return fields | {name: row.number(column, name) for column, name in enumerate(names, start=5)} | shedding_fields(row)
+    columns = {name: column for column, name in enumerate(names, start=5)}
+    if not first and not is_number(row.words[5]):
+        del columns["EI"]
+    return fields | {name: row.number(column, name) for name, column in columns.items()} | shedding_fields(row)
 
 
 def _check_laws(row: Row, first: bool) -> None:
     """Refuse laws of stretching, damping and bending that are no number."""
-    columns = ((3, "EA"), (4, "BA/-zeta")) if first else ((3, "EA"), (4, "BA/-zeta"), (5, "EI"))
+    columns = ((3, "EA"), (4, "BA/-zeta")) if first else ((3, "EA"), (4, "BA/-zeta"), (5, "EI"))  # EA and EI may be tables
     refused = []
     for column, what in columns:
         word = one_line(row.words[column], WORD)
@@ -122,8 +127,8 @@ def _check_laws(row: Row, first: bool) -> None:
             continue  # `moordyn_syrope` looks at both
         if BAR in word:
             refused += _wrong_bars(what, word, BAR in row.words[3])
-        elif what != "EA" and not is_number(row.words[column]):
-            refused.append(f"{what} must be a number; {word}, a table in a file, is not supported")
+        elif what == "BA/-zeta" and not is_number(row.words[column]):
+            refused.append(f"{what} must be a number; from {word}, a table in a file, MoorDyn finds no number for a line at rest")
     if refused:
         raise row.error("; ".join(refused) + ".")
 
@@ -169,16 +174,38 @@ def _polyester(row: Row, tables: Tables) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _curve(row: Row, path: pathlib.Path) -> tuple[tuple[float, float], ...]:
-    """Rows (strain, tension [N]) of a file, below those that begin with no number."""
+def moment_curves(
+    lines: Iterable[tuple[str, str]], types: Mapping[str, tuple[Row, dict[str, Any]]], tables: Tables, findings: Findings
+) -> tuple[dict[str, tuple[tuple[float, float], ...]], Row | None]:
+    """Rows of a curvature [1/m] and a moment [N m] by the names of the cables of types whose EI is a table, and where one is.
+
+    ``lines`` are the type and the name of each cable.
+    """
+    found, curves, at = {}, {}, None
+    for kind, name in lines:
+        row = types[kind][0]
+        if len(row.words) > 9 and not is_number(row.words[5]):
+            with findings.refusing():
+                if kind not in curves:
+                    curves[kind] = _curve(row, tables.path(row, row.words[5], "EI"), "EI", "a curvature and a moment")
+                found[name], at = curves[kind], row
+    return found, at
+
+
+def _curve(
+    row: Row, path: pathlib.Path, what: str = "EA", columns: str = "a strain and a tension"
+) -> tuple[tuple[float, float], ...]:
+    """Rows of two numbers of a file, below those that begin with no number."""
     try:
         text = read_text(path, "It", errors="replace")
     except InputError as error:
-        raise row.error(f"EA must be a number or the name of a readable file, but {one_line(path.name, WORD)}: {error}") from None
+        raise row.error(
+            f"{what} must be a number or the name of a readable file, but {one_line(path.name, WORD)}: {error}"
+        ) from None
     lines = [line.split() for line in text.splitlines() if line.strip()]
     first = next((i for i, words in enumerate(lines) if is_number(words[0])), len(lines))
     for words in lines[first:]:
         if len(words) < 2 or not all(map(is_number, words[:2])):
             given = quoted(" ".join(words))
-            raise row.error(f"rows of {one_line(str(path), NAMED)} must be a strain and a tension, but one is {given}.")
+            raise row.error(f"rows of {one_line(str(path), NAMED)} must be {columns}, but one is {given}.")
     return tuple((number_of(strain), number_of(tension)) for strain, tension, *_ in lines[first:])

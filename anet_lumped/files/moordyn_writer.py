@@ -62,6 +62,9 @@ def save_moordyn(scene: Scene, path: str | PathLike[str], options: Mapping[str, 
     if (ground := _seafloor(scene)) is not None:
         text = seafloor_text(ground.x, ground.y, ground.heights)
         path.with_name(f"{path.stem}_seafloor.txt").write_text(text, encoding="utf-8")
+    for name, moments in dict(_moments(scene, path.stem).values()).items():
+        rows = ("curvature moment", "(1/m) (N m)", "0 0", *(f"{kappa!r} {M!r}" for kappa, M in moments))
+        path.with_name(name).write_text("\n".join(rows), encoding="utf-8")
     for name, text in flow_files(scene).items():
         path.with_name(name).write_text(text, encoding="utf-8")
     for (curve, working), name in _curves(scene, path.stem).items():
@@ -83,6 +86,14 @@ def _curves(scene: Scene, stem: str) -> dict[Any, str]:
     return {curve: f"{stem}_curve{number}.txt" for number, curve in enumerate(curves, start=1)}
 
 
+def _moments(scene: Scene, stem: str) -> dict[str, tuple[str, Any]]:
+    """Name of the file and curve of moments, by the names of the cables that have one."""
+    effect: Any = next((effect for effect in scene.effects if _name(effect) == "moment_curvature"), None)
+    curves = {} if effect is None else dict(effect.curves)
+    numbers = {curve: number for number, curve in enumerate(dict.fromkeys(curves.values()), start=1)}
+    return {cable: (f"{stem}_moments{numbers[curve]}.txt", curve) for cable, curve in curves.items()}
+
+
 def moordyn_text(
     scene: Scene, options: Mapping[str, Any] | None = None, places: Mapping[str, Any] | None = None, stem: str = "deck"
 ) -> str:
@@ -93,7 +104,8 @@ def moordyn_text(
     places : dict of point name to (3,) array_like [m]
         Where points start, in place of `at` or of the start of a path.
     stem : str
-        Tension-strain curves are taken to be in the files "stem_curve1.txt" and so on, a `GroundMap` in "stem_seafloor.txt".
+        Tension-strain curves are taken to be in the files "stem_curve1.txt" and so on, those of moments in "stem_moments1.txt", a
+        `GroundMap` in "stem_seafloor.txt".
     """
     if scene.payload_changes:
         raise SceneError(
@@ -102,8 +114,8 @@ def moordyn_text(
     places = _places(scene, places or {})
     environment = _environment(scene, max(abs(float(at[2])) for at in places.values()))
     bends = "bending" in {_name(effect) for effect in scene.effects}
-    curves = _curves(scene, stem)
-    rows = [" ".join((_type(one, bends, curves), *map(repr, shedding_columns(scene.cables, one)))) for one in scene.cables]
+    curves, moments = _curves(scene, stem), _moments(scene, stem)
+    rows = [" ".join((_type(one, bends, curves, moments), *map(repr, shedding_columns(scene.cables, one)))) for one in scene.cables]
     sheds = any(cable.Cl for cable in scene.cables)
     types = {row: f"type{number}" for number, row in enumerate(dict.fromkeys(rows), start=1)}
     of_bodies, left_out = body_points(scene), pins(scene)
@@ -159,7 +171,7 @@ def _failures(scene: Scene, number: Mapping[str, int]) -> list[str]:
     return [*heads, *rows] if rows else []
 
 
-def _type(cable: Cable, bends: bool, curves: dict[Any, str]) -> str:
+def _type(cable: Cable, bends: bool, curves: dict[Any, str], moments: dict[str, tuple[str, Any]]) -> str:
     """Columns of a line type, but for its name."""
     if cable.compression == "linear" or cable.EA_compression:
         raise SceneError(
@@ -183,8 +195,9 @@ def _type(cable: Cable, bends: bool, curves: dict[Any, str]) -> str:
     elif cable.creeps:
         EA += "".join(f"|{x!r}" for x in (cable.EA_dynamic, cable.EA_dynamic_per_tension) if x)
         of_damping = f"{cable.BA_creep!r}|{cable.axial_viscosity!r}"
-    numbers = (cable.EI if bends else 0.0, cable.Cdn, cable.Can, cable.Cdt, cable.Cat)
-    return " ".join((repr(diameter), repr(cable.mass_per_length), EA, of_damping, *map(repr, numbers)))
+    EI = moments[cable.name][0] if cable.name in moments else repr(cable.EI if bends else 0.0)
+    numbers = (cable.Cdn, cable.Can, cable.Cdt, cable.Cat)
+    return " ".join((repr(diameter), repr(cable.mass_per_length), EA, of_damping, EI, *map(repr, numbers)))
 
 
 def _point(point: Point, at: Any) -> str:
@@ -226,11 +239,11 @@ def _environment(scene: Scene, far: float) -> dict[str, float]:
     """Options that stand for the effects of a scene, whose points start no farther from z=0 than ``far`` [m]."""
     given: dict[str | None, Any] = {_name(effect): effect for effect in scene.effects}
     for name, effect in given.items():
-        if name not in ("gravity", "water", "ground", "ground_map", "moordyn_bottom", "bending"):
+        if name not in ("gravity", "water", "ground", "ground_map", "moordyn_bottom", "bending", "moment_curvature"):
             raise SceneError(f"A scene must have no {type(effect).__name__} to be written for MoorDyn, which has no such effect.")
-    clamps = dict(getattr(given.get("bending"), "clamped", ()))
+    clamps = [one for name in ("bending", "moment_curvature") for one in dict(getattr(given.get(name), "clamped", ()))]
     if clamps:
-        raise SceneError(f"Bending must clamp nothing to be written for MoorDyn, but it clamps point {quoted(next(iter(clamps)))}.")
+        raise SceneError(f"Bending must clamp nothing to be written for MoorDyn, but it clamps point {quoted(clamps[0])}.")
     x, y, z = scene.gravity.tolist()
     if x or y or z > 0.0:
         raise SceneError(f"Gravity must point along -z to be written for MoorDyn, but the scene's acceleration is {(x, y, z)}.")

@@ -72,6 +72,8 @@ def _check(scene: Scene, cable: Cable) -> None:
 
     if cable.EI > 0.0 and any(isinstance(effect, Bending) for effect in scene.effects):
         raise SceneError(f"A point on a cable passes no bending moment, but cable {quoted(cable.name)} bends with EI={cable.EI:g}.")
+    if any(cable.name in dict(getattr(effect, "curves", ())) for effect in scene.effects):
+        raise SceneError(f"A point on a cable passes no bending moment, but cable {quoted(cable.name)} has a curve of moments.")
     for effect in scene.effects:
         for change in effect.length_changes(scene):
             if change.cable == cable.name and change.quantity == PAID_OUT:

@@ -180,7 +180,7 @@ def test_a_deck_that_is_silent_has_moordyns_sea_down_to_its_deepest_point():
         ("4e7    3.0e3", "rope.dat 3.0e3", r"line 7, .*EA must be a number or the name of a readable file, but .*rope.dat"),
         ("4e7    3.0e3", "8e7|4e7 3.0e3", r"line 18, .*`EA_dynamic` must be larger"),
         ("4e7    3.0e3", "4e7    3e3|4e3", r"line 7, .*BA/-zeta must be one number where EA is, but is 3e3\|4e3"),
-        ("4e7    3.0e3       0 ", "4e7    3.0e3       ei.dat ", r"line 7, .*EI must be a number; ei.dat, a table"),
+        ("4e7    3.0e3       0 ", "4e7    3.0e3       ei.dat ", r"line 7, .*EI must be a number or the name of a read"),
         ("4e7    3.0e3", "-4e7   3.0e3", r"line 18, .*`EA` must be positive"),
         ("0.01    0.0\n", "0.01\n", r"line 7, .*a line type must have 10 columns .* but has 9"),
         ("2     Free ", "2     Fre  ", r'line 12, .*must be Fixed, Coupled, Free or Body and a number, did you mean "free"\?'),

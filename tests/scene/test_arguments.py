@@ -135,6 +135,7 @@ EMPTY = {
     ("water", "current"),
     ("water", "waves"),
     ("bending", "clamped"),
+    ("moment_curvature", "clamped"),
     ("Scene", "effects"),
     ("Scene", "events"),
     ("Scene", "bodies"),
@@ -152,6 +153,7 @@ RIGHT = (
     | {("a dict", *one) for one in BY_NAME}
     | {
         ("an empty dict", "bending", "clamped"),
+        ("an empty dict", "moment_curvature", "clamped"),
         ("an empty dict", "Body", "attachments"),
         ("an empty dict", "Body", "carried"),
         ("a bool", "wind.Gust", "stays"),

@@ -4,6 +4,7 @@ import math
 
 from anet_lumped.compiled.jit import inlined_law, law
 
+ALPHA = 0.05  # numerical damper in full, see `bending`
 SHORT = 1e-6  # of L0: a shorter segment counts as this long, since a segment of no length has no direction
 
 
@@ -95,3 +96,23 @@ def own_step_block(H, B, S, e, t_b, l_a, l_b, w):
         for y in range(3):
             H[x, y] = B * (0.5 / (l_b * l_b) * across[x] * t_b[y] + per * (e[x] * w[y] - 2.0 * along * e[x] * t_b[y]))
         H[x, x] += B * per * along
+
+
+@inlined_law
+def cross_block(H, per, t1, t2):
+    """per (I - t1 t1^T)(I - t2 t2^T), for H."""
+    c = dot(t1, t2)
+    for x in range(3):
+        for y in range(3):
+            H[x, y] = per * (c * t1[x] * t2[y] - t1[x] * t1[y] - t2[x] * t2[y])
+        H[x, x] += per
+
+
+@inlined_law
+def add_turn_block(H, weight, S, e, t_b, l_b):
+    """Add weight S (I - e e^T)(I - t_b t_b^T)/l_b to H."""
+    c, per = dot(e, t_b), weight * S / l_b
+    for x in range(3):
+        for y in range(3):
+            H[x, y] += per * (c * e[x] * t_b[y] - e[x] * e[y] - t_b[x] * t_b[y])
+        H[x, x] += per
