@@ -259,10 +259,10 @@ def direction(stage, net_address):
 @kernel(void(int64, float64, _f2))
 def correct(net_address, length, q):
     """Add ``length`` times the Newton step to the positions q of the moving nodes."""
-    net = view_net(net_address)
-    for i in range(net.n_free):
-        for x in range(3):
-            q[i, x] += length * net.newton_step[i, x]
+    net, Q = view_net(net_address), flat(q)
+    step = flat(net.newton_step)
+    for i in range(3 * net.n_free):
+        Q[i] += length * step[i]
 
 
 @kernel(void(int64))

@@ -9,7 +9,8 @@ import math
 from numba import float64, int64, void
 
 from anet_lumped.compiled.jit import inlined, internal, kernel, on_demand
-from anet_lumped.compiled.lanes import WIDTH, column, group_members, load, load_four, select, shifted, store
+from anet_lumped.compiled.lanes import WIDTH, column, group_members, load, load_four, select, shifted, store, sum_of_lanes
+from anet_lumped.compiled.rows_of_lanes import load_row, spread, thrice
 from anet_lumped.effects.laws.axial import elastic_secant, tension_parts
 from anet_lumped.effects.laws.creep import slow_part, stored_energy, tension_at_once
 from anet_lumped.effects.signatures import as_energy
@@ -251,16 +252,28 @@ def energy_of_groups(q, net_address):
     return elastic
 
 
+@internal
+def _kinetic_energy(net_address, v):
+    """Kinetic energy of the moving nodes [J]; four of them are taken at once."""
+    net = view_net(net_address)
+    flat_v, mass, squares, by_fours = flat(v), net.mass, spread(0.0), net.n_free - net.n_free % WIDTH
+    for i in range(0, by_fours, WIDTH):
+        m = thrice(load_row(mass, i))
+        x, y, z = load_row(flat_v, 3 * i), load_row(flat_v, 3 * i + WIDTH), load_row(flat_v, 3 * i + 2 * WIDTH)
+        squares = squares + (m[0] * (x * x) + m[1] * (y * y) + m[2] * (z * z))
+    kinetic = 0.5 * sum_of_lanes(squares)
+    for i in range(by_fours, net.n_free):
+        kinetic += 0.5 * mass[i] * (v[i, 0] * v[i, 0] + v[i, 1] * v[i, 1] + v[i, 2] * v[i, 2])
+    return kinetic
+
+
 @kernel(void(float64, _f2, _f2, int64, _f1))
 def energies(t, q, v, net_address, energy):
     """Energies: kinetic of the moving nodes, springs of the cables, potential of the effects: (3,) [J], overwritten."""
     net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:
         as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)
-    flat_v, kinetic, elastic, potential = flat(v), 0.0, 0.0, 0.0
-    for i in range(net.n_free):
-        x, y, z = flat_v[3 * i], flat_v[3 * i + 1], flat_v[3 * i + 2]
-        kinetic += 0.5 * net.mass[i] * (x * x + y * y + z * z)
+    kinetic, elastic, potential = _kinetic_energy(net_address, v), 0.0, 0.0
     if net.single_cables.shape[0] > 0:
         elastic += as_cable_energy(net.kernels[KERNEL_ENERGY_SINGLES])(q, net_address)
     if net.cable_groups.shape[0] > 0:
