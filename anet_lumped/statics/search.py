@@ -25,6 +25,7 @@ BALANCED = 1e-9  # of the load: largest out-of-balance force of a rest
 ROUGH = 1e-3  # of the load: from a smaller out-of-balance force the exact tangent may find the balance
 LEAVES, FEW_LEAVES = 6, 2  # how often the search from one start leaves a rest that is not stable; and that of a large net
 LARGE = 300  # free points, from which on a net is large: an attempt may take half a minute
+VAST = 2000  # free points, from which on an attempt may take minutes: long ones are left out, of which none has found a slack net
 NUDGE = 0.05  # of the shortest segment: displacement with which it leaves the first time
 
 
@@ -95,10 +96,11 @@ def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, loa
     -------
     Found
     """
-    large = model.n_free - model.n_interior >= LARGE
+    points = model.n_free - model.n_interior
+    large, vast = points >= LARGE, points >= VAST
     best, leaves = None, FEW_LEAVES if large else LEAVES
     for attempt in _attempts(model, net, hanging, given, calm):
-        if attempt.long and best is not None and ((large and best.balanced) or impossible(model, best.shape.q)):
+        if attempt.long and best is not None and (vast or (large and best.balanced) or impossible(model, best.shape.q)):
             break
         found = _try(model, net, attempt, load, leaves)
         leaves = min(leaves, 1) if found.balanced else leaves

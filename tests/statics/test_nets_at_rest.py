@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from anet_lumped import NoRestError, Scene, equilibrium, nets, simulate, wind
+from anet_lumped import EquilibriumError, NoRestError, Scene, equilibrium, nets, simulate, wind
 from anet_lumped.effects import Gravity, Ground, Water
 from anet_lumped.mechanics.fresh_net import fresh_net
+from anet_lumped.statics import search
 from anet_lumped.statics.relaxation import net_at_rest
 from anet_lumped.statics.stability import tangent
 
@@ -92,6 +93,23 @@ def test_a_stream_carries_a_net_that_is_held_at_one_side():
     side = [rest.reaction(f"p{i}_0") for i in range(7)]
     assert sum(force[1] for force in side) < 0.0 < rest.position("p3_6")[1]
     assert rest.residual < 1e-9 and rest.stable
+
+
+@pytest.mark.parametrize("vast", [False, True])
+def test_no_long_search_for_a_vast_net(monkeypatch, vast):
+    """A search that fails goes on to slow and exact ones, but for a net so large that each of them would take minutes."""
+    tried = []
+
+    def fails(model, net, attempt, load, leaves):
+        tried.append(attempt.long)
+        return search.Found(attempt.shape, 1.0, None)
+
+    monkeypatch.setattr(search, "VAST", 10 if vast else search.VAST)
+    monkeypatch.setattr(search, "_try", fails)
+    parts = net(("p0_0",))
+    with pytest.raises(EquilibriumError, match="No equilibrium was found with Gravity, Ground: imbalance"):
+        equilibrium(Scene(parts.points, parts.cables, [GRAVITY, Ground(height=-1.1, stiffness=1e6)]))
+    assert len(tried) > 0 and any(tried) != vast
 
 
 def test_a_net_that_nothing_holds_has_no_rest():
