@@ -122,11 +122,11 @@ def snap_tension(run: Any) -> float:
 
 def look_at(run: Any) -> Any:
     """What a pass over the tensions of a run finds, a `TensionRows`."""
-    from .tension_pass import TensionRows, look_at_tensions  # compiled on first use
+    from .tension_pass import UNEVEN, TensionRows, look_at_tensions  # compiled on first use
 
     T, t, h = run.segment_tension, run.t, run.dt
     k, n = T.shape
-    second, of_means = _second(T), T[1:] + T[:-1]
+    second = _second(T)
     for event in run.events:  # tensions of what breaks are lost in truth
         if event.kind == BREAK:
             second[1:-1][_beside(t, event.t)] = 0.0
@@ -148,7 +148,7 @@ def look_at(run: Any) -> Any:
     for of_kind, found in zip(vibrations, modes, strict=True):
         of_kind[:, : found.shape[1]] = found
     rows = TensionRows(
-        t, np.ascontiguousarray(T), second, np.diff(second, axis=0), np.diff(_second(of_means), axis=0), taken,
+        t, np.ascontiguousarray(T), second, _last_jumps_of_means(T, UNEVEN), taken,
         np.array(cables, np.int64), np.array(shares), vibrations, np.zeros(vibrations.shape[1:]), np.zeros((len(kinds), k)),
         np.zeros((k, 2)), np.zeros(n), np.zeros(n),
     )  # fmt: skip
@@ -175,6 +175,16 @@ def _second(T: np.ndarray) -> np.ndarray:
     first = np.zeros((len(T) + 3, T.shape[1]))
     np.subtract(T[1:], T[:-1], out=first[2:-2])
     return first[1:] - first[:-1]
+
+
+def _last_jumps_of_means(T: np.ndarray, rows: int) -> np.ndarray:
+    """Jumps of the means of two tensions in a row at the last ``rows`` saved times, (rows, segments) [N]; 0 of less than four."""
+    jumps, last = np.zeros((rows, T.shape[1])), T[-rows - 5 :]
+    third = np.abs(np.diff(_second(0.5 * (last[1:] + last[:-1])), axis=0))  # of means between two rows each
+    for n in range(1, min(rows, len(third)) + 1):
+        beside = third[max(len(third) - n - 1, 0) : len(third) - n + 2]
+        jumps[-n] = 0.5 * beside.max(axis=0)
+    return jumps
 
 
 def _beside(t: np.ndarray, at: float) -> np.ndarray:

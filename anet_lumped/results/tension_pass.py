@@ -20,6 +20,7 @@ OF_ONE = 0.5  # of the tension of one with all of their energy
 STEADY = 0.7  # of a jump of the means of two tensions in a row: what sets off a vibration while a cable stays taut
 LEAST = 0.25  # of a jump, that counts in any case
 NEAREST, FARTHEST = 4, 7  # saved times before and after a jump, which neither it nor its own third differences reach
+UNEVEN = 3  # last saved times, beside which there are not as many as before
 ALONE = 20.0  # times the jumps beside it: one that is no wave
 FORGOTTEN = 300.0  # exponent of decay between two saved times beyond which nothing is left
 ALIKE = 1e-9  # of a time between two saved states, by which others differ that count as the same
@@ -39,8 +40,8 @@ class TensionRows(NamedTuple):
     ----------
     t : (k,) float64 [s], saved times
     tension : (k, n_segments) float64 [N]
-    second, third : (k + 2, n_segments), (k + 1, n_segments) float64 [N], differences of tensions, from a row before the first on
-    of_means : (k, n_segments) float64 [N], third differences of the sums of two tensions in a row, as ``third`` of one row less
+    second : (k + 2, n_segments) float64 [N], second differences of tensions, from a row before the first to a row after the last
+    of_means : (UNEVEN, n_segments) float64 [N], jumps of the means of two tensions in a row at the last saved times
     taken : (k,) float64 [J], what the method took up to each saved time, not falling
     cables : (cables, 3) int64, first segment, number of segments and kind of each; -1 for a kind that has lost nothing
     shares : (cables, 4) float64, rate at which its lowest vibration fades [1/s], and the shares of a jump that count while that
@@ -57,7 +58,6 @@ class TensionRows(NamedTuple):
     t: np.ndarray
     tension: np.ndarray
     second: np.ndarray
-    third: np.ndarray
     of_means: np.ndarray
     taken: np.ndarray
     cables: np.ndarray
@@ -72,7 +72,7 @@ class TensionRows(NamedTuple):
 
 _f1, _f2, _f3 = (types.Array(types.float64, n, "C") for n in (1, 2, 3))
 _i2 = types.Array(types.int64, 2, "C")
-_rows_at = view_at(types.NamedTuple((_f1, _f2, _f2, _f2, _f2, _f1, _i2, _f2, _f3, _f2, _f2, _f2, _f1, _f1), TensionRows))
+_rows_at = view_at(types.NamedTuple((_f1, _f2, _f2, _f2, _f1, _i2, _f2, _f3, _f2, _f2, _f2, _f1, _f1), TensionRows))
 
 
 @kernel(void(int64))
@@ -84,7 +84,7 @@ def look_at_tensions(address):  # type: ignore[no-untyped-def]  # its signature 
     """
     rows = _rows_at(address)
     t, lost, left, modes, beside, ringing = rows.t, rows.lost, rows.left, rows.vibrations, rows.beside, rows.ringing
-    tension, second, third, of_means = flat(rows.tension), flat(rows.second), flat(rows.third), flat(rows.of_means)
+    tension, second, of_means = flat(rows.tension), flat(rows.second), flat(rows.of_means)
     k, n, most = t.shape[0], rows.ringing.shape[0], rows.most
     for kind in range(lost.shape[0]):
         step_before = -1.0
@@ -103,9 +103,9 @@ def look_at_tensions(address):  # type: ignore[no-untyped-def]  # its signature 
         first, count, kind = rows.cables[c, FIRST], rows.cables[c, SEGMENTS], rows.cables[c, KIND]
         for r in range(k):
             i, largest, lowest = r * n + first, 0.0, np.inf
-            T, J, K = part(tension, i, count), part(third, i, count), part(third, i + n, count)
+            T, B, C, D = part(tension, i, count), part(second, i, count), part(second, i + n, count), part(second, i + 2 * n, count)
             for s in range(count):
-                largest, lowest = max(largest, max(abs(J[s]), abs(K[s]))), min(lowest, T[s])
+                largest, lowest = max(largest, max(abs(C[s] - B[s]), abs(D[s] - C[s]))), min(lowest, T[s])
             beside[r, LARGEST], beside[r, LOWEST] = largest, lowest
         step_before, keep, shares = -1.0, 1.0, rows.shares[c]
         for s in range(count):
@@ -128,17 +128,19 @@ def look_at_tensions(address):  # type: ignore[no-untyped-def]  # its signature 
                 step_before = t[r] - t[r - 1]
                 keep = np.exp(-min(shares[DECAY] * step_before, FORGOTTEN))
             cap = lost[kind, r] if kind >= 0 else 0.0
-            i = r * n + first
-            before_i, after_i = i - n if r > 0 else i, i + n if r < k - 1 else i
-            T, S, J, K = part(tension, i, count), part(second, i + n, count), part(third, i, count), part(third, i + n, count)
-            A, B, C = part(of_means, before_i, count), part(of_means, i, count), part(of_means, after_i, count)
-            M = part(most, first, count)
+            i, at_end = r * n + first, r >= k - UNEVEN
+            T, M = part(tension, i, count), part(most, first, count)
+            A, B, C = part(second, i - n if r > 0 else i, count), part(second, i, count), part(second, i + n, count)
+            D, E = part(second, i + 2 * n, count), part(second, i + n if at_end else i + 3 * n, count)
+            F = part(of_means, (r - k + UNEVEN) * n + first if at_end else first, count)
             for s in range(count):
-                own = 0.5 * max(abs(J[s]), abs(K[s]))
-                means = 0.25 * max(abs(A[s]), max(abs(B[s]), abs(C[s])))
+                third, later = C[s] - B[s], D[s] - C[s]
+                own = 0.5 * max(abs(third), abs(later))
+                means = 0.25 * max(abs(C[s] - A[s]), max(abs(D[s] - B[s]), abs(E[s] - C[s])))
+                means = F[s] if at_end else means
                 jump = min(own, max(LEAST * own, steady * means))
                 ring = max(jump, keep * ringing[s])
                 ringing[s] = ring
-                missing = max(BETWEEN * abs(S[s]), max(shares[OF_JUMP] * ring, shares[OF_SEGMENTS_JUMP] * jump))
+                missing = max(BETWEEN * abs(C[s]), max(shares[OF_JUMP] * ring, shares[OF_SEGMENTS_JUMP] * jump))
                 missing = max(missing, min(cap, ring * shares[PER_UNRESOLVED]))
                 M[s] = max(M[s], T[s] + missing if T[s] > 0.0 else 0.0)
