@@ -65,6 +65,7 @@ REGISTRY = Registry(
         "applied_forces": "AppliedForces",
         "axial_damping": "AxialDamping",
         "bending": "Bending",
+        "cable_friction": "CableFriction",
         "dashpots": "Dashpots",
         "gravity": "Gravity",
         "ground": "Ground",

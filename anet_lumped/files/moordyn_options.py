@@ -1,8 +1,7 @@
 """The options of a MoorDyn file: what its environment is, and what belongs to MoorDyn's own run.
 
 Names count in any case, as in MoorDyn, which takes the last of an option that comes twice and passes over what it does not know
-(MoorDyn2.cpp: readOptionsLine). What would change the answer and cannot be had here is refused: friction that differs along and
-across a line.
+(MoorDyn2.cpp: readOptionsLine).
 """
 
 import math
@@ -19,7 +18,7 @@ ENVIRONMENT = {
     "g": 9.80665, "rho": 1025.0, "WtrDpth": math.nan, "kBot": 3e6, "cBot": 3e5, "FrictionCoefficient": 0.0,
     "StatDynFricScale": 1.0, "FricDamp": 200.0,
 }  # fmt: skip
-HELD = ("g", "rho", "WtrDpth", "kBot", "cBot", "FrictionCoefficient", "SeafloorFile")  # by the scene
+HELD = ("g", "rho", "WtrDpth", "kBot", "cBot", "FrictionCoefficient", "SeafloorFile", "MU_KT", "MU_KA")  # by the scene
 FRICTIONS = ("MU_KT", "MU_KA")  # of MoorDyn's Fortran version, across a line and along it, each 0 where a file is silent
 FLOW = {"WaveKin": 7, "Currents": 5}  # the largest number of each, from 0 on
 OWN_RUN = (
@@ -77,8 +76,7 @@ def read_options(rows: list[Row], findings: Findings) -> Options:
     for row in rows:
         with findings.refusing():
             _read(row, found)
-    with findings.refusing():
-        _join_frictions(found)
+    _join_frictions(found)
     return found
 
 
@@ -117,14 +115,10 @@ def _read(row: Row, found: Options) -> None:
 
 
 def _join_frictions(found: Options) -> None:
-    """Put the frictions of the Fortran version into FrictionCoefficient, which must be alike."""
+    """Put the frictions of the Fortran version into FrictionCoefficient where they are alike."""
     across, along = (found.values.get(name, 0.0) for name in FRICTIONS)
-    if across != along:
-        row = found.rows.get("MU_KT") or found.rows["MU_KA"]
-        raise row.error(
-            "friction that differs along and across a line is not supported; MU_KT and MU_KA must be alike, but are "
-            f"{across} and {along}."
-        )
+    if across != along and "FrictionCoefficient" not in found.rows:
+        return
     if across and "FrictionCoefficient" not in found.rows:
         found.rows["FrictionCoefficient"], found.values["FrictionCoefficient"] = found.rows["MU_KT"], across
     for name in FRICTIONS:

@@ -38,10 +38,9 @@ def read_seafloor(options: Options, tables: Tables, findings: Findings) -> Seafl
         Where the deck is.
     findings : Findings
     """
-    name = str(options.values.get("SeafloorFile", ""))
-    if name.lower() in NOTHING or number_of(name) == 0.0:
+    if not names_seafloor(options):
         return None
-    row = options.rows["SeafloorFile"]
+    name, row = str(options.values["SeafloorFile"]), options.rows["SeafloorFile"]
     with findings.refusing():
         path = tables.path(row, name, "a seafloor")
         try:
@@ -51,6 +50,12 @@ def read_seafloor(options: Options, tables: Tables, findings: Findings) -> Seafl
         lines = [line.split() for line in text.splitlines() if line.strip()]
         return _of_grid(lines, row) if lines and is_number(lines[0][0]) else _of_depths(lines, row)
     return None
+
+
+def names_seafloor(options: Options) -> bool:
+    """Whether the options name a table."""
+    name = str(options.values.get("SeafloorFile", ""))
+    return name.lower() not in NOTHING and number_of(name) != 0.0
 
 
 def _of_grid(lines: list[list[str]], row: Row) -> Seafloor:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 from anet_lumped.checks import SceneError, check_number, quoted, shown
 from anet_lumped.effects.effect import PAID_OUT
@@ -68,11 +69,13 @@ def attach(scene: Scene, cable: str, points: Mapping[float, Free]) -> Scene:
 
 def _check(scene: Scene, cable: Cable) -> None:
     """What cannot go on across a point."""
+    from anet_lumped.effects import REGISTRY
     from anet_lumped.effects.bending import Bending
 
     if cable.EI > 0.0 and any(isinstance(effect, Bending) for effect in scene.effects):
         raise SceneError(f"A point on a cable passes no bending moment, but cable {quoted(cable.name)} bends with EI={cable.EI:g}.")
-    if any(cable.name in dict(getattr(effect, "curves", ())) for effect in scene.effects):
+    curved: list[Any] = [effect for effect in scene.effects if REGISTRY.name_of(effect) == "moment_curvature"]
+    if any(cable.name in dict(effect.curves) for effect in curved):
         raise SceneError(f"A point on a cable passes no bending moment, but cable {quoted(cable.name)} has a curve of moments.")
     for effect in scene.effects:
         for change in effect.length_changes(scene):

@@ -5,6 +5,7 @@ import pytest
 
 from anet_lumped import SceneError, equilibrium, read_moordyn, save_moordyn
 from anet_lumped.effects import Ground, GroundMap
+from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
 
 DECK = """\
@@ -100,3 +101,13 @@ def test_other_laws_and_two_bottoms_are_refused(tmp_path):
     with pytest.raises(SceneError, match=r"must have one bottom to be written for MoorDyn, but it has Ground and GroundMap"):
         save_moordyn(two, tmp_path / "two.txt")
     assert np.isfinite(equilibrium(scene).residual)
+
+
+def test_friction_that_differs_needs_a_level_bottom(tmp_path):
+    (tmp_path / "sea.txt").write_text("2 2\n-50 50\n-50 50\n-50 -50 -20\n-50 50 -20\n50 -50 -20\n50 50 -25\n")
+    text = "--- LINE TYPES ---\nh\nh\nrope 0.1 9 1e6 1 0 1 1 0 0\n--- POINTS ---\nh\nh\n"
+    text += "1 Fixed 0 0 -9 0 0 0 0\n2 Fixed 9 0 -9 0 0 0 0\n--- LINES ---\nh\nh\n1 rope 1 2 12 4 -\n--- OPTIONS ---\nsea.txt SeafloorFile\n0.3 MU_KT\n--- OUTPUTS ---\n"
+    with pytest.raises(
+        DeckError, match=r'line 16, "0.3 MU_KT": friction that differs along and across a line needs a level bottom'
+    ):
+        deck_from_text(text, folder=tmp_path)

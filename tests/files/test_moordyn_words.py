@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from anet_lumped import CableCut, Driven, Fixed, Free, SceneError, load_scene, paths
-from anet_lumped.effects import Ground, MoordynBottom, Water
+from anet_lumped.effects import CableFriction, Ground, MoordynBottom, Water
 from anet_lumped.files.moordyn_attachments import WORDS, Hold
 from anet_lumped.files.moordyn_file import deck_from_text, read_moordyn
 from anet_lumped.files.moordyn_findings import DeckError, DeckWarning
@@ -141,8 +141,15 @@ def test_friction_of_the_fortran_version():
     """Along and across a line alike; else nothing here means it."""
     both = read((ONCE[0], ONCE[1] % "0.4 MU_KT\n0.4 MU_KA")).scene
     assert both == read((ONCE[0], ONCE[1] % "0.4 FrictionCoefficient")).scene != deck_from_text(DECK).scene
-    with pytest.raises(DeckError, match=r"line 20, .*MU_KT and MU_KA must be alike, but are 0.4 and 0.0"):
-        read((ONCE[0], ONCE[1] % "0.4 MU_KT"))
+    differs = ONCE[0], ONCE[1] % "0.4 MU_KT"
+    found = [effect for effect in read(differs).scene.effects if isinstance(effect, CableFriction)]
+    assert found == [CableFriction(along=0.0, across=0.4, height=-41.0, stiffness=4e5)]
+    assert any(
+        said.startswith("Friction on the bottom is 0.4 of the load across a line and 0 along it") for said in read(differs).remarks
+    )
+    like = read(differs, like_moordyn=True)
+    assert "friction that differs along and across, as by MoorDyn's C++ version: MU_KT and MU_KA (line 20)" in like.remarks[0]
+    assert not any(isinstance(effect, CableFriction) for effect in like.scene.effects)
 
 
 def test_columns_of_lines_in_the_other_order():
@@ -304,7 +311,7 @@ def test_refusals(old, new, message):
 @pytest.mark.parametrize(
     ("row", "message"),
     [
-        ("1 Free 0 0 0 0 0 0 0 0 0 0 0 0", r"line 9, .*Argument `mass` must be positive and finite"),
+        ("1 Free 0 0 0 0 0 0 -1 0 1 0 0 0", r"line 9, .*Argument `mass` must be positive and finite"),
         ("1 Fre 0 0 0 0 0 0 9 0 1 0 0 0", r"line 9, .*a body must be Fixed, Coupled, CoupledPinned, Pinned or Free\."),
         ("1 Free 0 0 0 0 0 0 9 1|2 1 0 0 0", r"line 9, .*CG of a body must be 1 or 3 finite numbers with \| between them"),
         ("1 Free 0 0 0 0 0 0 9 0 1 0 1|2|3|4 0", r"line 9, .*CdA of a body must be 1 or 2 or 3 or 6 finite numbers"),
@@ -334,8 +341,8 @@ def test_all_that_is_refused_is_told_at_once():
 
 
 def test_rows_that_are_refused_for_one_reason_are_told_together():
-    loads = "--- EXTERNAL LOADS ---\nh\nh\n1 Point2 0 5 0 -\n2 Point2 0 6 0 -\n3 Point2 0 0 7 -\n--- OPTIONS"
-    with pytest.raises(DeckError, match=r'^deck, lines 20 to 22, "1 Point2 0 5 0 -": dampers from outside are not supported'):
+    loads = "--- EXTERNAL LOADS ---\nh\nh\n1 Point2 0 5 0 -\n2 Point2 0 6 0 -\n3 Point2 0 7 0 -\n--- OPTIONS"
+    with pytest.raises(DeckError, match=r'^deck, lines 20 to 22, "1 Point2 0 5 0 -": Blin must be three finite numbers'):
         read(("--- OPTIONS", loads))
 
 

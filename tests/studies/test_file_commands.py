@@ -92,10 +92,10 @@ def test_a_winch_keeps_a_tension(tmp_path, capsys):
 
 
 def test_all_that_is_refused_of_a_mooring_file_is_told_line_by_line(tmp_path, capsys):
-    (tmp_path / "rode.dat").write_text(MOORING.replace("0.01 dtM", "0.3 MU_KT\nbottom.txt SeafloorFile"))
+    (tmp_path / "rode.dat").write_text(MOORING.replace("0.01 dtM", "-0.3 MU_KT\nbottom.txt SeafloorFile"))
     assert call("equilibrium", tmp_path / "rode.dat") == 2
     first, second = capsys.readouterr().err.splitlines()
-    assert first.startswith('anet-lumped: rode.dat, line 17, "0.3 MU_KT": friction that differs')
+    assert first.startswith('anet-lumped: rode.dat, line 17, "-0.3 MU_KT": MU_KT must not be negative')
     assert second.startswith('anet-lumped: rode.dat, line 18, "bottom.txt SeafloorFile": a seafloor must be in a readable file')
 
 
