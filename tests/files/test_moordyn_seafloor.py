@@ -103,11 +103,30 @@ def test_other_laws_and_two_bottoms_are_refused(tmp_path):
     assert np.isfinite(equilibrium(scene).residual)
 
 
+LEVEL = """\
+--- LINE TYPES ---
+h
+h
+rope 0.1 9 1e6 1 0 1 1 0 0
+--- POINTS ---
+h
+h
+1 Fixed 0 0 -9 0 0 0 0
+2 Fixed 9 0 -9 0 0 0 0
+--- LINES ---
+h
+h
+1 rope 1 2 12 4 -
+--- OPTIONS ---
+sea.txt SeafloorFile
+0.3 MU_KT
+--- OUTPUTS ---
+"""
+
+
 def test_friction_that_differs_needs_a_level_bottom(tmp_path):
     (tmp_path / "sea.txt").write_text("2 2\n-50 50\n-50 50\n-50 -50 -20\n-50 50 -20\n50 -50 -20\n50 50 -25\n")
-    text = "--- LINE TYPES ---\nh\nh\nrope 0.1 9 1e6 1 0 1 1 0 0\n--- POINTS ---\nh\nh\n"
-    text += "1 Fixed 0 0 -9 0 0 0 0\n2 Fixed 9 0 -9 0 0 0 0\n--- LINES ---\nh\nh\n1 rope 1 2 12 4 -\n--- OPTIONS ---\nsea.txt SeafloorFile\n0.3 MU_KT\n--- OUTPUTS ---\n"
     with pytest.raises(
         DeckError, match=r'line 16, "0.3 MU_KT": friction that differs along and across a line needs a level bottom'
     ):
-        deck_from_text(text, folder=tmp_path)
+        deck_from_text(LEVEL, folder=tmp_path)
