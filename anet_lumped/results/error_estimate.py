@@ -93,13 +93,13 @@ def moved_ways(q: np.ndarray, base: np.ndarray | None = None) -> np.ndarray:
 
     Less the way of a ``base`` (k, 3), if one is given.
     """
-    ways = np.zeros(len(q))
+    rows, ways = q.reshape(len(q), -1), np.zeros(len(q))
     for begin in range(0, len(q), AT_ONCE):
-        some = q[begin : begin + AT_ONCE] - q[0]
+        some = rows[begin : begin + AT_ONCE] - rows[0]
         if base is not None:
-            some -= (base[begin : begin + AT_ONCE] - base[0])[:, None]
+            some -= np.tile(base[begin : begin + AT_ONCE] - base[0], q.shape[1])
         np.abs(some, out=some)
-        some.reshape(len(some), -1).max(axis=1, out=ways[begin : begin + AT_ONCE])
+        some.max(axis=1, out=ways[begin : begin + AT_ONCE])
     return ways
 
 

@@ -68,6 +68,8 @@ def first_loose(run: Any) -> float | None:
 
 def first_of(run: Any, flies: np.ndarray) -> float | None:
     """As `first_loose`, of what is `loose`."""
+    if not flies.any():
+        return None
     model = run.model
     between = np.bincount(model.ends.ravel(), minlength=model.n)[: model.n_free] > 1
     found = np.flatnonzero((flies & (between | _of_several_segments(run)))[1:].any(axis=1))
