@@ -19,7 +19,7 @@ from typing import Any
 from studies.shown.page import Entry, State, write_page
 from studies.shown.sentences import listed
 from studies.study import NAMES, Part, module_of, run_study
-from studies.sweeping.compiled_ahead import compile_ahead
+from studies.sweeping.compiled_ahead import compile_ahead, compile_effects, compile_effects_of_studies, compile_motions
 from studies.sweeping.folder_lock import locked
 from studies.sweeping.provenance import provenance
 from studies.sweeping.side_processes import SideProcesses
@@ -117,7 +117,7 @@ def _write(out, names, full, executor, at_once, tell):
     try:
         write()
         if at_once > 1:
-            compile_ahead()
+            compile_ahead((compile_effects if full else compile_effects_of_studies, compile_motions))
         with contextlib.closing(_run_all(names, at_once, beside, begin)) as results:
             for name, result in results:
                 entries[name] = result if isinstance(result, Entry) else _failed(entries[name], result)

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from studies.shown.sentences import counted
 from studies.shown.show import as_text
 
 CONFIDENCE = 0.95  # that the median lies in the interval
@@ -95,7 +96,7 @@ def ratio(first: Iterable[float], second: Iterable[float]) -> Ratio:
 def in_words(found: Ratio, digits: int = 3) -> str:
     """The ratio with its interval, "1.43 (1.38 to 1.5)", or that it is not resolved, with the interval that holds 1."""
     if found.pairs < FEWEST:
-        return f"{UNRESOLVED}, by {found.pairs} pairs of timings"
+        return f"{UNRESOLVED}, by {counted(found.pairs, 'pair')} of timings"
     interval = f"{as_text(found.low, digits)} to {as_text(found.high, digits)}"
     return f"{as_text(found.median, digits)} ({interval})" if found.resolved else f"{UNRESOLVED} ({interval})"
 

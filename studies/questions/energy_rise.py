@@ -22,7 +22,7 @@ from studies.study import Drawing, Part, Record
 from studies.sweeping.rows import run_rows
 from studies.thesis_cable import implicit_schemes, label, predicted_step
 
-STUDY = Record(question=__doc__.splitlines()[0], part=Part.CURE)
+STUDY = Record(question=__doc__.splitlines()[0], part=Part.CURE, first_look="steps of 5 and 100 ms in place of four.")
 TABLES = {
     "by_scheme": "A line for each scheme: its worst rise of energy and where, and how its runs ended.",
     "runs": "A line for each scheme, start, stiffness, damping ratio and step: the largest rise of energy over the energy in play.",
@@ -107,7 +107,7 @@ def compute(quick=False, executor=None, out=None):
     """The tables."""
     grid = [STARTS, STIFFNESSES, ZETAS, STEPS_MS]
     if quick:
-        grid = [STARTS, STIFFNESSES[1::2], ZETAS[1:], STEPS_MS[1:2]]
+        grid = [STARTS, STIFFNESSES, ZETAS, STEPS_MS[1::2]]
     cases = [dict(zip(("start", "EA_N", "zeta", "step_ms"), case, strict=True)) for case in itertools.product(*grid)]
     allowed = [{"scheme": scheme, **case} for scheme in implicit_schemes() for case in cases]
     allowed += [

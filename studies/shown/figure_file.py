@@ -33,9 +33,9 @@ def save_figure(figure, stem: Path, caption: str, on_demand: bool = False) -> Pi
 
 def _saved(figure, stem):
     layout = figure.get_layout_engine()
-    if layout is not None:  # once: each draw would lay out anew, and `bbox_inches="tight"` draws twice
+    if layout is not None:  # once: each draw would lay out anew, and with an engine, even one that does nothing, two are made
         layout.execute(figure)
-        figure.set_layout_engine("none")
+        figure.set_layout_engine(None)
     box = figure.get_tightbbox().padded(MARGIN)
     file = stem.with_name(stem.name + ".svg")
     figure.savefig(file, bbox_inches=box)

@@ -33,10 +33,11 @@ def stack_panels(figure) -> bool:
         looks = {"title": legend.get_title().get_text() or None, "frameon": False, "fontsize": 8}
         legend.remove()
         figure.legend(handles, words, loc="outside lower center", ncols=_columns(words), **looks)
-    figure.get_layout_engine().execute(figure)
+    below = [one for one in below if one[2] < 0.0]
+    if below:  # whose legends lie so far below them as they did; to lay out takes as long as to draw
+        figure.get_layout_engine().execute(figure)
     for axes, x, distance in below:
-        if distance < 0.0:
-            axes.get_legend().set_bbox_to_anchor((x, distance / axes.bbox.height), transform=axes.transAxes)
+        axes.get_legend().set_bbox_to_anchor((x, distance / axes.bbox.height), transform=axes.transAxes)
     return True
 
 

@@ -40,4 +40,5 @@ def test_both_halves_run_at_once_in_processes_of_their_own(monkeypatch, tmp_path
 def test_the_halves_run():
     """All that they name is there; what they compile is on the disk."""
     compiled_ahead.compile_effects()
+    compiled_ahead.compile_effects_of_studies()
     compiled_ahead.compile_motions()

@@ -20,7 +20,7 @@ def test_random_motions_are_the_same_again_and_of_all_kinds():
 
 @pytest.mark.parametrize("number", [3, 7, 140])  # a pendulum and two strings, of which the last rings from step to step
 def test_a_motion_beside_its_reference(number):
-    row = error_estimate.compare({"number": number})
+    row = error_estimate.compare({"number": number, "most_steps": error_estimate.MOST_STEPS})
     runs, default = pd.DataFrame(json.loads(row["runs"])), json.loads(row["default"])
     judged = runs[runs.judged]
     assert len(runs) == 4 and len(judged) >= 2 and (judged.true_m.diff()[1:] < 0.0).all()
@@ -71,5 +71,7 @@ def test_a_reference_is_known_to_the_sum_of_a_series():
 
 def test_a_hard_case_beside_its_reference():
     """What flies after it is let go: what the march alone tells is a hundredth of the truth."""
-    runs = pd.DataFrame(json.loads(error_estimate.compare_case({"case": "quadrotors drop a net"})["runs"]))
+    runs = pd.DataFrame(
+        json.loads(error_estimate.compare_case({"case": "quadrotors drop a net", "most_steps": error_estimate.MOST_STEPS})["runs"])
+    )
     assert len(runs) == 4 and runs.judged.all() and (runs.told_m / runs.true_m).between(0.25, 4.0).all()

@@ -12,7 +12,12 @@ from studies.study import Part, Record
 
 __all__ = ["STUDY", "TABLES", "answer", "compute", "plot"]
 
-STUDY = Record(question=__doc__.splitlines()[0], part=Part.FOUND)
+STUDY = Record(
+    question=__doc__.splitlines()[0],
+    part=Part.FOUND,
+    first_look="every third stiffness, cables of up to 20 segments in place of 160, the floor of two arrangements in place of "
+    "five, and two stiffnesses in place of five for the cure.",
+)
 TABLES = {
     "shape": "A line for each arrangement, stiffness and number of segments: stretch at rest, and distance from both catenaries.",
     "springs": "A line for each arrangement: the spring of a segment that makes the cable 1.1 m long, and its largest steps.",

@@ -76,6 +76,7 @@ def _plot_plane(cells, ordinate, thesis):
         alive = here[survived(here)]
         axes.plot(1e3 * alive["dt_s"], alive[ordinate], ".", ms=3, color="w")
         axes.set(xscale="log", yscale="log", title=label(scheme))
+        axes.minorticks_off()  # of so many small panels they take half of the time in which these are drawn
         limits = axes.get_xlim(), axes.get_ylim()
         _draw_border(axes, scheme, ordinate, limits[1])
         _draw_thesis(axes, scheme, ordinate, thesis)
