@@ -43,12 +43,12 @@ from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WH
 HEADER, PAIR, CLAMP = 2, 6, 4  # in ``index``: numbers before all others, and those of each pair and clamp
 OF_PAIR, OF_CLAMP, OF_POINT = 3, 6, 4  # in ``params``: numbers of each pair, clamp and point of a curve
 SAME = 1e-7  # of their sum: curvatures that are nearer have the mean of both moments, to rounding
-Curve = Sequence[tuple[float, float]]
+Curve = Sequence[Sequence[float]]
 
 
 @dataclass(frozen=True)
 class MomentCurvature(Effect):
-    """Bending of cables by curves of moment over curvature; their `EI` is 0.
+    """Bending of cables by curves of moment over curvature. With `Bending` in the scene, an `EI` of theirs acts besides.
 
     As for `Bending`, give such a cable ``compression="linear"``.
 
@@ -95,14 +95,12 @@ class MomentCurvature(Effect):
 
         Raises
         ------
-        SceneError : an unknown cable, one with an EI, a clamp at a free point, or not at the end of one cable with a curve
+        SceneError : an unknown cable, a clamp at a free point, or not at the end of one cable with a curve
         """
         scene, pairs, clamps, numbers = model.scene, [], [], []
         points: list[list[float]] = []
         for name, curve in dict(self.curves).items():
             cable = scene.cable(name)
-            if cable.EI > 0.0:
-                raise SceneError(f"A cable with a curve must have no EI beside it, but cable {quoted(name)} has EI={cable.EI:g}.")
             first_point = len(points)
             points += _points(curve)
             run = first_point, len(points)
