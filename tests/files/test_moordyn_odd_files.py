@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_moordyn_loads_on_bodies import DECK
 
-from anet_lumped import simulate
+from anet_lumped import SceneError, simulate
 from anet_lumped.files.moordyn_file import deck_from_text
 from studies.peers.moordyn import silence
 
@@ -95,3 +95,39 @@ def test_a_rod_without_a_mass():
     rod = deck.scene.body("rod1").rods[0]
     assert rod.mass_per_length == pytest.approx(1e-6 * 1000.0 * np.pi * 0.25 * 0.25, rel=1e-12)
     assert simulate(deck.scene, 0.05, method="edmc", dt=0.005, start="straight").ok
+
+
+JUNK = (
+    "0 -1 1e308 nan inf x 1|2|3 a|b | Body1 Body1Pinned Free Pinned R1A R9B 999 1.5 Turbine1 - 1e-300 file.txt ../x SYROPE:f|1|2 "
+    "1,2 Point1 6.0D8 true % # --- 1_000 \x00"
+).split(" ")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_is_no_deck_is_refused_in_sentences(seed):
+    """Words, lines and rows at random: read, or refused with the name of the file in each line, and never a traceback."""
+    rng, refused = np.random.default_rng(seed), 0
+    whole = changed(
+        ("--- POINTS ---", ROD), ("--- OPTIONS ---", "--- EXTERNAL LOADS ---\nh\nh\n1 Body1 1|2|3 1|1|1 0 G\n--- OPTIONS ---")
+    )
+    for _ in range(100):
+        lines = whole.splitlines()
+        for _ in range(rng.integers(1, 5)):
+            i, way = rng.integers(len(lines)), rng.integers(4)
+            words = lines[i].split() or ["x"]
+            if way == 0:
+                del lines[i]
+            elif way == 1:
+                lines.insert(i, lines[rng.integers(len(lines))])
+            elif way == 2:
+                del words[rng.integers(len(words))]
+                lines[i] = " ".join(words)
+            else:
+                words[rng.integers(len(words))] = JUNK[rng.integers(len(JUNK))]
+                lines[i] = " ".join(words)
+        try:
+            deck_from_text("\n".join(lines))
+        except SceneError as error:
+            refused += 1
+            assert all(line.startswith("deck") and len(line) < 400 for line in str(error).splitlines())
+    assert 20 < refused < 100

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from anet_lumped import Body, Cable, Carried, Fixed, Scene, SceneError, paths, simulate
+from anet_lumped import Body, Cable, Carried, Fixed, Scene, SceneError, equilibrium, paths, simulate
 from anet_lumped.effects import Air, Gravity, Water
 from anet_lumped.scene.as_dict import scene_from_dict, scene_to_dict
 from anet_lumped.scene.varied import Varied
@@ -70,6 +70,19 @@ def test_air_resists_what_a_body_carries():
     u = math.sqrt(m * g / C)
     fallen = m / C * math.log(math.cosh(g * run.t[-1] / u))
     assert -50.0 - run.position("crate")[-1, 2] == pytest.approx(fallen, rel=1e-5)
+
+
+def test_a_body_hangs_with_all_of_its_weight_and_lift_under_its_rope():
+    """Moments about the rope's end: (4 g, at 0), (2 g - rho g V, at the arm), so that the resultant passes through it."""
+    body = Body(
+        "crate", mass=4.0, inertia=(0.5, 0.6, 0.7), at=(0, 0, -2), attachments={"eye": (0.0, 0.0, 0.5), "side": (0.6, 0.0, 0.0)},
+        carried={"side": Carried(mass=2.0, volume=0.0005)},
+    )  # fmt: skip
+    rope = Cable("top", "crate.eye", length=1.5, mass_per_length=1e-6, EA=1e6, segments=4, diameter=1e-4)
+    rest = equilibrium(Scene([Fixed("top", (0, 0, 0))], [rope], [Gravity(g), Water(rho, level=5.0)], bodies=[body]))
+    lift = 1.5 * g * rest.position("crate.side") + 4.0 * g * rest.position("crate")
+    assert lift[0] == pytest.approx(0.0, abs=1e-6) and abs(rest.rotation("crate")[0, 2]) > 0.2
+    assert rest.tension("top-crate.eye")[-1] == pytest.approx(5.5 * g, rel=1e-5)
 
 
 def test_what_a_driven_body_carries_counts_in_its_reaction():
