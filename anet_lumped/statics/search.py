@@ -25,7 +25,7 @@ BALANCED = 1e-9  # of the load: largest out-of-balance force of a rest
 ROUGH = 1e-3  # of the load: from a smaller out-of-balance force the exact tangent may find the balance
 LEAVES, FEW_LEAVES = 6, 2  # how often the search from one start leaves a rest that is not stable; and that of a large net
 LARGE = 300  # free points, from which on a net is large: an attempt may take half a minute
-VAST = 2000  # free points, from which on an attempt may take minutes: long ones are left out, of which none has found a slack net
+VAST = 2000  # free points, from which on an attempt may take minutes: long ones are left out, which found none of the nets tried
 NUDGE = 0.05  # of the shortest segment: displacement with which it leaves the first time
 
 
