@@ -13,7 +13,7 @@ from studies.questions import flight as study
 @pytest.fixture(scope="module")
 def rows():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "STEPS", (20e-3, 10e-3))
+        patch.setattr(study, "QUICK_SHORTEST", 10e-3)
         patch.setattr(study, "QUICK_END", 0.4)
         two = [one for one in study.flights() if one.name in (study.NET, study.SWAY)]
         two[0] = two[0]._replace(scenario=replace(two[0].scenario, t_end=1.0))

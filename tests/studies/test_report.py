@@ -244,7 +244,7 @@ def entry_with_cores(cores, entry, out, executor=None):
 @pytest.mark.skipif(not report.ALL_CORES or len(report.ALL_CORES) < 2, reason="it takes two cores")
 def test_in_a_first_look_one_study_that_compares_times_has_a_core_of_its_own(monkeypatch, tmp_path):
     """Beside it runs one that does not, on the others; two that compare times never run at once."""
-    monkeypatch.setattr(report, "compile_ahead", lambda: None)
+    monkeypatch.setattr(report, "compile_ahead", lambda halves: None)
     monkeypatch.setattr(report, "run_on", entry_with_cores)
     names, told = ["thesis_tables", "speed", "order", "length_error"], []
     write_report(tmp_path, names=names, at_once=2, tell=told.append)
@@ -276,7 +276,7 @@ def cores_of_row(row):
 def test_studies_run_two_at_once_and_those_that_compare_times_alone(monkeypatch, tmp_path):
     """One that fails and one whose process dies take no other with them; that of times runs here, when nothing else does."""
     ahead = []
-    monkeypatch.setattr(report, "compile_ahead", lambda: ahead.append((tmp_path / PAGE).exists()))
+    monkeypatch.setattr(report, "compile_ahead", lambda halves: ahead.append((tmp_path / PAGE).exists()))
     monkeypatch.setattr(report, "run_entry", quick_entry)
     monkeypatch.setattr(report, "run_on", quick_entry_on)
     names, told = ["order", "speed", "length_error", "stability_map", "energy_rise", "model_mismatch"], []
@@ -313,7 +313,7 @@ def endless_entry_on(cores, *arguments):
 
 @pytest.mark.slow
 def test_ctrl_c_ends_both_studies_in_order(monkeypatch, tmp_path):
-    monkeypatch.setattr(report, "compile_ahead", lambda: None)
+    monkeypatch.setattr(report, "compile_ahead", lambda halves: None)
     monkeypatch.setattr(report, "run_on", endless_entry_on)
 
     def stop():
