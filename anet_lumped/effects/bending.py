@@ -30,25 +30,28 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_direction, check_pairs, quoted
-from anet_lumped.compiled.jit import inlined_law, law, njit
+from anet_lumped.checks import SceneError, Vector, check_direction, check_pairs
+from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.prescribed.path_in_numbers import length_of_path, motion_at, numbers_of_path, value_at
 from anet_lumped.prescribed.paths import Path
 from anet_lumped.prescribed.signals import Signal
 
 from .effect import Effect
+from .laws.clamps import clamped_cable, node_after
 from .laws.rod import (
-    ALPHA,
+    add_clamp_block,
     add_row,
     add_turn_block,
     assemble_pair,
     between_nodes,
     combined,
     cross_block,
+    damper_of_bending,
     dot,
     own_block,
     own_step_block,
     projected,
+    slope_of_turn,
     step_of,
     tangent_of_segment,
 )
@@ -138,10 +141,8 @@ class Bending(Effect):
                 numbers += _stiffness(cable)
                 pairs += 1
         for name, direction in dict(self.clamped).items():
-            cable, node = self._clamped_cable(model, name), model.node(name)
-            first, count = model.segment_run(scene.cable_numbers[cable.name])
-            s = first if model.ends[first, 0] == node else first + count - 1
-            following = model.ends[s, 1 - int(model.ends[s, 1] == node)]
+            cable, node = clamped_cable(model, name, {cable.name for cable in bent}, "an `EI`", self._called), model.node(name)
+            following = node_after(model, name, cable)
             if isinstance(direction, Path):
                 index += [node, following, len(direction.breaks), int(direction.sine is not None)]
                 numbers += [*_stiffness(cable), *numbers_of_path(direction)]
@@ -149,14 +150,6 @@ class Bending(Effect):
                 index += [node, following, 0, 0]
                 numbers += [*_stiffness(cable), *(np.array(direction) / np.linalg.norm(direction))]
         return np.array([pairs, *index], np.int64), np.array(numbers)
-
-    def _clamped_cable(self, model: Any, name: str) -> Any:
-        if model.node(name) < model.n_free and model.scene.whole:  # else a cable alone, whose ends carry nothing
-            raise SceneError(f"A clamp must be at a fixed or driven point, but effect Bending clamps free point {quoted(name)}.")
-        held = [cable for cable in model.scene.cables if name in (cable.start, cable.end) and cable.EI > 0.0]
-        if len(held) != 1:
-            raise SceneError(f"A clamp must hold one cable that has an `EI`, but {len(held)} of them end at point {quoted(name)}.")
-        return held[0]
 
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
         """Without the clamps of cables that have fallen off; None if no cable bends that is left."""
@@ -169,12 +162,6 @@ class Bending(Effect):
 
 def _stiffness(cable: Any) -> list[float]:
     return [cable.EI / cable.L0, cable.L0, 4.0 * math.sqrt(cable.EI / cable.mass_per_length) / cable.L0**2]
-
-
-@inlined_law
-def _slope(B, l, t, other):
-    """dE/dd = -(B/l) (other - (t . other) t)."""
-    return combined(-B / l, other, B / l * dot(t, other), t)
 
 
 @inlined_law
@@ -211,7 +198,7 @@ def force(t, q, v, index, params, f):
         B, L0 = params[i_params], params[i_params + 1]
         t1, l1 = tangent_of_segment(between_nodes(q, i, j), L0)
         t2, l2 = tangent_of_segment(between_nodes(q, j, k), L0)
-        g1, g2 = _slope(B, l1, t1, t2), _slope(B, l2, t2, t1)
+        g1, g2 = slope_of_turn(B, l1, t1, t2), slope_of_turn(B, l2, t2, t1)
         add_row(f, i, g1, 1.0)
         add_row(f, j, g1, -1.0)
         add_row(f, j, g2, 1.0)
@@ -220,22 +207,13 @@ def force(t, q, v, index, params, f):
     while i_index < index.shape[0]:
         i, j, pieces, sine = index[i_index], index[i_index + 1], index[i_index + 2], index[i_index + 3]
         t1, l1 = tangent_of_segment(between_nodes(q, i, j), params[i_params + 1])
-        g = _slope(2.0 * params[i_params], l1, t1, _clamp(t, params, i_params + 3, pieces, sine))
+        g = slope_of_turn(2.0 * params[i_params], l1, t1, _clamp(t, params, i_params + 3, pieces, sine))
         add_row(f, i, g, 1.0)
         add_row(f, j, g, -1.0)
         if pieces > 0:
             power += 2.0 * params[i_params] * dot(t1, _clamp_rate(t, params, i_params + 3, pieces, sine))
         i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
     return power
-
-
-@law
-def _assemble_clamp(weight, node, H, D):
-    """Add weight times the block of the node next to a clamp."""
-    if node < D.shape[0]:
-        for x in range(3):
-            for y in range(3):
-                D[node, x, y] += weight * H[x, y]
 
 
 @njit(TANGENT_SIGNATURE, cache=True, error_model="numpy")
@@ -258,7 +236,7 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         t1, l1 = tangent_of_segment(between_nodes(q, index[i_index], index[i_index + 1]), params[i_params + 1])
         pieces, sine = index[i_index + 2], index[i_index + 3]
         own_block(H11, 2.0 * params[i_params], l1, t1, _clamp(t, params, i_params + 3, pieces, sine))
-        _assemble_clamp(c_q, index[i_index + 1], H11, D)
+        add_clamp_block(c_q, index[i_index + 1], H11, D)
         i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
 
 
@@ -288,8 +266,7 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     dissipated, by_method, i_index, i_params = 0.0, 0.0, 1, 0
     for _ in range(index[0]):
         i, j, k, s = index[i_index], index[i_index + 1], index[i_index + 2], index[i_index + 3]
-        B, L0, square = params[i_params], params[i_params + 1], (0.5 * h * params[i_params + 2]) ** 2
-        alpha = ALPHA * square / (1.0 + square)
+        B, L0, alpha = params[i_params], params[i_params + 1], damper_of_bending(h, params[i_params + 2])
         t1a, t1, l1a, l1, S1, e1, turn1 = step_of(base, q, i, j, L0)
         t2a, t2, l2a, l2, S2, e2, turn2 = step_of(base, q, j, k, L0)
         bend = combined(1.0, turn2, -1.0, turn1)
@@ -313,8 +290,7 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         i_index, i_params = i_index + 4, i_params + 3
     while i_index < index.shape[0]:
         i, j, pieces, sine = index[i_index], index[i_index + 1], index[i_index + 2], index[i_index + 3]
-        B, L0, square = 2.0 * params[i_params], params[i_params + 1], (0.5 * h * params[i_params + 2]) ** 2
-        alpha = ALPHA * square / (1.0 + square)
+        B, L0, alpha = 2.0 * params[i_params], params[i_params + 1], damper_of_bending(h, params[i_params + 2])
         c_a, c_b = _clamp(t - 0.5 * h, params, i_params + 3, pieces, sine), _clamp(t + 0.5 * h, params, i_params + 3, pieces, sine)
         t1a, t1, l1a, l1, S1, e1, turn1 = step_of(base, q, i, j, L0)
         turned = combined(1.0, c_b, -1.0, c_a)
@@ -327,6 +303,6 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         dissipated += B * (0.5 * (dot(t1a, turned) + dot(t1, turned)) + alpha * dot(bend, turned))
         own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
         add_turn_block(H11, alpha * B, S1, e1, t1, l1)
-        _assemble_clamp(1.0, j, H11, D)
+        add_clamp_block(1.0, j, H11, D)
         i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
     return dissipated, by_method

@@ -174,17 +174,23 @@ def _place(index, d):
     return (1 + d, False) if d < worlds else (1 + worlds + OF_BODY * (d - worlds), True)
 
 
+@inlined_law
+def _moving(q, v, index, params, d):
+    """Of dashpot d its node, numbers and axes, and the components of the velocity and `_speeds` along these."""
+    at, of_body = _place(index, d)
+    i, numbers = index[at], params[EACH * d : EACH * (d + 1)]
+    axes = _axes(q, index, at + 1) if of_body else WORLD
+    V = (v[i, 0], v[i, 1], v[i, 2])
+    s = dot(V, axes[0]), dot(V, axes[1]), dot(V, axes[2])
+    return i, numbers, axes, s, _speeds(s, numbers[6])
+
+
 @njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
     """Add F; returns -sum F.v [W]."""
     power = 0.0
     for d in range(params.shape[0] // EACH):
-        at, of_body = _place(index, d)
-        i, numbers = index[at], params[EACH * d : EACH * (d + 1)]
-        axes = _axes(q, index, at + 1) if of_body else WORLD
-        V = (v[i, 0], v[i, 1], v[i, 2])
-        s = dot(V, axes[0]), dot(V, axes[1]), dot(V, axes[2])
-        speeds = _speeds(s, numbers[6])
+        i, numbers, axes, s, speeds = _moving(q, v, index, params, d)
         for a in range(3):
             F = -(numbers[a] + numbers[3 + a] * speeds[a]) * s[a]
             power -= F * s[a]
@@ -197,12 +203,7 @@ def force(t, q, v, index, params, f):
 def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
     """Subtract c_v dF/dv; see the module for what is left out of dF/dq."""
     for d in range(params.shape[0] // EACH):
-        at, of_body = _place(index, d)
-        i, numbers = index[at], params[EACH * d : EACH * (d + 1)]
-        axes = _axes(q, index, at + 1) if of_body else WORLD
-        V = (v[i, 0], v[i, 1], v[i, 2])
-        s = dot(V, axes[0]), dot(V, axes[1]), dot(V, axes[2])
-        speeds = _speeds(s, numbers[6])
+        i, numbers, axes, s, speeds = _moving(q, v, index, params, d)
         for a in range(3):
             for b in range(3):
                 slope = numbers[a] + numbers[3 + a] * speeds[a] if a == b else 0.0

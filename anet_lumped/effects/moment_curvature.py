@@ -23,18 +23,21 @@ from anet_lumped.checks import SceneError, Vector, as_entries, check_direction, 
 from anet_lumped.compiled.jit import inlined_law, law, njit
 
 from .effect import Effect, names_left
+from .laws.clamps import clamped_cable, node_after
 from .laws.rod import (
-    ALPHA,
+    add_clamp_block,
     add_row,
     add_turn_block,
     assemble_pair,
     between_nodes,
     combined,
     cross_block,
+    damper_of_bending,
     dot,
     own_block,
     own_step_block,
     projected,
+    slope_of_turn,
     step_of,
     tangent_of_segment,
 )
@@ -113,22 +116,12 @@ class MomentCurvature(Effect):
         by_cable = {name: (run, of) for name, run, of in clamps}
         rows = []
         for point, direction in dict(self.clamped).items():
-            cable, node = self._clamped_cable(model, point), model.node(point)
-            first, count = model.segment_run(scene.cable_numbers[cable.name])
-            s = first if model.ends[first, 0] == node else first + count - 1
+            cable = clamped_cable(model, point, by_cable, "a curve", self._called)
             run, of_clamp = by_cable[cable.name]
-            rows.append([node, model.ends[s, 1 - int(model.ends[s, 1] == node)], *run])
+            rows.append([model.node(point), node_after(model, point, cable), *run])
             numbers += [*of_clamp, *(np.array(direction) / np.linalg.norm(direction))]
         index = [len(pairs), len(numbers), *(number for row in [*pairs, *rows] for number in row)]
         return np.array(index, np.int64), np.array([*numbers, *(number for point in points for number in point)])
-
-    def _clamped_cable(self, model: Any, name: str) -> Any:
-        if model.node(name) < model.n_free and model.scene.whole:
-            raise SceneError(f"A clamp must be at a fixed or driven point, but {self._called} clamps free point {quoted(name)}.")
-        held = [cable for cable in model.scene.cables if name in (cable.start, cable.end) and cable.name in dict(self.curves)]
-        if len(held) != 1:
-            raise SceneError(f"A clamp must hold one cable that has a curve, but {len(held)} of them end at point {quoted(name)}.")
-        return held[0]
 
     def after_break(self, pieces: Mapping[str, Sequence[Any]], cables: Sequence[Any]) -> Effect | None:
         curves = [(piece, curve) for name, curve in dict(self.curves).items() for piece in names_left(name, pieces)]
@@ -212,12 +205,6 @@ def _stiffness_over_step(a, b, L, params, curves, first, end):
 
 
 @inlined_law
-def _turn(t, other, l):
-    """dy/dd = -(other - (t . other) t)/l."""
-    return combined(-1.0 / l, other, dot(t, other) / l, t)
-
-
-@inlined_law
 def _curvature(t1, t2, L):
     turn = combined(1.0, t2, -1.0, t1)
     return math.sqrt(dot(turn, turn)) / L
@@ -236,15 +223,6 @@ def _direction(params, at):
     return params[at], params[at + 1], params[at + 2]
 
 
-@law
-def _add_to_node(weight, node, H, D):
-    """Add weight times the block of the node next to a clamp."""
-    if node < D.shape[0]:
-        for x in range(3):
-            for y in range(3):
-                D[node, x, y] += weight * H[x, y]
-
-
 @njit(FORCE_SIGNATURE, cache=True, error_model="numpy")
 def force(t, q, v, index, params, f):
     """f_i -= dE/dq_i; see the module. Returns 0 [W]."""
@@ -254,7 +232,7 @@ def force(t, q, v, index, params, f):
         t1, l1 = tangent_of_segment(between_nodes(q, i, j), params[n])
         t2, l2 = tangent_of_segment(between_nodes(q, j, k), params[n])
         B, _ = _stiffness(_curvature(t1, t2, params[n + 1]), params[n + 1], params, curves, index[at + 4], index[at + 5])
-        g1, g2 = _turn(t1, t2, l1), _turn(t2, t1, l2)
+        g1, g2 = slope_of_turn(1.0, l1, t1, t2), slope_of_turn(1.0, l2, t2, t1)
         add_row(f, i, g1, B)
         add_row(f, j, g1, -B)
         add_row(f, j, g2, B)
@@ -264,7 +242,7 @@ def force(t, q, v, index, params, f):
         i, j, c = index[at], index[at + 1], _direction(params, n + 3)
         t1, l1 = tangent_of_segment(between_nodes(q, i, j), params[n])
         B, _ = _stiffness(_curvature(c, t1, params[n + 1]), params[n + 1], params, curves, index[at + 2], index[at + 3])
-        g = _turn(t1, c, l1)
+        g = slope_of_turn(1.0, l1, t1, c)
         add_row(f, i, g, B)
         add_row(f, j, g, -B)
         at, n = at + CLAMP, n + OF_CLAMP
@@ -281,7 +259,7 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         t1, l1 = tangent_of_segment(between_nodes(q, i, j), params[n])
         t2, l2 = tangent_of_segment(between_nodes(q, j, k), params[n])
         B, slope = _stiffness(_curvature(t1, t2, params[n + 1]), params[n + 1], params, curves, index[at + 4], index[at + 5])
-        y1, y2 = _turn(t1, t2, l1), _turn(t2, t1, l2)
+        y1, y2 = slope_of_turn(1.0, l1, t1, t2), slope_of_turn(1.0, l2, t2, t1)
         own_block(H11, B, l1, t1, t2)
         own_block(H22, B, l2, t2, t1)
         cross_block(H12, -B / (l1 * l2), t1, t2)
@@ -296,10 +274,10 @@ def tangent(t, q, v, index, params, c_q, c_v, D, near, far):
         c = _direction(params, n + 3)
         t1, l1 = tangent_of_segment(between_nodes(q, index[at], index[at + 1]), params[n])
         B, slope = _stiffness(_curvature(c, t1, params[n + 1]), params[n + 1], params, curves, index[at + 2], index[at + 3])
-        y1 = _turn(t1, c, l1)
+        y1 = slope_of_turn(1.0, l1, t1, c)
         own_block(H11, B, l1, t1, c)
         _add_product(H11, slope, y1, y1)
-        _add_to_node(c_q, index[at + 1], H11, D)
+        add_clamp_block(c_q, index[at + 1], H11, D)
         at, n = at + CLAMP, n + OF_CLAMP
 
 
@@ -320,13 +298,6 @@ def energy(t, q, index, params):
     return total
 
 
-@inlined_law
-def _alpha(h, omega):
-    """Numerical damper of `bending`."""
-    square = (0.5 * h * omega) ** 2
-    return ALPHA * square / (1.0 + square)
-
-
 @njit(WHOLE_STEP_SIGNATURE, cache=True, error_model="numpy")
 def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     """Forces over a whole step as discrete gradients of the energy, with the numerical damper; see the module and `bending`."""
@@ -334,7 +305,7 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
     by_method, curves, at, n = 0.0, index[1], HEADER, 0
     for _ in range(index[0]):
         i, j, k, s = index[at], index[at + 1], index[at + 2], index[at + 3]
-        L0, L, alpha = params[n], params[n + 1], _alpha(h, params[n + 2])
+        L0, L, alpha = params[n], params[n + 1], damper_of_bending(h, params[n + 2])
         t1a, t1, l1a, l1, S1, e1, turn1 = step_of(base, q, i, j, L0)
         t2a, t2, l2a, l2, S2, e2, turn2 = step_of(base, q, j, k, L0)
         a, b = _curvature(t1a, t2a, L), _curvature(t1, t2, L)
@@ -348,7 +319,7 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         add_row(f, j, u2, B)
         add_row(f, k, u2, -B)
         by_method += alpha * B * dot(bend, bend)
-        y1, y2 = _turn(t1, t2, l1), _turn(t2, t1, l2)
+        y1, y2 = slope_of_turn(1.0, l1, t1, t2), slope_of_turn(1.0, l2, t2, t1)
         own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
         add_turn_block(H11, alpha * B, S1, e1, t1, l1)
         own_step_block(H22, B, S2, e2, t2, l2a, l2, w2)
@@ -365,7 +336,7 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         at, n = at + PAIR, n + OF_PAIR
     while at < index.shape[0]:
         i, j, c = index[at], index[at + 1], _direction(params, n + 3)
-        L0, L, alpha = params[n], params[n + 1], _alpha(h, params[n + 2])
+        L0, L, alpha = params[n], params[n + 1], damper_of_bending(h, params[n + 2])
         t1a, t1, l1a, l1, S1, e1, turn1 = step_of(base, q, i, j, L0)
         a, b = _curvature(c, t1a, L), _curvature(c, t1, L)
         B, slope = _stiffness_over_step(a, b, L, params, curves, index[at + 2], index[at + 3])
@@ -376,7 +347,7 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         by_method += alpha * B * dot(turn1, turn1)
         own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
         add_turn_block(H11, alpha * B, S1, e1, t1, l1)
-        _add_product(H11, slope, u1, _turn(t1, c, l1))
-        _add_to_node(1.0, j, H11, D)
+        _add_product(H11, slope, u1, slope_of_turn(1.0, l1, t1, c))
+        add_clamp_block(1.0, j, H11, D)
         at, n = at + CLAMP, n + OF_CLAMP
     return 0.0, by_method

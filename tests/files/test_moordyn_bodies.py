@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from beside_moordyn import places_of_points
 
 from anet_lumped import Body, Cable, Driven, Fixed, Scene, SceneError, paths, simulate
 from anet_lumped.effects import Gravity, MoordynBottom, Water
@@ -12,7 +13,6 @@ from anet_lumped.files.moordyn_channels import outputs
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
 from anet_lumped.files.moordyn_writer import moordyn_text, save_moordyn
-from studies.peers.moordyn import silence
 
 DECK = """\
 --- LINE TYPES ---
@@ -170,7 +170,6 @@ def test_moordyn_moves_a_body_as_we_do(tmp_path, in_water):
     Cables of one light segment start alike in both. 0.1 ms of MoorDyn's and 1 ms of ours leave 1e-6 m of a way of 2.5 m; the 10 g/m
     of the cables are points that circle, of which MoorDyn's mass matrix lacks the pull: 0.5 kg of 1000, 1e-5 of it after 1 s.
     """
-    moordyn = pytest.importorskip("moordyn", exc_type=ImportError)
     fluid = {"volume": 0.4, "Ca": (0.5, 0.6, 0.7)} if in_water else {"volume": 0.0, "Ca": (0.0, 0.0, 0.0)}
     ball = {"inertia": (600.0, 600.0, 600.0), "CdA": (0.0, 0.0, 0.0)}
     origin = (0.0, 0.0, 0.0)
@@ -181,16 +180,8 @@ def test_moordyn_moves_a_body_as_we_do(tmp_path, in_water):
     scene = Scene(scene.points, cables, without_bottom if in_water else [Gravity(9.81)], bodies=scene.bodies)
     deck = tmp_path / "ball.txt"
     save_moordyn(scene, deck, {"dtM": 1e-4, "TmaxIC": 0, "tScheme": "RK4", "disableOutput": 1, "writeLog": 0})
+    places = places_of_points(deck, 1.0, (4, 5, 6))
     ours = simulate(scene, 1.0, method="rk4", dt=0.001, start="straight").final
-    with silence():
-        engine = moordyn.Create(str(deck))
-        try:
-            moordyn.Init(engine, [], [])
-            for k in range(100):
-                moordyn.Step(engine, [], [], 0.01 * k, 0.01)
-            places = [moordyn.GetPointPos(moordyn.GetPoint(engine, number)) for number in (4, 5, 6)]
-        finally:
-            moordyn.Close(engine)
     way = np.linalg.norm(ours.position("crate") - scene.bodies[0].at)
     assert way > 0.5
     for name, place in zip(("crate", "crate.a", "crate.b"), places, strict=True):

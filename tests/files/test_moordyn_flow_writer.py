@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from beside_moordyn import begun, march, nodes_of_line
 
 from anet_lumped import Cable, Fixed, Scene, SceneError, equilibrium, read_moordyn, save_moordyn, simulate, waves, wind
 from anet_lumped.effects import Gravity, GroundMap, MoordynBottom, Water
 from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
 from anet_lumped.effects.flow.waves.kernel import wave_at
 from anet_lumped.files.moordyn_writer import moordyn_text
-from studies.peers.moordyn import silence
 
 PROFILE = wind.Sampled(((-40.0, 0.1, 0.2), (-10.0, 0.5, 0.3), (0.0, 1.0, 0.1)))
 SUM = waves.Components(((0.8, 0.6, 0.4, 0.2), (0.5, 0.9, 1.0, -0.4)), depth=50.0)
@@ -91,23 +91,15 @@ def test_deep_water_is_as_deep_as_it_has_to_be():
 )
 def test_moordyn_moves_as_we_do(tmp_path, flow, share):
     """From the rest in still water. MoorDyn takes drag along the chord of two segments: 0.3 % of the way where the flow is fast."""
-    moordyn = pytest.importorskip("moordyn", exc_type=ImportError)
     of, quiet = (
         scene(BOTTOM, **flow),
         {"dtM": 1e-3, "TmaxIC": 120, "threshIC": 1e-6, "tScheme": "RK4", "disableOutput": 1, "writeLog": 0},
     )
     save_moordyn(of, tmp_path / "flow.txt", quiet)
+    with begun(tmp_path / "flow.txt") as (moordyn, engine):
+        march(moordyn, engine, 3.0, 0.1)
+        theirs = nodes_of_line(moordyn, engine, 12)
     run = simulate(of, 3.0, method="edmc", dt=5e-3, start=equilibrium(scene(BOTTOM)))
-    with silence():
-        engine = moordyn.Create(str(tmp_path / "flow.txt"))
-        try:
-            moordyn.Init(engine, [], [])
-            for k in range(30):
-                moordyn.Step(engine, [], [], 0.1 * k, 0.1)
-            line = moordyn.GetLine(engine, 1)
-            theirs = [moordyn.GetLineNodePos(line, i) for i in range(13)]
-        finally:
-            moordyn.Close(engine)
     shapes = run.shape("a-b")
     way = np.linalg.norm(shapes[-1] - shapes[0], axis=1).max()
     assert way > 0.1 and np.abs(shapes[-1] - theirs).max() < share * way

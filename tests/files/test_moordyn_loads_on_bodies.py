@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from beside_moordyn import places_of_points
 
 from anet_lumped import Carried, simulate
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
 from anet_lumped.files.moordyn_writer import moordyn_text
-from studies.peers.moordyn import silence
 
 DECK = """\
 --- LINE TYPES ---
@@ -81,7 +81,6 @@ def test_a_body_without_a_mass_of_its_own_is_what_it_carries():
 )
 def test_moordyn_moves_it_as_we_do(tmp_path, body, load, t_end):
     """RK4 with 0.1 ms there and 0.5 ms here leave 1e-10 m of ways of 0.02 to 0.4 m."""
-    moordyn = pytest.importorskip("moordyn", exc_type=ImportError)
     quiet = "--- OPTIONS ---\n1e-4 dtM\nRK4 tScheme\n0 TmaxIC\n1 disableOutput\n0 writeLog"
     changes = (("100 0 20", body), (LOAD, FREE.format(*load)), ("--- OPTIONS ---", quiet))
     scene = read(*changes, like_moordyn=True).scene
@@ -90,16 +89,8 @@ def test_moordyn_moves_it_as_we_do(tmp_path, body, load, t_end):
         text = text.replace(old, new)
     path = tmp_path / "deck.txt"
     path.write_text(text)
+    places = places_of_points(path, t_end, (2, 3))
     ours = simulate(scene, t_end, method="rk4", dt=5e-4, start="straight").final
-    with silence():
-        engine = moordyn.Create(str(path))
-        try:
-            moordyn.Init(engine, [], [])
-            for k in range(round(t_end / 0.01)):
-                moordyn.Step(engine, [], [], 0.01 * k, 0.01)
-            places = [moordyn.GetPointPos(moordyn.GetPoint(engine, number)) for number in (2, 3)]
-        finally:
-            moordyn.Close(engine)
     for name, place in zip(("body1.point2", "body1.point3"), places, strict=True):
         assert np.linalg.norm(np.subtract(place, scene.point(name).at)) > 0.01
         assert np.allclose(ours.position(name), place, rtol=0.0, atol=1e-9)

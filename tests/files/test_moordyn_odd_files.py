@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from beside_moordyn import places_of_points
 from test_moordyn_loads_on_bodies import DECK
 
 from anet_lumped import SceneError, simulate
 from anet_lumped.files.moordyn_file import deck_from_text
-from studies.peers.moordyn import silence
 
 ROD = """\
 --- ROD TYPES ---
@@ -65,7 +65,6 @@ THREE = (
 @pytest.mark.parametrize("mass", [100, 0], ids=["no inertia", "no mass"])
 def test_moordyn_moves_light_bodies_as_we_do(tmp_path, mass):
     """MoorDyn lacks the pull of the ends of lines that circle: 2e-4 of the way after 20 ms, and growing with the time squared."""
-    moordyn = pytest.importorskip("moordyn", exc_type=ImportError)
     quiet = "--- OPTIONS ---\n5e-5 dtM\nRK4 tScheme\n0 TmaxIC\n1 disableOutput\n0 writeLog"
     light = ("0 100 0 20 0.05", f"0 {mass} 0 0 0.05")
     text = changed(light, LOADED, HEAVY, *THREE, ("--- OPTIONS ---", quiet))
@@ -73,16 +72,8 @@ def test_moordyn_moves_light_bodies_as_we_do(tmp_path, mass):
     assert any("has no inertia I; it is given" in said for said in deck.remarks)
     path, t_end = tmp_path / "deck.txt", 0.02
     path.write_text(text)
+    places = places_of_points(path, t_end, (2, 3))
     ours = simulate(deck.scene, t_end, method="edmc", dt=2e-4, start="straight").final
-    with silence():
-        engine = moordyn.Create(str(path))
-        try:
-            moordyn.Init(engine, [], [])
-            for k in range(round(t_end / 0.01)):
-                moordyn.Step(engine, [], [], 0.01 * k, 0.01)
-            places = [moordyn.GetPointPos(moordyn.GetPoint(engine, number)) for number in (2, 3)]
-        finally:
-            moordyn.Close(engine)
     for name, place in zip(("body1.point2", "body1.point3"), places, strict=True):
         way = np.linalg.norm(np.subtract(place, deck.scene.point(name).at))
         assert way > 2e-3 and np.allclose(ours.position(name), place, rtol=0.0, atol=1e-3 * way)

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from beside_moordyn import begun, nodes_of_line
 
 from anet_lumped import equilibrium, read_moordyn, save_moordyn, simulate
 from anet_lumped.effects import Water
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
-from studies.peers.moordyn import silence
 
 DECK = """\
 a taut riser of 10 m in a current
@@ -126,18 +126,12 @@ def vibration(t, y):
 
 
 def of_moordyn(folder, segments, t_end):
-    moordyn, t, y = pytest.importorskip("moordyn", exc_type=ImportError), [], []
-    with silence():
-        engine = moordyn.Create(str(folder / "deck.txt"))
-        try:
-            moordyn.Init(engine, [], [])
-            line = moordyn.GetLine(engine, 1)
-            for k in range(round(t_end / 0.01)):
-                y.append([moordyn.GetLineNodePos(line, i) for i in range(segments + 1)])
-                t.append(0.01 * k)
-                moordyn.Step(engine, [], [], t[-1], 0.01)
-        finally:
-            moordyn.Close(engine)
+    t, y = [], []
+    with begun(folder / "deck.txt") as (moordyn, engine):
+        for k in range(round(t_end / 0.01)):
+            y.append(nodes_of_line(moordyn, engine, segments))
+            t.append(0.01 * k)
+            moordyn.Step(engine, [], [], t[-1], 0.01)
     return np.array(t), np.array(y)
 
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from beside_moordyn import begun, march, nodes_of_line
 
 from anet_lumped import State, read_moordyn, save_moordyn, simulate
 from anet_lumped.effects import Bending, MomentCurvature
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
-from studies.peers.moordyn import silence
 
 DECK = """\
 --- LINE TYPES ---
@@ -96,21 +96,13 @@ def test_refusals(tmp_path, changes, table, message):
 def test_moordyn_bends_as_we_do(tmp_path):
     """From where MoorDyn starts, 0.2 s on. Its moment is M, here M cos of half of the angle between segments, 0.1 rad: with 12
     segments they differ by 13 % of the way, with 24 by 3 % and with 36 by 1.5 %."""
-    moordyn = pytest.importorskip("moordyn", exc_type=ImportError)
     quiet = "--- OPTIONS ---\n5e-5 dtM\nRK4 tScheme\n0 TmaxIC\n1 disableOutput\n0 writeLog"
     scene = read(tmp_path, ("--- OPTIONS ---", quiet)).scene
     (tmp_path / "deck.txt").write_text(DECK.replace("--- OPTIONS ---", quiet))
-    with silence():
-        engine = moordyn.Create(str(tmp_path / "deck.txt"))
-        try:
-            moordyn.Init(engine, [], [])
-            line = moordyn.GetLine(engine, 1)
-            start = np.array([moordyn.GetLineNodePos(line, i) for i in range(25)])
-            for k in range(20):
-                moordyn.Step(engine, [], [], 0.01 * k, 0.01)
-            end = np.array([moordyn.GetLineNodePos(line, i) for i in range(25)])
-        finally:
-            moordyn.Close(engine)
+    with begun(tmp_path / "deck.txt") as (moordyn, engine):
+        start = np.array(nodes_of_line(moordyn, engine, 24))
+        march(moordyn, engine, 0.2, 0.01)
+        end = np.array(nodes_of_line(moordyn, engine, 24))
     run = simulate(scene, 0.2, method="edmc", dt=5e-4, start=State.of(scene, shapes={"line1": start}))
     way = np.abs(end - start).max()
     assert way > 0.02 and np.abs(run.shape("line1")[-1] - end).max() < 0.04 * way

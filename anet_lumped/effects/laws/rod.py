@@ -39,6 +39,19 @@ def add_row(f, i, a, sign):
 
 
 @inlined_law
+def damper_of_bending(h, omega):
+    """alpha of the numerical damper over a step h, for the highest frequency omega; see `bending`."""
+    square = (0.5 * h * omega) ** 2
+    return ALPHA * square / (1.0 + square)
+
+
+@inlined_law
+def slope_of_turn(B, l, t, other):
+    """dE/dd = -(B/l) (other - (t . other) t), of E = B (1 - t . other)."""
+    return combined(-B / l, other, B / l * dot(t, other), t)
+
+
+@inlined_law
 def own_block(H, B, l, t, other):
     """d2E/dd2 = (B/l^2) (t p^T + p t^T + c (I - t t^T)), p = other - c t, c = t . other, for H."""
     c, per = dot(t, other), B / (l * l)
@@ -47,6 +60,15 @@ def own_block(H, B, l, t, other):
         for y in range(3):
             H[x, y] = per * (t[x] * p[y] + p[x] * t[y] - c * t[x] * t[y])
         H[x, x] += per * c
+
+
+@law
+def add_clamp_block(weight, node, H, D):
+    """Add weight times the block of the node next to a clamp."""
+    if node < D.shape[0]:
+        for x in range(3):
+            for y in range(3):
+                D[node, x, y] += weight * H[x, y]
 
 
 @law
