@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from studies.shown.page import Entry, State, write_page
 from studies.shown.sentences import listed
@@ -22,6 +21,7 @@ from studies.study import NAMES, Part, module_of, run_study
 from studies.sweeping.compiled_ahead import compile_ahead, compile_effects, compile_effects_of_studies, compile_motions
 from studies.sweeping.folder_lock import locked
 from studies.sweeping.provenance import provenance
+from studies.sweeping.same_process import SameProcess
 from studies.sweeping.side_processes import SideProcesses
 from studies.sweeping.workers import available_cores, own_cores
 
@@ -173,11 +173,15 @@ def _cores(compares_times):
     return {first} if compares_times else set(others)
 
 
-def run_on(cores: set[int] | None, *arguments: Any) -> Entry:
-    """`run_entry` on some cores of the machine, with the processes that it begins; on all that it may use for None."""
+def run_on(cores: set[int] | None, entry: Entry, out: Path, executor: Executor | None = None) -> Entry:
+    """`run_entry` on some cores of the machine, with the processes that it begins; on all that it may use for None.
+
+    With one core alone its rows run in this process: a fault of one of them costs the study, and no process beside this one loads
+    what this one has loaded.
+    """
     if ALL_CORES is not None:
         os.sched_setaffinity(0, cores or ALL_CORES)
-    return run_entry(*arguments)
+    return run_entry(entry, out, SameProcess() if cores and len(cores) == 1 else executor)
 
 
 def _entry(name, full, beside):

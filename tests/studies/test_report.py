@@ -257,19 +257,25 @@ def test_in_a_first_look_one_study_that_compares_times_has_a_core_of_its_own(mon
 
 
 @pytest.mark.skipif(not report.ALL_CORES, reason="this system gives no process cores of its own")
-def test_a_study_runs_on_the_cores_that_it_is_given_and_so_do_its_rows(monkeypatch):
-    monkeypatch.setattr(report, "run_entry", lambda: run_rows(cores_of_row, [{"n": n} for n in range(2)])["cores"].tolist())
+def test_a_study_runs_on_the_cores_that_it_is_given_and_so_do_its_rows(monkeypatch, tmp_path):
+    def entry(entry, out, executor):
+        return (
+            run_rows(where_row_runs, [{"n": n} for n in range(2)], executor=executor).loc[:, ["cores", "process"]].values.tolist()
+        )
+
+    monkeypatch.setattr(report, "run_entry", entry)
     last = max(report.ALL_CORES)
     try:
-        assert report.run_on({last}) == [str({last})] * 2
-        assert report.run_on(None) == [str(report.ALL_CORES)] * 2
+        assert report.run_on({last}, "order", tmp_path) == [[str({last}), os.getpid()]] * 2  # where no other has a core
+        cores, processes = zip(*report.run_on(None, "order", tmp_path), strict=True)
+        assert set(cores) == {str(report.ALL_CORES)} and os.getpid() not in processes
     finally:
         os.sched_setaffinity(0, report.ALL_CORES)
 
 
-def cores_of_row(row):
-    """The cores that a worker may use."""
-    return {"cores": str(os.sched_getaffinity(0))}
+def where_row_runs(row):
+    """The cores that a row may use, and its process."""
+    return {"cores": str(os.sched_getaffinity(0)), "process": os.getpid()}
 
 
 @pytest.mark.slow
