@@ -48,6 +48,7 @@ from anet_lumped.scene.cable_cut import CableCut
 from anet_lumped.scene.carried import Carried
 from anet_lumped.scene.payload_change import PayloadChange
 from anet_lumped.scene.platform import platform
+from anet_lumped.scene.release import Release
 from anet_lumped.scene.rod_body import rod_body
 from anet_lumped.scene.ropes import rope
 from anet_lumped.scene.scene import Body, Cable, Driven, Fixed, Free, Rod, Scene, SceneError
@@ -75,6 +76,7 @@ __all__ = [
     "InputError",
     "NoRestError",
     "PayloadChange",
+    "Release",
     "Rod",
     "Run",
     "RunError",

@@ -12,7 +12,7 @@ be had is refused, all of it at once.
 import pathlib
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from anet_lumped.checks import NAMED, SceneError, one_line
 from anet_lumped.prescribed.paths import Path
@@ -134,7 +134,8 @@ def deck_from_text(
     names = [row.words[0] for row in sections.get("line types", [])]
     held = read_largest_tensions(sections.get("syrope ic", []), findings)
     lines = read_lines(rows, names, types, places, held, findings)
-    failures = read_failures(sections.get("failure", []), lines, places, findings)
+    failures = read_failures(sections.get("failure", []), lines, places, types, findings)
+    lines = failures.lines
     options = read_options(sections.get("options", []), findings)
     lines = with_windows(lines, options, findings, like_moordyn)
     seafloor = read_seafloor(options, tables, findings)
@@ -178,6 +179,4 @@ def _scene(places: Places, bodies: list[Body], lines: list[Line], failures: Fail
             findings.remark(f"Point {number} is left out: it moves freely and no line ends there.")
         elif point is not None and not isinstance(point, OnMovingBody) and point not in points:  # both ends of a rod may be one
             points.append(point)
-    limits = failures.tensions
-    cables = [replace(line.cable, breaking_tension=limits[line.number]) if line.number in limits else line.cable for line in lines]
-    return Scene(points, cables, effects, failures.cuts, bodies)
+    return Scene([*points, *failures.points], [line.cable for line in lines], effects, failures.events, bodies)

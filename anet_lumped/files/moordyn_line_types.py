@@ -184,12 +184,17 @@ def moment_curves(
     found, curves, at = {}, {}, None
     for kind, name in lines:
         row = types[kind][0]
-        if len(row.words) > 9 and not is_number(row.words[5]):
+        if curved(row):
             with findings.refusing():
                 if kind not in curves:
                     curves[kind] = _curve(row, tables.path(row, row.words[5], "EI"), "EI", "a curvature and a moment")
                 found[name], at = curves[kind], row
     return found, at
+
+
+def curved(row: Row) -> bool:
+    """Whether the EI of a line type is a table."""
+    return len(row.words) > 9 and not is_number(row.words[5])
 
 
 def _curve(

@@ -16,7 +16,7 @@ from os import PathLike
 from typing import Any
 
 from anet_lumped.checks import SceneError, quoted, shown
-from anet_lumped.scene.scene import Cable, Driven, Fixed, Point, Scene, check_scene
+from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, Point, Scene, check_scene
 
 from .moordyn_body_rows import body_points, body_rows, pins, rod_ends
 from .moordyn_flow_writer import flow_files, flow_options
@@ -27,6 +27,7 @@ from .moordyn_syrope import PREFIX
 from .moordyn_syrope_writer import curve_of, syrope_name, syrope_rows, syrope_text
 
 NO_DIAMETER = 1e-3  # [m], of a cable without one: MoorDyn divides by the section, and in air nothing else asks for it
+AT_ONCE = 1e-9  # [s], time of what fails at the start
 NO_BOTTOM = 1e4  # [m], depth of water without a bottom
 
 
@@ -118,10 +119,11 @@ def moordyn_text(
     rows = [" ".join((_type(one, bends, curves, moments), *map(repr, shedding_columns(scene.cables, one)))) for one in scene.cables]
     sheds = any(cable.Cl for cable in scene.cables)
     types = {row: f"type{number}" for number, row in enumerate(dict.fromkeys(rows), start=1)}
-    of_bodies, left_out = body_points(scene), pins(scene)
+    of_bodies, left_out = body_points(scene), {*pins(scene), *(event.point for event in scene.releases)}
     points = [point for point in scene.points if point.name not in left_out]
     number: dict[str, Any] = {name: i for i, name in enumerate([*(point.name for point in points), *of_bodies], start=1)}
     number |= rod_ends(scene)
+    number |= {event.point: number[event.holder] for event in scene.releases}
     lines = [
         "--------------------- MoorDyn Input File ---------------------",
         "written by anet-lumped",
@@ -155,7 +157,7 @@ def moordyn_text(
 
 
 def _failures(scene: Scene, number: Mapping[str, int]) -> list[str]:
-    """Section of the lines that are cut at given times, which MoorDyn's Fortran version parts at their ends; none without cuts."""
+    """Section of the lines that are cut or released, which MoorDyn's Fortran version parts at their ends; none without."""
     rows = []
     for row, cut in enumerate(scene.cable_cuts, start=1):
         cable = scene.cable(cut.cable)
@@ -165,10 +167,23 @@ def _failures(scene: Scene, number: Mapping[str, int]) -> list[str]:
                 f"A cable must be cut at an end to be written for MoorDyn, but of {quoted(cut.cable)} segment {cut.segment} is."
             )
         point = number[cable.end if at_end else cable.start]
-        rows.append(f"{row} {point} {scene.cable_numbers[cut.cable] + 1} {cut.t!r} 0")
+        rows.append(f"{row} {point} {scene.cable_numbers[cut.cable] + 1} {_when(cut.t)} 0")
+    for row, event in enumerate(scene.releases, start=len(rows) + 1):
+        held = scene.point(event.point)
+        if isinstance(held, Free) and (held.mass or held.volume or held.CdA):
+            raise SceneError(
+                f"A point that is released must carry nothing to be written for MoorDyn, but {quoted(event.point)} does."
+            )
+        lines = [str(k) for k, cable in enumerate(scene.cables, start=1) if event.point in (cable.start, cable.end)]
+        rows.append(f"{row} {number[event.holder]} {','.join(lines)} {_when(event.t)} {event.tension or 0.0!r}{named(event.point)}")
     title, names = "--------------------- FAILURE ---------------------", "FailureID Point Line(s) FailTime FailTen"
     heads = (title, names, "() () (,) (s or 0) (N or 0)")
     return [*heads, *rows] if rows else []
+
+
+def _when(t: float | None) -> str:
+    """A time of a failure [s], of which 0 means never."""
+    return repr(0.0 if t is None else max(t, AT_ONCE))
 
 
 def _type(cable: Cable, bends: bool, curves: dict[Any, str], moments: dict[str, tuple[str, Any]]) -> str:
@@ -214,6 +229,7 @@ def _places(scene: Scene, given: Mapping[str, Any]) -> dict[str, Any]:
     places: dict[str, Any] = {}
     for point in scene.points:
         places[point.name] = given.get(point.name, point.path.at(0.0)[0] if isinstance(point, Driven) else point.at)
+    places |= {event.point: places.get(event.holder, (0.0, 0.0, 0.0)) for event in scene.releases}
     without = [name for name, at in places.items() if at is None]
     if without:
         from anet_lumped.statics.equilibrium import EquilibriumError, equilibrium

@@ -205,7 +205,13 @@ class Model:
     def breaking_tension(self):
         """(n_segments,) float64: tension at which each segment breaks [N], inf for never; empty if no cable breaks."""
         limits = [np.inf if cable.breaking_tension is None else cable.breaking_tension for cable in self.scene.cables]
-        return np.array(limits)[self.cable_of] if np.isfinite(limits).any() else np.empty(0)
+        if not (np.isfinite(limits).any() or self.scene.limits):
+            return np.empty(0)
+        strength = np.array(limits)[self.cable_of]
+        for cable, segment, tension in self.scene.limits:
+            at = np.arange(self.n_segments)[self.segments(cable)][segment]
+            strength[at] = min(strength[at], tension)
+        return strength
 
     @cached_property
     def trails(self):

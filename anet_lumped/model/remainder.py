@@ -1,12 +1,13 @@
 """What is left of a scene when payloads have changed and segments have broken: a scene of its own, on the same nodes.
 
 A cable without one of its segments is two cables, whose ends there are free points. The segment has no force any more; either half
-of it stays with its node as a stub without length, with its mass, volume, drag across and contact. All that a scene can have, its
-remainder can, so that no compiled code has to know of events.
+of it stays with its node as a stub without length, with its mass, volume, drag across and contact. A point that is held at another
+is that node, until it is released. All that a scene can have, its remainder can, so that no compiled code has to know of events.
 """
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -15,6 +16,7 @@ import numpy as np
 from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.scene.payload_change import carried_from
+from anet_lumped.scene.release import together
 from anet_lumped.scene.scene import Cable, Free, Point, Scene
 
 SCATTER = 1e-3
@@ -29,9 +31,11 @@ class Pieces(Scene):
     Parameters
     ----------
     stubs : pairs of a point's name and the Cable of which half a segment stays there
+    limits : names of cables, the segment of each, 0 or -1, and the tension [N] at which what ends there is released
     """
 
     stubs: tuple[tuple[str, Cable], ...] = ()
+    limits: tuple[tuple[str, int, float], ...] = ()
 
     whole: ClassVar[bool] = False
 
@@ -54,14 +58,22 @@ class Remainder:
     model : Model
     node : (n,) int64, of the whole scene's model, that each of its nodes is
     segment : (n_segments,) int64, likewise
+    held : dict of the name of each point that is held to that of its holder
     """
 
     model: Model
     node: np.ndarray
     segment: np.ndarray
+    held: Mapping[str, str] = field(default_factory=dict)
+
+    def follow(self, whole: Model, rows: np.ndarray) -> np.ndarray:
+        """Let points that are held be where their holders are, in rows (..., n, 3) of the whole scene's nodes; returns them."""
+        for name, holder in self.held.items():
+            rows[..., whole.node_of[name], :] = rows[..., whole.node_of[holder], :]
+        return rows
 
 
-def remainder(whole, payloads, broken):
+def remainder(whole, payloads, broken, released=()):
     """What is left of a scene.
 
     Parameters
@@ -69,6 +81,7 @@ def remainder(whole, payloads, broken):
     whole : Model of the scene
     payloads : dict of point name to dict, mass [kg], volume [m³] and CdA [m²] of points where they are not the scene's any more
     broken : dict of cable name to increasing tuple of int, its segments that have failed, from its start
+    released : names of the points that are held no more
 
     Returns
     -------
@@ -78,7 +91,10 @@ def remainder(whole, payloads, broken):
     if not (payloads or broken or whole.scene.events):
         return Remainder(whole, np.arange(whole.n), all_segments)
     scene, stubs, loose, cables, pieces, nodes, segments = whole.scene, [], {}, [], {}, {}, {}
-    for cable in scene.cables:
+    held = held_points(scene, released)
+    carried = [replace(p, **payloads.get(p.name, {})) if isinstance(p, Free) else p for p in scene.points]
+    points, whole_cables = together(carried, list(scene.cables), held)
+    for cable in whole_cables:
         own = all_segments[whole.segments(cable.name)]
         failed = broken.get(cable.name, ())
         if not failed:
@@ -101,22 +117,41 @@ def remainder(whole, payloads, broken):
                 pieces[cable.name].append(piece)
                 nodes[piece.name], segments[piece.name] = whole.nodes(cable.name)[first : last + 1], own[first:last]
         cables += pieces[cable.name]
-    points = [replace(p, **payloads.get(p.name, {})) if isinstance(p, Free) else p for p in scene.points]
     stubs_at = {}
     for name, cable in stubs:
         stubs_at.setdefault(name, []).append(cable)
     points = [_with_stubs(point, stubs_at.get(point.name)) for point in (*points, *map(Free, loose))]
     effects = [effect.after_break(pieces, cables) if pieces else effect for effect in scene.effects]
     parts = points, cables, [effect for effect in effects if effect is not None]
-    bodies = scene.bodies
-    model = build(Pieces(*parts, bodies=bodies, stubs=tuple(stubs)) if pieces else Scene(*parts, bodies=bodies))
+    bodies, limits = scene.bodies, _limits(scene, held, broken)
+    cut = pieces or scene.releases
+    model = build(Pieces(*parts, bodies=bodies, stubs=tuple(stubs), limits=limits) if cut else Scene(*parts, bodies=bodies))
     node, segment = np.empty(model.n, np.int64), np.empty(model.n_segments, np.int64)
-    for name, number in model.node_of.items():
-        node[number] = loose[name] if name in loose else whole.node_of[name]
     for cable in cables:
         node[model.nodes(cable.name)] = nodes[cable.name]
         segment[model.segments(cable.name)] = segments[cable.name]
-    return Remainder(model, node, segment)
+    for name, number in model.node_of.items():
+        node[number] = loose[name] if name in loose else whole.node_of[name]
+    return Remainder(model, node, segment, held)
+
+
+def held_points(scene: Scene, released: Collection[str] = ()) -> dict[str, str]:
+    """Names of the points that are held and of their holders, but for those that are released."""
+    return {event.point: event.holder for event in scene.releases if event.point not in released}
+
+
+def _limits(scene, held, broken):
+    """`Pieces.limits` of the cables that end at points which are held, as far as their segments there hold."""
+    tension = {event.point: event.tension for event in scene.releases if event.point in held and event.tension is not None}
+    limits = []
+    for cable in scene.cables:
+        failed, last = broken.get(cable.name, ()), cable.segments - 1
+        for end, segment, number in ((cable.start, 0, 0), (cable.end, -1, last)):
+            if end in tension and number not in failed:
+                first = 0 if number == 0 else max((s + 1 for s in failed), default=0)
+                beyond = cable.segments if number else min(failed, default=cable.segments)
+                limits.append((f"{cable.name}[{first}:{beyond}]" if failed else cable.name, segment, tension[end]))
+    return tuple(limits)
 
 
 def _with_stubs(point, own):
@@ -151,4 +186,4 @@ def lightest(scene):
             of_change = {key: (max if key == "CdA" else min)(value, getattr(point, key)) for key, value in said.items()}
             point = replace(point, **of_change)
         points.append(point)
-    return replace(scene, points=points, events=())
+    return replace(scene, points=points, events=scene.releases)

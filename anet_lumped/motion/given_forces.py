@@ -32,7 +32,8 @@ class GivenForces:
     def __init__(self, scene: Any) -> None:
         self.scene = scene
         self.bodies = [body for body in scene.bodies if not body.is_driven]
-        self.names = pushed_points(scene)
+        self.holders = {event.point: event.holder for event in scene.releases}
+        self.names = [name for name in pushed_points(scene) if name not in self.holders]
         self.row = {name: k for k, name in enumerate(self.names)}
         self.body = {body.name: b for b, body in enumerate(self.bodies)}
         self.of_body = np.full(len(self.names), -1)
@@ -49,7 +50,9 @@ class GivenForces:
         """Write to the table of `Push` of a model from now on, which begins at ``params[begin]``."""
         slots = {name: begin + 3 * k for k, name in enumerate(pushed_points(model.scene))}
         self._node = np.array([model.node_of[name] for name in self.names], np.int64)
-        self.free_nodes = self._node[: len(self.scene.free_points)]
+        free = (point.name for point in self.scene.free_points)
+        free = [name if name in model.node_of else self.holders[name] for name in free]
+        self.free_nodes = np.array([model.node_of[name] for name in free], np.int64)
         self._slot = np.array([slots[name] for name in self.names], np.int64)
         self._params, self._table = params, body_table(model, self.bodies)
         self._rows = np.array([self.row[point.name] for body in self.bodies for point in body.points], np.int64)
@@ -59,7 +62,8 @@ class GivenForces:
         """Keep what `Session.push` is given."""
         if name not in self.row:
             self.scene.point(name)
-            raise InputError(f"A force is given to a free point or to a body that moves freely, but {quoted(name)} is not free.")
+            is_not = "is held by another one at first" if name in self.holders else "is not free"
+            raise InputError(f"A force is given to a free point or to a body that moves freely, but {quoted(name)} {is_not}.")
         if axes not in AXES:
             raise InputError(f'Argument `axes` of push must be "world" or "body", but it is {shown(axes)}.')
         k = self.row[name]

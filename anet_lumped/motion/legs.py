@@ -16,7 +16,7 @@ from anet_lumped.model.reach import first_shortfall
 from anet_lumped.model.remainder import Remainder, remainder
 from anet_lumped.model.tables import CABLE_SEGMENTS
 from anet_lumped.results.energy_balance import BY_EFFECTS, POTENTIAL, WORK
-from anet_lumped.results.events import BREAK, PAYLOAD, Event, broken
+from anet_lumped.results.events import BREAK, PAYLOAD, RELEASE, Event, broken, released
 from anet_lumped.results.run import STATUS, RunInterrupt, Work
 from anet_lumped.scene.payload_change import carried_from
 from integrators import schemes
@@ -78,11 +78,11 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
     Run
     """
     made = Legs(scene, start, Leg(start.t, t_end, start.t, t_end, save_every), None if settings.adaptive else choice.dt)
-    due = sorted({event.t for event in scene.events if start.t <= event.t < t_end})
+    due = sorted({t for t in scene.event_times if start.t <= t < t_end})
     overloaded = made.overloaded()
     if overloaded or due[:1] == [start.t]:
         made.add_row()
-        made.break_segments(overloaded)
+        made.give_way(overloaded)
     handover = Handover(choice, settings.adaptive) if schemes.scheme(choice.method).keeps_constraints else None
     while True:
         if due and due[0] == made.t:
@@ -108,7 +108,7 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
             text = f"The run stopped at t={made.t:.4g} s. {short.words}"
             return replace(joined(made, handover), status=STATUS[UNCONVERGED], message=text)
         if run.status == STATUS[EVENT]:
-            made.break_segments(made.overloaded(at_least=1 if handover is None or handover.slack else 0))
+            made.give_way(made.overloaded(at_least=1 if handover is None or handover.slack else 0))
         if made.t >= t_end or run.status not in (STATUS[DONE], STATUS[EVENT]):
             return joined(made, handover)
 
@@ -151,6 +151,8 @@ class Legs:
             segment = cut.segment % scene.cable(cut.cable).segments
             if segment not in self.broken.get(cut.cable, ()):  # the start does not say so
                 self.events.append(Event(cut.t, BREAK, cut.cable, 0.0, segment=segment, tension=0.0))
+        for event in sorted(due_releases(scene, self.events, start.t), key=lambda event: event.t):
+            self.events.append(Event(event.t, RELEASE, event.point, 0.0))
         self.broken = broken(self.events)
         self.runs, self.rows, self.carried, self.left_out = [], [], np.zeros(ENERGIES), 0.0
         self._reduce()
@@ -160,7 +162,9 @@ class Legs:
         self.payloads[change.point] = self.payloads.get(change.point, {}) | carried_from(change)
 
     def _reduce(self):
-        self.left = remainder(self.model, self.payloads, self.broken)
+        self.left = remainder(self.model, self.payloads, self.broken, released(self.events))
+        for array in (self.q, self.v):
+            self.left.follow(self.model, array)
 
     def add(self, run):
         """Add the rows that a leg has saved; its last state is where the next leg starts."""
@@ -176,6 +180,8 @@ class Legs:
         self.left_out = 0.0 if error is None else float(error[-1])
         self.t = float(run.t[-1])
         self.q[own.node], self.v[own.node], self.tension[own.segment] = run.q[-1], run.v[-1], run.segment_tension[-1]
+        for array in (self.q, self.v):
+            own.follow(self.model, array)
         if self.crept is not None:
             self.crept[:, own.segment] = 0.0 if inner is None else inner[:, -1]  # what is left may not creep
         if self.shedding is not None:
@@ -238,6 +244,9 @@ class Legs:
         whole = [(cut.cable, segment) for cut, segment in cuts if segment not in self.broken.get(cut.cable, ())]
         segments = np.arange(self.model.n_segments)
         self.break_segments([int(segments[self.model.segments(cable)][segment]) for cable, segment in whole])
+        for event in self.scene.releases:
+            if event.t == t and event.point in self.left.held:
+                self.release(event.point)
 
     def change_payloads(self, t):
         """Change the payloads whose events are at t."""
@@ -309,6 +318,28 @@ class Legs:
                 self.crept[:, segment] = 0.0
             self.events.append(Event(self.t, BREAK, cable.name, lost, segment=number, tension=tension))
 
+    def give_way(self, segments):
+        """Let what is overloaded fail: a segment, or what holds the point at its end, if that takes no more than the segment."""
+        holds = {event.point: event.tension for event in self.scene.releases if event.point in self.left.held and event.tension}
+        for segment in segments:
+            cable = self.scene.cables[self.model.cable_of[segment]]
+            own = np.arange(self.model.n_segments)[self.model.segments(cable.name)]
+            ends = [name for name, at in ((cable.start, 0), (cable.end, -1)) if own[at] == segment and name in holds]
+            weakest = min(ends, key=lambda name: holds[name], default=None)
+            if weakest is None or holds[weakest] > (cable.breaking_tension or np.inf):
+                self.break_segments([segment])
+            elif weakest in self.left.held:  # else another cable has parted it
+                self.release(weakest, float(self.tension[segment]))
+
+    def release(self, point, tension=None):
+        """Let a point go that another one held: it keeps its velocity, and what was not in the account is from now on."""
+        before = self.energies()
+        self.events.append(Event(self.t, RELEASE, point, 0.0, tension=tension))
+        self._reduce()
+        change = self.energies() - before
+        self.carried[POTENTIAL] -= change[POTENTIAL]
+        self.carried[WORK] += change[0]  # what drives a holder has given it
+
     def _adds_nothing_to(self, run):
         """Whether the rows and the energies of a leg are those of the whole run."""
         whole = len(self.rows[0].t) == len(run.t) and not self.carried[:WORK].any()
@@ -327,6 +358,8 @@ class Legs:
         for leg in self.rows:
             rows = slice(begin, begin + len(leg.t))
             q[rows, leg.left.node], v[rows, leg.left.node], tension[rows, leg.left.segment] = leg.q, leg.v, leg.tension
+            for array in (q, v):
+                leg.left.follow(self.model, array[rows])
             if leg.crept is not None:
                 inner[:, rows, leg.left.segment] = leg.crept
             if leg.shedding is not None:
@@ -343,3 +376,9 @@ class Legs:
             warnings=tuple(dict.fromkeys(text for run in self.runs for text in run.warnings)),
             events=tuple(self.events),
         )  # fmt: skip
+
+
+def due_releases(scene, events, t):
+    """The releases of a scene at times before t [s] of which events do not tell."""
+    told = released(events)
+    return [event for event in scene.releases if event.t is not None and event.t < t and event.point not in told]

@@ -109,9 +109,15 @@ def check_start(scene: Scene, begin: State) -> None:
 def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:
     """Cables that may break need a march that looks for it, and one motion."""
     brittle = next((cable.name for cable in scene.cables if cable.breaking_tension is not None), None)
-    if brittle is not None and (extrapolate or not scheme.stops_at_events):
+    parting = next((event.point for event in scene.releases if event.tension is not None), None)
+    if (brittle or parting) is not None and (extrapolate or not scheme.stops_at_events):
         unable = ", ".join(schemes.names(stops_at_events=False))
         given = "`extrapolate` is set" if extrapolate else f"the method is {scheme.name}"
+        if brittle is None:
+            raise InputError(
+                f"A release at a tension needs a method other than {unable} and one run, but point {quoted(parting)} has one and "
+                f"{given}."
+            )
         raise InputError(
             f"A cable with a `breaking_tension` needs a method other than {unable} and one run, but cable {quoted(brittle)} "
             f"has one and {given}."

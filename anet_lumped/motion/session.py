@@ -108,7 +108,7 @@ class Session:
         state = State(build(pushed), begin.t, begin.q, begin.v, begin.segment_tension, events=begin.events)
         state = replace(state, crept=begin.crept, T_max=begin.T_max, shedding=begin.shedding)
         self._legs = Legs(pushed, state, Leg(begin.t, math.inf, begin.t, math.inf, None), self.dt)
-        self._due = sorted({event.t for event in pushed.events if event.t >= begin.t})
+        self._due = sorted({t for t in pushed.event_times if t >= begin.t})
         self._new_march()
         self._first_energy = np.zeros(ENERGIES)  # for the next line
         self._first_energy = self.energy
@@ -258,7 +258,7 @@ class Session:
                 STATUS[status], why_it_stopped(self._legs.left.model, self._choice, status, self.t, node, None, self._counts)
             )
         self._sync()
-        self._legs.break_segments(self._legs.overloaded(at_least=1))
+        self._legs.give_way(self._legs.overloaded(at_least=1))
         self._new_march()
 
     def _count_steps(self, count: int) -> None:
@@ -321,6 +321,7 @@ class Session:
         own = self._legs.left
         q, v, tension = self._legs.q.copy(), self._legs.v.copy(), self._legs.tension.copy()
         q[own.node], v[own.node], tension[own.segment] = self._state.q, self._state.v, self._end_tension()
+        q, v = (own.follow(self.model, array) for array in (q, v))
         crept = None if self._legs.crept is None else self._legs.crept.copy()
         if crept is not None and own.model.creeps:
             crept[:, own.segment] = inner_of_net(self._net)
@@ -399,7 +400,7 @@ class Session:
 
     def _node(self, point: str) -> int:
         try:
-            return self._legs.left.model.node_of[point]
+            return self._legs.left.model.node_of[self._legs.left.held.get(point, point)]
         except (KeyError, TypeError):
             self.scene.point(point)
             raise
@@ -423,8 +424,9 @@ class Session:
     def save(self) -> Mark:
         """Keep the whole state of the session, to go back to."""
         legs, kept = self._legs, arrays_of_legs(self._legs)
+        structure = dict(legs.payloads), dict(legs.broken), dict(legs.left.held)
         return Mark(
-            id(self), self.t, self._steps, (dict(legs.payloads), dict(legs.broken)), tuple(x.copy() for x in kept),
+            id(self), self.t, self._steps, structure, tuple(x.copy() for x in kept),
             self._forces.saved(), tuple(x.copy() for x in self._arrays()), self.events, tuple(self._due),
         )  # fmt: skip
 
@@ -436,8 +438,8 @@ class Session:
         InputError : not a mark of this session
         """
         check_mark(mark, self)
-        legs, (payloads, broken) = self._legs, mark.structure
-        other = (payloads, broken) != (legs.payloads, legs.broken)
+        legs, (payloads, broken, held) = self._legs, mark.structure
+        other = (payloads, broken, held) != (legs.payloads, legs.broken, legs.left.held)
         legs.payloads, legs.broken, legs.events, self._due = dict(payloads), dict(broken), list(mark.events), list(mark.due)
         legs.t, self._steps = mark.t, mark.steps
         for own, saved in zip(arrays_of_legs(legs), mark.legs, strict=True):

@@ -13,7 +13,7 @@ import numpy as np
 
 from anet_lumped.scene.cable_cut import CableCut
 
-from .events import BREAK
+from .events import BREAK, RELEASE
 
 
 def break_errors(run: Any, left_out: np.ndarray) -> np.ndarray:
@@ -32,12 +32,26 @@ def break_errors(run: Any, left_out: np.ndarray) -> np.ndarray:
     cuts = {(event.t, event.cable) for event in run.scene.events if isinstance(event, CableCut)}
     for event in run.events:
         row = int(np.searchsorted(run.t, event.t)) - 1  # the last one before it
-        if event.kind != BREAK or row < 0 or (event.t, event.where) in cuts:
+        if row < 0 or event.tension is None or event.kind not in (BREAK, RELEASE) or (event.t, event.where) in cuts:
             continue
-        a, b = run.model.nodes(event.where)[[event.segment, event.segment + 1]]
+        a, b = _ends(run, event, row)
         along, apart = run.q[row, b] - run.q[row, a], run.v[row, b] - run.v[row, a]
         rate = abs(float(along @ apart)) / max(float(np.linalg.norm(along)), 1e-300)
         late = float(left_out[row]) / max(rate, 1e-300)
         changed = np.linalg.norm(run.v[row + 1 :, :n_free] - run.v[row, :n_free], axis=2).max(axis=1, initial=0.0)
         errors[row + 1 :] += np.minimum(late, run.t[row + 1 :] - run.t[0]) * np.maximum.accumulate(changed)
     return errors
+
+
+def _ends(run: Any, event: Any, row: int) -> tuple[int, int]:
+    """Nodes of the segment that broke, or whose tension made a point part."""
+    if event.kind == BREAK:
+        a, b = run.model.nodes(event.where)[[event.segment, event.segment + 1]]
+        return int(a), int(b)
+    found = []
+    for cable in run.scene.cables:
+        nodes, tension = run.model.nodes(cable.name), run.segment_tension[row][run.model.segments(cable.name)]
+        found += [(tension[0], nodes[0], nodes[1])] if cable.start == event.where else []
+        found += [(tension[-1], nodes[-2], nodes[-1])] if cable.end == event.where else []
+    _, a, b = max(found)
+    return int(a), int(b)

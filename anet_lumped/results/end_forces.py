@@ -32,7 +32,7 @@ from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, OnBody, Scene
 
 from .body_accelerations import Joined, of_joined
 from .driven_loads import force_to_drive, has_loads, on_it
-from .events import PAYLOAD, Event, broken
+from .events import PAYLOAD, Event, broken, released
 
 GROUND = "ground"
 """What `reaction` calls the ground of a scene, unless a point or body has that name."""
@@ -119,16 +119,19 @@ def end_force(now: Rows, whole: Scene, cable: str, point: str, inertia: bool = T
     InputError : the cable does not end at that point
     UnknownForceError : see `_acceleration`
     """
-    own = whole.cable(cable)
+    own, held = whole.cable(cable), now.left.held
     whole.point(point)
+    if point not in (own.start, own.end):  # it may hold one of them, or have held it
+        point = next((one.point for one in whole.releases if one.holder == point and one.point in (own.start, own.end)), point)
     if point not in (own.start, own.end):
         raise InputError(
             f"A cable has an end tension where it ends, at {quoted(own.start)} or {quoted(own.end)} for cable {quoted(cable)}, "
             f"but {quoted(point)} was given."
         )
-    piece = _piece_at(now.left.model.scene, own, point)
+    piece = _piece_at(now.left.model.scene, own, point == own.start)
     if piece is None:
         return np.zeros((len(now.t), 3))
+    point = held.get(point, point)
     if not (inertia and now.moves) and _only_weighs(now.left.model):  # of a net with thousands of cables
         return _pull_at(now, piece, point) + 0.5 * piece.mass_per_length * piece.L0 * now.left.model.scene.gravity
     model, alone = _apart(now, [piece])
@@ -195,6 +198,7 @@ def reaction(now: Rows, whole: Scene, name: str) -> np.ndarray:
     for one in whole.bodies:
         if one.pinned_to in names:
             total = total + np.array([found.joint[one.name] for found in _joined(now, one.name)])
+    names += [held for held, holder in now.left.held.items() if holder in names]
     ends = [(cable.name, end) for cable in whole.cables for end in (cable.start, cable.end) if end in names]
     return total - sum((end_force(now, whole, *one) for one in ends), np.zeros((len(now.t), 3)))
 
@@ -243,9 +247,9 @@ def _left(model: Model, events: tuple[Event, ...]) -> Remainder:
     for event in events:
         if event.kind == PAYLOAD:
             payloads[event.where] = payloads.get(event.where, {}) | carried_from(event)
-    if not payloads and not lost:
+    if not payloads and not lost and not model.scene.releases:
         return Remainder(model, np.arange(model.n), np.arange(model.n_segments))
-    return remainder(model, payloads, lost)
+    return remainder(model, payloads, lost, released(events))
 
 
 @lru_cache(maxsize=256)
@@ -262,15 +266,13 @@ def _cut_apart(model: Model, names: tuple[str, ...]) -> Model:
     return build.__wrapped__(Pieces(ends, own, [one for one in effects if one is not None]))
 
 
-def _piece_at(scene: Scene, whole: Cable, point: str) -> Cable | None:
-    """The cable of a scene that is, or that is left of, a whole one, and ends at a point."""
+def _piece_at(scene: Scene, whole: Cable, at_start: bool) -> Cable | None:
+    """The cable of a scene that is, or that is left of, a whole one, and has its start, or its end."""
     if whole.name in scene.cable_numbers:
         return scene.cable(whole.name)
     pieces = [cable for cable in scene.cables if cable.name.startswith(f"{whole.name}[")] if isinstance(scene, Pieces) else []
-    for cable in pieces:
-        if (point == whole.start and cable.start == point) or (point == whole.end and cable.end == point):
-            return cable
-    return None
+    first, last = f"{whole.name}[0:", f":{whole.segments}]"
+    return next((one for one in pieces if (one.name.startswith(first) if at_start else one.name.endswith(last))), None)
 
 
 def _pull_at(now: Rows, cable: Cable, point: str) -> np.ndarray:

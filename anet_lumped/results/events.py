@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from anet_lumped.checks import quoted
 
-PAYLOAD, BREAK = "payload changed", "broke"
+PAYLOAD, BREAK, RELEASE = "payload changed", "broke", "released"
 SLACK, TAUT = (
     "went slack",
     "was taut again",
@@ -19,12 +19,12 @@ class Event:
     Parameters
     ----------
     t : float [s]
-    kind : "payload changed", "broke", "went slack" or "was taut again"
+    kind : "payload changed", "broke", "released", "went slack" or "was taut again"
     where : name of the point, or of the cable; "" where all cables are taut again
     lost : float [J], energy that it dissipated
     mass : float or None [kg], of the payload from then on
     segment : int or None, that broke, counted from the cable's start as in ``Run.tension``
-    tension : float or None [N], of that segment
+    tension : float or None [N], of that segment; of the one that made a point part
     volume, CdA : float or None [m³], [m²], of the payload from then on; None: as before
     """
 
@@ -41,6 +41,9 @@ class Event:
     def __str__(self) -> str:
         if self.kind == BREAK:
             return f"t={self.t:.6g} s: segment {self.segment} of cable {quoted(self.where)} broke at {self.tension:.4g} N"
+        if self.kind == RELEASE:
+            why = "" if self.tension is None else f" at {self.tension:.4g} N"
+            return f"t={self.t:.6g} s: point {quoted(self.where)} was released{why}"
         if self.kind == SLACK:
             return f"t={self.t:.6g} s: cable {quoted(self.where)} went slack"
         if self.kind == TAUT:
@@ -56,3 +59,8 @@ def broken(events: Iterable[Event]) -> dict[str, tuple[int, ...]]:
         if event.kind == BREAK and event.segment is not None:
             found[event.where] = tuple(sorted((*found.get(event.where, ()), event.segment)))
     return found
+
+
+def released(events: Iterable[Event]) -> frozenset[str]:
+    """Names of the points that events released."""
+    return frozenset(event.where for event in events if event.kind == RELEASE)

@@ -19,7 +19,7 @@ from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS,
 from . import end_forces, error_estimate, free_flight, labelled, run_file, tension_error, touchdown
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
-from .events import BREAK, Event
+from .events import BREAK, RELEASE, Event
 from .rainflow import Cycles, cycles
 from .slack import SlackTime, Snap, slack_times, snaps
 from .state import State, segment_tensions
@@ -238,7 +238,7 @@ class Run:
     def events_before(self, k: int) -> tuple[Event, ...]:
         """What had happened before the k-th saved state."""
         t = float(self.t[k])
-        return tuple(event for event in self.events if event.t < t or (event.t == t and event.kind == BREAK))
+        return tuple(event for event in self.events if event.t < t or (event.t == t and event.kind in (BREAK, RELEASE)))
 
     def position(self, point: str) -> np.ndarray:
         """(k, 3) places of a point [m]."""

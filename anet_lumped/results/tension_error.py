@@ -44,7 +44,7 @@ from anet_lumped.scene.scene import Cable, Free, OnBody, Scene
 from integrators import schemes
 from integrators.addresses import words_of
 
-from .events import BREAK
+from .events import BREAK, RELEASE
 from .free_flight import loose
 
 OF_SEGMENT = 0.25  # of a jump, which the vibration of a segment that the steps do not resolve would add
@@ -128,7 +128,7 @@ def look_at(run: Any) -> Any:
     k, n = T.shape
     second = _second(T)
     for event in run.events:  # tensions of what breaks are lost in truth
-        if event.kind == BREAK:
+        if event.kind in (BREAK, RELEASE):
             second[1:-1][_beside(t, event.t)] = 0.0
     books = run.energy.shape[1] > BY_METHOD and schemes.scheme(run.method).books_its_losses
     taken = np.maximum.accumulate(np.maximum(run.energy[:, BY_METHOD] - run.energy[0, BY_METHOD], 0.0)) if books else np.zeros(k)

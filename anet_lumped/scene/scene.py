@@ -12,6 +12,7 @@ from anet_lumped.prescribed.paths import Path
 from anet_lumped.scene.cable_cut import CableCut
 from anet_lumped.scene.happenings import Happening
 from anet_lumped.scene.payload_change import PayloadChange
+from anet_lumped.scene.release import Release, check_releases
 
 from .body import Body, OnBody, OnDrivenBody
 from .cable import COMPRESSION, Cable
@@ -47,13 +48,14 @@ class Scene:
     points : sequence of Fixed, Driven and Free
     cables : sequence of Cable
     effects : sequence of effects (package `anet_lumped.effects`), at most one of each type
-    events : sequence of PayloadChange and CableCut, what happens at given times of a run
+    events : sequence of PayloadChange, CableCut and Release, what happens in a run
     bodies : sequence of Body; cables end at their attachments, "quad1.hook"
 
     Raises
     ------
     SceneError : names that are not unique or not known, a free point that no cable reaches, an effect given twice, a payload that
-        is not at a free point or changes twice at a time, a cut of a segment that there is not, or that is cut twice
+        is not at a free point or changes twice at a time, a cut of a segment that there is not, or that is cut twice, a release
+        of a point that cannot be held
     """
 
     points: Sequence[Point]  # each of the five is kept as a tuple
@@ -64,6 +66,7 @@ class Scene:
 
     whole: ClassVar[bool] = True  # as its user wrote it: every free point holds a cable, and there is one
     stubs: ClassVar[tuple[tuple[str, Cable], ...]] = ()  # of what is left of a scene, see `remainder`
+    limits: ClassVar[tuple[tuple[str, int, float], ...]] = ()  # likewise
 
     def __post_init__(self) -> None:
         for argument, kinds in (("points", Point), ("cables", Cable)):
@@ -123,6 +126,7 @@ class Scene:
                         f"{end}={quoted(point)}" + (nearest(point, names) or ".")
                     )
         reached = {name for cable in self.cables for name in (cable.start, cable.end)}
+        reached |= {event.holder for event in self.events if isinstance(event, Release)}
         for point in self.points:
             if self.whole and isinstance(point, Free) and point.name not in reached:
                 raise SceneError(f"A free point must hold at least one cable, but no cable ends at {quoted(point.name)}.")
@@ -153,7 +157,8 @@ class Scene:
     def _check_events(self) -> None:
         for event in self.events:
             if not isinstance(event, Happening):
-                raise SceneError(f"Argument `events` of a scene must hold PayloadChange or CableCut, but holds {shown(event)}.")
+                known = "PayloadChange, CableCut or Release"
+                raise SceneError(f"Argument `events` of a scene must hold {known}, but holds {shown(event)}.")
         cut: set[tuple[str, int]] = set()
         for event in self.cable_cuts:
             count = self.cable(event.cable).segments
@@ -175,6 +180,7 @@ class Scene:
                     f"A payload may change once at a time, but that of {quoted(event.point)} does twice at {event.t:g} s."
                 )
             seen.add((event.point, event.t))
+        check_releases(self)
 
     @property
     def payload_changes(self) -> tuple[PayloadChange, ...]:
@@ -185,6 +191,16 @@ class Scene:
     def cable_cuts(self) -> tuple[CableCut, ...]:
         """The cables that are cut at given times."""
         return tuple(event for event in self.events if isinstance(event, CableCut))
+
+    @property
+    def releases(self) -> tuple[Release, ...]:
+        """The points that are held at others until they are let go."""
+        return tuple(event for event in self.events if isinstance(event, Release))
+
+    @property
+    def event_times(self) -> tuple[float, ...]:
+        """Times of what happens at given times [s]."""
+        return tuple(event.t for event in self.events if event.t is not None)
 
     @cached_property
     def _points(self) -> dict[str, Point]:

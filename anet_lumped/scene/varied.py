@@ -126,7 +126,7 @@ def _like(scene: Scene, parts: dict[str, list[Any]]) -> Scene:
     Scenes in which it does are checked anew: bodies stand at points, payloads change at some, and cuts ask for segments.
     """
     others = parts.keys() - {"cables"}
-    if scene.cable_cuts or (others and (scene.events or scene.bodies)) or not others <= {"points", "effects"}:
+    if scene.cable_cuts or scene.releases or (others and (scene.events or scene.bodies)) or not others <= {"points", "effects"}:
         return replace(scene, **parts)
     made = object.__new__(Scene)
     shared = ("cable_numbers",) if "points" in parts else ("cable_numbers", "all_points", "_points", "_bodies")

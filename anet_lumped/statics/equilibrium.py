@@ -1,6 +1,7 @@
 """Static shape of a scene: first the exact equilibrium of its hanging chains, then the loads that depend on the shape."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -13,6 +14,7 @@ from anet_lumped.model.build import build
 from anet_lumped.model.held import connected, neighbours
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
+from anet_lumped.model.remainder import remainder
 from anet_lumped.model.tables import (
     AXIAL_INEXTENSIBLE,
     AXIAL_L0,
@@ -67,6 +69,8 @@ def equilibrium(scene: Scene, tolerance: float = TOLERANCE, start: Start | None 
     """
     check_scene(scene)
     tolerance = check_number("tolerance", tolerance, "", "`equilibrium`", sign="positive")
+    if scene.releases:
+        return spread(scene, lambda held: equilibrium(held, tolerance, start))
     effects = tuple(effect.at_rest() for effect in scene.effects if not effect.no_force_at_rest)
     if effects == scene.effects:
         return _rest(scene, tolerance, start)
@@ -74,6 +78,34 @@ def equilibrium(scene: Scene, tolerance: float = TOLERANCE, start: Start | None 
         return replace(_rest(replace(scene, effects=effects), tolerance, start), model=build(scene))
     except EquilibriumError as error:
         error.state = None if error.state is None else replace(error.state, model=build(scene))
+        raise
+
+
+def spread(scene: Scene, of_held: Callable[[Scene], State]) -> State:
+    """State of a scene with points that others hold, from that of the scene in which they are one."""
+    model = build(scene)
+    held = remainder(model, {}, {})
+
+    def at_nodes(own: np.ndarray) -> np.ndarray:
+        rows = np.zeros((model.n, own.shape[1]))
+        rows[held.node] = own
+        return held.follow(model, rows)
+
+    def along(own: np.ndarray) -> np.ndarray:
+        rows = np.zeros(model.n_segments)
+        rows[held.segment] = own
+        return rows
+
+    def of_whole(found: State) -> State:
+        crept, T_max = (None if own is None else along(own) for own in (found.crept, found.T_max))
+        shed = None if found.shedding is None else at_nodes(found.shedding)
+        q, v, tension = at_nodes(found.q), at_nodes(found.v), along(found.segment_tension)
+        return replace(found, model=model, q=q, v=v, segment_tension=tension, crept=crept, T_max=T_max, shedding=shed)
+
+    try:
+        return of_whole(of_held(held.model.scene))
+    except EquilibriumError as error:
+        error.state = None if error.state is None else of_whole(error.state)
         raise
 
 
@@ -85,7 +117,7 @@ def rest_on(net: Any, scene: Scene, tolerance: float = TOLERANCE) -> State | Non
     State or None
         None where effects rest in another way than they move, or where bodies do: then `equilibrium` makes arrays of its own.
     """
-    if scene.bodies or any(effect.no_force_at_rest or effect.at_rest() != effect for effect in scene.effects):
+    if scene.bodies or scene.releases or any(effect.no_force_at_rest or effect.at_rest() != effect for effect in scene.effects):
         return None
     return _rest(scene, tolerance, None, net)
 

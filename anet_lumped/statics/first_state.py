@@ -6,7 +6,7 @@ from anet_lumped.model.build import build
 from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Scene
 
-from .equilibrium import calm, equilibrium
+from .equilibrium import calm, equilibrium, spread
 from .starts import Start, start_state
 
 
@@ -29,4 +29,6 @@ def first_state(scene: Scene, start: Start, straight_between: bool = False) -> S
         return equilibrium(scene)
     if isinstance(start, str) and start == "calm":
         return replace(equilibrium(calm(scene)), model=build(scene), residual=None, stable=None)
+    if scene.releases and not isinstance(start, State):
+        return spread(scene, lambda held: start_state(build(held), start, straight_between))
     return start_state(build(scene), start, straight_between)

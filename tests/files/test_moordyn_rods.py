@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from anet_lumped import Body, Cable, CableCut, Driven, Fixed, Free, Rod, Scene, SceneError, equilibrium, paths, rod_body
+from anet_lumped import Body, Cable, Driven, Fixed, Free, Release, Rod, Scene, SceneError, equilibrium, paths, rod_body
 from anet_lumped.effects import Bending, Gravity, Water
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
@@ -283,12 +283,13 @@ def test_rods_without_a_length_are_points():
     """Where end B is given counts for nothing, as in MoorDyn; POINTS may be missing; lines of both ends meet in one point."""
     deck = deck_from_text(CABLE)
     scene = deck.scene
-    assert scene.all_points == (Fixed("rod1", (50.0, 0.0, -60.0)), Free("rod2", at=(20.0, 0.0, -40.0)), scene.point("rod3"))
+    held = Free("rod2.parted1", at=(20.0, 0.0, -40.0))
+    assert scene.all_points == (Fixed("rod1", (50.0, 0.0, -60.0)), Free("rod2", at=held.at), scene.point("rod3"), held)
     assert isinstance(scene.point("rod3"), Driven)
-    assert [(cable.start, cable.end) for cable in scene.cables] == [("rod1", "rod2"), ("rod2", "rod3")]
+    assert [(cable.start, cable.end) for cable in scene.cables] == [("rod1", "rod2"), ("rod2.parted1", "rod3")]
     said = 'Line 19: lines with an EI may meet at an angle at "rod2", a rod without a length, where MoorDyn joins them without a'
     assert any(remark.startswith(said) for remark in deck.remarks)
-    assert scene.events == (CableCut("line2", 3.0, 0),)
+    assert scene.events == (Release("rod2.parted1", "rod2", 3.0),)
 
 
 def test_rods_without_a_length_on_a_body():

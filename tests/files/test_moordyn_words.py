@@ -1,12 +1,11 @@
 """What MoorDyn files of many hands have: read as MoorDyn reads them, and said in one warning; what is refused, all at once."""
 
 import pickle
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from anet_lumped import CableCut, Driven, Fixed, Free, SceneError, load_scene, paths
+from anet_lumped import Driven, Fixed, Free, Release, SceneError, equilibrium, load_scene, paths, simulate
 from anet_lumped.effects import CableFriction, Ground, MoordynBottom, Water
 from anet_lumped.files.moordyn_attachments import WORDS, Hold
 from anet_lumped.files.moordyn_file import deck_from_text, read_moordyn
@@ -259,24 +258,33 @@ def test_the_bottom_is_no_higher_than_what_is_held():
     ]
 
 
-def test_a_failure_at_a_time_is_a_cut():
-    """Of the first and of the last segment of line 2, whichever of several times is first; and it is written again."""
-    change = ("--- OPTIONS", "--- FAILURE ---\nh\nh\n1 3 2 12 0\n2 P2 2 9.5 0\n3 3 2 11 7e4\n--- OPTIONS")
+def test_failures_of_one_line():
+    """At both ends of line 2, whichever of several times and tensions is first; and they are written again."""
+    change = ("--- OPTIONS", "--- FAILURE ---\nh\nh\n1 3 2 12 0\n2 P2 2 9.5 0\n3 3 2 11 7e4\n4 3 2 0 8e4\n--- OPTIONS")
     scene = read(change).scene
-    ends = scene.cables[1].start, scene.cables[1].end
-    first = {point: -1 if point == ends[1] else 0 for point in ("point3", "point2")}
-    assert set(scene.events) == {CableCut("line2", 11.0, first["point3"]), CableCut("line2", 9.5, first["point2"])}
-    assert scene.cables[1].breaking_tension == 7e4
-    assert any('"line2" is cut in its segment at point 3 at 12 s, half of which stays there' in remark for remark in said(change))
-    strong = replace(scene, cables=[replace(cable, breaking_tension=None) for cable in scene.cables])
-    assert set(deck_from_text(moordyn_text(strong)).scene.events) == set(scene.events)
+    assert set(scene.events) == {
+        Release("point3.parted1", "point3", 11.0, 7e4),
+        Release("point2.parted1", "point2", 9.5),
+    }
+    assert {scene.cables[1].start, scene.cables[1].end} == {"point3.parted1", "point2.parted1"}
+    assert scene.cables[0] == deck_from_text(DECK).scene.cables[0]
+    assert any(
+        '"line2" parts from point 3 at 11 s or where the tension of one exceeds 70000 N there' in text for text in said(change)
+    )
+    assert deck_from_text(moordyn_text(scene)).scene == scene
 
 
-def test_a_failure_is_a_breaking_tension():
-    change = ("--- OPTIONS", "--- FAILURE ---\nh\nh\n1 3 2 0 6e4\n2 P3 2 0 5e4\n--- OPTIONS")
-    scene, usual = read(change).scene, deck_from_text(DECK).scene
-    assert scene.cables == (usual.cables[0], replace(usual.cables[1], breaking_tension=5e4))
-    assert any('"line2" breaks where its tension first exceeds 50000 N' in remark for remark in said(change))
+def test_lines_that_fail_together_stay_joined():
+    """As MoorDyn's Fortran version detaches them: they end at one free point from then on."""
+    scene = read(("--- OPTIONS", "--- FAILURE ---\nh\nh\n1 2 1,2 0.5 0\n--- OPTIONS")).scene
+    assert scene.events == (Release("point2.parted1", "point2", 0.5),)
+    ends = [{cable.start, cable.end} for cable in scene.cables]
+    assert ends[0] & ends[1] == {"point2.parted1"} and deck_from_text(moordyn_text(scene)).scene == scene
+    rest = equilibrium(scene)
+    assert (rest.position("point2.parted1") == rest.position("point2")).all()
+    run = simulate(scene, 0.6, dt=0.01)
+    assert [event.where for event in run.events] == ["point2.parted1"] and run.ok
+    assert run.position("point2.parted1")[-1, 2] > run.position("point2")[-1, 2] + 1e-3  # the clump sinks alone
 
 
 FAILURE = "--- FAILURE ---\nh\nh\n1 %s\n--- OPTIONS"
@@ -285,8 +293,8 @@ FAILURE = "--- FAILURE ---\nh\nh\n1 %s\n--- OPTIONS"
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("--- OPTIONS", FAILURE % "2 1,2 0 9", r"line 20, .*lines that part from a point together are not supported"),
-        ("--- OPTIONS", FAILURE % "1 1 0 9", r"line 20, .*a line that parts from its lower end is not supported"),
+        ("--- OPTIONS", FAILURE % "2 1,2 0 9\n2 2 1 4 0", r"line 21, .*a line must fail once at an end, but one does in line 20"),
+        ("--- OPTIONS", FAILURE % "2 , 0 9", r"line 20, .*a failure must be of lines, but its third column names none"),
         ("--- OPTIONS", FAILURE % "R1a 1 0 9", r"line 20, .*a failure must be at a point in POINTS, but R1a is none"),
         ("--- OPTIONS", FAILURE % "3 7 0 9", r"line 20, .*a failure must be of a line in LINES, but 7 is none"),
         ("--- OPTIONS", FAILURE % "3 1 0 9", r'line 20, .*but "line1" does not end at point 3'),

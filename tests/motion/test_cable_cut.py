@@ -74,7 +74,7 @@ def test_what_is_refused():
         SceneError, match=r'Argument `segment` must be a whole number up to 1e\+09, but the cut of cable "a-b" has segment=0.5'
     ):
         CableCut("a-b", 1.0, 0.5)
-    with pytest.raises(SceneError, match=r"must hold PayloadChange or CableCut, but holds 3"):
+    with pytest.raises(SceneError, match=r"must hold PayloadChange, CableCut or Release, but holds 3"):
         hung(3)
     with pytest.raises(SceneError, match="cable"):
         hung(CableCut("c", 1.0))

@@ -257,7 +257,7 @@ def test_scene_file(tmp_path):
     ([PayloadChange("a", 0.1, 1.0)], 'must be at a free point, but one is to change at "a", which is none'),
     ([PayloadChange("x", 0.1, 1.0)], 'The scene has no point "x"'),
     ([PayloadChange("b", 0.1, mass) for mass in (1, 2)], 'may change once at a time, but that of "b" does twice at 0.1 s'),
-    ([Gravity()], "must hold PayloadChange or CableCut, but holds Gravity"),
+    ([Gravity()], "must hold PayloadChange, CableCut or Release, but holds Gravity"),
     (Gravity(), "Argument `events` of a scene must be a sequence"),
 ])  # fmt: skip
 def test_scene_refuses(events, message):

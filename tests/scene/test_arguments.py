@@ -20,6 +20,7 @@ from anet_lumped import (
     Free,
     InputError,
     PayloadChange,
+    Release,
     Rod,
     Scene,
     SceneError,
@@ -54,6 +55,7 @@ MAKERS = {
     "Cable": (Cable, {"start": "a", "end": "b", "length": 1.0, "mass_per_length": 0.1, "EA": 1e3, "segments": 2}),
     "PayloadChange": (PayloadChange, {"point": "b", "t": 1.0, "mass": 1.0}),
     "CableCut": (CableCut, {"cable": "a-b", "t": 1.0, "segment": 0}),
+    "Release": (Release, {"point": "b", "holder": "a", "t": 1.0, "tension": 9.0}),
     "paths.line": (paths.line, {"start": (0, 0, 0), "velocity": (1, 0, 0), "ramp": 1.0}),
     "paths.samples": (paths.samples, {"t": [0.0, 1.0], "xyz": [(0, 0, 0), (1, 0, 0)]}),
     "paths.circle": (
@@ -117,8 +119,10 @@ WRONG = {
 NAMES = {
     ("Body", "name"), ("Rod", "name"), ("Fixed", "name"), ("Driven", "name"), ("Free", "name"), ("Cable", "start"),
     ("Cable", "end"), ("Cable", "name"), ("PayloadChange", "point"), ("CableCut", "cable"),
+    ("Release", "point"), ("Release", "holder"),
 }  # fmt: skip
 NONE = {
+    ("Release", "t"), ("Release", "tension"),
     ("Free", "at"), ("Cable", "BA"), ("Cable", "name"), ("Cable", "diameter"), ("Cable", "breaking_tension"),
     ("Cable", "tension_strain"), ("Cable", "EA_dynamic"), ("Cable", "BA_creep"), ("Cable", "working_curve"),
     ("Cable", "shedding_window"),
