@@ -4,14 +4,18 @@ What is compiled is the same to the last bit: each shortcut gives the answer tha
 """
 
 import gc
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import lru_cache, wraps
 from typing import Any
 
 from llvmlite.binding import ffi
-from numba.core import ir
+from numba.core import base, ir
 from numba.core.targetconfig import TargetConfig
+from numba.core.types.abstract import _TypeMetaclass
+from numba.core.typing import BaseContext as TypingContext
+from numba.np import arrayobj
 
-_WITHOUT_VARIABLES = frozenset({str, int, float, bool, type(None), ir.Loc})
+_WITHOUT_VARIABLES = frozenset({str, int, float, bool, type(None), ir.Loc, ir.Arg, ir.Const, ir.FreeVar, ir.Global})
 
 
 def variables_in(instruction: ir.Inst, value: Any) -> list[ir.Var]:
@@ -29,6 +33,8 @@ def _collect(values: Iterable[Any], found: list[ir.Var]) -> None:
             found.append(value)
         elif kind in _WITHOUT_VARIABLES:
             continue
+        elif kind is ir.Expr:
+            _collect(value._kws.values(), found)
         elif isinstance(value, ir.Var):
             found.append(value)
         elif isinstance(value, ir.Inst):
@@ -56,9 +62,39 @@ def keep_as_old() -> None:
         gc.unfreeze()
 
 
+def unless_all_is_known(refresh: Callable[[Any], None]) -> Callable[[Any], None]:
+    """A context's `refresh`, which does nothing where no rule was added to its registries since it last ran.
+
+    Numba refreshes before and after each function, and for each array that a function sees; to find that there is nothing new it
+    goes through some fifty import statements.
+    """
+
+    @wraps(refresh)
+    def refresh_if_new(context: Any) -> None:
+        known = _number_of_rules(context)
+        if getattr(context, "_known_rules", None) != known:
+            refresh(context)
+            context._known_rules = _number_of_rules(context)
+
+    return refresh_if_new
+
+
+def _number_of_rules(context: Any) -> int:
+    """How many rules the registries of a context hold, and those of the types that it works with."""
+    number = sum(
+        len(getattr(registry, kind)) for registry, loader in list(context._registries.items()) for kind in loader.registry_items
+    )
+    return number + (_number_of_rules(context.typing_context) if isinstance(context, base.BaseContext) else 0)
+
+
 _compare_all = TargetConfig.__eq__
 ir.Inst._rec_list_vars = variables_in
 TargetConfig.__eq__ = same_flags
+_TypeMetaclass.__instancecheck__ = type.__instancecheck__  # no class of types has others registered as its own
+_TypeMetaclass.__subclasscheck__ = type.__subclasscheck__
+arrayobj.make_array = lru_cache(maxsize=None)(arrayobj.make_array)  # makes a class, at each item of an array
+base.BaseContext.refresh, TypingContext.refresh = map(unless_all_is_known, (base.BaseContext.refresh, TypingContext.refresh))
+base._has_loc = lru_cache(maxsize=4096)(base._has_loc)  # reads a signature, at each operation that a function has
 for _callbacks in list(ffi.lib._lock._cblist):  # which time every call of LLVM, some hundred thousand, and nobody asks for
     if _callbacks[0].__module__ == "numba.core.base":
         ffi.lib._lock.unregister(*_callbacks)

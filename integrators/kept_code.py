@@ -101,7 +101,7 @@ class KeptCode(FunctionCache):
     def save_overload(self, sig, data):
         """Keep the compiled function of a signature, if that can be done."""
         try:
-            super().save_overload(sig, data)
+            super().save_overload(sig, data._replace(type_annotation=""))  # a listing with types, which takes long to write
         except Exception as error:  # no permission, no room, an index that can be neither read nor replaced
             _tell_once(
                 "Compiled code cannot be kept in {} ({}), so that every process compiles it; set the environment variable "

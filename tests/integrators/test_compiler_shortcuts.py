@@ -5,8 +5,12 @@ import operator
 
 import pytest
 from llvmlite.binding import ffi
-from numba.core import ir
+from numba import njit, types
+from numba.core import base, ir
 from numba.core.compiler import Flags
+from numba.core.registry import cpu_target
+from numba.extending import overload
+from numba.np import arrayobj
 
 from integrators import compiler_shortcuts
 
@@ -25,6 +29,9 @@ A, B, C, D = (ir.Var(SCOPE, name, LOC) for name in "abcd")
         (ir.SetItem(A, B, C, LOC), [A, B, C]),
         (ir.Return(D, LOC), [D]),
         (ir.Jump(0, LOC), []),
+        (ir.Assign(ir.Global("name", operator, LOC), C, LOC), [C]),
+        (ir.Assign(ir.Expr.phi(LOC), C, LOC), [C]),
+        (ir.Assign(ir.Expr.build_map([(A, B), (C, D)], 2, {}, {}, LOC), A, LOC), [A, B, C, D, A]),
     ],
 )
 def test_variables_of_an_instruction(instruction, variables):
@@ -56,3 +63,44 @@ def test_old_objects(held):
         assert (gc.get_freeze_count() > 0) == held
     finally:
         gc.freeze() if was else gc.unfreeze()
+
+
+def test_nothing_is_refreshed_that_is_known(monkeypatch):
+    context = cpu_target.target_context
+    context.refresh()
+    asked = []
+    monkeypatch.setattr(type(context), "load_additional_registries", lambda self: asked.append(self))
+    context.refresh()
+    assert not asked
+    overload(test_llvm_is_not_timed)(lambda: None)  # a rule that was not there
+    context.refresh()
+    assert asked == [context]
+
+
+def test_rules_that_are_added_later_are_found():
+    """A function that was refused for want of a rule compiles when there is one."""
+
+    def unknown(x):
+        return x
+
+    asks = njit(lambda x: unknown(x))
+    with pytest.raises(Exception, match="Untyped global name"):
+        asks(1.0)
+    overload(unknown)(lambda x: lambda x: 2.0 * x)
+    assert njit(lambda x: unknown(x))(1.0) == 2.0
+
+
+def test_kinds_of_types():
+    array = types.Array(types.float64, 2, "C")
+    assert isinstance(array, types.Buffer) and isinstance(array, types.Type | int) and not isinstance(array, types.Number)
+    assert issubclass(types.Array, types.Buffer) and not issubclass(types.Array, types.Number) and not isinstance(1, types.Type)
+
+
+def test_what_says_where_it_is_called():
+    assert base._has_loc(lambda context, loc: None) and not base._has_loc(lambda context: None)
+
+
+def test_a_class_of_an_array_is_made_once():
+    one, other = types.Array(types.float64, 2, "C"), types.Array(types.float64, 1, "C")
+    assert arrayobj.make_array(one) is arrayobj.make_array(types.Array(types.float64, 2, "C"))
+    assert arrayobj.make_array(one) is not arrayobj.make_array(other)
