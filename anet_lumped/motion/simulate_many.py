@@ -3,6 +3,7 @@
 import os
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
 from functools import partial
 from itertools import islice
 from typing import Any, NamedTuple
@@ -19,6 +20,7 @@ from anet_lumped.scene.varied import SETTINGS, Varied
 from anet_lumped.statics.starts import Start
 
 from .plan import Asked, check_arguments
+from .quick_switches import quick_switches
 from .repeated import Ready, Repeated
 from .simulate import quiet_in_this_thread, simulate
 from .times import Leg, save_times
@@ -162,10 +164,11 @@ def each_run(
 
     threads = [threading.Thread(target=run, daemon=True) for _ in range(workers)]
     try:
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        with quick_switches() if workers > 1 else nullcontext():
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
     finally:
         stopped.set()
     if raised:
