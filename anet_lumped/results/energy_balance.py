@@ -57,7 +57,7 @@ class EnergyBalance:
         kinetic, elastic, potential, work = change[:BY_DAMPERS]
         divided = rows.shape[1] == len(COLUMNS)
         dissipated = change[BY_DAMPERS:].sum()
-        in_play = energy_in_play(rows)[-1]
+        in_play = energy_in_play(rows)
         off = abs(kinetic + elastic + potential - work + dissipated)
         by_dampers, by_effects, by_method = map(float, change[BY_DAMPERS:]) if divided else (None, None, None)
         return EnergyBalance(
@@ -95,33 +95,31 @@ class EnergyBalance:
         return abs((self.by_method or 0.0) - self.unaccounted) / self.in_play if self.in_play else 0.0
 
 
-def energy_in_play(rows: np.ndarray) -> np.ndarray:
-    """The largest energy that was moved between its forms, put in or dissipated up to each saved time, (k,) [J].
+def energy_in_play(rows: np.ndarray) -> float:
+    """The largest energy that was moved between its forms, put in or dissipated [J].
 
     Of rows with the columns `COLUMNS` or `UNDIVIDED`.
     """
+    return float(energies_in_play(rows)[-1])
+
+
+def energies_in_play(rows: np.ndarray) -> np.ndarray:
+    """As `energy_in_play` up to each saved time, (k,) [J]."""
     columns = np.ascontiguousarray(rows.T)  # of many rows, a sum along a row of seven takes ten times as long
     potential = np.maximum.accumulate(columns[POTENTIAL]) - np.minimum.accumulate(columns[POTENTIAL])
     largest = np.maximum(columns[KINETIC], columns[ELASTIC])
-    for other in (potential, np.abs(columns[WORK] - columns[WORK, 0]), np.abs(_dissipated(columns))):
+    dissipated = (columns[BY_DAMPERS:] - columns[BY_DAMPERS:, :1]).sum(axis=0)
+    for other in (potential, np.abs(columns[WORK] - columns[WORK, 0]), np.abs(dissipated)):
         np.maximum(largest, other, out=largest)
     return np.maximum.accumulate(largest)
 
 
-def _dissipated(columns: np.ndarray) -> np.ndarray:
-    """What was taken since the first row, (k,) [J], of the columns of `Run.energy` as rows."""
-    change = columns[BY_DAMPERS:] - columns[BY_DAMPERS:, :1]
-    return change.sum(axis=0)
-
-
-def lost_share(energy: np.ndarray) -> np.ndarray:
-    """Share of the energy in play that the method took and that nothing accounts for, up to each saved time, (k,)."""
-    change = np.ascontiguousarray(energy.T)
-    change -= change[:, :1].copy()
-    taken = change[BY_DAMPERS:].sum(axis=0)
-    unaccounted = change[: POTENTIAL + 1].sum(axis=0) - change[WORK] + taken
-    lost = np.maximum(change[BY_METHOD], 0.0) + np.maximum(-unaccounted, 0.0)
-    return np.where(lost > 0.0, np.minimum(lost / np.maximum(energy_in_play(energy), 1e-300), 1.0), 0.0)
+def lost_share(energy: np.ndarray) -> float:
+    """Share of the energy in play that the method took and that nothing accounts for."""
+    change = energy[-1] - energy[0]
+    unaccounted = change[: POTENTIAL + 1].sum() - change[WORK] + change[BY_DAMPERS:].sum()
+    lost = float(max(change[BY_METHOD], 0.0) + max(-unaccounted, 0.0))
+    return min(lost / max(energy_in_play(energy), 1e-300), 1.0) if lost > 0.0 else 0.0
 
 
 def moved_share(energy: np.ndarray) -> np.ndarray:
@@ -135,7 +133,7 @@ def moved_share(energy: np.ndarray) -> np.ndarray:
     gained = change[:, : POTENTIAL + 1].sum(axis=1) - change[:, WORK] + change[:, BY_DAMPERS : BY_EFFECTS + 1].sum(axis=1)
     width = 2 * max(1, len(energy) // SWINGS) + 1
     moved = np.maximum(minimum_filter1d(gained, width, mode="nearest"), minimum_filter1d(-gained, width, mode="nearest"))
-    share = np.where(moved > 0.0, np.minimum(moved / np.maximum(energy_in_play(energy), 1e-300), 1.0), 0.0)
+    share = np.where(moved > 0.0, np.minimum(moved / np.maximum(energies_in_play(energy), 1e-300), 1.0), 0.0)
     return np.maximum.accumulate(share)
 
 

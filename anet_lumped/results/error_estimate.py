@@ -23,27 +23,15 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.results.energy_balance import (
-    BY_DAMPERS,
-    BY_EFFECTS,
-    BY_METHOD,
-    ELASTIC,
-    KINETIC,
-    POTENTIAL,
-    SWINGS,
-    lost_share,
-    moved_share,
-)
+from anet_lumped.results.energy_balance import BY_METHOD, ELASTIC, KINETIC, POTENTIAL, moved_share
 from anet_lumped.scene.scene import Driven
 from integrators import schemes
 
-from .amplification import amplification
+from .amplification import multiply
 from .break_errors import break_errors
-from .free_flight import flight_errors, loose
-from .tension_error import lowest_axial_mode, vibration_lost
-
-AT_ONCE = 256  # saved states that are looked at together: their places are at hand then
-FORGOTTEN = 300.0  # exponent of decay over a run beyond which nothing of an error is left
+from .place_rows import BASE, DRIVEN, LEFT, LOST, MOTION, MOVED, RATE, WAYS, WEIGHT
+from .saved_motion import SavedMotion, look_at
+from .tension_error import lowest_axial_mode
 
 
 def place_errors(run: Any) -> np.ndarray:
@@ -60,47 +48,33 @@ def place_errors(run: Any) -> np.ndarray:
     """
     if run.extrapolated or run.energy.shape[1] <= BY_METHOD:  # two runs have been compared; a file of version 0.1
         return run.error_growth
-    flies = loose(run)
-    left_out = _faded(run.error_growth + flight_errors(run, flies), run.energy, _stored(run), amplification(run, flies))
-    left_out += break_errors(run, left_out)
-    ways = moved_ways(run.q)
-    told = run.error_factor * np.maximum.accumulate(left_out + _lost_way(run, float(flies.any(axis=1).mean()), ways))
-    return np.minimum(told, max(float(ways.max()), float(run.error_growth[0])))
+    columns = look_at_errors(run).rows.columns
+    told = columns[LEFT] + columns[LOST]
+    if run.events:
+        told += break_errors(run, columns[LEFT])
+    told *= run.error_factor
+    return np.minimum(np.maximum.accumulate(told), max(float(columns[WAYS].max()), float(run.error_growth[0])))
 
 
-def _lost_way(run: Any, flying: float, ways: np.ndarray) -> np.ndarray:
-    """Part of the way of the motion that is missing with the energy that the method took, or gave, (k,) [m].
+def look_at_errors(run: Any) -> SavedMotion:
+    """The saved states of a run after all passes over them: `PlaceRows.columns` has what is left of errors, and what is lost."""
+    from .fading import fade_errors  # compiled on first use
 
-    ``flying`` is the share of the saved times at which a node has no taut segment, and ``ways`` are of `moved_ways`.
-    """
-    books = schemes.scheme(run.method).books_its_losses
-    share = lost_share(run.energy) if books else np.maximum(lost_share(run.energy), moved_share(run.energy))
-    if any(isinstance(point, Driven) for point in run.scene.all_points):
-        ways = moved_ways(run.q, run.q[:, run.model.n_free :].mean(axis=1))
-    amplitude = 0.5 * np.maximum.accumulate(ways)
-    way = share * (0.5 + 1.5 * np.maximum(share, flying)) * amplitude
-    n_free = run.model.n_free
-    weight = float(np.linalg.norm(run.scene.gravity)) * float(run.model.mass[:n_free].sum())
-    if books and weight > 0.0:
-        modes = [lowest_axial_mode(run.scene, cable) for cable in run.scene.cables]
-        decay = np.minimum(min(mode.zeta * mode.omega for mode in modes) * np.diff(run.t), FORGOTTEN)
-        way = np.minimum(way, np.maximum.accumulate(vibration_lost(run.energy, decay)) / weight)
-    return way
-
-
-def moved_ways(q: np.ndarray, base: np.ndarray | None = None) -> np.ndarray:
-    """Longest way along an axis by which a node of places (k, n, 3) is off its first one, (k,) [m].
-
-    Less the way of a ``base`` (k, 3), if one is given.
-    """
-    rows, ways = q.reshape(len(q), -1), np.zeros(len(q))
-    for begin in range(0, len(q), AT_ONCE):
-        some = rows[begin : begin + AT_ONCE] - rows[0]
-        if base is not None:
-            some -= np.tile(base[begin : begin + AT_ONCE] - base[0], q.shape[1])
-        np.abs(some, out=some)
-        some.max(axis=1, out=ways[begin : begin + AT_ONCE])
-    return ways
+    seen, scene, n_free = look_at(run, grows=True), run.scene, run.model.n_free
+    multiply(seen)
+    numbers, columns = seen.rows.numbers, seen.rows.columns
+    columns[MOTION] = run.energy[:, KINETIC] + _stored(run)
+    if any(isinstance(point, Driven) for point in scene.all_points):
+        numbers[DRIVEN] = True
+        columns[BASE : BASE + 3] = (run.q[:, n_free:].mean(axis=1) - run.q[0, n_free:].mean(axis=0)).T
+    if schemes.scheme(run.method).books_its_losses:
+        numbers[WEIGHT] = float(np.linalg.norm(scene.gravity)) * float(run.model.mass[:n_free].sum())
+        modes = [lowest_axial_mode(scene, cable) for cable in scene.cables]
+        numbers[RATE] = min(mode.zeta * mode.omega for mode in modes)
+    else:
+        columns[MOVED] = moved_share(run.energy)
+    fade_errors(seen.address)
+    return seen
 
 
 def _stored(run: Any) -> np.ndarray:
@@ -113,31 +87,3 @@ def _stored(run: Any) -> np.ndarray:
         n_free = run.model.n_free
         stored = stored + run.energy[:, POTENTIAL] + (run.q[:, :n_free] @ run.scene.gravity) @ run.model.mass[:n_free]
     return stored - stored.min()
-
-
-def _faded(growth: np.ndarray, energy: np.ndarray, stored: np.ndarray, multiplied: np.ndarray) -> np.ndarray:
-    """Largest of what is left of errors up to each saved time, (k,) [m], of what steps have left out in all and the energies.
-
-    ``stored`` (k,) is what springs hold [J], and ``multiplied`` (k,) the logarithm of `amplification`.
-    """
-    from scipy.ndimage import maximum_filter1d  # a third of a second to import
-
-    rows = len(growth)
-    width = max(1, rows // SWINGS)
-    motion = maximum_filter1d(energy[:, KINETIC] + stored, 2 * width + 1, mode="nearest")  # of a swing it comes and goes
-    taken = np.maximum(np.diff(energy[:, BY_DAMPERS] + energy[:, BY_EFFECTS]), 0.0)
-    decay = np.minimum(taken / np.maximum(motion[1:] + motion[:-1], 1e-300), FORGOTTEN)
-    adds = np.diff(growth) * np.where(decay > 1e-9, -np.expm1(-decay) / np.maximum(decay, 1e-300), 1.0)
-    return np.maximum.accumulate(_summed(growth[0], adds, np.diff(multiplied) - decay))
-
-
-def _summed(first: float, adds: np.ndarray, exponents: np.ndarray) -> np.ndarray:
-    """x[0] = first, x[i + 1] = exp(exponents[i]) x[i] + adds[i]; adds and exponents (k - 1,), x (k,)."""
-    passed = np.cumsum(exponents)
-    if np.abs(passed).max(initial=0.0) < FORGOTTEN:  # then their exponentials are numbers, and one sum is enough
-        factors = np.exp(np.append(0.0, passed))
-        return np.cumsum(np.append(first, adds) / factors) * factors
-    left = [float(first)]
-    for keep, add in zip(np.exp(exponents).tolist(), adds.tolist(), strict=True):
-        left.append(keep * left[-1] + add)
-    return np.array(left)

@@ -94,7 +94,7 @@ def tension_error(run: Any) -> float:
     if largest <= 0.0:
         return 0.0
     more = max(float(look_at(run).most.max()), snap_tension(run)) if len(run.t) > 2 else largest
-    lost = float(lost_share(run.energy)[-1]) if run.energy.shape[1] > BY_METHOD else 0.0
+    lost = lost_share(run.energy) if run.energy.shape[1] > BY_METHOD else 0.0
     return max(1.0 - largest / max(more, largest), LOST * lost)
 
 
@@ -191,30 +191,6 @@ def _beside(t: np.ndarray, at: float) -> np.ndarray:
     """Which saved times (k,) have a time [s] between their neighbours."""
     before, after = np.concatenate([t[:1], t[:-1]]), np.concatenate([t[1:], t[-1:]])
     return (before <= at) & (after >= at)
-
-
-def vibration_lost(energy: np.ndarray, decay: np.ndarray) -> np.ndarray:
-    """Energy that the method took, less by exp(-sum of decay (k - 1,)) since, at each saved time (k,) [J]."""
-    taken = np.maximum.accumulate(np.maximum(energy[:, BY_METHOD] - energy[0, BY_METHOD], 0.0))
-    lost = np.zeros(len(energy))
-    if len(decay) and taken[-1] > 0.0:
-        passed, taken = np.cumsum(decay), np.diff(taken)
-        if passed[-1] < FORGOTTEN:  # then its exponential is a number, and one sum is enough
-            lost[1:] = np.cumsum(np.exp(passed - decay) * taken) * np.exp(-passed)
-        else:
-            lost[1:] = _lost_in_powers_of_two(taken, decay)
-    return lost
-
-
-def _lost_in_powers_of_two(taken: np.ndarray, decay: np.ndarray) -> np.ndarray:
-    """As `vibration_lost` of energies that were taken between two rows each, of vibrations that soon lose all."""
-    keep, reach = np.exp(-decay), 1
-    left = keep * taken  # of what was taken in one row; then in two, four and so on
-    while reach < len(left) and keep[reach:].any():
-        left[reach:] += keep[reach:] * left[:-reach]
-        keep[reach:] *= keep[:-reach]
-        reach *= 2
-    return left
 
 
 def highest_axial_mode(cable: Cable) -> Mode:

@@ -3,12 +3,16 @@
 import math
 
 import numpy as np
+import place_twin
 import pytest
 
 from anet_lumped import Cable, Driven, Fixed, Free, Scene, paths, simulate
 from anet_lumped.effects import Gravity
-from anet_lumped.results.amplification import LEAST_ROWS, _carried, _lengths, _pumped_at_most, amplification
+from anet_lumped.results.amplification import amplification, multiply
 from anet_lumped.results.free_flight import first_loose
+from anet_lumped.results.node_pass import LEAST_ROWS
+from anet_lumped.results.place_rows import FIRST, TOGETHER
+from anet_lumped.results.saved_motion import look_at
 from studies.catalogue.random_motions import random_motion
 
 L, G = 1.0, 9.81
@@ -38,6 +42,14 @@ def test_a_swing_that_is_pumped():
     assert slope == pytest.approx(h * OMEGA / 4.0, rel=0.03)  # the next term of h, and steps of the envelope
 
 
+def carried(run, together):
+    """Logarithm of a displacement across the motion at each saved time, (k,); so many times between two count as one."""
+    seen = look_at(run, grows=True)
+    seen.rows.numbers[TOGETHER] = together
+    multiply(seen)
+    return seen.rows.columns[FIRST].copy()
+
+
 def of_each_turn(size):
     """Largest of sizes, a hundredth of a second apart, in the turn of a sway that begins with each."""
     return np.lib.stride_tricks.sliding_window_view(size, int(2.0 * math.pi / OMEGA / 0.01)).max(axis=1)
@@ -45,25 +57,18 @@ def of_each_turn(size):
 
 def test_a_turn_of_the_tension_in_some_tens_of_steps_is_enough():
     run = simulate(shaken(0.3), 40.0, method="edmc", dt=0.01, save_every=0.01)
-    each, some = (_carried(run, run.segment_tension, together) for together in (1, 4))  # 100 and 25 a turn
+    each, some = (carried(run, together) for together in (1, 4))  # 100 and 25 a turn
     sizes = [of_each_turn(each), of_each_turn(some)]
     grown = [size[3400] - size[1400] for size in sizes]
     assert grown[0] > 4.0 and grown[1] == pytest.approx(grown[0], rel=0.01)
-
-
-def test_lengths_of_all_segments():
-    run = simulate(pendulum(0.8), 0.1, method="edmc", dt=0.01, save_every=0.01, start="straight")
-    ends = run.model.ends
-    expected = np.linalg.norm(run.q[:, ends[:, 1]] - run.q[:, ends[:, 0]], axis=2)
-    np.testing.assert_allclose(_lengths(run, run.q), expected, rtol=1e-14)
 
 
 @pytest.mark.parametrize(("h", "t_end"), [(0.1, 30.0), (0.3, 12.0)])
 def test_no_displacement_grows_by_more_than_its_tensions_allow(h, t_end):
     """The largest z of a turn is as the root of its energy, k z^2/2 + m v^2/2, but for what k changes by, 1 + h."""
     run = simulate(shaken(h), t_end, method="edmc", dt=0.01, save_every=0.01)
-    size = of_each_turn(_carried(run, run.segment_tension, 1))
-    grown, most = size[-1] - size.min(), _pumped_at_most(run.segment_tension, 1)
+    size = of_each_turn(carried(run, 1))
+    grown, most = size[-1] - size.min(), place_twin.pumped_at_most(run.segment_tension, 1)
     assert 0.2 < grown < most + 0.5 * math.log(1.0 + h)
     assert most < 1.1 * t_end * OMEGA * h / math.pi * math.log((1.0 + h) / (1.0 - h)) / (2.0 * h)  # ln(1 + h)/(1 - h) a half turn
 

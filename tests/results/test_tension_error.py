@@ -12,7 +12,7 @@ from anet_lumped import Cable, Fixed, Free, PayloadChange, Scene, equilibrium, s
 from anet_lumped.effects import Gravity
 from anet_lumped.results.energy_balance import BY_METHOD
 from anet_lumped.results.events import BREAK, Event
-from anet_lumped.results.tension_error import Mode, look_at, lowest_axial_mode, vibration_lost
+from anet_lumped.results.tension_error import Mode, look_at, lowest_axial_mode
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.5, 1.0, 3.0])
@@ -31,16 +31,6 @@ def test_the_overshoot_has_no_gap_at_the_aperiodic_limit_and_ends():
     near = [Mode(1.0, 1.0 + x).overshoot for x in (-1e-5, -1e-8, 0.0, 1e-8, 1e-5)]
     assert np.ptp(near) < 1e-5 and near == sorted(near, reverse=True)
     assert Mode(1.0, 999.0).overshoot < 1e-6 and Mode(1.0, 1e200).overshoot == 0.0
-
-
-@pytest.mark.parametrize("damped", [0.2, 20.0])  # its exponential is a number at the end, and is not
-def test_energies_fade(damped):
-    rng = np.random.default_rng(0)
-    decay, energy, left = damped * rng.random(29), np.zeros((30, 7)), [0.0]
-    energy[:, -1] = np.cumsum(rng.random(30))
-    for k in range(29):
-        left.append((left[-1] + energy[k + 1, -1] - energy[k, -1]) * math.exp(-decay[k]))
-    np.testing.assert_allclose(vibration_lost(energy, decay), left, rtol=1e-13)
 
 
 def jumps(T):
