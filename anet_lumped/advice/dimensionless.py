@@ -116,4 +116,4 @@ def penetration(weight: float, stiffness: float, diameter: float) -> float:
     ------
     Hall & Goupee, Ocean Eng. 104 (2015) 590, eq. 16, for the contact area d L0.
     """
-    return weight / (stiffness * diameter) / diameter
+    return weight / (stiffness * diameter) / diameter if stiffness > 0.0 else math.inf

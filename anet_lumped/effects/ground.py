@@ -36,7 +36,7 @@ from anet_lumped.effects.laws.contact import (
     numbers_of_nodes,
     of_node,
 )
-from anet_lumped.effects.laws.contact_area import CONTACT, SLIP_SPEED
+from anet_lumped.effects.laws.contact_area import OF_GROUND, SLIP_SPEED
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
 from .effect import Effect, height_under
@@ -54,7 +54,7 @@ class Ground(Effect):
     height : float
         Height of the plane [m]: its distance from the origin along the normal, z of a level ground.
     stiffness : float
-        Pressure per depth [Pa/m] on the area d L0 of a segment: MoorDyn's kBot.
+        Pressure per depth [Pa/m] on the area d L0 of a segment: MoorDyn's kBot. 0 for a ground that only damps.
     damping : float
         Pressure per speed of sinking in [Pa s/m]: MoorDyn's cBot.
     friction : float
@@ -75,7 +75,7 @@ class Ground(Effect):
     is_ground: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
-        self._check_numbers(height=("m", ""), **CONTACT, slip_speed=SLIP_SPEED)
+        self._check_numbers(height=("m", ""), **OF_GROUND, slip_speed=SLIP_SPEED)
         self._set(normal=check_direction("normal", self.normal, self._called))
 
     def highest_frequency(self, scene: Any) -> float:

@@ -32,7 +32,7 @@ from anet_lumped.effects.laws.contact import (
     numbers_of_nodes,
     of_node,
 )
-from anet_lumped.effects.laws.contact_area import CONTACT, SLIP_SPEED
+from anet_lumped.effects.laws.contact_area import OF_GROUND, SLIP_SPEED
 from anet_lumped.effects.laws.height_map import in_one_cell, mean_slope, spot
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
@@ -54,7 +54,7 @@ class GroundMap(Effect):
         Height at each place [m], a row for each of ``x`` with a number for each of ``y``. Beyond the grid they are
         those of its edge.
     stiffness : float
-        Pressure per depth [Pa/m] on the area d L0 of a segment: MoorDyn's kBot.
+        Pressure per depth [Pa/m] on the area d L0 of a segment: MoorDyn's kBot. 0 for a ground that only damps.
     damping : float
         Pressure per speed of sinking in [Pa s/m]: MoorDyn's cBot.
     friction : float
@@ -74,7 +74,7 @@ class GroundMap(Effect):
     is_ground: ClassVar[bool] = True
 
     def check_parameters(self) -> None:
-        self._check_numbers(**CONTACT, slip_speed=SLIP_SPEED)
+        self._check_numbers(**OF_GROUND, slip_speed=SLIP_SPEED)
         for key in ("x", "y"):
             given = getattr(self, key)
             places = self._numbers(key, given)

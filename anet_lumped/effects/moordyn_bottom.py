@@ -26,7 +26,7 @@ import numpy as np
 from anet_lumped.checks import SceneError, Vector, quoted
 from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.effects.laws.axial import secant_tension, spring_energy
-from anet_lumped.effects.laws.contact_area import CONTACT, frequencies, sums_over_halves
+from anet_lumped.effects.laws.contact_area import OF_GROUND, frequencies, sums_over_halves
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
 from .effect import Effect, height_under
@@ -44,7 +44,7 @@ class MoordynBottom(Effect):
     height : float
         Height of the plane [m].
     stiffness : float
-        Pressure per depth [Pa/m] on the area d L0 of a segment: MoorDyn's kBot.
+        Pressure per depth [Pa/m] on the area d L0 of a segment: MoorDyn's kBot. 0 for a ground that only damps.
     damping : float
         Pressure per speed of sinking in [Pa s/m]: MoorDyn's cBot.
     friction : float
@@ -66,7 +66,7 @@ class MoordynBottom(Effect):
 
     def check_parameters(self) -> None:
         self._check_numbers(
-            height=("m", ""), **CONTACT, friction_damping=("N·s/m", "non-negative"), static_ratio=("", "non-negative")
+            height=("m", ""), **OF_GROUND, friction_damping=("N·s/m", "non-negative"), static_ratio=("", "non-negative")
         )
 
     def highest_frequency(self, scene: Any) -> float:

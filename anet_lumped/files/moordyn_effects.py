@@ -138,7 +138,10 @@ def _bottom(options: Options, places: Places, like_moordyn: bool, seafloor: Seaf
     if seafloor is None:
         numbers["height"] = -_depth(options, places)
     if not numbers["stiffness"]:
-        raise options.row("kBot", "cBot").error("a bottom must have a kBot that carries something; for none, cBot must be 0 too.")
+        findings.remark(
+            "The bottom has a kBot of 0: what lies on it sinks on against its damper, as by MoorDyn, and a rest is that without a "
+            "bottom."
+        )
     row = options.row("kBot", "cBot")
     if seafloor is not None and like_moordyn:
         raise seafloor.row.error("a bottom that is not flat has this package's law alone; it must be read without like_moordyn.")
@@ -170,6 +173,9 @@ def _frictions(options: Options, places: Places, like_moordyn: bool) -> list[Any
     row = options.rows.get("MU_KT") or options.rows["MU_KA"]
     if like_moordyn:
         options.findings.unused("MU_KT and MU_KA", row.line, "friction that differs along and across, as by MoorDyn's C++ version")
+        return []
+    if not options.value("kBot"):
+        options.findings.unused("MU_KT and MU_KA", row.line, "friction on a bottom that carries nothing")
         return []
     if names_seafloor(options):
         raise row.error("friction that differs along and across a line needs a level bottom; MU_KT and MU_KA must be alike.")

@@ -170,7 +170,7 @@ def test_files_and_origins():
             r"`heights` must have a row for each of the 5 places x, with a number \[m\] for each of the 3 ",
         ),
         ({"heights": 1.0}, r"`heights` must have a row for each"),
-        ({"stiffness": 0.0}, r"Argument `stiffness` must be positive"),
+        ({"stiffness": -1.0}, r"Argument `stiffness` must be non-negative"),
     ],
 )
 def test_what_a_map_cannot_be(change, says):

@@ -308,7 +308,6 @@ FAILURE = "--- FAILURE ---\nh\nh\n1 %s\n--- OPTIONS"
         ("4e5 kBot", "4e5 kBot\n8 WaveKin", r"line 20, .*WaveKin must be an integer from 0 to 7"),
         ("4e5 kBot", "4e5 kBot\nsea.txt WaveKin", r"line 20, .*WaveKin must be an integer from 0 to 7"),
         ("4e5 kBot", "4e5 kBot\n2.5 Currents", r"line 20, .*Currents must be an integer from 0 to 5"),
-        ("4e5 kBot", "0 kBot", r'line 19, "0 kBot": a bottom must have a kBot that carries something; for none, cBot must be 0'),
     ],
 )  # fmt: skip
 def test_refusals(old, new, message):

@@ -48,8 +48,9 @@ def numbers_of_nodes(model: Any, effect: str, stiffness: float, damping: float) 
             nodes[model.node(name)] += stiffness * area, damping * area, DEPTH * width * area
             mass[model.node(name)] = body.least_masses[name] / len(areas)
     nodes, resisting = nodes[: model.n_free], np.column_stack([mass, model.mass])
-    touching = nodes[:, 0] > 0.0  # of a body only some points do
-    nodes[touching, 2] *= stiffness / nodes[touching, 0]  # the mean over the area
+    of_area, at = (stiffness, 0) if stiffness else (damping, 1)
+    touching = nodes[:, at] > 0.0  # of a body only some points do
+    nodes[touching, 2] *= of_area / nodes[touching, at]  # the mean over the area
     nodes[~touching, 2] = 1.0
     return np.column_stack([nodes, resisting[: model.n_free]]).ravel()
 

@@ -13,6 +13,8 @@ from anet_lumped.checks import SceneError, quoted
 
 CONTACT = {"stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative"), "friction": ("", "non-negative")}
 """Units and signs of what all effects of contact have, for `Effect._check_numbers`."""
+OF_GROUND = CONTACT | {"stiffness": ("Pa/m", "non-negative")}
+"""Likewise of a ground, which may be one that only damps: a bottom of mud, in which all sinks until something else holds it."""
 SLIP_SPEED = "m/s", "positive"
 
 
