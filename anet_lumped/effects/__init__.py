@@ -66,6 +66,7 @@ REGISTRY = Registry(
         "axial_damping": "AxialDamping",
         "bending": "Bending",
         "cable_friction": "CableFriction",
+        "cable_friction_map": "CableFrictionMap",
         "dashpots": "Dashpots",
         "gravity": "Gravity",
         "ground": "Ground",

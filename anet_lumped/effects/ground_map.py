@@ -16,12 +16,11 @@ Source: as `ground`; Gonzalez, J. Nonlinear Sci. 6 (1996) 449, for steps across 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number, shown
+from anet_lumped.checks import Vector
 from anet_lumped.compiled.jit import inlined_law, njit
 from anet_lumped.effects.laws.axial import spring_energy
 from anet_lumped.effects.laws.contact import (
@@ -33,7 +32,7 @@ from anet_lumped.effects.laws.contact import (
     of_node,
 )
 from anet_lumped.effects.laws.contact_area import OF_GROUND, SLIP_SPEED
-from anet_lumped.effects.laws.height_map import in_one_cell, mean_slope, spot
+from anet_lumped.effects.laws.height_map import checked_map, in_one_cell, mean_slope, spot
 from anet_lumped.effects.laws.unresolved_contact import numerical_share, settled_rate
 
 from .effect import Effect, height_under
@@ -75,32 +74,7 @@ class GroundMap(Effect):
 
     def check_parameters(self) -> None:
         self._check_numbers(**OF_GROUND, slip_speed=SLIP_SPEED)
-        for key in ("x", "y"):
-            given = getattr(self, key)
-            places = self._numbers(key, given)
-            if len(places) < 2 or any(after <= before for before, after in pairwise(places)):
-                raise SceneError(
-                    f"Argument `{key}` must be two or more places [m] that grow, but {self._called} has {shown(given)}."
-                )
-            self._set(**{key: places})
-        try:
-            rows = tuple(self._numbers("heights", row) for row in self.heights)
-        except TypeError:
-            rows = ()
-        if len(rows) != len(self.x) or any(len(row) != len(self.y) for row in rows):
-            raise SceneError(
-                f"Argument `heights` must have a row for each of the {len(self.x)} places x, with a number [m] for each of the "
-                f"{len(self.y)} places y, but {self._called} has {shown(self.heights)}."
-            )
-        self._set(heights=rows)
-
-    def _numbers(self, key: str, values: Any) -> tuple[float, ...]:
-        if isinstance(values, str | bytes | Mapping):
-            values = ()
-        try:
-            return tuple(check_number(key, value, "m", self._called) for value in values)
-        except TypeError:
-            return ()
+        self._set(**checked_map(self.x, self.y, self.heights, self._called))
 
     @property
     def steepest(self) -> float:

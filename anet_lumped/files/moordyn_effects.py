@@ -22,7 +22,7 @@ from .moordyn_lines import Line, type_of
 from .moordyn_options import FRICTIONS, Options
 from .moordyn_points import OnMovingBody, Places
 from .moordyn_rows import Row, made
-from .moordyn_seafloor import Seafloor, names_seafloor
+from .moordyn_seafloor import Seafloor
 from .moordyn_water_file import read_water_file
 
 OTHER = "; read_moordyn(..., like_moordyn=True) takes MoorDyn's."
@@ -81,7 +81,7 @@ def read_effects(
     if options.value("kBot") or options.value("cBot"):
         with findings.refusing():
             effects.append(_bottom(options, places, like_moordyn, seafloor))
-            effects += _frictions(options, places, like_moordyn)
+            effects += _frictions(options, places, like_moordyn, seafloor)
     lines = list(lines)
     curves, of_curve = moment_curves(((type_of(line.row), line.cable.name) for line in lines), types, tables, findings)
     stiff = [line.row for line in lines if line.cable.EI]
@@ -165,7 +165,7 @@ def _bottom(options: Options, places: Places, like_moordyn: bool, seafloor: Seaf
     return _effect("ground", row, **numbers)
 
 
-def _frictions(options: Options, places: Places, like_moordyn: bool) -> list[Any]:
+def _frictions(options: Options, places: Places, like_moordyn: bool, seafloor: Seafloor | None) -> list[Any]:
     """Friction of the Fortran version that differs along and across a line, in a list; MoorDyn's C++ version passes over it."""
     across, along = (float(options.values.get(name, 0.0)) for name in FRICTIONS)
     if across == along:
@@ -177,14 +177,14 @@ def _frictions(options: Options, places: Places, like_moordyn: bool) -> list[Any
     if not options.value("kBot"):
         options.findings.unused("MU_KT and MU_KA", row.line, "friction on a bottom that carries nothing")
         return []
-    if names_seafloor(options):
-        raise row.error("friction that differs along and across a line needs a level bottom; MU_KT and MU_KA must be alike.")
     options.findings.remark(
         f"Friction on the bottom is {across:g} of the load across a line and {along:g} along it at any speed, where that of "
         "MoorDyn's Fortran version grows with the speed, by CV; its C++ version has none."
     )
-    height, stiffness = -_depth(options, places), options.value("kBot")
-    return [_effect("cable_friction", row, along=along, across=across, height=height, stiffness=stiffness)]
+    of_both = {"along": along, "across": across, "stiffness": options.value("kBot")}
+    if seafloor is not None:
+        return [_effect("cable_friction_map", row, x=seafloor.x, y=seafloor.y, heights=seafloor.heights, **of_both)]
+    return [_effect("cable_friction", row, height=-_depth(options, places), **of_both)]
 
 
 def _depth(options: Options, places: Places) -> float:

@@ -149,7 +149,7 @@ def test_energy_never_rises(dt):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Ground(stiffness=-1.0), "`stiffness` must be non-negative and finite .Pa/m., but effect Ground has stiffness=-1.0"),
+        (lambda: Ground(stiffness=-1.0), "`stiffness` must be non-negative and finite .Pa/m., but effect Ground has stiffness=-1"),
         (lambda: Ground(normal=(0, 0, 0)), "`normal` must not be zero"),
         (
             lambda: build(Scene([Fixed("a", (0, 0, 0)), Free("b")],

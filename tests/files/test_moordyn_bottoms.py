@@ -33,8 +33,8 @@ ID Type A B L N Out
 --- need this line ---
 """
 SAG = (
-    MUD.replace("-0.8 0 0 0 0 0", "-0.8 0 9 0 9 0").replace("1 Free 0 0 -20.5", "1 Fixed 0 0 -20").replace("2 Free 10 0 -20.5", "2 Fixed 9 0 -20")
-    .replace("3e4 cBot", "2e3 cBot").replace("0 TmaxIC", "60 TmaxIC\n0.2 dtIC\n1e-5 threshIC")
+    MUD.replace("-0.8 0 0 0 0 0", "-0.8 0 9 0 9 0").replace("3e4 cBot", "2e3 cBot")
+    .replace("1 Free 0 0 -20.5", "1 Fixed 0 0 -20").replace("2 Free 10 0 -20.5", "2 Fixed 9 0 -20")
 )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from anet_lumped import SceneError, equilibrium, read_moordyn, save_moordyn
-from anet_lumped.effects import Ground, GroundMap
+from anet_lumped.effects import CableFrictionMap, Ground, GroundMap
 from anet_lumped.files.moordyn_file import deck_from_text
 from anet_lumped.files.moordyn_findings import DeckError
 
@@ -124,9 +124,8 @@ sea.txt SeafloorFile
 """
 
 
-def test_friction_that_differs_needs_a_level_bottom(tmp_path):
+def test_friction_that_differs_along_and_across(tmp_path):
     (tmp_path / "sea.txt").write_text("2 2\n-50 50\n-50 50\n-50 -50 -20\n-50 50 -20\n50 -50 -20\n50 50 -25\n")
-    with pytest.raises(
-        DeckError, match=r'line 16, "0.3 MU_KT": friction that differs along and across a line needs a level bottom'
-    ):
-        deck_from_text(LEVEL, folder=tmp_path)
+    floor, friction = deck_from_text(LEVEL, folder=tmp_path).scene.effects[-2:]
+    assert isinstance(floor, GroundMap) and floor.friction == 0.0
+    assert friction == CableFrictionMap(0.0, 0.3, floor.x, floor.y, floor.heights, floor.stiffness)

@@ -11,11 +11,47 @@ and the bilinear map elsewhere. Without that, a node that comes to rest in an ed
 ``params`` holds, from ``first`` on, the numbers m and n of grid points, m places x, n places y, and m n heights, row by row of x.
 """
 
+from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any, NamedTuple
 
+from anet_lumped.checks import SceneError, check_number, shown
 from anet_lumped.compiled.jit import inlined_law, law
 
 ROUNDED = 0.02  # of the smaller interval beside a grid point: the width over which the map is rounded there
+
+
+def checked_map(x: Any, y: Any, heights: Any, owner: str) -> dict[str, Any]:
+    """The places ``x`` and ``y`` and the ``heights`` of a map that an effect is given, as tuples of numbers [m], by these names.
+
+    Raises
+    ------
+    SceneError : places that do not grow, or heights that are no row for each of them
+    """
+    found: dict[str, Any] = {}
+    for key, given in (("x", x), ("y", y)):
+        places = found[key] = _numbers(key, given, owner)
+        if len(places) < 2 or any(after <= before for before, after in pairwise(places)):
+            raise SceneError(f"Argument `{key}` must be two or more places [m] that grow, but {owner} has {shown(given)}.")
+    try:
+        rows = tuple(_numbers("heights", row, owner) for row in heights)
+    except TypeError:
+        rows = ()
+    if len(rows) != len(found["x"]) or any(len(row) != len(found["y"]) for row in rows):
+        raise SceneError(
+            f"Argument `heights` must have a row for each of the {len(found['x'])} places x, with a number [m] for each of the "
+            f"{len(found['y'])} places y, but {owner} has {shown(heights)}."
+        )
+    return found | {"heights": rows}
+
+
+def _numbers(key: str, values: Any, owner: str) -> tuple[float, ...]:
+    if isinstance(values, str | bytes | Mapping):
+        values = ()
+    try:
+        return tuple(check_number(key, value, "m", owner) for value in values)
+    except TypeError:
+        return ()
 
 
 class Spot(NamedTuple):
