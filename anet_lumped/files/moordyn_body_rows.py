@@ -63,6 +63,11 @@ def _written(scene: Scene) -> list[Body]:
     return [body for body in scene.bodies if not body.is_jointed or body.pinned_to in driven]
 
 
+def numbers_of_bodies(scene: Scene) -> dict[str, int]:
+    """Numbers in the file of the bodies, by their names."""
+    return {body.name: i for i, body in enumerate(_written(scene), start=1)}
+
+
 def _pinned_rods(scene: Scene) -> list[Body]:
     """The bodies that are rods of the file, pinned to bodies."""
     written = _written(scene)

@@ -2,7 +2,8 @@
 
 Written so that MoorDyn v2 runs it and that `moordyn_file` reads it back as an equal scene, like_moordyn where the bottom is
 `MoordynBottom` and points do not float; names travel as remarks. What a deck cannot hold is refused: two-way springs, cables that
-do not stretch or may break, payloads that change, damping by the environment; of bodies see `moordyn_body_rows`. What it has no
+do not stretch or may break, payloads that change, damping by the environment; of bodies see `moordyn_body_rows`, of forces, dampers
+and friction along and across cables `moordyn_loads_writer`. What it has no
 place for is lost: the path of a driven point or body, which MoorDyn moves from outside, the EI of a scene without bending, the zeta
 of a cable that creeps, the window of one that sheds vortices, that a cable has no diameter and that a free point has no place. Of
 polyester see `moordyn_syrope_writer`, of waves and currents `moordyn_flow_writer`.
@@ -20,6 +21,7 @@ from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, Point, Scene, ch
 
 from .moordyn_body_rows import body_points, body_rows, pins, rod_ends
 from .moordyn_flow_writer import flow_files, flow_options
+from .moordyn_loads_writer import friction_options, load_rows
 from .moordyn_rows import named
 from .moordyn_seafloor import seafloor_text
 from .moordyn_shedding import shedding_columns
@@ -27,6 +29,10 @@ from .moordyn_syrope import PREFIX
 from .moordyn_syrope_writer import curve_of, syrope_name, syrope_rows, syrope_text
 
 NO_DIAMETER = 1e-3  # [m], of a cable without one: MoorDyn divides by the section, and in air nothing else asks for it
+WRITTEN = (
+    "gravity", "water", "ground", "ground_map", "moordyn_bottom", "bending", "moment_curvature", "applied_forces", "dashpots",
+    "cable_friction", "cable_friction_map",
+)  # fmt: skip
 AT_ONCE = 1e-9  # [s], time of what fails at the start
 NO_BOTTOM = 1e4  # [m], depth of water without a bottom
 
@@ -114,7 +120,8 @@ def moordyn_text(
         )
     places = _places(scene, places or {})
     environment = _environment(scene, max(abs(float(at[2])) for at in places.values()))
-    bends = "bending" in {_name(effect) for effect in scene.effects}
+    given = {_name(effect): effect for effect in scene.effects}
+    bends = "bending" in given
     curves, moments = _curves(scene, stem), _moments(scene, stem)
     rows = [" ".join((_type(one, bends, curves, moments), *map(repr, shedding_columns(scene.cables, one)))) for one in scene.cables]
     sheds = any(cable.Cl for cable in scene.cables)
@@ -146,6 +153,7 @@ def moordyn_text(
         ),
         *_failures(scene, number),
         *syrope_rows(scene),
+        *load_rows(scene, given, number),
         "--------------------- OPTIONS ---------------------",
         *(f"{value} {name}" for name, value in (options or {}).items()),
         *(f"{value!r} {name}" for name, value in environment.items()),
@@ -255,7 +263,7 @@ def _environment(scene: Scene, far: float) -> dict[str, float]:
     """Options that stand for the effects of a scene, whose points start no farther from z=0 than ``far`` [m]."""
     given: dict[str | None, Any] = {_name(effect): effect for effect in scene.effects}
     for name, effect in given.items():
-        if name not in ("gravity", "water", "ground", "ground_map", "moordyn_bottom", "bending", "moment_curvature"):
+        if name not in WRITTEN:
             raise SceneError(f"A scene must have no {type(effect).__name__} to be written for MoorDyn, which has no such effect.")
     clamps = [one for name in ("bending", "moment_curvature") for one in dict(getattr(given.get(name), "clamped", ()))]
     if clamps:
@@ -277,17 +285,16 @@ def _environment(scene: Scene, far: float) -> dict[str, float]:
         if water is not None and water.all_waves:
             raise SceneError("Waves must be over a flat bottom to be written for MoorDyn, but the scene has a GroundMap.")
         options |= {} if water is None else flow_options(water, None)
-        ground = given["ground_map"]
-        return options | {"kBot": ground.stiffness, "cBot": ground.damping, "FrictionCoefficient": ground.friction}
+        ground, friction = given["ground_map"], friction_options(given, given["ground_map"])
+        return options | {"kBot": ground.stiffness, "cBot": ground.damping} | friction
+    friction = friction_options(given, ground)
     if ground is None:
         reach = far + math.fsum(cable.length for cable in scene.cables)
         options |= {"WtrDpth": max(NO_BOTTOM, 2.0 * reach), "kBot": 0.0, "cBot": 0.0}
         return options | ({} if water is None else flow_options(water, None))
     if ground.height > 0.0:
         raise SceneError(f"The ground must lie at or below z=0 to be written for MoorDyn, but it has height={ground.height}.")
-    options |= {
-        "WtrDpth": -ground.height + 0.0, "kBot": ground.stiffness, "cBot": ground.damping, "FrictionCoefficient": ground.friction,
-    }  # fmt: skip
+    options |= {"WtrDpth": -ground.height + 0.0, "kBot": ground.stiffness, "cBot": ground.damping} | friction
     options |= {} if water is None else flow_options(water, options["WtrDpth"])
     if "moordyn_bottom" not in given:
         return options
