@@ -116,7 +116,8 @@ def energies_in_play(rows: np.ndarray) -> np.ndarray:
 
 def lost_share(energy: np.ndarray) -> float:
     """Share of the energy in play that the method took and that nothing accounts for."""
-    change = energy[-1] - energy[0]
+    with np.errstate(invalid="ignore"):  # infinite energies of a run that diverged
+        change = energy[-1] - energy[0]
     unaccounted = change[: POTENTIAL + 1].sum() - change[WORK] + change[BY_DAMPERS:].sum()
     lost = float(max(change[BY_METHOD], 0.0) + max(-unaccounted, 0.0))
     return min(lost / max(energy_in_play(energy), 1e-300), 1.0) if lost > 0.0 else 0.0

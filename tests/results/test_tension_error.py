@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from tension_twin import counted_jumps, missing
 
 from anet_lumped import Cable, Fixed, Free, PayloadChange, Scene, equilibrium, simulate
 from anet_lumped.effects import Gravity
-from anet_lumped.results.energy_balance import BY_METHOD
+from anet_lumped.results.energy_balance import BY_METHOD, lost_share
 from anet_lumped.results.events import BREAK, Event
 from anet_lumped.results.tension_error import Mode, look_at, lowest_axial_mode
 
@@ -31,6 +32,14 @@ def test_the_overshoot_has_no_gap_at_the_aperiodic_limit_and_ends():
     near = [Mode(1.0, 1.0 + x).overshoot for x in (-1e-5, -1e-8, 0.0, 1e-8, 1e-5)]
     assert np.ptp(near) < 1e-5 and near == sorted(near, reverse=True)
     assert Mode(1.0, 999.0).overshoot < 1e-6 and Mode(1.0, 1e200).overshoot == 0.0
+
+
+def test_infinite_energies_of_a_run_that_diverged_are_no_warning():
+    energy = np.zeros((3, 7))
+    energy[:, 0] = np.inf
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert lost_share(energy) == 0.0
 
 
 def jumps(T):
