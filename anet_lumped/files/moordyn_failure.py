@@ -19,7 +19,7 @@ from .moordyn_findings import Findings
 from .moordyn_line_types import curved
 from .moordyn_lines import POINT_LETTERS, Line, end_of_rod, type_of
 from .moordyn_points import Places
-from .moordyn_rows import DIGITS, WORD, Row
+from .moordyn_rows import DIGITS, WORD, Row, made
 
 COLUMNS = 5  # FailureID, Point, Line(s), FailTime, FailTen
 
@@ -71,11 +71,11 @@ def read_failures(
             earlier = found.get(key, failure)
             t, tension = _first(earlier.t, failure.t), _first(earlier.tension, failure.tension)
             found[key] = earlier._replace(t=t, tension=tension)
-    made = Failures(list(lines), [], [])
+    failures = Failures(list(lines), [], [])
     for failure in found.values():
         with findings.refusing():
-            _part(made, failure, places, types)
-    return made
+            _part(failures, failure, places, types)
+    return failures
 
 
 def _read(row: Row, lines: Mapping[int, Line], places: Places) -> _Failure | None:
@@ -112,7 +112,7 @@ def _first(one: float | None, other: float | None) -> float | None:
     return min((x for x in (one, other) if x is not None), default=None)
 
 
-def _part(made: Failures, failure: _Failure, places: Places, types: Mapping[str, tuple[Row, dict[str, Any]]]) -> None:
+def _part(found: Failures, failure: _Failure, places: Places, types: Mapping[str, tuple[Row, dict[str, Any]]]) -> None:
     """Let the lines of a failure end at a point that is held; or cut a line that is clamped there."""
     row, number = failure.row, failure.point
     holder, numbers = places.points[number], {line.number for line in failure.lines}
@@ -126,26 +126,26 @@ def _part(made: Failures, failure: _Failure, places: Places, types: Mapping[str,
         if len(failure.lines) > 1 or failure.tension is not None:
             raise row.error("a line that is clamped where it fails must fail alone and at a time.")
         cable, at = bends[0].cable, 0 if number == bends[0].ends[0] else -1
-        made.events.append(CableCut(cable.name, failure.t or 0.0, at))
+        found.events.append(made(row, CableCut, cable.name, failure.t or 0.0, at))
         row.findings.remark(
             f"Line {row.line}: {names} is cut in its segment at point {number} {when[0]}, half of which stays there{other}"
         )
         return
-    others = (line.cable for line in made.lines if line.number not in numbers)
+    others = (line.cable for line in found.lines if line.number not in numbers)
     if isinstance(holder, Free) and not holder.mass and not any(holder.name in (cable.start, cable.end) for cable in others):
         raise row.error(f"a free point that lets go of all its lines must have a mass, but point {number} has none.")
-    taken = {point.name for point in (*places.points.values(), *made.points) if point is not None}
+    taken = {point.name for point in (*places.points.values(), *found.points) if point is not None}
     name = next(n for k in range(1, len(taken) + 2) if (n := f"{holder.name}.parted{k}") not in taken)
     if row.name and row.name not in taken:
         name = row.name
     x, y, z = places.at[number]
-    made.points.append(Free(name, at=(x, y, z)))
-    made.events.append(Release(name, holder.name, failure.t, failure.tension))
-    for k, line in enumerate(made.lines):
+    found.points.append(Free(name, at=(x, y, z)))
+    found.events.append(made(row, Release, name, holder.name, failure.t, failure.tension))
+    for k, line in enumerate(found.lines):
         if line.number in numbers:
             cable = line.cable
             cable = replace(cable, start=name) if number == line.ends[0] else replace(cable, end=name)
-            made.lines[k] = line._replace(cable=cable)
+            found.lines[k] = line._replace(cable=cable)
     part = "part together" if len(failure.lines) > 1 else "parts"
     row.findings.remark(f"Line {row.line}: {names} {part} from point {number} {' or '.join(when)}{other}")
 

@@ -191,7 +191,7 @@ def _failures(scene: Scene, number: Mapping[str, int]) -> list[str]:
 
 def _when(t: float | None) -> str:
     """A time of a failure [s], of which 0 means never."""
-    return repr(0.0 if t is None else max(t, AT_ONCE))
+    return repr(0.0 if t is None else t or AT_ONCE)
 
 
 def _type(cable: Cable, bends: bool, curves: dict[Any, str], moments: dict[str, tuple[str, Any]]) -> str:

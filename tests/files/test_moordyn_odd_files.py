@@ -99,7 +99,11 @@ def test_what_is_no_deck_is_refused_in_sentences(seed):
     """Words, lines and rows at random: read, or refused with the name of the file in each line, and never a traceback."""
     rng, refused = np.random.default_rng(seed), 0
     whole = changed(
-        ("--- POINTS ---", ROD), ("--- OPTIONS ---", "--- EXTERNAL LOADS ---\nh\nh\n1 Body1 1|2|3 1|1|1 0 G\n--- OPTIONS ---")
+        ("--- POINTS ---", ROD),
+        ("--- OPTIONS ---", "--- EXTERNAL LOADS ---\nh\nh\n1 Body1 1|2|3 1|1|1 0 G\n--- OPTIONS ---"),
+    )
+    whole = whole.replace(
+        "--- OPTIONS ---", "--- FAILURE ---\nh\nh\n1 2 1 9 0\n2 2 1 0 9e4\n3 1 1 5 7\n--- OPTIONS ---\n0.3 MU_KT\n0.1 MU_KA"
     )
     for _ in range(100):
         lines = whole.splitlines()

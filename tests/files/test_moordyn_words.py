@@ -294,6 +294,7 @@ FAILURE = "--- FAILURE ---\nh\nh\n1 %s\n--- OPTIONS"
     ("old", "new", "message"),
     [
         ("--- OPTIONS", FAILURE % "2 1,2 0 9\n2 2 1 4 0", r"line 21, .*a line must fail once at an end, but one does in line 20"),
+        ("--- OPTIONS", FAILURE % "2 1 0 1e308", r"line 20, .*Argument `tension` must be positive and finite"),
         ("--- OPTIONS", FAILURE % "2 , 0 9", r"line 20, .*a failure must be of lines, but its third column names none"),
         ("--- OPTIONS", FAILURE % "R1a 1 0 9", r"line 20, .*a failure must be at a point in POINTS, but R1a is none"),
         ("--- OPTIONS", FAILURE % "3 7 0 9", r"line 20, .*a failure must be of a line in LINES, but 7 is none"),
