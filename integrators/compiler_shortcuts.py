@@ -9,10 +9,11 @@ from functools import lru_cache, wraps
 from typing import Any
 
 from llvmlite.binding import ffi
-from numba.core import base, ir
+from numba.core import base, ir, utils
 from numba.core.targetconfig import TargetConfig
 from numba.core.types.abstract import _TypeMetaclass
 from numba.core.typing import BaseContext as TypingContext
+from numba.core.typing import context
 from numba.np import arrayobj
 
 _WITHOUT_VARIABLES = frozenset({str, int, float, bool, type(None), ir.Loc, ir.Arg, ir.Const, ir.FreeVar, ir.Global})
@@ -46,10 +47,11 @@ def _collect(values: Iterable[Any], found: list[ir.Var]) -> None:
 
 
 def same_flags(flags: TargetConfig, other: object) -> bool:
-    """Whether two sets of flags are equal: where they set the same options to the same values, no default need be compared."""
-    if type(flags) is type(other) and flags._values == other._values:
-        return True
-    return _compare_all(flags, other)
+    """Whether two sets of flags are equal: of two of one class only the options that either sets need be compared."""
+    if type(flags) is not type(other):
+        return _compare_all(flags, other)
+    told, others = flags._values, other._values
+    return told == others or all(getattr(flags, name) == getattr(other, name) for name in told.keys() | others.keys())
 
 
 def keep_as_old() -> None:
@@ -70,23 +72,35 @@ def unless_all_is_known(refresh: Callable[[Any], None]) -> Callable[[Any], None]
     """
 
     @wraps(refresh)
-    def refresh_if_new(context: Any) -> None:
-        known = _number_of_rules(context)
-        if getattr(context, "_known_rules", None) != known:
-            refresh(context)
-            context._known_rules = _number_of_rules(context)
+    def refresh_if_new(of: Any) -> None:
+        known = _number_of_rules(of)
+        if getattr(of, "_known_rules", None) != known:
+            refresh(of)
+            of._known_rules = _number_of_rules(of)
 
     return refresh_if_new
 
 
-def _number_of_rules(context: Any) -> int:
+def _number_of_rules(of: Any) -> int:
     """How many rules the registries of a context hold, and those of the types that it works with."""
     number = sum(
-        len(getattr(registry, kind)) for registry, loader in list(context._registries.items()) for kind in loader.registry_items
+        len(getattr(registry, kind)) for registry, loader in list(of._registries.items()) for kind in loader.registry_items
     )
-    return number + (_number_of_rules(context.typing_context) if isinstance(context, base.BaseContext) else 0)
+    return number + (_number_of_rules(of.typing_context) if isinstance(of, base.BaseContext) else 0)
 
 
+@lru_cache(maxsize=4096)
+def _order_kept(target: type, rules: tuple[type, ...], called: Any) -> list[type]:
+    return _order_of_rules(target, list(rules), called)
+
+
+def rules_in_order(target: type, templates: list[type], fnkey: Any = "") -> list[type]:
+    """The rules for a function or an attribute, most specific ones first, kept for each list of rules; arguments as Numba's."""
+    return list(_order_kept(target, tuple(templates), fnkey))
+
+
+_order_of_rules = utils.order_by_target_specificity
+utils.order_by_target_specificity = context.order_by_target_specificity = rules_in_order
 _compare_all = TargetConfig.__eq__
 ir.Inst._rec_list_vars = variables_in
 TargetConfig.__eq__ = same_flags

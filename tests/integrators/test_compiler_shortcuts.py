@@ -2,13 +2,16 @@
 
 import gc
 import operator
+from typing import ClassVar
 
 import pytest
 from llvmlite.binding import ffi
 from numba import njit, types
-from numba.core import base, ir
+from numba.core import base, ir, utils
 from numba.core.compiler import Flags
+from numba.core.errors import UnsupportedError
 from numba.core.registry import cpu_target
+from numba.core.target_extension import target_registry
 from numba.extending import overload
 from numba.np import arrayobj
 
@@ -42,6 +45,7 @@ def test_flags_are_equal_where_all_options_are():
     plain, told, other = Flags(), Flags(), Flags()
     told.no_cpython_wrapper = Flags.options["no_cpython_wrapper"].default  # said, and as it is by itself
     other.no_cpython_wrapper = True
+    assert told != other and other != told and not plain == other
     assert plain == Flags() and plain == told and plain != other and other == other.copy() and plain != 1
 
 
@@ -104,3 +108,22 @@ def test_a_class_of_an_array_is_made_once():
     one, other = types.Array(types.float64, 2, "C"), types.Array(types.float64, 1, "C")
     assert arrayobj.make_array(one) is arrayobj.make_array(types.Array(types.float64, 2, "C"))
     assert arrayobj.make_array(one) is not arrayobj.make_array(other)
+
+
+def test_rules_are_asked_in_the_same_order():
+    class General:
+        metadata: ClassVar = {"target": "generic"}
+
+    class OfProcessors(General):
+        metadata: ClassVar = {"target": "cpu"}
+
+    class OfOthers(General):
+        metadata: ClassVar = {"target": "gpu"}
+
+    rules, target = [General, OfOthers, OfProcessors, General], target_registry["cpu"]
+    for _ in range(2):
+        assert utils.order_by_target_specificity(target, rules) == [OfProcessors, General, General]
+        assert compiler_shortcuts._order_of_rules(target, rules) == [OfProcessors, General, General]
+        with pytest.raises(UnsupportedError, match="any matches for function 'this'"):
+            utils.order_by_target_specificity(target, [OfOthers], "this")
+    assert utils.order_by_target_specificity(target, []) == []
