@@ -21,9 +21,11 @@ from integrators.schemes.record import Scheme
 def pytest_xdist_setupnodes(config):
     """Have what all tests need compiled before workers start, who would compile the same things at the same time."""
     if config.args_source is pytest.Config.ArgsSource.TESTPATHS:
-        from studies.sweeping.compiled_ahead import compile_ahead
+        from compiled_first import compile_motions_of_tests
 
-        compile_ahead()
+        from studies.sweeping.compiled_ahead import compile_ahead, compile_effects
+
+        compile_ahead((compile_effects, compile_motions_of_tests))
 
 
 @pytest.hookimpl(wrapper=True)
