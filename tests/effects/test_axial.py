@@ -87,7 +87,7 @@ def test_laws_in_jax(compression):
         T, (of_stretch, of_rate) = jax.value_and_grad(lambda x, r: parts(x, r, *law)[0], (0, 1))(x, r)
         return T, of_stretch, of_rate, jax.grad(lambda x: energy(x, law[0]))(x), jnp.stack(slopes(x, r, *law))
 
-    @settings(deadline=None, max_examples=50)
+    @settings(deadline=None, max_examples=20)
     @given(st.lists(st.tuples(STRETCHES, RATES), min_size=16, max_size=16))
     def check(states):
         x, r = np.array(states).T

@@ -24,7 +24,7 @@ def read(path, reader):
             assert all(line.isprintable() and len(line) <= LONGEST for line in str(refused).split("\n"))
 
 
-OFTEN = settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+OFTEN = settings(deadline=None, max_examples=75, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 @OFTEN

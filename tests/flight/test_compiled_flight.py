@@ -46,7 +46,7 @@ def assert_same(first, second):
         assert np.array_equal(getattr(first, name), getattr(second, name)), name
 
 
-@pytest.mark.parametrize("rates, delay", [((100.0, 500.0), 0.0), ((90.0, 300.0), 0.013)])
+@pytest.mark.parametrize("rates, delay", [pytest.param((100.0, 500.0), 0.0, marks=pytest.mark.slow), ((90.0, 300.0), 0.013)])
 def test_it_is_the_flight_of_python(rates, delay):
     """With guide, position control, attitude control or all in Python: called at their rates, held and delayed alike."""
     control = {"rates": rates, "delay": delay}

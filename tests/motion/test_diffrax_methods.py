@@ -278,6 +278,7 @@ def test_corners_are_landed_on_and_a_jerk_is_not_stepped_over():
     np.testing.assert_array_equal(moved.t, exact.t)
 
 
+@pytest.mark.slow
 def test_runs_that_fail_say_when_and_why(monkeypatch):
     scene = hung()
     with monkeypatch.context() as short:

@@ -127,7 +127,7 @@ def test_a_singular_matrix_is_a_failure_with_its_reason():
 
 
 @pytest.mark.parametrize(
-    "method", [pytest.param(m, marks=pytest.mark.slow if m == "RK45" else ()) for m in METHODS if m != "DOP853"]
+    "method", [pytest.param(m, marks=pytest.mark.slow if m in ("RK45", "Radau") else ()) for m in METHODS if m != "DOP853"]
 )
 def test_methods_agree_on_the_carried_net(carried, method):
     run, other = carried[method], carried["DOP853"]

@@ -226,7 +226,7 @@ def test_stability_intervals(scheme, zeta, expected):
 
 
 @pytest.mark.parametrize("scheme", ["rk4", "dop853", "RK45", "DOP853", "Tsit5"])
-@pytest.mark.parametrize("zeta", [0.0, 1e-3, 0.05, 0.4, 0.9, 1.7])
+@pytest.mark.parametrize("zeta", [0.0, 0.4, 1.7, *(pytest.param(z, marks=pytest.mark.slow) for z in (1e-3, 0.05, 0.9))])
 def test_no_instability_below_the_limit(scheme, zeta):
     """The coarse scan along the ray must not step over a gap."""
     limit = step_limit(scheme, 1.0, zeta)

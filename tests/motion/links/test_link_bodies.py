@@ -68,7 +68,7 @@ def off_shape(run, body):
     return np.abs(apart - np.linalg.norm(own[:, None] - own, axis=-1)).max()
 
 
-@pytest.mark.parametrize("segments", [1, 4])
+@pytest.mark.parametrize("segments", [pytest.param(1, marks=pytest.mark.slow), 4])
 def test_edmc_converges_to_links_at_order_2(segments):
     """Four steps; the errors of edmc, places and velocities, against links at a tolerance that leaves nothing of that size."""
     scene = box(segments=segments)
