@@ -5,7 +5,9 @@ the next one takes steps that its predecessor's errors ask for, a whole number o
 two runs to compare: what they differ by is the error of the coarser one, and what that is of the error which it told corrects what
 the finer one tells. Where it is many times as much, the motion has multiplied errors: past a whip, or in chaos, no step keeps an
 error, and the run says from when on. Nodes of a loose cable fly until it is taut again, and where they are then changes at once
-with the step: two runs whose steps are far apart say little of how the error falls, and a third one between them is asked.
+with the step: two runs whose steps are far apart say little of how the error falls, and a third one between them is asked. Nor is
+the error of such a motion kept by the word of one run: where the pilot chose steps several times shorter, a run with four of them
+in one is beside it.
 
 A motion that asks for far shorter steps than those it began with would take minutes or hours. What all runs cost is counted in
 Newton iterations times moving nodes, which are the same on every machine. Where the next run would cost more than the budget, the
@@ -24,7 +26,7 @@ import numpy as np
 from anet_lumped.limits import STEPS, most_of
 from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.distances import distances
-from anet_lumped.results.free_flight import goes_loose
+from anet_lumped.results.free_flight import MULTIPLIED, goes_loose
 from anet_lumped.results.run import Run
 from integrators import schemes
 
@@ -39,6 +41,7 @@ SMALLEST_ERROR = 1e-6  # of the longest cable: a motion that is smaller than its
 TENSION_ERROR = 0.02  # of the largest tension: what the default keeps
 PILOT = 0.125  # of the time of a run; the pilot's cost is that share of the first run's
 FEWEST_STEPS = 400  # a shorter run costs so little that it is its own pilot
+BESIDE = 4  # steps in one of a run beside which a motion that goes loose is judged, where its pilot alone chose the step
 AIM = 0.5  # of the error asked for, by an estimate that may be half of the truth; of tensions, where no second run corrects it, too
 MOST_AT_ONCE = 8  # steps that one is replaced by
 MOST_FOR_PLACES, MOST_FOR_TENSIONS = 512, 32  # steps in all that one of the first choice is replaced by; beyond, the run says so
@@ -185,7 +188,14 @@ def keep_error(
         for_places, for_tensions = _parts(run, wanted, known, 1.0, choice.dt / first, in_vain)
         wishes = min(for_places, most), min(for_tensions, most)
         if max(wishes) < 2:
-            break
+            longer = _longer(choice, first, span)
+            if longer is None or known.apart < math.inf or not _may_multiply(run, known, wanted):
+                break
+            coarser = budget.spend(march(longer, duration), longer.dt / first)
+            if not coarser.ok or coarser.error is None:
+                break
+            known = _beside(run, coarser, known, wanted)
+            continue
         needs = _needed(run, wanted, known, 1.0)
         other = instead(run, needs[0]) if instead is not None and known.apart == math.inf else None
         if other is not None:
@@ -227,6 +237,29 @@ def keep_error(
 def _finer(choice: Choice, parts: int, span: float) -> Choice:
     """The choice with every step in parts."""
     return replace(choice, dt=span / (parts * round(span / choice.dt))) if parts > 1 else choice
+
+
+def _longer(choice: Choice, first: float, span: float) -> Choice | None:
+    """The choice with `BESIDE` steps in one or half of these, none longer than the ``first`` one [s]; None without such."""
+    steps = round(span / choice.dt)
+    for together in (BESIDE, BESIDE // 2):
+        if steps % together == 0 and together * choice.dt < 1.001 * first:
+            return replace(choice, dt=span / (steps // together))
+    return None
+
+
+def _may_multiply(run: Run, known: Known, wanted: Wanted) -> bool:
+    """Whether an error that is kept by the run's own word may be more than what is wanted, as the motion goes loose or buckles."""
+    whips = goes_loose(run) or first_buckled(run) is not None
+    return whips and MULTIPLIED * known.error > wanted.of_places(run)
+
+
+def _beside(run: Run, coarser: Run, known: Known, wanted: Wanted) -> Known:
+    """What is known of the errors of a run beside a coarser one, no less than the run tells by itself."""
+    seen = _compared(run, coarser, wanted, 0.0)
+    if seen.error <= known.error:
+        return known._replace(apart=seen.apart)
+    return seen._replace(tension_error=max(seen.tension_error, known.tension_error))
 
 
 def _alone(run: Run) -> Known:

@@ -10,9 +10,10 @@ from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, equili
 from anet_lumped.effects import Gravity
 from anet_lumped.motion import accuracy
 from anet_lumped.motion import simulate as simulate_module
-from anet_lumped.motion.accuracy import ERROR_OF_LENGTH, PILOT, Budget, Wanted, _compared, cost, keep_error
+from anet_lumped.motion.accuracy import ERROR_OF_LENGTH, PILOT, TENSION_ERROR, Budget, Wanted, _compared, cost, keep_error
 from anet_lumped.motion.choice import EXPLICIT_COST, IMPLICIT_COST, SHARE_OF_TIME_SCALE, Choice, time_scale
 from anet_lumped.results.energy_balance import BY_METHOD
+from studies.catalogue.random_trials import Random, draw
 
 
 def string(T=70.0, mu=5e-4, L=0.65, EA=2e4, pull=1e-3):
@@ -232,3 +233,13 @@ def test_two_runs_correct_what_the_finer_one_tells_of_its_largest_tension(factor
     expected = (1.0 - 1.0 / factor) / coarse.tension_error if share is None else share
     assert known.tension_error == pytest.approx(alike.tension_error * max(expected, 0.5), rel=1e-12)
     assert share is not None or expected > 0.5
+
+
+def test_the_word_of_one_run_is_not_enough_for_a_motion_that_goes_loose():
+    """A net that is let go stretched up to 27 times: its pilot asked for an eighth of the step, and the run told 1.8 of 60 mm."""
+    trial = draw(Random((90433, 182)))
+    run = simulate(trial.scene, trial.t_end, start="straight")
+    finer = simulate(trial.scene, trial.t_end, start="straight", method=run.method, dt=run.dt / 4.0, save_every=run.t[1] - run.t[0])
+    off = np.linalg.norm(run.q - finer.q, axis=2).max()
+    assert off > 10.0 * Wanted(None, TENSION_ERROR).of_places(run)
+    assert run.kept is False and 0.25 < run.error_estimate / off < 4.0
