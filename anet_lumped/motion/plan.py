@@ -9,6 +9,7 @@ import numpy as np
 from anet_lumped.checks import InputError, number, quoted, shown
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.remainder import lightest
+from anet_lumped.results.events import released
 from anet_lumped.results.state import State
 from anet_lumped.scene.origin import largest_distance
 from anet_lumped.scene.scene import Driven, Scene
@@ -18,6 +19,8 @@ from integrators.schemes.record import Scheme
 from .choice import LONGEST_CHOSEN, Choice, check_method, choose
 from .stability import transverse_frequency
 from .times import check_counts
+
+CLOSE = 1e-6  # of the longest cable: by how much a point that is held may start away from its holder
 
 
 class Asked(NamedTuple):
@@ -98,12 +101,27 @@ def planned(scene: Scene, begin: State, asked: Asked) -> Plan:
 def check_start(scene: Scene, begin: State) -> None:
     """Refuse a start whose nodes are too far from each other, or whose points that a session drives are elsewhere."""
     _check_external(scene, begin)
+    _check_held(scene, begin)
     apart, most = float(np.ptp(begin.q, axis=0).max()), largest_distance(scene)
     if not apart < most:
         raise InputError(
             f"Nodes must start within {most:.3g} m of each other, beyond which a motion counts as diverged, but they are "
             f"{apart:.3g} m apart."
         )
+
+
+def _check_held(scene: Scene, begin: State) -> None:
+    """Points that are held start where their holders are."""
+    gone = released(begin.events)
+    for event in scene.releases:
+        if event.point in gone or (event.t is not None and event.t < begin.t):
+            continue
+        apart = float(np.linalg.norm(begin.position(event.point) - begin.position(event.holder)))
+        if apart > CLOSE * max(cable.length for cable in scene.cables):
+            raise InputError(
+                f"A point that is held must start at its holder, but {quoted(event.point)} is {apart:.3g} m from "
+                f"{quoted(event.holder)}."
+            )
 
 
 def _check_breaks(scene: Scene, scheme: Scheme, extrapolate: bool) -> None:

@@ -216,3 +216,6 @@ def test_numbers_that_are_refused():
         hung(Release("end", "a", 1.0), holder=Free("a"))
     with pytest.raises(InputError, match=r'A release at a tension needs a method other than .* but point "end" has one'):
         simulate(hung(Release("end", "a", tension=1e9)), 0.1, dt=1e-3, extrapolate=True)
+    away = State.of(hung(Release("end", "a", 1.0)), points={"end": (0.1, 0, 0), "b": (0, 0, -1)})
+    with pytest.raises(InputError, match=r'must start at its holder, but "end" is 0.1 m from "a"'):
+        simulate(away.scene, 0.1, dt=1e-3, start=away)
