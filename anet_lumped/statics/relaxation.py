@@ -26,9 +26,8 @@ SHORTER = 1 / 16  # of tau: a last step that Newton's method does not solve, as 
 AT_REST = 1e-10  # of the load: out-of-balance force from which longer pseudo-steps gain nothing
 STEPS, ITERATIONS = 400, 20  # largest number of pseudo-steps, and of Newton iterations in each
 # A pseudo-step is too long whose force out of balance, after so many Newton iterations, is so many times that before it, or the
-# load of a node. Of nets of 10 to 60 points a side in a current, steps that found their end had up to 60 times as much by then,
-# most of the others 80 times and more.
-SETTLING, HOPELESS = 3, 65.0
+# load of a node. Of nets in a current, steps that found their end had up to 20 times as much by then, others 100 times and more.
+SETTLING, HOPELESS = 4, 50.0
 # So is one where the line search cuts a Newton step to so much and it still leaves so much of the force out of balance: slack and
 # taut segments take turns from there on.
 CUT, GAINLESS = 1 / 8, 0.9
