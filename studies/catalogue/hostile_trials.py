@@ -7,6 +7,7 @@ from another source of chance.
 import contextlib
 import importlib
 import io
+import logging
 import math
 import signal
 import tempfile
@@ -296,7 +297,7 @@ def _command(pick, folder):
 
     def case():
         out, err = io.StringIO(), io.StringIO()
-        with contextlib.chdir(folder), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        with contextlib.chdir(folder), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), _telling_as_before():
             try:
                 program.main(words)
             except SystemExit as ended:
@@ -305,6 +306,20 @@ def _command(pick, folder):
         return Outcome(outcome, err.getvalue().rstrip("\n"))
 
     return case
+
+
+@contextlib.contextmanager
+def _telling_as_before():
+    """A command has what the library logs told on stderr; afterwards this process tells it as it did."""
+    logs = [logging.getLogger(name) for name in ("anet_lumped", "integrators", "studies")]
+    before = [(log.handlers, log.level) for log in logs]
+    try:
+        with warnings.catch_warnings():
+            yield
+    finally:
+        for log, (handlers, level) in zip(logs, before, strict=True):
+            log.handlers = handlers
+            log.setLevel(level)
 
 
 KINDS: dict[str, Callable[[Any, Path], Callable[[], Outcome]]] = {

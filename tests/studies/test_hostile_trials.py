@@ -1,6 +1,8 @@
 """Input that cannot be: some of each kind end as they may, and each way in which none may end is seen."""
 
+import logging
 import time
+import warnings
 
 import pandas as pd
 import pytest
@@ -108,3 +110,11 @@ def test_the_study_counts_and_names_what_is_bad():
     rows = {"counts": rows["counts"][:2], "bad": rows["bad"][:0]}
     assert "Of 90 cases, none ended in a traceback" in hostile_input.answer(rows)
     assert set(hostile_input.plot(rows)) == {"outcomes"}
+
+
+def test_after_commands_this_process_tells_as_before():
+    """A command has what is logged told on stderr; studies that this process runs later must not."""
+    log = logging.getLogger("anet_lumped")
+    before = log.handlers, log.level, warnings.showwarning
+    try_many("command", 5, 0, 3)
+    assert (log.handlers, log.level, warnings.showwarning) == before
