@@ -18,9 +18,9 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, quoted
+from anet_lumped.checks import Vector
 from anet_lumped.compiled.jit import inlined_law, law, njit
-from anet_lumped.effects.laws.contact_area import CONTACT, SLIP_SPEED
+from anet_lumped.effects.laws.contact_area import CONTACT, SLIP_SPEED, half_stiffnesses
 
 from .effect import Effect, height_under
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
@@ -81,12 +81,7 @@ class CableFriction(Effect):
         ------
         SceneError : a cable without a diameter
         """
-        for cable in model.scene.cables:
-            if cable.diameter is None:
-                raise SceneError(
-                    f"The effect CableFriction needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
-                )
-        k = np.array([0.5 * self.stiffness * cable.diameter * cable.L0 for cable in model.scene.cables])[model.cable_of]
+        k = half_stiffnesses(model, "CableFriction", self.stiffness)
         return model.ends.ravel().astype(np.int64), np.array([self.height, self.along, self.across, self.slip_speed, *k])
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:

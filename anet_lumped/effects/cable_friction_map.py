@@ -18,9 +18,9 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, quoted
+from anet_lumped.checks import Vector
 from anet_lumped.compiled.jit import inlined_law, law, njit
-from anet_lumped.effects.laws.contact_area import CONTACT, SLIP_SPEED
+from anet_lumped.effects.laws.contact_area import CONTACT, SLIP_SPEED, half_stiffnesses
 from anet_lumped.effects.laws.height_map import checked_map, spot
 
 from .effect import Effect, height_under
@@ -88,12 +88,7 @@ class CableFrictionMap(Effect):
         ------
         SceneError : a cable without a diameter
         """
-        for cable in model.scene.cables:
-            if cable.diameter is None:
-                raise SceneError(
-                    f"The effect CableFrictionMap needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
-                )
-        k = np.array([0.5 * self.stiffness * cable.diameter * cable.L0 for cable in model.scene.cables])[model.cable_of]
+        k = half_stiffnesses(model, "CableFrictionMap", self.stiffness)
         grid = (len(self.x), len(self.y), *self.x, *self.y, *np.ravel(self.heights))
         header = self.along, self.across, self.slip_speed, HEADER + len(k)
         return model.ends.ravel().astype(np.int64), np.array([*header, *k, *grid])

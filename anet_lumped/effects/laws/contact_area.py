@@ -37,9 +37,7 @@ def sums_over_halves(model: Any, effect: str, numbers: Callable[[Any, float], Se
     ------
     SceneError : a cable without a diameter
     """
-    without = next((cable.name for cable in model.scene.cables if cable.diameter is None), None)
-    if without is not None:
-        raise SceneError(f"The effect {effect} needs the `diameter` [m] of every cable, but cable {quoted(without)} has none.")
+    _check_diameters(model, effect)
     rows = [numbers(cable, 0.5 * cable.diameter * cable.L0) for cable in model.scene.cables]
     stubs = [(model.node(point), numbers(cable, 0.5 * cable.diameter * cable.L0)) for point, cable in model.scene.stubs]
     sums = np.zeros((model.n, len((rows + [row for _, row in stubs])[0])))
@@ -50,6 +48,23 @@ def sums_over_halves(model: Any, effect: str, numbers: Callable[[Any, float], Se
     for node, row in stubs:
         sums[node] += row
     return sums
+
+
+def half_stiffnesses(model: Any, effect: str, stiffness: float) -> np.ndarray:
+    """Stiffness k d L0/2 of half of each segment, (segments,) [N/m], for ``stiffness`` k [Pa/m].
+
+    Raises
+    ------
+    SceneError : a cable without a diameter
+    """
+    _check_diameters(model, effect)
+    return np.array([0.5 * stiffness * cable.diameter * cable.L0 for cable in model.scene.cables])[model.cable_of]
+
+
+def _check_diameters(model: Any, effect: str) -> None:
+    without = next((cable.name for cable in model.scene.cables if cable.diameter is None), None)
+    if without is not None:
+        raise SceneError(f"The effect {effect} needs the `diameter` [m] of every cable, but cable {quoted(without)} has none.")
 
 
 def frequencies(cables: Sequence[Any], stiffness: float) -> list[float]:
