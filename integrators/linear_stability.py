@@ -116,6 +116,10 @@ class AmplificationPolynomial(StepLimit):
             zeta[x > real] = np.where(stable.any(axis=0), edge, -np.inf)
         return zeta
 
+    def error_of_step(self, z):
+        """What a step of a mode with z = h omega (-zeta + i sqrt(1 - zeta^2)) is off by over its amplitude, |R(z) - exp(z)|."""
+        return np.abs(np.polyval(self.coefficients[::-1], z) - np.exp(z))
+
     def highest_frequency(self, zeta, hd):
         """The first h omega beyond which |R(z)| exceeds one."""
         return self._first_edge(1.0, 2.0 * zeta, hd)

@@ -362,7 +362,7 @@ def told(
     how = how or f"dt={run.dt:.3g} s"
     allowed = wanted.of_places(run)
     if run.error is not None:
-        run = replace(run, error_factor=known.of_told)
+        run = replace(run, error_factor=run.error_factor * known.of_told)
     reason = (
         f"{run.reason}; {how} keeps places to {allowed:.2g} m (estimated {known.error:.2g} m) "
         f"and peak tensions to {wanted.tension_error:.2g} (estimated {known.tension_error:.2g})"

@@ -3,8 +3,10 @@
 from dataclasses import replace
 
 from anet_lumped.results.run import STATUS, Run
+from anet_lumped.results.tension_error import highest_axial_mode
 from integrators import schemes
-from integrators.marching.error_growth import steps_of_differences
+from integrators.linear_stability import AmplificationPolynomial
+from integrators.marching.error_growth import steps_of_differences, times_seen
 from integrators.system import DIVERGED, UNCONVERGED
 
 from .energy_gain import GAINED, flag_energy_gain
@@ -16,6 +18,7 @@ from .run_warnings import warnings_of
 # seen in them.
 LEAST_STEPS, DIFFERENCES = 10, 3
 ORDER_AT_KINKS, DIFFERENCES_AT_KINKS = 2, 30  # of any method past a kink of the force, and of one of a higher order
+UNSEEN = 30.0  # times as much as differences see of the fastest vibration: beyond it what they see tells nothing
 
 
 def judged(run: Run, limit: float, adaptive: bool) -> Run:
@@ -29,6 +32,9 @@ def judged(run: Run, limit: float, adaptive: bool) -> Run:
     """
     if _knows_no_error(run, adaptive):
         run = replace(run, error_growth=None)
+    elif not adaptive and run.error_growth is not None:
+        times = _times_seen(run)
+        run = replace(run, error_growth=None) if times > UNSEEN else replace(run, error_factor=times) if times > 1.0 else run
     if run.ok:
         run = flag_energy_gain(run, limit, adaptive)
     if run.ok:
@@ -54,6 +60,18 @@ def _knows_no_error(run: Run, adaptive: bool) -> bool:
     differences = DIFFERENCES_AT_KINKS if order > ORDER_AT_KINKS and _meets_kinks(run) else DIFFERENCES
     least = max(LEAST_STEPS, steps_of_differences(scheme, differences))
     return round((run.t[-1] - run.t[0]) / run.dt) < least
+
+
+def _times_seen(run: Run) -> float:
+    """How many times what differences of velocities see of it the run's steps leave out of the fastest axial vibration.
+
+    Of a method of a higher order: of one of order 2 it is less than three within the limit.
+    """
+    scheme = schemes.scheme(run.method)
+    if not scheme.own or run.extrapolated or not isinstance(scheme.limit, AmplificationPolynomial) or scheme.keeps_constraints:
+        return 1.0
+    modes = (highest_axial_mode(cable) for cable in run.scene.cables)
+    return max((times_seen(scheme, mode.omega * run.dt, mode.zeta) for mode in modes if mode.zeta < 1.0), default=1.0)
 
 
 def _meets_kinks(run: Run) -> bool:

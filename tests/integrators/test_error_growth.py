@@ -6,7 +6,7 @@ from duffing import Duffing
 from test_boundary import FIRST, OWN, run
 
 from integrators import schemes
-from integrators.marching.error_growth import SHORT, UNSEEN, UNSEEN_EXPLICIT, step_error, unseen_steps
+from integrators.marching.error_growth import SHORT, SWING, UNSEEN, UNSEEN_EXPLICIT, step_error, times_seen, unseen_steps
 
 T_END = 3.0  # [s], one turn of the fastest motion
 
@@ -52,3 +52,20 @@ def test_a_short_march_of_explicit_steps_is_looked_at_as_often_as_an_implicit_on
 @pytest.mark.parametrize(("name", "of_means"), [("edmc", 1), ("midpoint", 1), ("backward_euler", 0), ("verlet", 0), ("links", 0)])
 def test_means_are_for_implicit_schemes_of_order_two(name, of_means):
     assert step_error(schemes.scheme(name), 10).of_means == of_means
+
+
+@pytest.mark.parametrize("zeta", [0.0, 0.02])
+@pytest.mark.parametrize(
+    ("name", "x"), [("rk4", 1.0), ("rk4", 2.5), ("dop853", 1.0), ("dop853", 2.0), ("dop853", 3.0), ("dop853", 4.0)]
+)
+def test_what_differences_of_a_vibration_do_not_see_is_known(name, x, zeta):
+    """Velocities of the exact vibration, their differences, and the error that the steps of the scheme add up to in ten of them.
+
+    Of order 8 with two steps a period differences see a five hundredth.
+    """
+    scheme, steps = schemes.scheme(name), np.arange(11)
+    z = x * (-zeta + 1j * np.sqrt(1.0 - zeta**2))
+    off = np.abs(np.polyval(scheme.limit.coefficients[::-1], z) - np.exp(z)) * np.abs(np.exp(z * steps[:-1])).sum()
+    differences = np.diff(np.exp(z * np.arange(-scheme.order, 11)), n=scheme.order)[:-1]
+    seen = scheme.error_constant * abs(z) * np.abs(differences).sum()
+    assert times_seen(scheme, x, zeta) == pytest.approx(max(off / (SWING * seen), 1.0), rel=1e-9)

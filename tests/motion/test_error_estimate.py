@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from anet_lumped import Cable, Driven, Fixed, Free, Scene, load_run, paths, simulate
+from anet_lumped import Cable, Driven, Fixed, Free, Scene, State, load_run, paths, simulate
 from anet_lumped.effects import Gravity
 from anet_lumped.results.energy_balance import moved_share
 from integrators import schemes
@@ -109,6 +109,22 @@ def test_past_a_catch_a_method_of_high_order_needs_many_steps(method, least):
     few, enough = (simulate(scene, 0.4, method=method, dt=0.4 / n, start="straight") for n in (least - 1, least))
     assert few.error_estimate is None and enough.error_estimate > 0.0
     assert enough.segment_tension.min() == 0.0 < enough.segment_tension.max()
+
+
+@pytest.mark.parametrize(("x", "told"), [(1.0, True), (2.0, True), (3.0, True), (3.5, False), (5.0, False)])
+def test_steps_of_high_order_that_do_not_resolve_a_vibration_tell_of_it_or_tell_nothing(x, told):
+    """Axial vibrations of a taut chain, by dop853 with h omega = x: told was a 25th of the truth at 3, a 350th at 5."""
+    cable = Cable("a", "b", length=L, mass_per_length=0.1, EA=1e6, segments=8)
+    scene = Scene([Fixed("a", (0.0, 0.0, 0.0)), Fixed("b", (1.02, 0.0, 0.0))], [cable], [Gravity(9.81)])
+    along = np.linspace((0.0, 0.0, 0.0), (1.02, 0.0, 0.0), 9)
+    thrown = np.zeros_like(along)
+    thrown[1:-1, 0] = np.random.default_rng(1).normal(size=7, scale=0.5)
+    start = State.of(scene, shapes={cable.name: along}, velocities={cable.name: thrown})
+    dt = x / cable.omega_max
+    run, fine = (simulate(scene, 100 * dt, method="dop853", dt=h, save_every=dt, start=start) for h in (dt, dt / 16))
+    assert run.ok and (run.error_estimate is not None) == told
+    if told:
+        assert 0.4 < run.error_estimate / np.linalg.norm(run.q - fine.q, axis=2).max() < 2.5
 
 
 def test_solvers_of_other_packages_tell_none():
