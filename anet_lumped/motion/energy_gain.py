@@ -22,6 +22,7 @@ ALLOWED_GAIN = 0.1  # of the energy in play
 BLOCKS = 20  # of a run, whose least energies are compared where energy oscillates by itself
 WEIGHT_TOLERANCE = 1e-9  # of the weight's work over the reach: energy that Newton's tolerance leaves
 STIFFNESS_TOLERANCE = 1e-15  # of k reach^2: energy that rounding leaves
+PLACE_TOLERANCE = 16.0 * np.finfo(float).eps  # of the reach: what rounding moves a node by in a step
 LENGTH_TOLERANCE = 1e-8  # of a length that must not change: a hundred times what Newton's tolerance leaves of it
 
 
@@ -41,7 +42,7 @@ def energy_gain(run, adaptive=False):
     float
     """
     columns = np.ascontiguousarray(run.energy.T)
-    in_play = _in_play(columns) + _rounding(run)
+    in_play = _in_play(columns) + rounding(run)
     return _rise(run, columns, adaptive) / in_play if in_play else 0.0
 
 
@@ -66,16 +67,18 @@ def _in_play(columns):
     return float(max(largest[KINETIC], largest[ELASTIC], potential, work))
 
 
-def _rounding(run):
-    """Energy that Newton's tolerance and rounding may leave in a run [J]."""
+def rounding(run):
+    """Energy that Newton's tolerance and rounding may leave in a run [J]; of one at rest there is no other."""
     model = run.model
     reach = max(run.q.max(), -run.q.min())
     weight = model.mass[: model.n_free].sum() * np.linalg.norm(run.scene.gravity)
-    rounding = WEIGHT_TOLERANCE * weight * reach + STIFFNESS_TOLERANCE * model.axial[:, AXIAL_STIFFNESS].max(initial=0.0) * reach**2
+    left = WEIGHT_TOLERANCE * weight * reach + STIFFNESS_TOLERANCE * model.axial[:, AXIAL_STIFFNESS].max(initial=0.0) * reach**2
+    if run.dt:
+        left += 0.5 * model.mass[: model.n_free].sum() * (PLACE_TOLERANCE * reach / run.dt) ** 2
     for cable in run.scene.cables:
         if cable.inextensible:
-            rounding += LENGTH_TOLERANCE * cable.length * float(run.tension(cable.name)[0].max())
-    return float(rounding)
+            left += LENGTH_TOLERANCE * cable.length * float(run.tension(cable.name)[0].max())
+    return float(left)
 
 
 def flag_energy_gain(run, limit, adaptive=False):

@@ -21,7 +21,7 @@ from anet_lumped.scene.platform import driven_from_outside
 from anet_lumped.scene.scene import Driven
 from integrators import schemes
 
-from .energy_gain import ALLOWED_GAIN
+from .energy_gain import ALLOWED_GAIN, rounding
 from .first_step import thrown, unresolved_start
 
 EXCESS_STRETCH = 0.1  # by which a cable may be stretched more than its tension stretches it, over the latter
@@ -81,7 +81,7 @@ def warnings_of(run, adaptive=False):
 def _unaccounted_energy(run, step):
     """Changes of energy beyond work and dissipation, if they are more than `ALLOWED_GAIN` of the energy in play."""
     off, balance = error_of_steps(run), run.energy_balance
-    if off <= ALLOWED_GAIN:
+    if off <= ALLOWED_GAIN or off * balance.in_play <= ALLOWED_GAIN * rounding(run):
         return ""
     lost = (balance.by_method or 0.0) - balance.unaccounted > 0.0
     if any(isinstance(point, Driven) for point in run.scene.all_points):
@@ -98,6 +98,8 @@ def _taken_by_method(run, step, adaptive):
     """Energy that the steps themselves took, if it is more than `ALLOWED_LOSS` of the energy in play and not said already."""
     balance = run.energy_balance
     if error_of_steps(run) > ALLOWED_GAIN or balance.lost_to_method <= ALLOWED_LOSS * balance.in_play:
+        return ""
+    if balance.lost_to_method <= ALLOWED_LOSS * rounding(run):
         return ""
     other = "rho_inf=1" if run.method == "edmc" else 'method="edmc"'
     if not adaptive:
