@@ -154,14 +154,16 @@ def _air_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
 def _water_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     water = _effect(scene, "water")
     density, swings = water.density, [wave.usual_period for wave in water.all_waves]
-    thickest = max(cable.diameter or 0.0 for cable in scene.cables)
+    thickest = max((cable.diameter or 0.0 for cable in scene.cables), default=0.0)
     return {
         "drag/weight": _drag_number(scene, scales, density, scales.speed),
         "buoyancy/weight": _largest(
             scene, lambda c: dimensionless.buoyancy_over_weight(density, c.diameter or 0.0, c.mass_per_length)
         ),
         "Froude": dimensionless.froude(scales.speed, _largest(scene, lambda c: c.length), scales.g) if scales.g else math.nan,
-        "Keulegan-Carpenter": dimensionless.keulegan_carpenter(scales.speed, max(swings, default=scales.swing), thickest),
+        "Keulegan-Carpenter": dimensionless.keulegan_carpenter(scales.speed, max(swings, default=scales.swing), thickest)
+        if thickest
+        else math.nan,
     }
 
 
@@ -185,7 +187,7 @@ def _gravity_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
 
 def _payload_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
     cables = sum(cable.mass_per_length * cable.length for cable in scene.cables)
-    return {"payload/cables": dimensionless.payload_over_cables(sum(_masses(scene)), cables)}
+    return {"payload/cables": dimensionless.payload_over_cables(sum(_masses(scene)), cables) if cables else math.inf}
 
 
 def _ground_numbers(scene: Scene, scales: Scales) -> dict[str, float]:
@@ -251,7 +253,7 @@ def _bent(scene: Scene, level: float | None) -> Scene:
 
 
 def _axial_frequency(scene: Scene) -> float:
-    return max(mode.omega for mode in top_modes(scene).values())
+    return max((mode.omega for mode in top_modes(scene).values()), default=0.0)
 
 
 def _in_scene(name: str) -> Callable[[Scene], bool]:

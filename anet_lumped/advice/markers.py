@@ -235,7 +235,7 @@ def _in_metres(xyz: np.ndarray, scene: Scene, unit: str | None, path: str | Path
     if unit is None:
         # Medians, because one stray point must not decide the unit.
         cloud = np.median(np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1))
-        size = max(cable.length for cable in scene.cables)
+        size = scene.longest
         if 0.02 * size <= cloud <= 20 * size:
             unit = "m"
         elif 20 * size < cloud <= 20e3 * size:
@@ -321,7 +321,7 @@ def fit_markers(xyz: ArrayLike, scene: Scene) -> MarkerFit:
             )
         state, errors, _ = _fit_lengths(xyz, state, order, fitted)
         order = sequence(xyz, state)
-    longest = max(cable.length for cable in scene.cables)
+    longest = scene.longest
     if order.sigma > FAR * longest:
         raise MarkerError(
             f"Markers must lie along the cables (longest {longest:.3g} m), but after the fit half are more than "

@@ -201,9 +201,13 @@ def recommend(
     ------
     RecommendError : the error is out of reach
     SceneError : no free point or cable of that name
-    InputError : an argument out of its range
+    InputError : an argument out of its range; a scene without cables
     """
     check_scene(scene)
+    if not scene.cables:
+        raise InputError(
+            "Segments are recommended for cables, but the scene has none; `simulate` with an `error` finds the step by itself."
+        )
     for name, value in (("error", error), ("t_end", t_end), ("realtime", realtime)):
         if value is not None and not 0 < number(value) < math.inf:
             raise InputError(f"Argument `{name}` must be positive and finite, but it is {shown(value)}.")

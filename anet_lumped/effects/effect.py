@@ -265,7 +265,7 @@ def check_effect_class(kind: Any) -> None:
 
 def height_under(scene: Any) -> float:
     """Height of a plane that a scene's cables reach, for `Effect.example`: 0.6 of the longest below the lowest support [m]."""
-    return float(min(z for _, _, z in scene.supports) - 0.6 * max(cable.length for cable in scene.cables))
+    return float(min(z for _, _, z in scene.supports) - 0.6 * scene.longest)
 
 
 def names_left(name: str, pieces: Mapping[str, Sequence[Any]]) -> list[str]:

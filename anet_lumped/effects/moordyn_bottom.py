@@ -102,7 +102,7 @@ class MoordynBottom(Effect):
                 f"The effect MoordynBottom acts on cables alone, so that no body may move by itself, but {quoted(free)} does; "
                 "Ground holds up bodies and rods."
             )
-        area = sums_over_halves(model, "MoordynBottom", lambda cable, half: (half,))[:, 0]
+        area = sums_over_halves(model, "MoordynBottom", 1, lambda cable, half: (half,))[:, 0]
         area, mass = area[: model.n_free], model.mass[: model.n_free]
         numbers = np.column_stack([self.stiffness * area, self.damping * area, mass]).ravel()
         return np.empty(0, np.int64), np.array([self.height, self.friction, self.friction_damping, self.static_ratio, *numbers])

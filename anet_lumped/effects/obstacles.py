@@ -96,7 +96,7 @@ class Obstacles(Effect):
     @classmethod
     def example(cls, scene: Any) -> Self:
         x, y, _ = np.mean(scene.supports, axis=0).tolist()
-        radius = max(cable.length for cable in scene.cables)
+        radius = scene.longest
         return cls((Sphere((x, y, height_under(scene) - radius), radius),))
 
     def table(self, model: Any) -> tuple[np.ndarray, np.ndarray]:

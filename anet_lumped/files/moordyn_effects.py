@@ -78,11 +78,14 @@ def read_effects(
         for kind, float_at_surface in kinds:
             if float_at_surface and not like_moordyn:
                 findings.remark(f"{kind} float at the surface, where MoorDyn has them under water always{OTHER}")
-    if options.value("kBot") or options.value("cBot"):
+    lines, bodies = list(lines), list(bodies)
+    touches = bool(lines) or any(body.rods for body in bodies)
+    if not touches and seafloor is not None:
+        findings.unused("SeafloorFile", seafloor.row.line, "a bottom that nothing touches")
+    if touches and (options.value("kBot") or options.value("cBot")):
         with findings.refusing():
             effects.append(_bottom(options, places, like_moordyn, seafloor))
             effects += _frictions(options, places, like_moordyn, seafloor)
-    lines = list(lines)
     curves, of_curve = moment_curves(((type_of(line.row), line.cable.name) for line in lines), types, tables, findings)
     stiff = [line.row for line in lines if line.cable.EI]
     if stiff or curves:

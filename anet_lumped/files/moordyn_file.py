@@ -36,6 +36,7 @@ from .moordyn_shedding import with_windows
 from .moordyn_syrope import read_largest_tensions
 
 NEEDED = ("line types", "lines")
+ALONE = ("bodies", "rods", "points")  # what moves without lines, in files that have none
 
 
 @dataclass(frozen=True)
@@ -118,8 +119,9 @@ def deck_from_text(
     """
     findings = Findings(source)
     sections = rows_by_section(text, findings)
+    alone = not sections.get("lines") and any(sections.get(section) for section in ALONE)
     for section in NEEDED:
-        if not sections.get(section):
+        if not sections.get(section) and not alone:
             with findings.refusing():
                 raise SceneError(f"{source}: a MoorDyn file must have a section {section.upper()}, but this has none.")
     for row in sections.get("control", ()):
@@ -128,6 +130,8 @@ def deck_from_text(
     tables = Tables(folder, outside)
     types = read_line_types(sections.get("line types", []), set(map(type_of, rows)), tables, findings)
     under = bodies_under(sections.get("rods", []))
+    if alone:
+        under |= {int(row.words[0]) for row in sections.get("bodies", []) if row.words[0].isdecimal()}
     places = read_points(sections.get("points", []), sections.get("bodies", []), under, coupled or {}, findings)
     rods = read_rods(sections.get("rods", []), sections.get("rod types", []), rows, places, findings)
     bodies = [*_bodies(places, rods, findings), *rods.bodies]
@@ -140,7 +144,8 @@ def deck_from_text(
     lines = with_windows(lines, options, findings, like_moordyn)
     seafloor = read_seafloor(options, tables, findings)
     effects = read_effects(options, places, bodies, lines, types, tables, like_moordyn=like_moordyn, seafloor=seafloor)
-    effects += read_loads(sections, places, bodies, {number for line in lines for number in line.ends})
+    reached = {number for line in lines for number in line.ends}
+    effects += read_loads(sections, places, bodies, set(places.points) if alone else reached)
     findings.raise_if_refused()
     try:
         scene = _scene(places, bodies, lines, failures, effects, findings)
@@ -171,12 +176,15 @@ def _bodies(places: Places, rods: Rods, findings: Findings) -> list[Body]:
 
 
 def _scene(places: Places, bodies: list[Body], lines: list[Line], failures: Failures, effects: list, findings: Findings) -> Scene:
-    """The scene, without free points that no line reaches."""
+    """The scene, without free points that no line reaches; those with a mass stay in a file without lines."""
     ends = {number for line in lines for number in line.ends}
     points: list[Point] = []
     for number, point in places.points.items():
-        if isinstance(point, Free) and number not in ends:
-            findings.remark(f"Point {number} is left out: it moves freely and no line ends there.")
+        if isinstance(point, Free) and number not in ends and (lines or not point.mass):
+            without = "" if lines else ", and it has no mass"
+            findings.remark(f"Point {number} is left out: it moves freely and no line ends there{without}.")
         elif point is not None and not isinstance(point, OnMovingBody) and point not in points:  # both ends of a rod may be one
             points.append(point)
+    if not (lines or bodies or any(isinstance(point, Free) for point in points)):
+        raise SceneError("a MoorDyn file must have lines, or bodies, rods or points that move by themselves, but this has none.")
     return Scene([*points, *failures.points], [line.cable for line in lines], effects, failures.events, bodies)

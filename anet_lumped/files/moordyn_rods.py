@@ -4,8 +4,8 @@ A rod that is free is a `Body` of its own, one that is pinned is held at its end
 "CoupledPinned"; a rod on a body that moves by itself is a `Rod` of that body, or, if it turns there ("Body1Pinned"), a `Body` whose
 end A is pinned to that body. Its ends are "rod1.a" and "rod1.b". A rod that is fixed or coupled, by itself or on such a body, does
 not move by itself: its ends are fixed or driven points, and no load on it is computed. Rods that no line ends at are left out, but
-for those on bodies. A rod without a length, NumSegs 0, has neither mass nor drag in MoorDyn (Rod::setup), wherever its end B is
-given: it is a point at its end A, "rod1".
+for those on bodies, and those that move in a file without lines. A rod without a length, NumSegs 0, has neither mass nor drag in
+MoorDyn (Rod::setup), wherever its end B is given: it is a point at its end A, "rod1".
 
 MoorDyn's rods have no drag and no added mass along them but at their end caps (MoorDyn2.cpp: readRodProps).
 """
@@ -78,7 +78,8 @@ def read_rods(rods: list[Row], types: list[Row], lines: list[Row], places: Place
             own = [end for end in (f"R{number}A", f"R{number}B") if end in ends]
             places.points.update(dict.fromkeys(own))
             held = _hold(row)
-            if not own and not (held.hold is Hold.BODY and held.number in places.attachments):
+            moves = not lines and (held.hold is Hold.FREE or held.pinned) and row.words[9:10] != ["0"]
+            if not own and not moves and not (held.hold is Hold.BODY and held.number in places.attachments):
                 findings.unused(f"rod {row.words[0]}", row.line, "rods that no line ends at")
                 continue
             used_types.add(row.words[1])

@@ -119,7 +119,7 @@ def moordyn_text(
             f"A scene must have no payloads that change to be written for MoorDyn, but it has {shown(scene.payload_changes[0])}."
         )
     places = _places(scene, places or {})
-    environment = _environment(scene, max(abs(float(at[2])) for at in places.values()))
+    environment = _environment(scene, max((abs(float(at[2])) for at in places.values()), default=0.0))
     given = {_name(effect): effect for effect in scene.effects}
     bends = "bending" in given
     curves, moments = _curves(scene, stem), _moments(scene, stem)

@@ -116,7 +116,7 @@ class NetGuide:
 
     def _spread_of(self, height: float, first: float) -> float:
         """The spread [m] with which the point hangs at a height [m] below the quadrotors, at most so wide as cables reach."""
-        longest = max(cable.length for cable in self.scene.cables)
+        longest = self.scene.longest
 
         def above(spread: float) -> float:
             try:

@@ -71,7 +71,7 @@ class Wanted(NamedTuple):
         """Error of places to keep in a run [m]."""
         if self.error is not None:
             return self.error
-        length = max(cable.length for cable in run.scene.cables)
+        length = run.scene.longest
         way = float(np.abs(run.q - run.q[0]).max())
         return max(min(ERROR_OF_LENGTH * length, ERROR_OF_MOTION * way), SMALLEST_ERROR * length)
 

@@ -69,10 +69,11 @@ def check_method(method, rho_inf=None):
 def time_scale(scene, tension=0.0, speed=0.0):
     """Time in which the motion changes [s]: the shortest of
 
-    sqrt(L/g) of a cable that swings, the ramps of the driven points, 2/omega of those that shake and of the vortices that cables
-    shed, what an effect says of itself, and without gravity L sqrt(mu/EA) times ten, or of a cable that does not stretch L over the
-    ``speed`` [m/s] between nodes, but no more than under gravity. Where the ``tension`` [N] of each cable is beyond `DRAWN` times
-    the weight of all, they are like one string with all their length and mass, sqrt(m L/T)/pi.
+    sqrt(L/g) of a cable that swings, or of a body (`Scene.longest` without cables), the ramps of the driven points, 2/omega of
+    those that shake and of the vortices that cables shed, what an effect says of itself, and without gravity L sqrt(mu/EA) times
+    ten, or of a cable that does not stretch, or without cables, L over the ``speed`` [m/s] between nodes, but no more than under
+    gravity. Where the ``tension`` [N] of each cable is beyond `DRAWN` times the weight of all, they are like one string with all
+    their length and mass, sqrt(m L/T)/pi.
     """
     g = float(np.linalg.norm(scene.gravity))
     scales = [_cable_scale(cable, g, speed) for cable in scene.cables]
@@ -84,6 +85,7 @@ def time_scale(scene, tension=0.0, speed=0.0):
             fastest = shed.highest_frequency(scene)
             scales += [2.0 / fastest] if fastest > 0.0 else []
     scales += [math.sqrt(body.radius / g) for body in scene.bodies if g > 0.0 and not body.is_driven]
+    scales += [] if scene.cables else [_scale_of_length(scene.longest, g, speed)]
     payloads = [min([p.mass, *(e.mass for e in scene.payload_changes if e.point == p.name)]) for p in scene.free_points]
     mass = sum(cable.mass_per_length * cable.length for cable in scene.cables) + sum(payloads)
     if tension > DRAWN * mass * g:
@@ -107,8 +109,15 @@ def _cable_scale(cable, g, speed):
     if g > 0.0:
         return math.sqrt(cable.length / g)
     if cable.inextensible:
-        return min(math.sqrt(cable.length / STANDARD_GRAVITY), cable.length / speed if speed > 0.0 else math.inf)
+        return _scale_of_length(cable.length, g, speed)
     return 10.0 * cable.length * math.sqrt(cable.mass_per_length / cable.EA_fast)
+
+
+def _scale_of_length(length, g, speed):
+    """sqrt(L/g), or without gravity L over the speed, but no more than under that of the Earth."""
+    if g > 0.0:
+        return math.sqrt(length / g)
+    return min(math.sqrt(length / STANDARD_GRAVITY), length / speed if speed > 0.0 else math.inf)
 
 
 def _path_scales(path):
@@ -191,6 +200,8 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
         why = "asked for"
     elif rigid is not None:
         method, why = DEFAULT_IMPLICIT, f"cable {quoted(rigid)} does not stretch"
+    elif not scene.cables:
+        method, why = DEFAULT_IMPLICIT, "without cables nothing stretches, and the energy is kept"
     elif creeping is not None:
         method, why = DEFAULT_IMPLICIT, f"cable {quoted(creeping)} creeps"
     elif shedding is not None:

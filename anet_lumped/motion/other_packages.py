@@ -42,7 +42,7 @@ def prepare(model, choice, leg, start, settings):
     Prepared
     """
     rtol, atol = settings.tolerances
-    reach = np.abs(start.q).max() or max(cable.length for cable in model.scene.cables)
+    reach = np.abs(start.q).max() or model.scene.longest
     task = Task(
         choice.method, leg.begin, leg.end, stops(model.scene), start.q, start.v, leg.times(), choice.dt,
         rtol=max(0.5 * rtol, 1e-13), atol=atol + 0.5 * rtol * reach,

@@ -117,7 +117,7 @@ def _check_held(scene: Scene, begin: State) -> None:
         if event.point in gone or (event.t is not None and event.t < begin.t):
             continue
         apart = float(np.linalg.norm(begin.position(event.point) - begin.position(event.holder)))
-        if apart > CLOSE * max(cable.length for cable in scene.cables):
+        if apart > CLOSE * scene.longest:
             raise InputError(
                 f"A point that is held must start at its holder, but {quoted(event.point)} is {apart:.3g} m from "
                 f"{quoted(event.holder)}."

@@ -138,7 +138,7 @@ def _multiplied_errors(run):
     """
     if run.kept is not None or run.extrapolated or run.audit is not None or run.error_growth is None:
         return ""
-    times, allowed = times_at_most(run), SHARE * max(cable.length for cable in run.scene.cables)
+    times, allowed = times_at_most(run), SHARE * run.scene.longest
     if times * run.error_growth[-1] <= allowed or float(np.abs(run.q - run.q[0]).max()) <= allowed:
         return ""
     begins = {"nodes of cables are loose": first_loose(run), "cables that push buckle": first_buckled(run)}
@@ -231,7 +231,7 @@ def _far_from_limit(run, step):
     """Two extrapolated runs that are too far apart to tend to one limit, over the cables' length or over the path of a node."""
     if not run.extrapolated:
         return ""
-    length = max(cable.length for cable in run.scene.cables)
+    length = run.scene.longest
     moved = float(np.linalg.norm(run.q - run.q[0], axis=2).max())
     if run.error_estimate <= min(SHARE * length, SHARE_OF_PATH * moved + 1e-3 * TOLERANCE * length):
         return ""
@@ -247,7 +247,7 @@ def _stood_still(run):
     if not names:
         return ""
     moved = float(np.linalg.norm(run.q - run.q[0], axis=2).max())
-    still = moved <= STILL * max(cable.length for cable in run.scene.cables)
+    still = moved <= STILL * run.scene.longest
     what = "Nothing moves in this run: " if still else ""
     points = f"point {quoted(names[0])} is" if len(names) == 1 else f"{len(names)} points, from {quoted(names[0])} on, are"
     return (

@@ -128,7 +128,7 @@ def simulate(
     asked = error is not None, tension_error is not None
     by_default = method is None and dt is None and not adaptive and not extrapolate
     wanted = Wanted(error, TENSION_ERROR if tension_error is None else tension_error)
-    length = max(cable.length for cable in scene.cables)
+    length = scene.longest
 
     def by_tolerance(choice: Choice, most: float = math.inf) -> Run:
         def march(tolerance: float) -> Run:
@@ -156,7 +156,7 @@ def simulate(
             return whole(choice, save_every=every, t_end=begin.t + duration)
 
         without_links = any(body.is_jointed for body in scene.bodies) or shedding_cable(scene) is not None  # links take none
-        rigid = by_default and not without_links and all(cable.inextensible for cable in scene.cables)
+        rigid = by_default and not without_links and bool(scene.cables) and all(cable.inextensible for cable in scene.cables)
         run = keep_error(march, choice, wanted, t_end, save_every or t_end, by_links_instead if rigid else None, asked=asked)
         if rigid and run.ok and not run.kept:  # what multiplies errors leaves less of those of order 8
             run = by_links_instead(run, math.inf) or run
@@ -229,6 +229,8 @@ def _march_of(scheme: Scheme) -> Callable[..., Any]:
 
 def overstretched(begin: State) -> list[str]:
     """Warning in a list if the places of points stretch cables by more than a start that is meant would."""
+    if not begin.scene.cables:
+        return []
     worst = max(begin.scene.cables, key=lambda cable: begin.length(cable.name) / cable.length)
     strain = begin.length(worst.name) / worst.length - 1.0
     if strain <= MEANT_STRAIN:

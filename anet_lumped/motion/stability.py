@@ -68,6 +68,11 @@ class Prediction:
             return ""
         if limit.step == 0.0:
             return f'Method "{scheme}" is stable at no step here, and dt={dt:g} s was given: {limit.note}.'
+        if not limit.cable:
+            return (
+                f'Step dt={dt:g} s is beyond the largest stable step of "{scheme}", {limit.step:.3g} s, set by the damping of '
+                f'{self.rate:.3g} 1/s; take a smaller step or an implicit method such as "edmc".'
+            )
         mode = self.modes[limit.cable]
         return (
             f'Step dt={dt:g} s is beyond the largest stable step of "{scheme}", {limit.step:.3g} s, set by cable '
@@ -243,7 +248,7 @@ def predict(scene: Scene, strain: float = 0.1, schemes: tuple[str, ...] | None =
     kinds: dict[str, TopMode] = {}  # the first of each: nets have thousands that rounding tells apart
     for mode in modes.values():
         kinds.setdefault(f"{mode.omega:.7g} {mode.zeta:.7g}", mode)
-    unlike = list(kinds.values())
+    unlike = list(kinds.values()) or [TopMode("", 0.0, 0.0)]  # without cables nothing vibrates
     omega, zeta = np.array([(mode.omega, mode.zeta) for mode in unlike]).T
     for one in map(record_of, wanted):
         axial = step_limit(one.name, omega, zeta, rate)

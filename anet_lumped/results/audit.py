@@ -93,7 +93,7 @@ def audited(run: Any, finer: Callable[[int], Any], order: float | None, allowed:
     Run
     """
     if allowed is None:
-        longest = max(cable.length for cable in run.scene.cables)
+        longest = run.scene.longest
         moved = float(np.linalg.norm(run.q - run.q[0], axis=2).max())
         allowed = max(min(SHARE * longest, SHARE_OF_MOTION * moved), LEAST * longest)
     began = time.perf_counter()

@@ -147,6 +147,8 @@ def end_forces_at_rest(now: Rows) -> np.ndarray:
     """`end_force` of every cable of a scene at its start and its end in a state at rest, (n_cables, 2, 3) [N], all at once."""
     model = now.left.model
     cables, (first, count) = model.scene.cables, model.cable[:, [CABLE_FIRST_SEGMENT, CABLE_SEGMENTS]].T
+    if not cables:
+        return np.zeros((0, 2, 3))
     total = np.stack([_pulls(now, first)[0], -_pulls(now, first + count - 1)[0]], axis=1)
     total[model.flipped] = total[model.flipped, ::-1]
     if _only_weighs(model):

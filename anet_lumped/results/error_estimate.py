@@ -71,7 +71,7 @@ def look_at_errors(run: Any) -> SavedMotion:
     if schemes.scheme(run.method).books_its_losses:
         numbers[WEIGHT] = float(np.linalg.norm(scene.gravity)) * float(run.model.mass[:n_free].sum())
         modes = [lowest_axial_mode(scene, cable) for cable in scene.cables]
-        numbers[RATE] = min(mode.zeta * mode.omega for mode in modes)
+        numbers[RATE] = min((mode.zeta * mode.omega for mode in modes), default=0.0)
     else:
         columns[MOVED] = moved_share(run.energy)
     fade_errors(seen.address)

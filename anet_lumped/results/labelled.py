@@ -28,7 +28,7 @@ def dataset(run: Any) -> Any:
 
     scene = run.scene
     points, cables = [point.name for point in scene.all_points], [cable.name for cable in scene.cables]
-    most, rows = max(cable.segments for cable in scene.cables), len(run.t)
+    most, rows = max((cable.segments for cable in scene.cables), default=0), len(run.t)
     shape, tension = np.full((rows, len(cables), most + 1, 3), np.nan), np.full((rows, len(cables), most), np.nan)
     arc, middle = np.full((len(cables), most + 1), np.nan), np.full((len(cables), most), np.nan)
     for c, cable in enumerate(scene.cables):

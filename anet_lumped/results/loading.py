@@ -58,6 +58,7 @@ def _run(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Run:
     for name in ("dt", "wall_time", "error_factor"):
         if not 0 <= number(numbers.get(name)) < math.inf:
             raise DamagedError(f"its `{name}` is {shown(numbers.get(name))}")
+    arrays = {"tension": np.zeros((len(arrays["t"]), 0))} | dict(arrays)  # files of scenes without cables have none
     scene = _scene(arrays, account)
     _check_finite(arrays, texts["status"] in FINISHED)
     events = tuple(_records(Event, "events", account))
@@ -98,6 +99,8 @@ def _scene(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Scen
     segments = sum(cable.segments for cable in scene.cables)
     nodes = segments - len(scene.cables) + len(scene.all_points)
     found = arrays["q"].shape[1], arrays["v"].shape[1], arrays["tension"].shape[1]
+    if segments and not found[2]:
+        raise DamagedError("it has no `tension`")
     if found != (nodes, nodes, segments):
         raise DamagedError(
             f"its scene has {nodes} nodes and {segments} segments, but its arrays are of {found[0]} nodes and {found[2]} segments"

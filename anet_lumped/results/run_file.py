@@ -60,7 +60,12 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         "error_factor": float(run.error_factor),
         "pushed": int(run.pushed),
     }
-    arrays = {"t": run.t, "q": run.q, "v": run.v, "tension": run.segment_tension, "energy": run.energy}
+    arrays = {"t": run.t, "q": run.q, "v": run.v, "energy": run.energy}
+    told = labels(run.model)
+    if run.model.n_segments:
+        arrays["tension"] = run.segment_tension
+    else:  # a dimension of no length means another thing in netCDF-3
+        told = {name: one for name, one in told.items() if one[0] != "segment"}
     if run.error_growth is not None:
         arrays["error"] = run.error_growth
     if run.crept is not None:
@@ -86,7 +91,7 @@ def write(run: Any, path: str | PathLike[str]) -> None:
     variables: dict[str, Any] = {name: (DIMENSIONS[name], array, about[name]) for name, array in arrays.items()}
     xr.Dataset(
         {name: variable for name, variable in variables.items() if name != "t"},
-        coords={"t": variables["t"], "axis": AXES, "energy_of": columns} | labels(run.model),
+        coords={"t": variables["t"], "axis": AXES, "energy_of": columns} | told,
         attrs=account | {"checksum": _checksum(arrays, account)},
     ).to_netcdf(path, engine="scipy")
 
@@ -97,7 +102,7 @@ def read(path: str | PathLike[str]) -> tuple[dict[str, np.ndarray], dict[str, An
     Returns
     -------
     arrays : dict of str to float64
-        t, q, v, tension, energy and, if there are such, error, crept, T_max and shedding; shapes agree with each other.
+        t, q, v, energy and, if there are such, tension, error, crept, T_max and shedding; shapes agree with each other.
     account : dict
         The attributes, as text and numbers.
 
@@ -114,7 +119,7 @@ def read(path: str | PathLike[str]) -> tuple[dict[str, np.ndarray], dict[str, An
         raise DamagedError(
             f"it was written by a newer version of anet-lumped, in format {form} where this one reads up to {FORMAT}"
         )
-    for name in ("t", "q", "v", "tension", "energy", "axis", "energy_of"):
+    for name in ("t", "q", "v", "energy", "axis", "energy_of"):
         if name not in variables:
             raise DamagedError(f"it has no `{name}`")
     for name in LABELS:

@@ -46,7 +46,7 @@ class RunTable:
             if name not in KNOWN or isinstance(keep, str):
                 near = nearest(name, KNOWN) or f"; known are {', '.join(KNOWN)}."
                 raise InputError(f"Argument `keep` must list what is kept of a run, but it has {shown(name)}{near}")
-        model, most = build(scene), max(cable.segments for cable in scene.cables)
+        model, most = build(scene), max((cable.segments for cable in scene.cables), default=0)
         self.scene, self.count, self.t = scene, count, t
         sizes = {
             "point": len(scene.all_points), "axis": 3, "cable": len(scene.cables), "segment": most, "node": most + 1,

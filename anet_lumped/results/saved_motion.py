@@ -90,7 +90,7 @@ def _nodes(model: Any) -> np.ndarray:
 def _is_seen(run: Any) -> bool:
     """Whether the run has an error that is worth looking at, and no more across it than tensions."""
     plain = not run.model.has_bodies and all(effect.coupled_neighbours < BENDS for effect in run.scene.effects)
-    return plain and run.error_growth[-1] > SEEN * max(cable.length for cable in run.scene.cables)
+    return plain and run.error_growth[-1] > SEEN * run.scene.longest
 
 
 def _falls(scene: Any) -> bool:

@@ -170,8 +170,8 @@ class State:
 
     @property
     def least_tension(self) -> float:
-        """Mean tension of the cable whose mean tension is the least [N]."""
-        return min(float(self.tension(cable.name).mean()) for cable in self.scene.cables)
+        """Mean tension of the cable whose mean tension is the least [N]; 0 without cables."""
+        return min((float(self.tension(cable.name).mean()) for cable in self.scene.cables), default=0.0)
 
     def plot(self) -> Any:
         """A figure of matplotlib: the shape in one or two planes, coloured by tension; see `views.state_figure`."""

@@ -94,11 +94,12 @@ def scene_from_dict(entries: dict[str, Any], source: str = "scene") -> Scene:
     bodies = [_body(entry, place) for entry, place in _tables(entries, "bodies", source)] if "bodies" in entries else ()
     woven = [_net(entry, place, shared) for entry, place in _tables(entries, "nets", source)] if "nets" in entries else ()
     points, cables = [], [cable for net in woven for cable in net.cables]
-    if not (bodies or woven) or "points" in entries:
+    if not (bodies or woven) or entries.get("points", []) != []:
         points = [_point(entry, place) for entry, place in _tables(entries, "points", source)]
     own = {point.name for point in points}
     points += [point for net in woven for point in net.points if point.name not in own]
-    if not woven or "cables" in entries:
+    alone = bodies or any(isinstance(point, Free) and point.mass > 0.0 for point in points)  # what moves without cables
+    if not (woven or alone) or entries.get("cables", []) != []:
         cables += [_make(Cable, _of_rope(shared | entry, place), place) for entry, place in _tables(entries, "cables", source)]
     effects = []
     for name, entry in _table(entries.get("effects", {}), f"{source}, effects").items():

@@ -17,6 +17,7 @@ from anet_lumped.prescribed import paths
 from .scene import Driven, Point, Scene
 
 FAR = 8.0  # times the size of a scene, from which on its distance from the origin costs more than three bits of its places
+WITHOUT_SPRINGS = 100.0  # [m], size of a scene without cables, of which rounded places make no forces
 DIVERGED = 1e6  # times the size of a scene, and no less in metres and metres a second
 NONE_MOVED = (0.0, 0.0, 0.0)
 
@@ -48,7 +49,7 @@ def near_origin(scene: Scene) -> Near:
         zip(*(scene.supports + free + [body.at for body in scene.bodies if body.at is not None] or [NONE_MOVED]), strict=True)
     )
     low, width = [min(x) for x in axes], [max(x) - min(x) for x in axes]
-    size = float(max(*width, *(cable.length for cable in scene.cables)))
+    size = float(max(*width, scene.longest if scene.cables else WITHOUT_SPRINGS))
     middle = [x + 0.5 * wide for x, wide in zip(low, width, strict=True)]
     if not max(map(abs, middle)) > FAR * size:
         return Near(scene, NONE_MOVED)

@@ -39,6 +39,9 @@ __all__ = [
 ]
 
 
+WHAT = {"points": "Fixed, Driven or Free points", "cables": "at least one Cable"}
+
+
 @dataclass(frozen=True)
 class Scene:
     """Points and bodies, the cables between them and the effects that act on them.
@@ -46,16 +49,16 @@ class Scene:
     Parameters
     ----------
     points : sequence of Fixed, Driven and Free
-    cables : sequence of Cable
+    cables : sequence of Cable; none where bodies, or free points with a place and a mass, move without
     effects : sequence of effects (package `anet_lumped.effects`), at most one of each type
     events : sequence of PayloadChange, CableCut and Release, what happens in a run
     bodies : sequence of Body; cables end at their attachments, "quad1.hook"
 
     Raises
     ------
-    SceneError : names that are not unique or not known, a free point that no cable reaches, an effect given twice, a payload that
-        is not at a free point or changes twice at a time, a cut of a segment that there is not, or that is cut twice, a release
-        of a point that cannot be held
+    SceneError : names that are not unique or not known, nothing that moves, a free point that no cable reaches in a scene with
+        cables, an effect given twice, a payload that is not at a free point or changes twice at a time, a cut of a segment that
+        there is not, or that is cut twice, a release of a point that cannot be held
     """
 
     points: Sequence[Point]  # each of the five is kept as a tuple
@@ -72,10 +75,9 @@ class Scene:
         for argument, kinds in (("points", Point), ("cables", Cable)):
             entries = _as_tuple(argument, getattr(self, argument))
             wrong = [entry for entry in entries if not isinstance(entry, kinds)]
-            if wrong or (self.whole and not entries and not (argument == "points" and self.bodies)):
-                what = "Fixed, Driven or Free points" if argument == "points" else "at least one Cable"
-                given = f"{argument}[{entries.index(wrong[0])}] is {shown(wrong[0])}" if wrong else "is empty"
-                raise SceneError(f"Argument `{argument}` of a scene must hold {what}, but {given}.")
+            if wrong:
+                given = f"{argument}[{entries.index(wrong[0])}] is {shown(wrong[0])}"
+                raise SceneError(f"Argument `{argument}` of a scene must hold {WHAT[argument]}, but {given}.")
             object.__setattr__(self, argument, entries)
         object.__setattr__(self, "effects", _as_tuple("effects", self.effects))
         object.__setattr__(self, "events", _as_tuple("events", self.events))
@@ -84,6 +86,8 @@ class Scene:
             if not isinstance(body, Body):
                 raise SceneError(f"Argument `bodies` of a scene must hold Body, but holds {shown(body)}.")
         object.__setattr__(self, "bodies", placed(self.bodies, self.points))
+        if self.whole:
+            self._check_parts()
         self._check_names()
         self._check_effects()
         self._check_events()
@@ -98,11 +102,41 @@ class Scene:
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if name != "_hash"}  # of words: another one in each process
 
+    @cached_property
+    def longest(self) -> float:
+        """Length of its longest cable [m], which errors are compared with.
+
+        Without cables it is the diameter of the largest body that moves freely. Points alone have no length, and neither the
+        distance between them nor their depth says how well their motion is to be known: it is 1 m then.
+        """
+        if self.cables:
+            return max(cable.length for cable in self.cables)
+        return 2.0 * max((body.radius for body in self.bodies if not body.is_driven), default=0.5)
+
     def __repr__(self) -> str:
         segments = sum(cable.segments for cable in self.cables)
         effects = ", ".join(type(effect).__name__ for effect in self.effects) or "no effects"
         bodies = f"{len(self.bodies)} bodies, " if self.bodies else ""
         return f"<Scene of {len(self.points)} points, {bodies}{len(self.cables)} cables of {segments} segments, {effects}>"
+
+    def _check_parts(self) -> None:
+        """There is something that moves: cables, bodies, or points on their own."""
+        if not (self.points or self.bodies):
+            raise SceneError(f"Argument `points` of a scene must hold {WHAT['points']}, but is empty.")
+        if self.cables:
+            return
+        alone = [point for point in self.free_points if point.mass > 0.0 and point.at is not None]
+        if not (self.bodies or alone):
+            raise SceneError(
+                f"Argument `cables` of a scene must hold {WHAT['cables']}, but is empty; without any, only bodies move, and free "
+                "points with a mass and a place."
+            )
+        for point in self.free_points:
+            if point not in alone:
+                raise SceneError(
+                    f"A free point without cables must have a mass and a place, but {quoted(point.name)} has mass={point.mass:g} "
+                    f"and at={shown(point.at)}."
+                )
 
     def _check_names(self) -> None:
         names = set()
@@ -128,7 +162,7 @@ class Scene:
         reached = {name for cable in self.cables for name in (cable.start, cable.end)}
         reached |= {event.holder for event in self.events if isinstance(event, Release)}
         for point in self.points:
-            if self.whole and isinstance(point, Free) and point.name not in reached:
+            if self.whole and self.cables and isinstance(point, Free) and point.name not in reached:
                 raise SceneError(f"A free point must hold at least one cable, but no cable ends at {quoted(point.name)}.")
 
     def _check_effects(self) -> None:

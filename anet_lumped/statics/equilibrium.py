@@ -127,11 +127,14 @@ def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) 
     from .hanging_chains import first_guess, solve, unroll  # compiled when a first rest is asked for
 
     model = build(scene)
-    _check_supports(model)
+    if scene.cables or all(effect.dead_load or effect.no_force_at_rest for effect in model.forces):
+        _check_supports(model)
     given = None if start is None or (isinstance(start, str) and start == "equilibrium") else start_state(model, start)
     short = shortfall(scene, 0.0)
     if short is not None:
         raise NoRestError(short.words)
+    if not scene.cables:
+        return _rest_without_cables(model, tolerance, given)
     if model.has_bodies:
         return _rest_of_bodies(model, tolerance, given)
     q = np.zeros((model.n, 3))
@@ -216,6 +219,15 @@ def _calm_shape(scene: Scene, tolerance: float) -> Any:
     return Shape(found.q, found.segment_tension)
 
 
+def _rest_without_cables(model: Model, tolerance: float, given: State | None) -> State:
+    """Rest of bodies and points alone, which water or a ground may hold where nothing else does."""
+    try:
+        return _rest_of_bodies(model, tolerance, given)
+    except EquilibriumError:
+        _check_supports(model)
+        raise
+
+
 def _rest_of_bodies(model: Model, tolerance: float, given: State | None) -> State:
     """Rest of a scene with bodies that move: from the rest with the bodies held, pseudo-steps move all together."""
     from anet_lumped.mechanics.required_kernels import require
@@ -232,7 +244,7 @@ def _rest_of_bodies(model: Model, tolerance: float, given: State | None) -> Stat
         q, tension = stiff.q.copy(), stiff.segment_tension.copy()
     else:
         try:
-            held: State | None = _rest(with_bodies_held(scene), tolerance, None)
+            held = _rest(with_bodies_held(scene), tolerance, None) if scene.cables else None
         except EquilibriumError:
             held = None
         q, tension = first_shape(model, held)

@@ -111,7 +111,7 @@ def relaxed(model, net, q, load, pace=QUICK):
     residual : float
         Largest out-of-balance force over the load.
     """
-    length, moving = max(cable.length for cable in model.scene.cables), max(model.n_free, 1)
+    length, moving = model.scene.longest, max(model.n_free, 1)
     usual = SHORT * math.sqrt(length)
     first = tau = min(usual, pace.first)
     longest = LONGEST * usual

@@ -26,7 +26,7 @@ ROUGH = 1e-3  # of the load: from a smaller out-of-balance force the exact tange
 LEAVES, FEW_LEAVES = 6, 2  # how often the search from one start leaves a rest that is not stable; and that of a large net
 LARGE = 300  # free points, from which on a net is large: an attempt may take half a minute
 VAST = 2000  # free points, from which on an attempt may take minutes: long ones are left out, which found none of the nets tried
-NUDGE = 0.05  # of the shortest segment: displacement with which it leaves the first time
+NUDGE = 0.05  # of the shortest segment, or of a body without cables: displacement with which it leaves the first time
 
 
 class Shape(NamedTuple):
@@ -129,8 +129,13 @@ def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None, calm:
     yield _Attempt(hanging, eased=eases, pace=QUICK if eases or met.any_met else UNHINDERED)
     above = raised(model, hanging.q) if met.above is None else met.above
     yield _Attempt(_loose(model, above), eased=eases, pace=SLOW)
-    if not model.has_bodies:  # whose turns the steps of a descent do not know
+    if _descends(model):
         yield _Attempt(hanging, descends=True)
+
+
+def _descends(model):
+    """Whether cables may descend; the steps of a descent do not know how bodies turn, and points alone need none."""
+    return not model.has_bodies and model.n_segments > 0
 
 
 def _loose(model, q):
@@ -151,8 +156,8 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
         whole.tension[:] = descended(model, net, q, load)[0]
     residual = _balanced(model, net, whole, q, load, attempt.pace)
     found = _judged(model, net, whole, q, residual, load)
-    nudge = NUDGE * min(cable.L0 for cable in model.scene.cables)
-    if attempt.of_user and found.balanced and not found.stable and found.shape.tension.min() >= -BALANCED * load:
+    nudge = NUDGE * min((cable.L0 for cable in model.scene.cables), default=model.scene.longest)
+    if attempt.of_user and found.balanced and not found.stable and found.shape.tension.min(initial=0.0) >= -BALANCED * load:
         return found._replace(asked_for=True)
     lost = 0
     for _ in range(leaves):
@@ -177,7 +182,7 @@ def _beside(model, net, whole, found, nudge, load, pace):
         other = _judged(model, net, whole, q, relaxed(model, whole, q, load, pace), load)
         if other.stable:
             return other
-    if not model.has_bodies:
+    if _descends(model):
         whole.tension[:] = descended(model, net, beside, load)[0]
     residual = _balanced(model, net, whole, beside, load, pace)
     return _judged(model, net, whole, beside, residual, load)
@@ -186,7 +191,7 @@ def _beside(model, net, whole, found, nudge, load, pace):
 def _balanced(model, net, whole, q, load, pace):
     """Relax a shape, in place; use the exact tangent if pseudo-steps come near the balance and not to it. Returns the residual."""
     residual = relaxed(model, whole, q, load, pace)
-    if BALANCED < residual < ROUGH and not model.has_bodies:
+    if BALANCED < residual < ROUGH and _descends(model):
         other = q.copy()
         tension, exact = descended(model, net, other, load, near=0.1 * BALANCED)
         if exact <= BALANCED:

@@ -79,8 +79,10 @@ def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: 
     if model.has_bodies:
         K, motions = of_bodies(model, net, q, tension, K)
     largest = float(np.abs(K.data).max(initial=0.0))
-    length = max(cable.length for cable in model.scene.cables)
-    across = float(np.abs(tension / np.linalg.norm(q[model.ends[:, 1]] - q[model.ends[:, 0]], axis=1).clip(1e-12 * length)).max())
+    length = model.scene.longest
+    across = float(
+        np.abs(tension / np.linalg.norm(q[model.ends[:, 1]] - q[model.ends[:, 0]], axis=1).clip(1e-12 * length)).max(initial=0.0)
+    )
     flat = FLAT * load / (length * model.n_free) + 64.0 * EPS * largest + PRESTRESSED * across
     symmetric = symmetric_part(K)
     pivots, factors = pivots_of(symmetric, flat)

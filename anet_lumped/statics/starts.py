@@ -303,7 +303,7 @@ def raised(model: Model, hanging: np.ndarray) -> np.ndarray:
     scene = model.scene
     held = [point.name for point in scene.all_points if not isinstance(point, Free)]
     at = {name: hanging[model.node(name)] for name in held}
-    amid = np.mean([at[name] for name in held], axis=0)
+    amid = np.mean([at[name] for name in held], axis=0) if held else None  # without cables every free point has a place
     only = Counter(end for cable in scene.cables for end in (cable.start, cable.end))
     loose = []
     for point in scene.all_points:

@@ -98,7 +98,11 @@ def draw_around(axes: Any, scene: Any, q: np.ndarray, plane: tuple[int, int]) ->
 
 
 def draw_bodies(axes: Any, model: Any, q: np.ndarray, plane: tuple[int, int], colour: Any) -> None:
-    """Draw each rigid body as lines from its origin to its attachments, q (n, 3) [m]."""
+    """Draw each rigid body as lines from its origin to its attachments, q (n, 3) [m]; without cables all that moves as dots too."""
+    scene = model.scene
+    if not scene.cables:
+        alone = [model.node(one.name) for one in (*scene.free_points, *scene.bodies)]
+        axes.plot(*q[alone][:, plane].T, "o", color=colour, ms=4)
     arms = [
         (model.node(body.name), model.node(point.name))
         for body in model.scene.bodies

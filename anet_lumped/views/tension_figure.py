@@ -73,6 +73,8 @@ def most_loaded(run: Any) -> Loaded:
 
 
 def _name_cables(axes: Any, run: Any) -> None:
+    if not run.scene.cables:
+        return
     columns = 4 if sum(map(len, axes.get_legend_handles_labels()[1][:4])) <= ROOM else 2
     axes.legend(frameon=False, fontsize=8, ncols=columns, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     for text in axes.get_legend().get_texts():

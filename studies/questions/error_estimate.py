@@ -47,7 +47,7 @@ def compare(row):
     """Runs of one motion with some steps, and by default, beside the reference."""
     motion = random_motion(row["number"])
     scene, start = motion.scene, motion.start
-    length = max(cable.length for cable in scene.cables)
+    length = scene.longest
     found = {"kind": motion.kind, "runs": "[]", "default": "{}"}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -82,7 +82,7 @@ def _some_steps(scene, start, t_end, dt, most):
 
     ``most`` is how many of the steps dt [s] they go at most.
     """
-    length = max(cable.length for cable in scene.cables)
+    length = scene.longest
     t_end = min(t_end, most * dt)
     longest = t_end / math.ceil(t_end / (max(STEPS) * dt))
     shortest = longest * min(STEPS) / max(STEPS)

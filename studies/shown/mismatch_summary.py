@@ -78,7 +78,7 @@ def _with_markers(scene, file, up, out):
     fit = fit_markers(markers.xyz, scene)
     rows = _rows(markers, fit)
     warning = []
-    if markers.spread is not None and markers.spread.max() > STILL * max(cable.length for cable in scene.cables):
+    if markers.spread is not None and markers.spread.max() > STILL * scene.longest:
         worst = markers.names[int(markers.spread.argmax())]
         warning = [f'The markers are taken for one shape at rest, but "{worst}" moves by {1e3 * markers.spread.max():.3g} mm.']
 

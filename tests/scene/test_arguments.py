@@ -91,7 +91,7 @@ MAKERS = {
 }
 CABLE = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e3, segments=2)
 MAKERS["Scene"] = (Scene, {"points": POINTS, "cables": [CABLE]})
-SCENE = SimpleNamespace(supports=[(0.0, 0.0, 0.0)], cables=[CABLE], free_points=[Free("b")])
+SCENE = SimpleNamespace(supports=[(0.0, 0.0, 0.0)], cables=[CABLE], longest=1.0, free_points=[Free("b")])
 for name in REGISTRY.library:
     example = REGISTRY[name].example(SCENE)
     MAKERS[name] = (type(example), {key: getattr(example, key) for key in inspect.signature(type(example)).parameters})

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from anet_lumped.checks import SceneError
 from anet_lumped.compiled.jit import inlined_law
 from anet_lumped.effects.laws.axial import secant_tension
 from anet_lumped.effects.laws.contact_area import frequencies, sums_over_halves
@@ -38,11 +39,18 @@ def numbers_of_nodes(model: Any, effect: str, stiffness: float, damping: float) 
 
     Raises
     ------
-    SceneError : a cable without a diameter
+    SceneError : a cable without a diameter; nothing that could touch the ground
     """
-    nodes = sums_over_halves(model, effect, lambda cable, half: (stiffness * half, damping * half, DEPTH * cable.diameter * half))
+    scene = model.scene
+    if scene.whole and not scene.cables and not any(map(_contacts, scene.bodies)):
+        raise SceneError(
+            f"The effect {effect} acts on cables, on rods and on bodies with a `contact_area`, but the scene has none."
+        )
+    nodes = sums_over_halves(
+        model, effect, 3, lambda cable, half: (stiffness * half, damping * half, DEPTH * cable.diameter * half)
+    )
     mass = model.mass.copy()
-    for body in model.scene.bodies:
+    for body in scene.bodies:
         areas = _contacts(body)
         for name, (area, width) in areas.items():
             nodes[model.node(name)] += stiffness * area, damping * area, DEPTH * width * area

@@ -18,7 +18,7 @@ OF_GROUND = CONTACT | {"stiffness": ("Pa/m", "non-negative")}
 SLIP_SPEED = "m/s", "positive"
 
 
-def sums_over_halves(model: Any, effect: str, numbers: Callable[[Any, float], Sequence[float]]) -> np.ndarray:
+def sums_over_halves(model: Any, effect: str, columns: int, numbers: Callable[[Any, float], Sequence[float]]) -> np.ndarray:
     """Sum of numbers over the half segments that each node has.
 
     Parameters
@@ -26,6 +26,7 @@ def sums_over_halves(model: Any, effect: str, numbers: Callable[[Any, float], Se
     model : Model
     effect : str
         Name of the class of effects that asks.
+    columns : int
     numbers : callable (cable, area) -> (columns,) floats
         What half a segment of a cable, of an area [m2], adds to its node.
 
@@ -40,7 +41,7 @@ def sums_over_halves(model: Any, effect: str, numbers: Callable[[Any, float], Se
     _check_diameters(model, effect)
     rows = [numbers(cable, 0.5 * cable.diameter * cable.L0) for cable in model.scene.cables]
     stubs = [(model.node(point), numbers(cable, 0.5 * cable.diameter * cable.L0)) for point, cable in model.scene.stubs]
-    sums = np.zeros((model.n, len((rows + [row for _, row in stubs])[0])))
+    sums = np.zeros((model.n, columns))
     for c, row in enumerate(rows):
         first, count = model.segment_run(c)
         for ends in model.ends[first : first + count].T:
