@@ -102,7 +102,7 @@ def check_start(scene: Scene, begin: State) -> None:
     """Refuse a start whose nodes are too far from each other, or whose points that a session drives are elsewhere."""
     _check_external(scene, begin)
     _check_held(scene, begin)
-    apart, most = float(np.ptp(begin.q, axis=0).max()), largest_distance(scene)
+    apart, most = float((begin.q.max(axis=0) - begin.q.min(axis=0)).max()), largest_distance(scene)
     if not apart < most:
         raise InputError(
             f"Nodes must start within {most:.3g} m of each other, beyond which a motion counts as diverged, but they are "

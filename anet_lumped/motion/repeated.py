@@ -10,7 +10,7 @@ from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.results.run import Run, RunInterrupt
 from anet_lumped.results.state import State
-from anet_lumped.scene.origin import largest_distance, near_origin
+from anet_lumped.scene.origin import FAR, largest_distance, near_origin
 from anet_lumped.scene.scene import Scene
 from anet_lumped.statics.equilibrium import equilibrium, rest_on
 from anet_lumped.statics.starts import Start, start_state
@@ -52,6 +52,7 @@ class Repeated:
         self.at_rest: Any = None
         self.planned: tuple[Any, Plan] | None = None
         self.last_near: tuple[Scene | None, bool] = None, False
+        self.last_points: tuple[Any, float] = None, 0.0  # points and bodies, and their largest coordinate [m]
         self.last_steps: tuple[tuple[float, float], tuple[FixedSteps, int]] | None = None
         self.marches: dict[str, tuple[Any, March]] = {}  # a net, and a march of it, by the method
 
@@ -64,7 +65,12 @@ class Repeated:
     def _is_near(self, scene: Scene) -> bool:
         """Whether a scene is computed about its own origin; `serves` and `rest` ask in turn."""
         if self.last_near[0] is not scene:
-            self.last_near = scene, near_origin(scene).scene is scene
+            if self.last_points[0] is None or self.last_points[0] != (scene.points, scene.bodies):
+                places = [*scene.supports, *(part.at for part in (*scene.free_points, *scene.bodies) if part.at is not None)]
+                self.last_points = (scene.points, scene.bodies), max((abs(x) for at in places for x in at), default=0.0)
+            # what is no farther than that from the origin has its middle no farther from it
+            surely = self.last_points[1] <= FAR * max((cable.length for cable in scene.cables), default=0.0)
+            self.last_near = scene, surely or near_origin(scene).scene is scene
         return self.last_near[1]
 
     def run(self, scene: Scene, begin: State | None = None) -> Run | None:

@@ -138,6 +138,8 @@ def _multiplied_errors(run):
     """
     if run.kept is not None or run.extrapolated or run.audit is not None or run.error_growth is None:
         return ""
+    if run.segment_tension.min(initial=1.0) > 0.0:
+        return ""  # what stays taut neither goes loose nor buckles
     times, allowed = times_at_most(run), SHARE * run.scene.longest
     if times * run.error_growth[-1] <= allowed or float(np.abs(run.q - run.q[0]).max()) <= allowed:
         return ""

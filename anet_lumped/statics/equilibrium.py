@@ -21,7 +21,6 @@ from anet_lumped.model.tables import (
     AXIAL_PUSH_SHARE,
     AXIAL_STIFFNESS,
     CABLE_FIRST_SEGMENT,
-    CABLE_SEGMENTS,
 )
 from anet_lumped.results.near_origin import computed_near_origin
 from anet_lumped.results.state import State
@@ -31,6 +30,7 @@ from .equilibrium_error import EquilibriumError, NoRestError
 from .starts import Start, start_state
 
 TOLERANCE = 1e-12  # of the positions of cable ends, over the cables' lengths
+SLACK = 1e-9  # of the load: a smaller tension of a segment is none
 UNSTRETCHED = 1e13  # EA over the load, in place of a cable that does not stretch: a strain of 1e-13
 
 __all__ = ["EquilibriumError", "NoRestError", "equilibrium"]
@@ -142,23 +142,20 @@ def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) 
         if isinstance(point, Fixed):
             q[model.node(point.name)] = point.at
     net = fresh_net(model, force=False, newton=False) if net is None else net
-    v = np.zeros_like(q)
+    v = np.zeros(q.shape)
     if model.n_driven < model.n:
         from anet_lumped.mechanics.drive import drive  # compiled for scenes with driven points
 
         drive(0.0, net.address, q, v)
-    load = dead_load(model, net, q)
-    finite = [cable.EA for cable in scene.cables if not cable.inextensible]
-    total = float(np.linalg.norm(load[: model.n_free], axis=1).sum())
-    scale = total if total > 0 else float(min(finite, default=1.0))
+    load, H = dead_load(model, net, q), np.empty((len(model.cable), 3))
+    unloaded_scale = float(min([cable.EA for cable in scene.cables if not cable.inextensible], default=1.0))
+    total = first_guess(net.address, load, q, unloaded_scale, H)
+    scale = total if total > 0 else unloaded_scale
     # a straight cable that does not stretch would have no flexibility at all along itself
     EA = np.array([min(cable.EA, UNSTRETCHED * scale) if cable.inextensible else cable.EA for cable in scene.cables])
     for c in net.lengths.cable:
         if net.axial[c, AXIAL_INEXTENSIBLE] == 0.0:
             EA[c] = net.axial[c, AXIAL_STIFFNESS] * net.axial[c, AXIAL_L0]  # of a segment as long as it is at rest
-    H = np.empty((len(model.cable), 3))
-    first_guess(net.address, load, q, scale, H)
-    q[model.n_interior : model.n_free] = q[model.n_free :].mean(axis=0)
     closing, balance, noise, iterations = solve(net.address, load, EA, scale, tolerance, H, q)
     if not (closing <= 10 * tolerance and balance <= 1e-10 + noise):
         raise EquilibriumError(
@@ -167,10 +164,10 @@ def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) 
             'try a moderate EA, or `simulate` from start="straight".'
         )
     tension, stable = np.empty(model.n_segments), True  # of cables without effects the energy is convex
-    unroll(net.address, load, EA, H, q, tension)
-    settled = np.zeros(model.n_segments, bool)
-    if (model.cable[:, CABLE_SEGMENTS] == 1).any():
-        settled = _settle_bars(model, net, q, tension)
+    least, sum_of_all = unroll(net.address, load, EA, H, q, tension)
+    settled = None
+    if model.single_kinds[0]:  # cables of one segment
+        settled, sum_of_all = _settle_bars(model, net, q, tension), math.nan
     if len(model.springs) or not all(effect.dead_load or effect.no_force_at_rest for effect in model.forces):
         from anet_lumped.mechanics.required_kernels import require
 
@@ -189,14 +186,16 @@ def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) 
         if not (found.stable or found.asked_for):
             _refuse(model, found, q)
         (q, tension), balance, stable = found.shape, found.residual, found.stable
-    else:
-        _check_slack(model, np.where(settled, np.inf, tension), total, scale)
-    if not (np.isfinite(q).all() and np.isfinite(tension).all() and math.isfinite(balance)):
+        sum_of_all = math.nan
+    elif settled is not None or not least >= SLACK * scale:
+        _check_slack(model, tension if settled is None else np.where(settled, np.inf, tension), total, scale)
+    finite = math.isfinite(sum_of_all) or (np.isfinite(q).all() and np.isfinite(tension).all())
+    if not (finite and math.isfinite(balance)):
         raise NoRestError(
             "The places and tensions of a rest must be finite, but those found are not: lengths, stiffnesses and loads of this "
             "scene differ by more than numbers can hold."
         )
-    return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance, stable=stable)
+    return State(model, 0.0, q, np.zeros(q.shape), tension, residual=balance, stable=stable)
 
 
 def calm(scene: Scene) -> Scene:
@@ -283,7 +282,7 @@ def _refuse(model: Model, found: Any, hanging: np.ndarray) -> None:
 
 def dead_load(model: Model, net: Any, q: np.ndarray) -> np.ndarray:
     """(n, 3) force of the dead loads among a model's effects [N]."""
-    load, v = np.zeros_like(q), np.zeros_like(q)
+    load, v = np.zeros(q.shape), np.zeros(q.shape)
     for e, effect in enumerate(model.forces):
         if effect.dead_load:
             effect.kernels()["force"](0.0, q, v, *net.effects.numbers(e), load)
@@ -324,7 +323,7 @@ def _check_supports(model: Model) -> None:
 def _check_slack(model: Model, tension: np.ndarray, total: float, scale: float) -> None:
     """A slack cable is a static shape only where its own load shapes it and where it need not push."""
     smallest = np.minimum.reduceat(tension, model.cable[:, CABLE_FIRST_SEGMENT])
-    for cable in (model.scene.cables[c] for c in np.flatnonzero(smallest < 1e-9 * scale).tolist()):
+    for cable in (model.scene.cables[c] for c in np.flatnonzero(smallest < SLACK * scale).tolist()):
         if total == 0.0:
             raise NoRestError(
                 f"Nothing loads the cables: the scene has no gravity, so that the slack cable {quoted(cable.name)} has no shape at "

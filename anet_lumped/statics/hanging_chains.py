@@ -266,13 +266,27 @@ def solve(net_address, load, EA, scale, tolerance, H, q):
     return closing, balance, noise, float64(iterations)
 
 
-@kernel(types.void(int64, _f2, _f2, float64, _f2))
-def first_guess(net_address, load, q, scale, H):
-    """Write a force at each cable's start to H: half of the cable's load, and a force of the same size along its chord.
+@kernel(float64(int64, _f2, _f2, float64, _f2))
+def first_guess(net_address, load, q, unloaded_scale, H):
+    """Write what `solve` begins with: free points in the middle of the prescribed ones, and a force at each cable's start.
 
-    The latter only between held points. Arguments are those of `solve`; a cable without a load is pulled by ``scale`` instead.
+    The force is half of the cable's load, and between held points a force of the same size along its chord; a cable without a load
+    is pulled by the scale instead. Arguments are those of `solve`; ``unloaded_scale`` is the scale where nothing is loaded [N].
+
+    Returns
+    -------
+    total : float64 [N], sum of the loads of the moving nodes, which is the scale unless it is 0
     """
-    net = view_net(net_address)
+    net, total = view_net(net_address), 0.0
+    for i in range(net.n_free):
+        total += (load[i, 0] * load[i, 0] + load[i, 1] * load[i, 1] + load[i, 2] * load[i, 2]) ** 0.5
+    scale = total if total > 0.0 else unloaded_scale
+    for x in range(3):
+        middle = 0.0
+        for i in range(net.n_free, q.shape[0]):
+            middle += q[i, x]
+        for i in range(net.n_interior, net.n_free):
+            q[i, x] = middle / (q.shape[0] - net.n_free)
     for c in range(net.cable.shape[0]):
         node, start, end = net.cable[c, CABLE_FIRST_NODE], net.cable[c, CABLE_START], net.cable[c, CABLE_END]
         x = y = z = 0.0
@@ -284,12 +298,19 @@ def first_guess(net_address, load, q, scale, H):
         if start >= net.n_free and end >= net.n_free and span > 0.0:
             pull = 0.5 * (own if own > 0.0 else scale) / span
             H[c, 0], H[c, 1], H[c, 2] = H[c, 0] + pull * dx, H[c, 1] + pull * dy, H[c, 2] + pull * dz
+    return total
 
 
-@kernel(types.void(int64, _f2, _f1, _f2, _f2, _f1))
+@kernel(types.UniTuple(float64, 2)(int64, _f2, _f1, _f2, _f2, _f1))
 def unroll(net_address, load, EA, H, q, tension):
-    """Positions of the interior nodes and tensions of the segments for the forces H, right after `solve`."""
-    net = view_net(net_address)
+    """Positions of the interior nodes and tensions of the segments for the forces H, right after `solve`.
+
+    Returns
+    -------
+    least, sum_of_all : float64 [N]
+        The least tension; and a sum of all numbers, which is finite only if each of them is.
+    """
+    net, least, sum_of_all = view_net(net_address), np.inf, 0.0
     for c in range(net.cable.shape[0]):
         first, count, node, L0 = (
             net.cable[c, CABLE_FIRST_SEGMENT],
@@ -303,9 +324,14 @@ def unroll(net_address, load, EA, H, q, tension):
         for j in range(count):
             F = (fx * fx + fy * fy + fz * fz) ** 0.5
             tension[first + j] = F
+            least, sum_of_all = min(least, F), sum_of_all + F
             if j < count - 1:
                 u, stretch = net.factor[first + j, FACTOR_DIRECTION : FACTOR_DIRECTION + 3], L0 / EA[c]
                 x, y, z = x + L0 * u[0] + stretch * fx, y + L0 * u[1] + stretch * fy, z + L0 * u[2] + stretch * fz
                 i = node + j
                 q[i, 0], q[i, 1], q[i, 2] = x, y, z
+                sum_of_all += x + y + z
                 fx, fy, fz = fx - load[i, 0], fy - load[i, 1], fz - load[i, 2]
+    for i in range(net.n_interior, q.shape[0]):
+        sum_of_all += q[i, 0] + q[i, 1] + q[i, 2]
+    return least, sum_of_all
