@@ -27,10 +27,11 @@ AT_REST = 1e-10  # of the load: out-of-balance force from which longer pseudo-st
 STEPS, ITERATIONS = 400, 20  # largest number of pseudo-steps, and of Newton iterations in each
 # A pseudo-step is too long whose force out of balance, after so many Newton iterations, is so many times that before it, or the
 # load of a node. Of nets in a current, steps that found their end had up to 20 times as much by then, others 100 times and more.
-SETTLING, HOPELESS = 4, 50.0
+SETTLING, HOPELESS = 3, 65.0
 # So is one where the line search cuts a Newton step to so much and it still leaves so much of the force out of balance: slack and
 # taut segments take turns from there on.
 CUT, GAINLESS = 1 / 8, 0.9
+STIFF = 1e-9  # of the load: force that rounding of lengths leaves, from which on a rest is ended with one Newton step more
 
 
 class Pace(NamedTuple):
@@ -138,7 +139,27 @@ def relaxed(model, net, q, load, pace=QUICK):
         elif tau < longest:
             tau *= growth if iterations < ITERATIONS // 2 else 1.0
             growth = min(pace.growth, 1.2 * growth)
+    _polish(net, q, min(tau, longest), load)
     return max(best, _unbalanced(net, q) / load)
+
+
+def _polish(net, q, tau, load):
+    """Take one Newton step more where cables are so stiff that rounded lengths hide a force of `STIFF`; overwrites q and tensions.
+
+    Such a rest counts as balanced as soon as its tensions are off by no more than what rounding leaves in them by the law. The
+    tensions that a Newton step predicts have no such rounding, and of a shape that is next to the rest they are off by a square.
+    It is left out where it does not lower what those tensions leave out of balance.
+    """
+    before, tension = q.copy(), net.tension.copy()
+    stage = Stage(LAW_BACKWARD, 0.0, 1.0 / tau**2, 1.0, tau, 0.0)
+    _, _, noise, predicted = residual.residual(stage, before, before, q, net.address)
+    if noise <= STIFF * load:
+        return
+    newton_step.direction(stage, net.address)
+    newton_step.correct(net.address, 1.0, q)
+    left = residual.residual(stage, before, before, q, net.address)[-1]
+    if not left <= predicted:
+        q[:], net.tension[:] = before, tension
 
 
 def _unbalanced(net, q):
