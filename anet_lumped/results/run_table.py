@@ -56,8 +56,11 @@ class RunTable:
         numbers = sum(float(np.prod([float(size) for size in shape])) for shape in shapes.values())
         check_most(BYTES, 8.0 * numbers, f"What is kept of {count} runs at {len(t)} times")
         self.kept = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
-        self.points = [model.node(point.name) for point in scene.all_points]
+        self.points = np.array([model.node(point.name) for point in scene.all_points])
         self.cables = [(cable.segments, model.segments(cable.name), model.nodes(cable.name)) for cable in scene.cables]
+        # whether the segments of all cables, one cable behind the other, are those of a model in their order
+        in_order = [slice(c * most, (c + 1) * most) for c in range(len(scene.cables))]
+        self.tensions_in_order = [segments for _, segments, _ in self.cables] == in_order
         self.status = np.full(count, "", object)
         self.texts = {name: np.full(count, "", object) for name in ("reason", "warnings", "method")}
         self.numbers = {name: np.full(count, np.nan) for name in ("step", "end_time")}
@@ -70,7 +73,10 @@ class RunTable:
         for name, kept in self.kept.items():
             own = kept[k]
             if name in ("position", "velocity"):
-                own[rows] = (run.q if name == "position" else run.v)[:, self.points][of_run]
+                of_nodes = (run.q if name == "position" else run.v)[of_run]
+                np.take(of_nodes, self.points, axis=1, out=own[rows], mode="clip")  # another mode would copy twice
+            elif name == "tension" and self.tensions_in_order:
+                own[rows].reshape(tension.shape)[...] = tension
             elif name == "tension":
                 for c, (count, segments, _) in enumerate(self.cables):
                     own[rows, c, :count] = tension[:, segments]

@@ -36,6 +36,19 @@ def net(EA=1e4, mass=0.036, effects=WEIGHT, events=(), driven=True, **kwargs):
     return Scene([*points, Free("p0", mass)], cables, effects, events)
 
 
+def uneven(EA):
+    """A net with a cable of more segments than the others, and one that is eliminated from its end."""
+    scene = net(EA)
+    longer, other = replace(scene.cables[0], segments=6), replace(scene.cables[1], start="p0", end="s1", name="p0-s1")
+    return replace(scene, cables=[longer, other, *scene.cables[2:]])
+
+
+def turned(EA):
+    """A net with a cable that is eliminated from its end, and has as many segments as the others."""
+    scene = net(EA)
+    return replace(scene, cables=[replace(scene.cables[0], start="p0", end="s0", name="p0-s0"), *scene.cables[1:]])
+
+
 def blown(speed):
     return Air(wind=wind.Uniform((speed, 0.0, 0.0)))
 
@@ -47,6 +60,8 @@ KINDS = {
     "cables break": [net(breaking_tension=T, mass=0.5, zeta=0.05) for T in (1.5, 1.9, 1e3)],
     "cut": [net(EA, events=[CableCut("s1-p0", t=0.1, segment=1)]) for EA in (1e3, 1e4)],
     "curves": [net(None, tension_strain=((0.01, 100.0), (0.02, T))) for T in (250.0, 400.0)],
+    "uneven cables": [uneven(EA) for EA in (1e3, 1e4)],
+    "a turned cable": [turned(EA) for EA in (1e3, 1e4)],
     "one goes its own way": [net(1e3), net(1e4, breaking_tension=1e6), net(2e3)],
 }
 
