@@ -3,6 +3,16 @@
 import math
 
 
+def compile_effects_of_tests() -> None:
+    """Import all effects; then links and what judges runs, which the other half would come to last."""
+    from anet_lumped.mechanics.links import motion, project
+    from anet_lumped.results import amplification, tension_error
+    from studies.sweeping.compiled_ahead import compile_effects
+
+    compile_effects()
+    _ = motion, project, amplification, tension_error
+
+
 def compile_motions_of_tests() -> None:
     """Motions, as a report has them compiled; then water, methods with an error of their own, and links, also at a body."""
     from anet_lumped import Body, Cable, Fixed, Free, Scene, simulate

@@ -90,6 +90,7 @@ def test_known_sag_errors(segments, sag_error_mm):
     assert 1e3 * found.sag_error == pytest.approx(sag_error_mm, rel=0.01)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("reference", ["net", "ends"])
 @pytest.mark.parametrize("measure", ["rmse", "rmse_height", "rmse_curve", "length_error", "tension_error", "end_force_error"])
 def test_errors_fall_as_segments_squared(reference, measure):

@@ -113,6 +113,7 @@ def test_what_a_scene_has_is_taken_away():
     assert all(math.isfinite(one.cost) for one in found.verdicts if one.verdict != UNKNOWN)
 
 
+@pytest.mark.slow
 def test_soft_cables_need_their_elasticity():
     found = audit_effects(four_cables(EA=10.0, carried=True), 1e-3, t_end=1.0)
     assert found["elasticity"].verdict == NEEDED and found["elasticity"].change > 1e-2
@@ -178,6 +179,7 @@ def carrying_water():
     return pond
 
 
+@pytest.mark.slow
 def test_a_motion_that_is_not_known_decides_nothing():
     """Let go from the horizontal a cable is chaotic after its whip."""
     found = audit_effects(loose_cable(), 1e-3, t_end=1.5, start="straight")

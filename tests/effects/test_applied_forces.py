@@ -43,6 +43,7 @@ def by_euler(axes, t, at=(0.0, 0.0, 0.0), torque=True):
     return end[10:], Rotation.from_quat(end[:4]).as_matrix()
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("axes", ["world", "body"])
 @pytest.mark.parametrize(("method", "order"), [("edmc", 2), ("rk4", 4)])
 def test_euler_equations(axes, method, order):

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from slow import slow
+from tried import tried
 
 from anet_lumped import Cable
 from anet_lumped.effects.laws import axial
@@ -38,7 +40,7 @@ def numbers(cable):
 
 
 @pytest.mark.parametrize("compression", COMPRESSION)
-@settings(deadline=None)
+@tried()
 @given(L0=LENGTHS, strain=STRETCHES, rate=RATES, k=STIFFNESS, c=DAMPERS)
 def test_tension(compression, L0, strain, rate, k, c):
     cable = cable_of(compression, EA=k * L0, BA=c * L0, length=L0)
@@ -54,7 +56,7 @@ def test_tension(compression, L0, strain, rate, k, c):
 
 
 @pytest.mark.parametrize("compression", COMPRESSION)
-@settings(deadline=None)
+@tried()
 @given(strain=STRETCHES, rate=RATES, k=STIFFNESS, c=DAMPERS)
 def test_slopes_by_differences(compression, strain, rate, k, c):
     """The law is linear in pieces: its slopes are its differences within a piece."""
@@ -72,7 +74,7 @@ def test_slopes_by_differences(compression, strain, rate, k, c):
     assert T_r - T == pytest.approx(of_rate * g, abs=8 * EPS * size)
 
 
-@pytest.mark.parametrize("compression", COMPRESSION)
+@pytest.mark.parametrize("compression", ["damped", *slow(*(law for law in COMPRESSION if law != "damped"))])
 def test_laws_in_jax(compression):
     """The same lines, traced: values equal but for products fused with sums, and JAX's derivatives are the slopes."""
     parts, slopes, energy = (
@@ -107,7 +109,7 @@ def test_laws_in_jax(compression):
 
 
 @pytest.mark.parametrize("compression", COMPRESSION)
-@settings(deadline=None, max_examples=300)
+@tried(300)
 @given(
     a=STRETCHES, b=st.one_of(STRETCHES, st.just(0.0)), near=st.booleans(), k=STIFFNESS, c=DAMPERS, rho=st.floats(0.0, 1.0)
 )  # fmt: skip
@@ -132,7 +134,7 @@ def test_tension_between(compression, a, b, near, k, c, rho):
 
 
 @pytest.mark.parametrize("compression", COMPRESSION)
-@settings(deadline=None)
+@tried()
 @given(a=STRETCHES, b=STRETCHES, k=STIFFNESS, c=DAMPERS)
 def test_slope_between(compression, a, b, k, c):
     """The slope of `tension_between` in l_b, by a central difference in exact arithmetic."""

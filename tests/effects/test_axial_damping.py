@@ -36,6 +36,7 @@ def frequency(mode):
     return 2.0 / L0 * math.sqrt(EA / MU) * math.sin(mode * math.pi / (2 * N))
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("mode", [1, 2, 3])
 @pytest.mark.parametrize(("a", "b"), [(30.0, 0.0), (0.0, 2e-4), (30.0, 2e-4)])
 def test_damping_ratio_of_modes(mode, a, b):

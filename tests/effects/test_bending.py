@@ -180,6 +180,7 @@ def test_first_frequency_of_a_cantilever(method):
     assert measured == pytest.approx(omega, rel=4e-3)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("EI_", [1e-2, 1e2, 1e5])
 @pytest.mark.parametrize("dt", [1e-3, 1e-2, 0.1])
 @pytest.mark.parametrize("seed", [1, 2, 3])

@@ -5,8 +5,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped import Cable, Fixed, Free, Scene, SceneError, State, simulate
 from anet_lumped.effects.laws import axial
@@ -38,7 +39,7 @@ def pushed(scene, speed):
     return State(model, 0.0, q, v, np.zeros(model.n_segments))
 
 
-@settings(deadline=None, max_examples=300)
+@tried(300)
 @given(a=STRETCHES, b=STRETCHES, part=st.floats(0.0, 1.0), near=st.booleans())
 def test_secant(a, b, part, near):
     """The secant of the energy k/2 x^2 times 1 or the part, and its slope in b."""

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped import Cable, Free
 from anet_lumped.effects.laws import drag
@@ -77,7 +78,7 @@ def test_inclined(angle, speed):
     assert f[1] == 0.0
 
 
-@settings(deadline=None)
+@tried()
 @given(u=vector, v=vector, d=vector)
 def test_at_rest_the_fluid_only_takes_energy(u, v, d):
     """f.v = -(normal |v_n|^3 + along |v_t|^3); turning the segment end for end changes nothing, turning the flow its sign."""
@@ -93,7 +94,7 @@ def test_at_rest_the_fluid_only_takes_energy(u, v, d):
     assert -np.dot(point, v) == pytest.approx(NORMAL * size, abs=16 * EPS * size)
 
 
-@settings(deadline=None, max_examples=50)
+@tried(50)
 @given(u=vector, d=vector)
 def test_slopes_against_jax(u, d):
     """The same lines traced by JAX give the force and, differentiated, the slopes written by hand."""

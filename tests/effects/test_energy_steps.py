@@ -5,6 +5,7 @@ import math
 import naive
 import numpy as np
 import pytest
+from slow import slow
 from systems import nets, scatter
 
 from anet_lumped import Cable, Fixed, Free, Scene, simulate
@@ -17,10 +18,10 @@ EPS = np.finfo(float).eps
 
 
 @node_energy
-def step_contact(t, q, k, R, level=0.0):
-    """A contact that begins at a cylinder along y, or, if ``level`` is 1, at the plane z = R."""
+def step_contact(t, q, k, R, level=0.0, beat=0.0):
+    """A contact that begins at a cylinder along y, or, if ``level`` is 1, at the plane z = R; its stiffness may swing in time."""
     p = R - q[2] if level > 0.0 else R - math.hypot(q[0], q[2])
-    return 0.5 * k * p * p if p > 0.0 else 0.0 * p
+    return 0.5 * k * (1.0 + 0.5 * math.sin(beat * t)) * p * p if p > 0.0 else 0.0 * p
 
 
 @node_energy
@@ -45,12 +46,13 @@ def step_sling(t, q0, q1, k, R):
 
 LAWS = {
     "contact": step_contact(k=1e4, R=1.5),
+    "beating contact": step_contact(k=1e4, R=1.5, beat=40.0),
     "well": step_well(a=3.0),
     "beating well": step_well(a=3.0, beat=40.0),
     "spring": step_spring(k=1e3),
     "sling": step_sling(k=1e4, R=1.5),
 }
-TRIED = [pytest.param(law, marks=pytest.mark.slow if law in ("well", "sling") else ()) for law in LAWS]  # each is compiled
+TRIED = ["contact", "beating contact", "spring", *slow("well", "beating well", "sling")]  # each function is compiled
 
 
 def acting(effect, model, t, h, base, damper):
@@ -65,6 +67,7 @@ def acting(effect, model, t, h, base, damper):
     return act, lambda time, q: effect.kernels()["energy"](time, q, index, params)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("damper", [0.0, 0.5])
 @pytest.mark.parametrize("law", TRIED)
 @pytest.mark.parametrize("seed", range(3))
@@ -81,7 +84,7 @@ def test_it_does_the_work_of_the_energy_and_its_derivative_is_exact(law, damper,
     if law == "spring":  # a law of the difference of both nodes
         np.testing.assert_allclose(np.sum(f, axis=0), 0.0, atol=1e-12 * np.abs(f).max())
     assert np.abs(f).max() > 0.0 and by_method >= -1e4 * EPS and (by_method > 0.0) <= (damper > 0.0 or by_method < 1e-10)
-    assert (taken != 0.0) == (law == "beating well")
+    assert (taken != 0.0) == law.startswith("beating")
     steps, off = 10.0 ** -np.arange(4.0, 6.1, 0.5), []
     for x in steps:
         moved = q.copy()
@@ -117,6 +120,7 @@ def dropped(effect, dt, at=(0.0, 0.0, 0.05), t_end=3.0, **options):
 STIFFNESSES, STEPS = (1e1, 1e3, 1e5, 1e6, 1e8), (1e-3, 1e-2, 5e-2)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("dt", STEPS)
 @pytest.mark.parametrize("k", STIFFNESSES)
 @pytest.mark.parametrize("kind", ["own", "ground", "cylinder"])
@@ -150,7 +154,7 @@ def test_a_contact_that_the_step_resolves_is_not_damped():
     assert abs(kept.energy_balance.by_method) < 1e-9
 
 
-@pytest.mark.parametrize("effect", [step_well(a=0.3, points=["b"]), step_spring(k=300.0)], ids=["node", "segment"])
+@pytest.mark.parametrize("effect", [*slow(step_well(a=0.3, points=["b"])), step_spring(k=300.0)], ids=["node", "segment"])
 def test_order(effect):
     """Without the numerical damper, errors of positions and velocities fall with the square of the step."""
     cable = Cable("s", "b", length=1.0, mass_per_length=0.1, EA=200.0, segments=2, zeta=0.2, compression="linear")

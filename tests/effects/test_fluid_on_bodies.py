@@ -55,6 +55,7 @@ def placed(model, body, rng, height, spread=0.0):
     return q
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("shape", list(SHAPES))
 @pytest.mark.parametrize("seed", range(3))
 def test_a_step_in_still_water_gives_back_no_more_than_the_energy(shape, seed):
@@ -69,6 +70,7 @@ def test_a_step_in_still_water_gives_back_no_more_than_the_energy(shape, seed):
     assert rise == pytest.approx(-np.sum(f * (q - base)) - taken, rel=1e-11)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("kind", ["middle", "whole_step"])
 @pytest.mark.parametrize("fluid", ["air", "water", "wave"])
 @pytest.mark.parametrize("shape", [shape for shape in SHAPES if shape != "turning"])  # axes of turns are left out too

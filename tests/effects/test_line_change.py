@@ -60,6 +60,7 @@ def test_tables_are_those_of_a_longer_cable(zeta):
     )
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("rate", [0.3, -0.3])
 @pytest.mark.parametrize("method", STABLE)
 def test_hoisted_at_the_rate_of_the_winch(method, rate):

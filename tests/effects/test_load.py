@@ -65,6 +65,7 @@ def test_only_cables_named():
     np.testing.assert_allclose(f[model.node("p")], np.array(SIDE) / 8)  # half a segment ends there
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("ramp", [0.0, 0.3])
 @pytest.mark.parametrize(("method", "within"), [("edmc", 1e-6), ("rk4", 1e-4), ("dop853", 1e-6), ("Radau", 1e-6)])
 def test_account_of_energy(ramp, method, within):

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped.effects.laws import drag, morison
 from anet_lumped.effects.laws.axial import with_select
@@ -66,7 +67,7 @@ def test_added_mass():
     np.testing.assert_allclose(f, 1.5 * MASS * a, rtol=4 * EPS)
 
 
-@settings(deadline=None, max_examples=50)
+@tried(50)
 @given(a=vector, d=vector.filter(lambda d: np.linalg.norm(d) > 0.1), slopes=st.tuples(vector, vector, vector))
 def test_slopes_against_jax(a, d, slopes):
     """Of both ends of a segment in their places, where the water's acceleration changes with the place."""

@@ -86,6 +86,7 @@ def test_breaks(Tether):
     assert run.position("b")[-1, 2] < run.position("b")[0, 2] - 0.05
 
 
+@pytest.mark.slow
 def test_the_study_of_costs_takes_it_up(Tether, monkeypatch):
     monkeypatch.setattr(REGISTRY, "classes", {"gravity": "Gravity", "tether": "Tether"})
     monkeypatch.setattr(effects_cost, "TIMES", {"verlet": 2, "newton": 2})

@@ -217,6 +217,7 @@ def test_a_drum_carries_a_rope_at_rest():
     assert -f[rest.model.nodes("a-b")[top], 2] == pytest.approx(pressed, rel=2e-3)  # a chord for an arc; 0.3 degrees from the top
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("EA", [1e3, 1e7])
 @pytest.mark.parametrize("name", SHAPES)
 @pytest.mark.parametrize(("dt", "friction"), [(0.001, 0.5), (0.005, 0.0), (0.02, 0.5)])

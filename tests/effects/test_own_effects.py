@@ -13,6 +13,7 @@ import naive
 import numpy as np
 import pytest
 from numba import njit
+from slow import slow
 from systems import four_cables, loose_cable, nets, scatter
 
 from anet_lumped import (
@@ -298,6 +299,7 @@ def test_an_effect_may_be_made_again_under_its_name():
         assert evaluate(make(size), model, 0.0, *np.zeros((2, model.n, 3)))[0][0, 0] == -size
 
 
+@pytest.mark.slow
 def test_the_example():
     found = types.SimpleNamespace(**runpy.run_path(str(EXAMPLE)))
     z = {name: state.position("p0")[2] for name, state in found.rest.items()}
@@ -408,11 +410,13 @@ def test_a_law_that_is_not_finite_is_named_by_statics():
     ("effect", "settings", "message"),
     [
         (logarithm(0.3), {}, r"The energy of effect logarithm is nan J at t=0.0\d+ s\. edmc with .* did not converge"),
-        (logarithm(0.3), {"method": "dop853"}, r"The energy of effect logarithm is nan J .* dop853 with rtol"),
-        (logarithm(0.3), {"method": "verlet", "dt": 2e-5}, "The (energy|force) of effect logarithm is .* verlet with"),
+        *slow(
+            (logarithm(0.3), {"method": "dop853"}, r"The energy of effect logarithm is nan J .* dop853 with rtol"),
+            (logarithm(0.3), {"method": "verlet", "dt": 2e-5}, "The (energy|force) of effect logarithm is .* verlet with"),
+        ),
         (until(0.1), {"dt": 0.001}, r"The force of effect until is \(0, 0, nan\) N at t=0.1"),
         (until(0.1), {"method": "verlet", "dt": 2e-5}, r"The force of effect until is \(0, 0, nan\) N at t=0.1.* diverged at"),
-        (until(0.1), {"method": "backward_euler", "dt": 0.01}, "The force of effect until is"),
+        *slow((until(0.1), {"method": "backward_euler", "dt": 0.01}, "The force of effect until is")),
     ],
 )
 def test_a_law_that_is_not_finite_is_named_by_a_run(effect, settings, message):

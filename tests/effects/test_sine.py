@@ -3,13 +3,14 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped.effects.laws.sine import exponential, sine_and_cosine
 
 
-@settings(deadline=None, max_examples=500)
+@tried(500)
 @given(st.floats(-1e6, 1e6))
 def test_sine_and_cosine(x):
     """Two roundings of numbers up to 1, and what is left of the reduction: 1e-16 for a million radians."""
@@ -25,7 +26,7 @@ def test_at_the_ends_of_quarters(k, off):
     assert sine_and_cosine(x) == pytest.approx((math.sin(x), math.cos(x)), rel=0.0, abs=4e-16)
 
 
-@settings(deadline=None, max_examples=500)
+@tried(500)
 @given(st.floats(-40.0, 0.0))
 def test_exponential(x):
     """64 times the rounding of the number that is squared six times, 1.1e-16."""

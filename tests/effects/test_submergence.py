@@ -5,9 +5,10 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import quad
+from tried import tried
 
 from anet_lumped import Free
 from anet_lumped.effects.laws import submergence
@@ -60,7 +61,7 @@ def test_share_is_near_that_of_a_level_cylinder():
     assert 0.035 < np.abs(off).max() < 0.04
 
 
-@settings(deadline=None)
+@tried()
 @given(z=heights)
 def test_slopes_of_a_share(z):
     """H' = h and h' by JAX."""
@@ -71,7 +72,7 @@ def test_slopes_of_a_share(z):
     assert float(of_h) == pytest.approx(slope, abs=32 * EPS / D)
 
 
-@settings(deadline=None, max_examples=200)
+@tried(200)
 @given(z1=heights, z2=heights)
 def test_weights_are_integrals(z1, z2):
     z1, z2 = z1 * D, z2 * D
@@ -90,7 +91,7 @@ def test_weights_are_integrals(z1, z2):
     assert immersed(z2, z1, D)[1:3] == (w2, w1)
 
 
-@settings(deadline=None, max_examples=200)
+@tried(200)
 @given(z1=heights, z2=heights)
 def test_slopes_of_the_weights(z1, z2):
     """de/dz = w and dw/dz by JAX, which divides by the rise."""
@@ -110,7 +111,7 @@ def test_an_inclined_segment_is_cut_by_the_surface():
     assert w2 / (w1 + w2) == pytest.approx(0.15, rel=1e-4)  # but for the layer's width, (d/rise)^2 = 1e-5
 
 
-@settings(deadline=None, max_examples=300)
+@tried(300)
 @given(a=st.tuples(heights, heights), b=st.tuples(heights, heights), near=st.sampled_from([1.0, 1e-2, 1e-5]))
 def test_work_of_a_step(a, b, near):
     """g . (z_b - z_a) = e_b - e_a, however long the step; slopes by differences."""
@@ -130,7 +131,7 @@ def test_work_of_a_step(a, b, near):
         np.testing.assert_allclose(np.transpose(found).ravel(), slopes, rtol=0, atol=1e-6 / D + 100 * EPS / (h * size) * D)
 
 
-@settings(deadline=None, max_examples=300)
+@tried(300)
 @given(a=heights, b=heights, near=st.sampled_from([1.0, 1e-2, 1e-5]))
 def test_work_of_a_step_of_a_sphere(a, b, near):
     a, b = a * D, (a + near * (b - a)) * D

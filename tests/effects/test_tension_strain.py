@@ -5,8 +5,9 @@ import math
 import jax
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped import Cable, Fixed, Free, Scene, SceneError, State, equilibrium, simulate
 from anet_lumped.advice.compare import compare
@@ -57,7 +58,7 @@ def test_strain_of_a_tension(T):
     assert cable(tension_strain=None, EA=1e4).strain(T) == T / 1e4
 
 
-@settings(deadline=None)
+@tried()
 @given(STRETCHES, st.floats(-1.0, 1.0))
 def test_tension_is_the_curve(strain, rate):
     spring = spring_of(cable(), 2.0)
@@ -83,7 +84,7 @@ def test_laws_in_jax():
     np.testing.assert_allclose(k, jax.jit(lambda x: slopes(x, 0.2, spring, 3.0, 0.0)[1])(x), rtol=1e-14)
 
 
-@settings(deadline=None, max_examples=300)
+@tried(300)
 @given(STRETCHES, STRETCHES, st.booleans(), st.floats(0.0, 1e6))
 def test_between_two_lengths(a, b, near, damper):
     """The secant of the energy, without cancellation; no step gives energy."""

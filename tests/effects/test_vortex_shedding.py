@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from slow import slow
 
 from anet_lumped import (
     Cable,
@@ -89,7 +90,7 @@ def solved(scene, start, t):
     return solve_ivp(slopes, (0.0, t[-1]), y, method="DOP853", rtol=1e-10, atol=1e-12, t_eval=t).y.T
 
 
-@pytest.mark.parametrize("fields", [{}, {"shedding_window": 0.4, "Cdn": 1.2, "Can": 0.7}])
+@pytest.mark.parametrize("fields", [{"shedding_window": 0.4, "Cdn": 1.2, "Can": 0.7}, *slow({})])
 def test_order_two(fields):
     """Places, velocities and phases against DOP853 of the same equations, while the vibration builds up."""
     scene = held(**fields)

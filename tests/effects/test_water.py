@@ -219,6 +219,7 @@ def twine_net(n=3, v=-2.0, height=0.6, **kwargs):
     return Scene(points, cables, [Gravity(G), Water(RHO)])
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("EA", [5.0, 2e3, 1e5])
 @pytest.mark.parametrize(("v", "height"), [(-2.0, 0.6), (2.0, -0.8)], ids=["into", "out of"])
 def test_a_net_goes_through_the_surface_at_2_m_per_s(v, height, EA):

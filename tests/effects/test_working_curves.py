@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
+from slow import slow
 
 from anet_lumped import (
     Cable,
@@ -134,7 +135,7 @@ def creep_of(cable, T_max):
     return law.Creep(cable.creep[0], ALPHA / L0, cable.EA_dynamic_per_tension / L0, SLOW_BA / L0, BA / L0, curves)
 
 
-@pytest.mark.parametrize("per_tension", [0.0, BETA])
+@pytest.mark.parametrize("per_tension", [BETA, *slow(0.0)])
 def test_order_against_an_independent_integration(per_tension):
     """Waves about a growing and then a falling mean: the slow stretch by DOP853, from the equations as they are written."""
     t = np.linspace(0.0, 12.0, 25)

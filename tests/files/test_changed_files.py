@@ -4,9 +4,10 @@ import warnings
 
 import pytest
 from drawn import Drawn
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 from test_moordyn_file import DECK
+from tried import tried
 
 from anet_lumped import InputError, SceneError, load_scene, read_moordyn
 from anet_lumped.checks import LONGEST
@@ -24,7 +25,7 @@ def read(path, reader):
             assert all(line.isprintable() and len(line) <= LONGEST for line in str(refused).split("\n"))
 
 
-OFTEN = settings(deadline=None, max_examples=75, suppress_health_check=[HealthCheck.function_scoped_fixture])
+OFTEN = tried(75, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 @OFTEN

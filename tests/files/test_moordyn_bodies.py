@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from beside_moordyn import places_of_points
+from slow import slow
 
 from anet_lumped import Body, Cable, Driven, Fixed, Scene, SceneError, paths, simulate
 from anet_lumped.effects import Gravity, MoordynBottom, Water
@@ -163,7 +164,7 @@ def test_bodies_that_moordyn_does_not_have(fields, message):
         moordyn_text(scene_of(crate(**fields)))
 
 
-@pytest.mark.parametrize("in_water", [False, True], ids=["in air", "in water"])
+@pytest.mark.parametrize("in_water", [*slow(False), True], ids=["in air", "in water"])
 def test_moordyn_moves_a_body_as_we_do(tmp_path, in_water):
     """MoorDyn's equations lack the gyroscopic moment and the pull of a centre of gravity that circles, so a ball is turned here.
 

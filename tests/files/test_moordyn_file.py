@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped import (
     Cable,
@@ -252,7 +253,7 @@ def scenes(draw):
     return Scene(points, cables, draw(st.just([]) | st.builds(Gravity, positive).map(lambda effect: [effect])))
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=50)
+@tried(50, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(scene=scenes())
 def test_round_trip(tmp_path, scene):
     save_scene(scene, tmp_path / "scene.dat")

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from beside_moordyn import begun, march, nodes_of_line
+from slow import slow
 
 from anet_lumped import Cable, Fixed, Scene, SceneError, equilibrium, read_moordyn, save_moordyn, simulate, waves, wind
 from anet_lumped.effects import Gravity, GroundMap, MoordynBottom, Water
@@ -86,7 +87,7 @@ def test_deep_water_is_as_deep_as_it_has_to_be():
 @pytest.mark.filterwarnings("ignore::anet_lumped.files.moordyn_findings.DeckWarning")
 @pytest.mark.parametrize(
     ("flow", "share"),
-    [({"current": PROFILE}, 5e-4), ({"current": wind.Uniform((0.8, 0.3, 0.0)), "waves": SUM}, 5e-3)],
+    [*slow(({"current": PROFILE}, 5e-4)), ({"current": wind.Uniform((0.8, 0.3, 0.0)), "waves": SUM}, 5e-3)],
     ids=["profile", "waves and a current"],
 )
 def test_moordyn_moves_as_we_do(tmp_path, flow, share):

@@ -78,6 +78,7 @@ def test_a_body_of_MoorDyn_that_is_pinned_to_nothing_stays():
     )
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize(("method", "step"), [("edmc", {"dt": 0.005}), ("dop853", {"rtol": 1e-8})])
 @pytest.mark.parametrize(("name", "inertia_over_m_l"), [("rod1.b", 4 / 3 + 0.125**2 / 4), ("body1.point2", 950 / 900)])
 def test_a_pendulum_whose_pivot_surges(method, step, name, inertia_over_m_l):

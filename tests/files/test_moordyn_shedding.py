@@ -135,7 +135,7 @@ def of_moordyn(folder, segments, t_end):
     return np.array(t), np.array(y)
 
 
-@pytest.mark.parametrize("speeds", [(1.0, 1.0), (0.7, 1.1)])
+@pytest.mark.parametrize("speeds", [pytest.param((1.0, 1.0), marks=pytest.mark.slow), (0.7, 1.1)])
 def test_moordyn_vibrates_as_this_does(tmp_path, speeds):
     """A riser at rest, in a current that is there at once: how it vibrates from 6 to 12 s, in the same window of 500 dtM.
 

@@ -5,8 +5,9 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped import attach, equilibrium, tensioned
 from anet_lumped.effects import Bending, Gravity, ViscousDamping
@@ -62,7 +63,7 @@ def scenes(draw):
     return Scene(points, cables, draw(st.lists(effect, max_size=2, unique_by=type)))
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@tried(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(scene=scenes())
 def test_round_trip(tmp_path, scene):
     save_scene(scene, tmp_path / "scene.toml")

@@ -109,6 +109,7 @@ def test_chosen_steps_keep_a_tolerance(name):
     assert off[1] < 0.15 * off[0]  # a step of order 1 has the square of its length as error: a tenth
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("name", ["symplectic_euler", "verlet", "rk4", "dop853", "edmc", "sdirk2"])
 @pytest.mark.parametrize("adaptive", [False, True])
 def test_an_event_ends_the_march(name, adaptive):

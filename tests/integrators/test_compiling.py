@@ -141,7 +141,13 @@ def imported():
     ("cache", "before", "quiet", "line"),
     [
         ("None", "", None, OF_THE_LIBRARY),
-        ("None", "from studies.telling import announce_compiling as say; say(['equilibrium', 'net_held'])", None, OF_A_COMMAND),
+        pytest.param(
+            "None",
+            "from studies.telling import announce_compiling as say; say(['equilibrium', 'net_held'])",
+            None,
+            OF_A_COMMAND,
+            marks=pytest.mark.slow,
+        ),
         pytest.param("None", "", "1", None, marks=pytest.mark.slow),
         pytest.param("__import__('numba').core.caching.NullCache()", "", None, None, marks=pytest.mark.slow),
     ],

@@ -11,6 +11,7 @@ from integrators.marching.error_growth import SHORT, SWING, UNSEEN, UNSEEN_EXPLI
 T_END = 3.0  # [s], one turn of the fastest motion
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("forces", [{}, {"c": 0.3, "g": 1.0, "shake": 0.2}])
 @pytest.mark.parametrize("name", [name for name in OWN if name != "dop853"])
 def test_the_error_that_a_march_tells_is_that_of_its_places(name, forces):

@@ -109,6 +109,7 @@ def one_byte_off(path):
     path.write_bytes(data)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("damage", [emptied, junk, cut_in_half, zeroed, one_byte_off])
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
 def test_what_cannot_be_read_is_compiled_anew(toy, caplog, kind, damage):

@@ -42,6 +42,7 @@ def errors(motion, name, rho_inf, steps):
 SWINGS = [system for system, make in MOTIONS.items() if not make(1e-6).axial]
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize(
     ("name", "rho_inf", "system"),
     # a step of dop853 that is stable for the stretching of the chain leaves rounding alone in its swings

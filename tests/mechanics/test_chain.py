@@ -5,9 +5,10 @@ import sys
 import naive
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from systems import mesh, nets, scatter
+from tried import tried
 
 from anet_lumped import Cable, Fixed, Free, Scene
 from anet_lumped.effects import Gravity, ViscousDamping
@@ -66,6 +67,7 @@ def coupled(model, net, rng, couples, size=3.0):
     return net
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("stiffness", [0.0, 1e1, 1e4, 1e10])
 @pytest.mark.parametrize("name", NETS)
 def test_solution_of_nodes_that_have_inertia_alone(name, stiffness):
@@ -90,6 +92,7 @@ def test_solution_of_nodes_that_have_inertia_alone(name, stiffness):
     check(model, net, stiffness)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("couples", [1, 2])
 @pytest.mark.parametrize("stiffness", [0.0, 1e1, 1e4, 1e10])
 @pytest.mark.parametrize("name", NETS)
@@ -118,6 +121,7 @@ def test_couplings_of_nothing_change_nothing(name):
     np.testing.assert_allclose(wide.tension, net.tension, atol=1e-10 * np.abs(net.tension).max())
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("stiffness", [0.0, 1e1, 1e4, 1e10])
 @pytest.mark.parametrize("name", NETS)
 def test_solution(name, stiffness):
@@ -140,6 +144,7 @@ def laid_out(scene, many, patch):
     return build.__wrapped__(scene)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("stiffness", [1e1, 1e10])
 @pytest.mark.parametrize("name", NETS)
 def test_solution_by_fronts(name, stiffness, monkeypatch):
@@ -199,7 +204,7 @@ def random_scenes(draw):
     return Scene(points, cables)
 
 
-@settings(deadline=None, max_examples=100)
+@tried(100)
 @given(random_scenes(), st.integers(0, 2**31), st.sampled_from([1.0, 1e3]))
 def test_solution_of_any_net(scene, seed, stiffness):
     for many in (fronts.MANY, 1):
@@ -218,6 +223,7 @@ def random_stage(model, law, rng):
     return Stage(LAWS[law], 0.0, 2e4, 0.5 if law == "between" else 1.0, tau, 0.3), base, target, q
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("compression", ["none", "damped", "linear"])
 @pytest.mark.parametrize("law", LAWS)
 def test_residual(law, compression):
@@ -254,6 +260,7 @@ def exact_tangent(model, net, law):
     return K[: model.n_free, :, : model.n_free]
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("compression", ["none", "damped", "linear"])
 @pytest.mark.parametrize("law", LAWS)
 def test_tangent(law, compression):

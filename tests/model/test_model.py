@@ -4,8 +4,9 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped import Cable, Driven, Fixed, Free, Scene, SceneError
 from anet_lumped.effects import Gravity, ViscousDamping
@@ -213,7 +214,7 @@ def check_symbolic(model, free, links):
             assert (start_end, end_start) == (place[s, e], place[e, s])
 
 
-@settings(deadline=None, max_examples=100)
+@tried(100)
 @given(graphs())
 def test_symbolic_elimination_is_that_of_a_dense_one(graph):
     check_symbolic(net_of(*graph), *graph)

@@ -34,6 +34,7 @@ def lifted(way, method, EA, segments):
     return simulate(Scene([top, Free("b", mass=MASS)], [cable], effects), T_END, method=method, **dt)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("segments", [1, 2, 10])
 @pytest.mark.parametrize(("method", "EA"), MADE)
 @pytest.mark.parametrize("way", ["reel", "hoist", "break"])
@@ -63,6 +64,7 @@ def test_it_closes_and_its_parts_are_right(way, method, EA, segments):
     assert balance.by_method == pytest.approx(by_method, rel=0.15, abs=(5e-4 if scheme.explicit else 5e-5) * balance.work)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("rate", [-1.0, -0.5, 0.5])
 @pytest.mark.parametrize("segments", [1, 2, 5])
 def test_a_winch_of_a_cable_that_does_not_stretch(segments, rate):

@@ -159,6 +159,7 @@ def test_payload_that_lost_its_cable_changes():
     assert run.velocity("b")[-1, 2] == pytest.approx(-G * (0.1 * M / (M + 2.0) + 0.1), rel=1e-12)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("net", nets())
 def test_remainder_has_the_forces_of_the_rest(net, seed):

@@ -87,6 +87,7 @@ def test_force_and_structured_solve(name, elastic):
         np.testing.assert_allclose(x, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_paths():
     rng = np.random.default_rng(2)
     paths = [

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from slow import slow
 from systems import four_cables, loose_cable
 
 from anet_lumped import Cable, Driven, Free, Scene, State, equilibrium, simulate
@@ -60,6 +61,7 @@ def energy_of_errors(run, tolerance=NEWTON_TOLERANCE, law_at_places=True):
     return (tolerance * force + noise) * way + rounding
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("kind", STARTS)
 @pytest.mark.parametrize("method", ["edmc", "backward_euler"])
 def test_energy_never_rises(method, kind):
@@ -96,7 +98,7 @@ def random_curve(rng, shape):
     return list(zip(np.cumsum(strains), np.cumsum(strains * EA), strict=True))
 
 
-@pytest.mark.parametrize("shape", ["stiffens", "yields", "mixed"])
+@pytest.mark.parametrize("shape", ["mixed", *slow("stiffens", "yields")])
 def test_energy_never_rises_with_curves(shape):
     """Nor does it with a curve, over any number of its kinks in a step.
 
@@ -113,6 +115,7 @@ def test_energy_never_rises_with_curves(shape):
         assert np.all(np.diff(run.energy[:, :3].sum(axis=1)) <= energy_of_errors(run)), case
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("kind", STARTS)
 @pytest.mark.parametrize("method", ["midpoint", "sdirk2", "tr_bdf2", "generalised_alpha"])
 def test_hard_starts_converge(method, kind):

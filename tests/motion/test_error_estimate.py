@@ -36,6 +36,7 @@ def carried():
     return Scene([*points, Free("p0", mass=0.036)], cables, [Gravity(9.81)])
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("name", [name for name in schemes.names(own=True, explicit=False) if schemes.scheme(name).order == 2])
 @pytest.mark.parametrize("dt", [0.04, 0.02, 0.01])
 def test_a_swing(name, dt):

@@ -26,6 +26,7 @@ def test_rest_is_the_same(at):
     assert there.scene == hung(at)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("method", ["edmc", "verlet", "dop853", "RK45"])
 @pytest.mark.parametrize("at", AT[1:])
 def test_motion_is_the_same(at, method):

@@ -96,6 +96,7 @@ def printed(code, **more):
     return done.stdout.splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_threads_that_first_use_the_library_at_once_give_what_one_thread_gives():
     """Bit for bit, for the same scene in several threads as well."""
     assert printed(THREADS) == "all equal"

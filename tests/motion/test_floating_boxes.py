@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from slow import slow
 
 from anet_lumped import Body, Cable, Fixed, Free, Scene, equilibrium, simulate
 from anet_lumped.effects import Gravity, ViscousDamping, Water
@@ -67,7 +68,7 @@ def test_where_the_upright_box_turns_unstable():
         assert moment * sign < 0.0
 
 
-@pytest.mark.parametrize("method", ["edmc", "dop853"])
+@pytest.mark.parametrize("method", ["edmc", *slow("dop853")])
 def test_rolling_period(method):
     """2 pi sqrt(J/(m g GM)) of small rolls, GM = BM - BG, without added mass; and the box heaves not at all."""
     s, edges = 0.6, (2.0, 4.0, 1.0)

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
+from slow import slow
 from test_bodies import ELSEWHERE, G, thrown
 
 from anet_lumped import (
@@ -80,7 +81,7 @@ def spun(scene):
     return thrown(scene).moved("upper", angular_velocity=SPINS[0]).moved("lower", angular_velocity=SPINS[1])
 
 
-@pytest.mark.parametrize("method", ["edmc", "dop853", "verlet", "rk4", "backward_euler"])
+@pytest.mark.parametrize("method", ["edmc", "dop853", *slow("verlet", "rk4", "backward_euler")])
 def test_a_double_pendulum_against_an_integration_of_its_own(method):
     rotations, rates = double_pendulum(1.0, SPINS)
     scene = pair(Gravity(G))
@@ -135,6 +136,7 @@ def test_a_chain_in_free_flight_keeps_its_momenta_and_gains_no_energy(rho_inf):
     assert run.work.newton_iterations <= 6.0 * run.work.steps
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("EA", [1e2, 1e5, 1e9])
 @pytest.mark.parametrize("dt", [0.02, 0.005])
 def test_hard_starts_do_not_raise_the_energy(EA, dt):
@@ -167,7 +169,7 @@ def carried(*effects, deck=DECK):
     return Scene([Free("w", mass=0.2)], [cable], [Gravity(G), *effects], bodies=[pole, deck])
 
 
-@pytest.mark.parametrize("effects", [(), (Water(),)], ids=["dry", "in water"])
+@pytest.mark.parametrize("effects", [(), pytest.param((Water(),), marks=pytest.mark.slow)], ids=["dry", "in water"])
 def test_a_pole_at_a_driven_deck_tends_to_dop853(effects):
     scene = carried(*effects)
     start = equilibrium(scene)

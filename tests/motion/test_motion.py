@@ -60,6 +60,7 @@ SAME = {
 }
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("case", SAME)
 @pytest.mark.parametrize("method", ["verlet", "edmc", "backward_euler", "sdirk2"])
 def test_same_motion(method, case, solve_to):

@@ -65,6 +65,7 @@ def test_a_rod_adds_its_mass_to_that_of_its_body():
     assert body.whole.inertia[1, 1] == pytest.approx(about_y)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("method", ["edmc", "dop853"])
 @pytest.mark.parametrize("ends", [LEVEL, UPRIGHT], ids=["broadside", "endwise"])
 def test_it_falls_by_the_hyperbolic_tangent(ends, method):

@@ -147,6 +147,7 @@ def test_energy_balances_on_the_carried_net(carried, method):
     assert balance.work == pytest.approx(balance.kinetic + balance.elastic + balance.potential, rel=1e-6)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("compression", ["none", "damped", "linear"])
 @pytest.mark.parametrize("method", ["RK45", "Radau", "LSODA"])
 def test_energy_balances_on_a_cable_that_starts_slack(method, compression):

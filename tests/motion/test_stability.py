@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 import scipy.integrate
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped.effects import REGISTRY, ViscousDamping
 from anet_lumped.motion.stability import (
@@ -101,6 +102,7 @@ def radius(matrix):
     return np.abs(np.linalg.eigvals(matrix)).max()
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("ends", ["fixed", "loose"])
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.6, 1.0, 3.0])
 @pytest.mark.parametrize("scheme", EXPLICIT)
@@ -171,7 +173,7 @@ def test_implicit_schemes_have_no_linear_limit(scheme):
 # closed forms ------------------------------------------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=40)
+@tried(40)
 @given(k=st.floats(1.0, 1e8), m=st.floats(1e-5, 1.0), share=st.floats(0.01, 0.99))
 def test_dashpot_borders_of_the_thesis(k, m, share):
     omega = 2.0 * np.sqrt(k / m)
@@ -190,7 +192,7 @@ def test_dashpot_borders_of_the_thesis(k, m, share):
     assert step_limit("explicit_euler", omega, c / np.sqrt(k * m)) == pytest.approx(c / k, rel=1e-9)
 
 
-@settings(deadline=None, max_examples=40)
+@tried(40)
 @given(
     scheme=st.sampled_from(sorted(EXPLICIT)),
     omega=st.floats(1e-2, 1e7),
@@ -225,6 +227,7 @@ def test_stability_intervals(scheme, zeta, expected):
     assert step_limit(scheme, 1.0, zeta) == pytest.approx(expected, rel=1e-5)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("scheme", ["rk4", "dop853", "RK45", "DOP853", "Tsit5"])
 @pytest.mark.parametrize("zeta", [0.0, 0.4, 1.7, *(pytest.param(z, marks=pytest.mark.slow) for z in (1e-3, 0.05, 0.9))])
 def test_no_instability_below_the_limit(scheme, zeta):
@@ -275,7 +278,7 @@ def test_stretch_floor_of_the_thesis():
     assert hanging_stretch_floor("edmc", 0.01, 1.0, 20) == 0.0
 
 
-@settings(deadline=None, max_examples=30)
+@tried(30)
 @given(
     scheme=st.sampled_from(["symplectic_euler", "verlet", "rk4", "RK45", "DOP853"]),
     segments=st.integers(2, 40),
@@ -334,7 +337,7 @@ def highest_frequency(scene, rng):
     return np.sqrt(np.linalg.eigvalsh(A.reshape(3 * len(mass), -1))[-1])
 
 
-@settings(deadline=None, max_examples=40)
+@tried(40)
 @given(
     mass=st.floats(0.0, 10.0),
     EA=st.tuples(*[st.floats(1.0, 1e6)] * 4),
@@ -402,6 +405,7 @@ def test_a_scene_without_movable_nodes_has_no_limit():
     assert predict(scene).limits["rk4"].step == np.inf
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("scheme", ["symplectic_euler", "verlet", "rk4"])
 @pytest.mark.parametrize("zeta", [0.05, 2.0])
 def test_nonlinear_hanging_chain_is_stable_to_within_ten_percent(scheme, zeta):

@@ -41,6 +41,7 @@ def test_references_agree(motion):
     assert largest(tip(law, "rk4", 1e-5), exact, True) < 1e-7
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("after", [False, True])
 def test_edmc_that_damps_nothing_is_of_second_order_through_the_whip(motion, after):
     """rho_inf = 1: the damper over a step is that of one time in the limit, slack turning taut included."""

@@ -3,8 +3,9 @@
 import numba
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped.checks import InputError
 from anet_lumped.model.rest_lengths import places
@@ -30,7 +31,7 @@ def compiled(paths, t):
     return q, v, a
 
 
-@settings(deadline=None)
+@tried()
 @given(st.floats(-10.0, 100.0) | st.sampled_from([0.0, 0.5, 1.0, 1.5, 2.0, 2.25, 4.0]))
 def test_compiled_equals_plain(t):
     plain = np.array([path.at(t) for path in PATHS]).swapaxes(0, 1)

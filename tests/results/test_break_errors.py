@@ -28,6 +28,7 @@ def height_at_end(breaking_tension):
     return -LENGTH - x - G / omega * math.sin(omega * breaks) * left - 0.5 * G * left**2
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("breaking_tension", [150.0, 190.0])
 @pytest.mark.parametrize("dt", [0.02, 0.01, 0.005])
 def test_beside_a_closed_form(breaking_tension, dt):

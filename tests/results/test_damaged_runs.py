@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 import xarray
 from drawn import Drawn
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped import InputError, load_run
 from anet_lumped.checks import LONGEST
@@ -60,7 +61,7 @@ def test_a_file_of_before_there_were_checksums_is_read(tmp_path, saved, run):
     assert said_of(load_run(edited(tmp_path, saved))) == said_of(run)
 
 
-@settings(deadline=None, max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@tried(300, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_a_changed_file_is_refused_or_says_the_same(tmp_path, saved, run, data):
     (tmp_path / "run.nc").write_bytes(changed_bytes(Drawn(data), saved))
@@ -73,7 +74,7 @@ def test_a_changed_file_is_refused_or_says_the_same(tmp_path, saved, run, data):
         assert said_of(found) == said_of(run)
 
 
-@settings(deadline=None, max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@tried(200, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_a_changed_file_without_a_checksum_is_refused_or_a_run(tmp_path, data):
     (tmp_path / "run.nc").write_bytes(changed_bytes(Drawn(data), OLD.read_bytes()))

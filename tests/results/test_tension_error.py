@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from slow import slow
 from tension_twin import counted_jumps, missing
 
 from anet_lumped import Cable, Fixed, Free, PayloadChange, Scene, equilibrium, simulate
@@ -145,7 +146,7 @@ def test_a_stiff_pendulum_that_does_not_jump_has_no_such_error():
     assert true < 0.005 and told < 0.01
 
 
-@pytest.mark.parametrize("dt", [0.004, 0.002])  # omega h/2 = 0.1 and 0.05 of the lowest vibration, 6 and 3 of a segment's
+@pytest.mark.parametrize("dt", [0.004, *slow(0.002)])  # omega h/2 = 0.1 and 0.05 of the lowest vibration, 6 and 3 of a segment's
 def test_vibrations_that_the_numerical_damper_took_are_missing(dt):
     """What jumps show is next to nothing here, as the lowest vibration is resolved; the account of energy knows more."""
     told, true = told_and_true(hung(20, 100.0, 0.0, 0.0), dt, 2e-5)

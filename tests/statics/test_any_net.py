@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hanging import assorted, cable, check, imbalance, potential_energy, strain_excess, three_supports, weight_carried
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped import Fixed, Free, Scene, equilibrium
 from anet_lumped.effects import Gravity
@@ -31,6 +32,7 @@ def transformed(scene, *, turn=None, shift=(0.0, 0.0, 0.0), flip=False, order=No
     return Scene(points, cables, [Gravity(float(np.linalg.norm(g)), tuple(g))])
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("EA", [10.0, 1e6])
 @pytest.mark.parametrize("name", ["one slack, odd", "tree", "two junctions", "loop", "parallel between free points"])
 @pytest.mark.parametrize(
@@ -79,14 +81,14 @@ def any_net(draw, EA, length):
     return Scene(points, cables, [Gravity(9.81, direction)])
 
 
-@settings(deadline=None, max_examples=150, phases=[Phase.generate])
+@tried(150, phases=[Phase.generate])
 @given(any_net(EA=(1.0, 1e9), length=(3.0, 8.0)))
 def test_any_net_that_its_load_alone_stretches(scene):
     """Every cable is longer than any two supports are apart."""
     check(scene)
 
 
-@settings(deadline=None, max_examples=150, phases=[Phase.generate])
+@tried(150, phases=[Phase.generate])
 @given(any_net(EA=(1.0, 1e2), length=(0.5, 5.0)), st.integers(0, 2**32 - 1))
 def test_any_soft_net_has_the_least_energy(scene, seed):
     state = check(scene)

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped.statics.catenary import Catenary, catenary
 
@@ -42,20 +43,20 @@ def ends(ratio, inclination, length, heading):
     return (0.0, 0.0, 0.0), (across * math.cos(heading), across * math.sin(heading), up)
 
 
-@settings(deadline=None, max_examples=400)
+@tried(400)
 @given(slack_ratios, inclinations, lengths, headings)
 def test_inextensible_closes(ratio, inclination, length, heading):
     assert closing(catenary(*ends(ratio, inclination, length, heading), length)) <= CLOSING
 
 
-@settings(deadline=None, max_examples=400)
+@tried(400)
 @given(any_ratios, inclinations, lengths, headings, stiffnesses)
 def test_elastic_closes(ratio, inclination, length, heading, stiffness):
     cable = catenary(*ends(ratio, inclination, length, heading), length, EA=stiffness * 0.1 * 9.81 * length, mass_per_length=0.1)
     assert closing(cable) <= CLOSING * max(1.0, ratio)  # a chord of 100 lengths has round-off of its own
 
 
-@settings(deadline=None, max_examples=200)
+@tried(200)
 @given(any_ratios, inclinations, headings, stiffnesses)
 def test_properties_stay_finite_and_ordered(ratio, inclination, heading, stiffness):
     cable = catenary(*ends(ratio, inclination, 1.0, heading), 1.0, EA=stiffness, gravity=1.0)
@@ -182,7 +183,7 @@ def test_without_gravity_a_stretched_cable_is_straight():
 # --- Statics --------------------------------------------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=60)
+@tried(60)
 @given(any_ratios, inclinations, st.sampled_from([1.0, 30.0, 1e6]), st.floats(0, 1), st.floats(0, 1))
 def test_a_piece_of_the_cable_is_in_equilibrium(ratio, inclination, EA, s1, s2):
     """mu g dz = dT + d(T^2)/(2 EA): integrated along the tangent, the weight of a piece balances its end tensions."""

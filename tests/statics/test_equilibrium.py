@@ -12,6 +12,7 @@ from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.prescribed import paths
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("segments", [5, 6, 20, 2000])
 @pytest.mark.parametrize("EA", STIFFNESSES)
 @pytest.mark.parametrize("end", ENDS)
@@ -34,6 +35,7 @@ def test_gravity_in_any_direction(direction, g):
     assert (state.shape("a-b") @ down).max() > max(0.0, np.array((0.3, 0.4, 0.2)) @ down) + 0.2
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("EA", STIFFNESSES)
 @pytest.mark.parametrize("name", assorted(1.0))
 def test_nets(name, EA):
@@ -59,6 +61,7 @@ def test_driven_points_rest_where_they_start():
     assert np.array_equal(state.position("p0"), equilibrium(scene).position("p0"))
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("segments", [1, 5, 20, 2000])
 @pytest.mark.parametrize("EA", [1.0, 50.0, 1e6])
 @pytest.mark.parametrize("payload", [0.0, 0.2, 1000.0])

@@ -35,6 +35,7 @@ def test_iterations_do_not_grow_with_segments_or_stiffness(iterations, EA, segme
     assert iterations[0] <= 10
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("EA", STIFFNESSES)
 @pytest.mark.parametrize("name", assorted(1.0))
 def test_iterations_of_nets(iterations, name, EA):

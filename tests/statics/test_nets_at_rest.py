@@ -53,6 +53,7 @@ def test_the_corners_carry_what_the_ground_does_not():
     assert (rest.segment_tension <= 0.0).any() and rest.stable
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("in_water", [False, True])
 @pytest.mark.parametrize("held", [("p0_0", "p19_0", "p19_19", "p0_19"), ("p0_0", "p19_0"), ("p0_0",)])
 def test_most_of_a_net_lies_slack_on_the_ground(held, in_water):

@@ -51,6 +51,7 @@ def turns(shape):
 RISER = dict(length=400.0, span=300.0, height=136.0, mass=60.0, diameter=0.2, EA=7e8)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("EI", [0.0, 3e4])
 @pytest.mark.parametrize("compression", ["none", "linear"])
 @pytest.mark.parametrize("segments", [50, 80, 120])

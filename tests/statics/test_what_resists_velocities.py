@@ -18,6 +18,7 @@ def mooring(length, current, friction=0.0, zeta=0.0, effects=()):
     return Scene([Fixed("anchor", (0, 0, -20)), Fixed("ship", (90, 0, 0))], [cable], [Gravity(9.81), *surroundings, *effects])
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("current", CURRENTS)
 @pytest.mark.parametrize(
     "resists",
@@ -39,6 +40,7 @@ def test_it_stays_where_it_is():
     assert np.abs(run.q - rest.q).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_a_law_of_ones_own_that_resists_velocities_does_not_pass_for_a_balance(monkeypatch):
     monkeypatch.setattr(REGISTRY, "classes", dict(REGISTRY.classes))
 

@@ -4,6 +4,8 @@ import os
 import time
 from pathlib import Path
 
+import pytest
+
 from studies.sweeping import compiled_ahead
 from studies.sweeping.compiled_ahead import compile_ahead
 
@@ -31,6 +33,7 @@ def lost_half():
     os._exit(1)
 
 
+@pytest.mark.slow
 def test_both_halves_run_at_once_in_processes_of_their_own(monkeypatch, tmp_path):
     monkeypatch.setenv(FOLDER, str(tmp_path))
     compile_ahead((one_half, lost_half, other_half))

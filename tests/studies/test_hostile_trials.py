@@ -7,8 +7,9 @@ import warnings
 import pandas as pd
 import pytest
 from drawn import Drawn
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
+from tried import tried
 
 from anet_lumped import InputError
 from studies.catalogue import hostile_trials
@@ -33,7 +34,7 @@ def compiled(tmp_path_factory):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck), database=None)
+@tried(40, suppress_health_check=list(HealthCheck), database=None)
 @given(st.data())
 def test_no_case_ends_as_none_may(kind, tmp_path, data):
     outcome, said = attempt(kind, Drawn(data), tmp_path)

@@ -47,6 +47,7 @@ def test_own_decks_read_rest_and_move(rows):
     assert (table["read"] == "read").all() and (table["rest"] == "found").all() and (table["moves"] == "done").all()
 
 
+@pytest.mark.slow
 def test_own_decks_have_the_numbers_of_moordyn(rows):
     pytest.importorskip("moordyn", exc_type=ImportError)
     table = rows["decks"]
@@ -54,6 +55,7 @@ def test_own_decks_have_the_numbers_of_moordyn(rows):
     assert set(rows["cost"]["code"]) == {prices.OWN, prices.OTHER}
 
 
+@pytest.mark.slow
 def test_a_shorter_step_is_nearer_to_the_fine_run(rows):
     """Of order 1 or better: half the step has less than 0.6 of the error."""
     cost = rows["cost"][rows["cost"]["setting"].str.startswith("edmc")]
@@ -67,6 +69,7 @@ def test_written_decks_are_the_scenes_they_were(tmp_path):
         assert deck.scene == decks.own_scene(file.stem) and laws == "MoorDyn's"
 
 
+@pytest.mark.slow
 def test_the_answer_follows_from_the_rows(rows):
     assert set(rows) == set(moorings.TABLES) and "cost" in moorings.plot(rows)
     text = moorings.answer(rows)

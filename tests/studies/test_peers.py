@@ -193,6 +193,7 @@ WAYS = {
 }
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("name", NETS)
 @pytest.mark.parametrize("way", WAYS)
 def test_corners_follow_every_kind_of_path(name, way):

@@ -20,6 +20,7 @@ SETTINGS = [
 ]
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("scene", [NET, BLOWN, PICKS_UP], ids=["net", "blown", "picks up"])
 @pytest.mark.parametrize("settings", SETTINGS)
 def test_rows_are_what_they_are_alone(scene, settings):

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 from program import PROGRAM, call
+from slow import slow
 from test_commands_of_many import SLOW
 from test_rows import start_and_wait_for_rows, wait_for_end_of
 
@@ -130,7 +131,7 @@ def test_signals_are_held_back_while_workers_start():
     assert came == [signal.SIGTERM]
 
 
-@pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.parametrize("number", [SIGNALS[0], *slow(*SIGNALS[1:])])
 def test_a_run_that_is_stopped_is_saved(number, monkeypatch, tmp_path):
     """The signal comes as the march first says how far it is."""
     monkeypatch.setattr(interruptible, "TOLD_EVERY", 0.2)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from slow import slow
 
 from studies.questions import model_mismatch, thesis_tables
 from studies.questions.thesis_tables import tables
@@ -79,7 +80,7 @@ def executor():
         yield pool
 
 
-@pytest.mark.parametrize("study", [thesis_tables, model_mismatch])
+@pytest.mark.parametrize("study", [thesis_tables, *slow(model_mismatch)])
 def test_study(study, executor, tmp_path):
     rows = study.compute(quick=True, executor=executor, out=tmp_path)
     assert all(len(table) for table in rows.values())

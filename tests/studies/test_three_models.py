@@ -22,6 +22,7 @@ def test_two_cables_without_a_load_are_those_of_table_5_1():
     assert 100 * (energy_method.sampled_rest(TWO, 0.0)[2] - 0.2036) == pytest.approx(0.036, abs=5e-4)
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("name", cases.SUPPORTS)
 @pytest.mark.parametrize("load", [0.0, 0.036])
 def test_the_gradient_ends_where_samples_about_it_have_more_energy(name, load):

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from slow import slow
 
 from anet_lumped import simulate
 from anet_lumped.motion.accuracy import Wanted
@@ -18,7 +19,7 @@ def test_random_motions_are_the_same_again_and_of_all_kinds():
     assert motions[7] == random_motion(7) and motions[7] != random_motion(7, seed=12)
 
 
-@pytest.mark.parametrize("number", [3, 7, 140])  # a pendulum and two strings, of which the last rings from step to step
+@pytest.mark.parametrize("number", [3, 7, *slow(140)])  # a pendulum and two strings, of which the last rings from step to step
 def test_a_motion_beside_its_reference(number):
     row = error_estimate.compare({"number": number, "most_steps": error_estimate.MOST_STEPS})
     runs, default = pd.DataFrame(json.loads(row["runs"])), json.loads(row["default"])

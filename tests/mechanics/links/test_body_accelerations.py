@@ -145,6 +145,7 @@ def agree(found, a, T):
     np.testing.assert_allclose(found.T, T, rtol=0.0, atol=CLOSE * np.abs(T).max())
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("name", SCENES)
 def test_every_kind_of_net_with_bodies(name, seed):

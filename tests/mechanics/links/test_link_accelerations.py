@@ -7,9 +7,10 @@ import dense_links as dense
 import naive
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from systems import mesh, nets
+from tried import tried
 
 from anet_lumped import Cable, Driven, Fixed, Free, Scene
 from anet_lumped.effects import Gravity, LineChange, ViscousDamping, Water
@@ -64,6 +65,7 @@ def apart(scene):
     )
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("name", nets())
 def test_every_kind_of_net(name, seed):
@@ -224,7 +226,7 @@ def random_nets(draw):
     return points, cables
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@tried(40, derandomize=True)
 @given(random_nets(), st.integers(0, 1000))
 def test_random_nets(parts, seed):
     """Whose links can close, and whose lengths do not follow from each other, so that tensions are unique."""

@@ -40,6 +40,7 @@ def time_to_fall(x):
     return quad(lambda s: 2.0 * s * math.sqrt((1 - s * s) / (G * s * s * (2 - s * s))), 0.0, math.sqrt(x))[0]  # x = s^2
 
 
+@pytest.mark.slow
 def test_a_folded_chain_falls_faster_than_free():
     """Ahead of free fall by far, and nearer to the motion of a thin fold the nearer its ends are: of second order in the span.
 

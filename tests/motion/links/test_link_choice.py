@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from slow import slow
 from systems import four_cables, loose_cable
 
 from anet_lumped import Cable, Fixed, Free, InputError, Scene, State, simulate
@@ -24,7 +25,7 @@ def loose(segments=20):
     return loose_cable(INF, 0.0, segments=segments, compression="linear")
 
 
-@pytest.mark.parametrize("save_every", [None, 0.0025])
+@pytest.mark.parametrize("save_every", [0.0025, *slow(None)])
 def test_the_default_takes_links_where_they_are_cheaper_and_says_so(save_every):
     """The level release past its whip: the run keeps 1 mm, whatever it saves, and one of a far smaller tolerance agrees."""
     run = simulate(loose(), 0.7, start="straight", save_every=save_every)
@@ -41,7 +42,7 @@ def test_the_default_keeps_edmc_where_that_is_cheaper():
     assert np.abs(run.position("p0")[-1] - fine.position("p0")[-1]).max() < 1e-3
 
 
-@pytest.mark.parametrize("error", [1e-5, 1e-8])
+@pytest.mark.parametrize("error", [1e-5, *slow(1e-8)])
 def test_an_error_that_is_asked_for_is_kept(error):
     scene = four_cables(INF, 0.0, segments=8, carried=True)
     run = simulate(scene, 2.0, method="links", error=error)
@@ -100,6 +101,7 @@ def test_a_senseless_tolerance_ends_in_bounded_work(start):
     assert run.work.steps + run.work.rejected < 100_000 and np.isfinite(run.q).all()
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("options", [{}, dict(method="links"), dict(method="edmc"), dict(method="links", error=1e-6)])
 @pytest.mark.parametrize("speed", [0.0, 1e-3, 30.0])
 def test_without_gravity(options, speed):

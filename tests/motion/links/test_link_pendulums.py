@@ -41,6 +41,7 @@ def swing(t, amplitude):
     return 2.0 * np.arcsin(k * sn), 2.0 * omega * k * cn
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("amplitude", [0.1, 1.5, 3.0, math.pi - 1e-3])
 @pytest.mark.parametrize("method", ["links", "links5"])
 def test_simple_pendulum(amplitude, method):

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from slow import slow
 from systems import four_cables, loose_cable, nets
 
 from anet_lumped import Cable, Driven, Fixed, Free, InputError, Scene, equilibrium, simulate
@@ -59,6 +60,7 @@ def test_slack_against_edmc():
     assert np.abs(run.q - fine.q).max() < 2e-4
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("load", [0.0, 0.5])
 @pytest.mark.parametrize("velocity", [(0, 0, 0), (0.5, 0, 0), (0, 0, 2.0), (0, 0, -2.0)])
 def test_loads_that_are_caught_and_dropped(load, velocity):
@@ -80,6 +82,7 @@ def test_loads_that_are_caught_and_dropped(load, velocity):
         assert np.abs(run.position("p0") - fine.position("p0")).max() < 1e-3
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("begins", [0.0, -0.1])
 @pytest.mark.parametrize("law, pushes", [("none", False), ("damped", False), ("linear", True)])
 def test_a_point_that_sets_off_towards_its_cable(law, pushes, begins):
@@ -151,7 +154,7 @@ def test_crumpled_starts(name):
     assert no_energy_gained(run, 1e-5) and pulls_alone(run)
 
 
-@pytest.mark.parametrize("options", [{}, dict(dt=0.002)])
+@pytest.mark.parametrize("options", [dict(dt=0.002), *slow({})])
 def test_a_cable_that_is_slack_now_and_pulled_straight_later(options):
     """It goes on through every span of edmc, until there is no room left; and says which method was asked for."""
     path = paths.line((0.2, 0, 0), (0.4, 0, 0), 0.2)

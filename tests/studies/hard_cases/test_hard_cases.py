@@ -48,18 +48,13 @@ TRIED = [
 ]
 
 
-def takes_seconds(case, method):
-    """The default where it shortens its steps often; of the others all but some cases.
-
-    One that goes by a tolerance is left with every third case, `edmc`, which the default is in most, and `backward_euler` with
-    every second, in turn.
-    """
-    number = list(CASES).index(case)
+def is_slow(case, method):
+    """The default where it shortens its steps often; of all others each case is left with one, in turn."""
     if method == DEFAULT:
         return case in LONG
-    if method in ("dop853", EXTRAPOLATED):
-        return number % 3 > 0
-    return (method == "edmc" and number % 2 == 0) or (method == "backward_euler" and number % 2 == 1)
+    number, others = list(CASES).index(case), ("edmc", "backward_euler", "dop853", IN_TURN, EXTRAPOLATED)
+    kept = others[number % len(others)]
+    return method not in kept if kept is IN_TURN else method != kept
 
 
 @pytest.mark.slow
@@ -70,7 +65,7 @@ def test_statement_of_a_long_case_holds(case):
 
 
 @pytest.mark.parametrize(
-    ("case", "method"), [pytest.param(*pair, marks=pytest.mark.slow if takes_seconds(*pair) else ()) for pair in TRIED]
+    ("case", "method"), [pytest.param(*pair, marks=pytest.mark.slow if is_slow(*pair) else ()) for pair in TRIED]
 )
 def test_statement_holds(case, method):
     """The default holds all; a method asked for by name holds, or refuses with a reason."""
@@ -94,12 +89,14 @@ def test_explicit_euler_never_claims_a_swing(case):
         assert any(words in found.reason for words in ("stable at no step", "steps of", "diverged", "EA=inf")), found.reason
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("method", PUMPS)
 @pytest.mark.parametrize("case", ["span, taut by 1e-3", "yanked at 1 m/s", "stops dead at 10 m/s", "quadrotors apart, 1e6 N"])
 def test_linear_theory_holds_where_a_cable_stays_taut(case, method):
     assert try_case(CASES[case](), method).outcome == HELD
 
 
+@pytest.mark.each_once
 @pytest.mark.parametrize("method", PUMPS)
 @pytest.mark.parametrize("case", ["whip, EA 1e+02 N", "cable in free flight", "payload dropped", "climber's fall"])
 def test_whatever_pumps_is_found_out(case, method):
