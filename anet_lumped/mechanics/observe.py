@@ -54,6 +54,7 @@ from integrators.stage import LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN
 from integrators.system import NO_EVENTS
 
 _f1, _f2 = float64[::1], float64[:, ::1]
+BETWEEN = float(LAW_BETWEEN)  # of the type of that in ``Net.linearised``, so that what takes either is compiled once
 
 
 @internal
@@ -180,7 +181,7 @@ def observe_of_groups(q, v, net_address, tension):
     for g in range(net.cable_groups.shape[0]):
         c = group_members(net.cable_groups, g)
         if are_plain(stage_law, net, c):
-            observe_cable(net, c, LAW_BETWEEN, plain_law_of(net, c), q, v, tension, None)
+            observe_cable(net, c, BETWEEN, plain_law_of(net, c), q, v, tension, None)
         else:
             observe_cable(net, c, stage_law, law_of(net, c), q, v, tension, None)
 
@@ -244,7 +245,7 @@ def energy_of_groups(q, net_address):
     net, elastic = view_net(net_address), 0.0
     for g in range(net.cable_groups.shape[0]):
         c = group_members(net.cable_groups, g)
-        if are_plain(LAW_BETWEEN, net, c):
+        if are_plain(BETWEEN, net, c):
             of_cables = elastic_energy_of_cable(net, c, plain_spring(net, c), q, None)
         else:
             of_cables = elastic_energy_of_cable(net, c, spring_of(net, c), q, None)
