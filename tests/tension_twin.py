@@ -23,7 +23,7 @@ def missing(run, cable):
     ringing = remembered(jump, decay)
     lacking = np.maximum(BETWEEN * second, lowest.overshoot * unresolved * ringing)
     lacking = np.maximum(lacking, OF_SEGMENT * highest_axial_mode(cable).unresolved(run.dt) * jump)
-    if unresolved > 0.0 and run.energy.shape[1] > BY_METHOD and schemes.scheme(run.method).books_its_losses:
+    if unresolved > 0.0 and run.energy.shape[1] > BY_METHOD and not schemes.scheme(run.method).explicit:
         lacking = np.maximum(lacking, np.minimum(lost_tension(run, cable, lowest)[:, None], ringing / unresolved))
     return lacking
 
