@@ -92,15 +92,23 @@ def read_measure(text: str, scene: Scene, runs: bool = False) -> tuple[Measure, 
     if measure.of_ground and not any(effect.is_ground for effect in scene.effects):
         raise MeasureError(f"The measure `{name}` is of what lies on the ground, but this scene has no ground.")
     cables, points = [cable.name for cable in scene.cables], [point.name for point in scene.points]
+    if not cables and measure.target in (Target.CABLE, Target.CABLE_OR_POINT):
+        raise MeasureError(f"The measure `{name}` is of cables, but this scene has none.")
+    bodies = [body.name for body in scene.bodies]
     holders = [point.name for point in scene.all_points if not isinstance(point, Free)]
     holders += [GROUND] if any(effect.is_ground for effect in scene.effects) else []
     allowed = {
-        Target.NONE: [], Target.CABLE: cables, Target.CABLE_OR_POINT: cables + points, Target.POINT: points, Target.HOLDER: holders,
+        Target.NONE: [], Target.CABLE: cables, Target.CABLE_OR_POINT: cables + points,
+        Target.POINT: points + bodies, Target.HOLDER: holders,
     }[measure.target]  # fmt: skip
     if colon and measure.target == Target.NONE:
         raise MeasureError(f"The measure `{name}` takes no target, but `{text}` was given.")
     if target not in allowed and (colon or measure.target in (Target.POINT, Target.HOLDER)):
-        known = f"one of {', '.join(allowed)}, as in {name}:{allowed[-1]}" if allowed else "a support, and this scene has none"
+        known = (
+            f"one of {', '.join(allowed)}, as in {name}:{allowed[-1]}"
+            if allowed
+            else f"a {measure.target}, and this scene has none"
+        )
         raise MeasureError(f"The target of measure `{name}` must be {known}, but `{text}` was given.")
     return measure, (target or None,) if measure.target else ()
 

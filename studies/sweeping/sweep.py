@@ -7,7 +7,7 @@ from pathlib import Path
 
 from anet_lumped.checks import check_number, nearest, shown
 from anet_lumped.scene.as_dict import scene_to_dict
-from anet_lumped.scene.scene import Scene
+from anet_lumped.scene.scene import Free, Scene
 from integrators import schemes
 from studies.sweeping.measures import MEASURES, Measure, Source, read_measure
 from studies.sweeping.own_measure import OwnMeasure
@@ -19,6 +19,7 @@ from studies.sweeping.vary import SETTINGS, VaryError, apply, grid, read_values
 
 AT_REST = ("stretch", "sag", "tension", "stable")
 OF_RUN = ("end_stretch", "peak_tension", "energy_rise", "steps", "wall_time")
+OF_CABLES = ("stretch", "sag", "tension", "end_stretch", "peak_tension")
 
 
 def sweep(
@@ -122,7 +123,7 @@ def prepared(scene: Scene, vary: Mapping[str, Iterable], measures: Iterable[str]
     settings = {name: value for name, value in settings.items() if value is not None}
     _check_settings(settings)
     runs = "t_end" in settings or "t_end" in vary
-    texts = tuple(measures) or AT_REST + OF_RUN * runs
+    texts = tuple(measures) or _usual(scene, runs)
     found = {text: read_measure(text, scene, runs) for text in texts}
     needing = [f"measure `{text}`" for text in texts if found[text][0].source == Source.RUN]
     needing += [f"setting `{name}`" for name in (*vary, *settings) if name in SETTINGS]
@@ -135,6 +136,15 @@ def prepared(scene: Scene, vary: Mapping[str, Iterable], measures: Iterable[str]
     if since is not None:
         since = identity["since"] = _check_since(since, found, vary.get("t_end", [settings.get("t_end")]))
     return Variant(scene, settings if runs else None, found, since), identity
+
+
+def _usual(scene, runs):
+    """The measures of a scene for which none are asked: without cables, heights of what moves in place of those of cables."""
+    if scene.cables:
+        return AT_REST + OF_RUN * runs
+    moving = [body.name for body in scene.bodies] + [point.name for point in scene.points if isinstance(point, Free)]
+    heights = tuple(f"{'end_' * runs}height:{name}" for name in moving)
+    return heights + tuple(name for name in AT_REST + OF_RUN * runs if name not in OF_CABLES)
 
 
 def _check_settings(settings):

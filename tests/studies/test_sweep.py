@@ -390,3 +390,17 @@ def test_workers_are_an_integer_that_a_machine_can_keep_busy(hanging, workers):
 def test_what_no_run_can_have_is_told_before_any_row(hanging, setting, message):
     with pytest.raises(InputError, match=message):
         sweep(hanging, {"EA": [1.0]}, **{"t_end": 1.0} | setting)
+
+
+def test_bodies_without_cables_are_measured_by_their_heights():
+    """Of a floating box, the draught m/(rho A)."""
+    from anet_lumped import Body
+    from anet_lumped.effects import Gravity, Water
+
+    box = Body("box", mass=400.0, inertia=(200.0,) * 3, hull=(2.0, 2.0, 1.0), at=(0.0, 0.0, 0.4))
+    scene = Scene([], [], [Gravity(9.81), Water(density=1000.0)], bodies=[box])
+    found = sweep(scene, {"box.mass": [400.0, 600.0]})
+    assert list(found["status"]) == ["done", "done"] and found["stable"].all()
+    assert found["height:box"].to_numpy() == pytest.approx([0.4, 0.35], abs=1e-6)
+    with pytest.raises(MeasureError, match="The measure `sag` is of cables, but this scene has none"):
+        sweep(scene, {"box.mass": [400.0]}, ["sag"])
