@@ -28,6 +28,7 @@ def flown():
     return audit_effects(load_scene("net_flown"), 1e-3, at="p0")
 
 
+@pytest.mark.slow
 def test_the_flown_net(flown):
     """A real cord's elasticity does not matter at 1 mm, and the air does at 5 m/s."""
     assert flown["elasticity"].verdict == USE_RIGID and flown["elasticity"].change < 0.3e-3
@@ -43,6 +44,7 @@ def test_the_flown_net(flown):
     assert flown["payload"].numbers["payload/cables"] == pytest.approx(0.09)
 
 
+@pytest.mark.slow
 def test_changes_are_those_of_another_method(flown):
     """Generalised-alpha at 1 ms: of air, and of elasticity by cords a thousand times as stiff."""
     scene = load_scene("net_flown")

@@ -113,6 +113,7 @@ def test_a_library_that_dies_is_told(monkeypatch):
         effects_cost.libraries(1, ("whole",))
 
 
+@pytest.mark.slow
 def test_answer_and_figure(rows, tmp_path):
     words = effects_cost.answer(rows)
     assert "takes the same memory with the whole library and none of the other effects" in words
