@@ -124,6 +124,7 @@ def test_soft_cables_need_their_elasticity():
     assert rigid["elasticity"].verdict == UNKNOWN and "EA" in rigid["elasticity"].reason
 
 
+@pytest.mark.slow
 def test_effects_that_it_does_not_know_are_judged_all_the_same():
     @node_force
     def breeze(t, q, v, push):
@@ -136,6 +137,7 @@ def test_effects_that_it_does_not_know_are_judged_all_the_same():
     assert found["breeze"].verdict == NEEDED and 0.03 < found["breeze"].change < 0.055
 
 
+@pytest.mark.slow
 def test_water_whose_level_is_given(monkeypatch):
     """Whatever effect of water there is, made by its level; buoyancy of 1 cm of fresh water over 100 g/m."""
     monkeypatch.setattr(REGISTRY, "classes", dict(REGISTRY.classes))
@@ -191,6 +193,7 @@ def test_a_motion_that_is_not_known_decides_nothing():
     assert found["gravity"].verdict == NEEDED and found["gravity"].change > 1.0  # which is far beyond what is not known
 
 
+@pytest.mark.slow
 def test_command(tmp_path, capsys):
     def call(*words):
         with pytest.raises(SystemExit) as stopped:

@@ -142,6 +142,7 @@ def test_weight_that_is_not_said_to_be_dead():
     assert balance.imbalance < 1e-9
 
 
+@pytest.mark.slow
 def test_own_damping_is_viscous_damping():
     scene = replace(four_cables(carried=True), effects=(Gravity(), ViscousDamping(0.8)))
     own = replace(scene, effects=(Gravity(), own_damping(rate=0.8)))
@@ -209,6 +210,7 @@ def test_force_is_the_slope_of_the_energy_and_power_its_rate():
         assert power == pytest.approx(-(energies[0] - energies[1]) / (2 * h), rel=1e-6, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_magnet_in_motion():
     """The account of energy closes, and two methods agree; the magnet's own beat puts energy in."""
     magnet = own_magnet(strength=0.02, at=(0.1, 0.0, -1.0), beat=5.0, points=["p0"])
@@ -284,6 +286,7 @@ def test_on_a_cable_that_breaks():
     assert scene.effects[1].after_break({"a-b": []}, []) is None and own_spring().after_break({"a-b": []}, []) == own_spring()
 
 
+@pytest.mark.slow
 def test_an_effect_may_be_made_again_under_its_name():
     """As where a notebook's cell is run twice."""
 

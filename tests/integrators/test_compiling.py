@@ -37,6 +37,7 @@ def told(before="pass", between="pass"):
     return int(done.stdout)
 
 
+@pytest.mark.slow
 def test_it_is_told_once_of_what_takes_long():
     """Compiling that is slowed down to longer than what nobody needs to be told of, three times."""
     slow = (

@@ -203,6 +203,7 @@ def least_energy(q, aside):
     return minimize(energy, begin.ravel(), jac=True, method="L-BFGS-B", options=options).x.reshape(-1, 3)
 
 
+@pytest.mark.slow
 def test_a_rope_laid_across_a_ball_says_that_it_would_slip_off():
     """Least energy in the plane of the rope agrees; from 1 mm beside that plane it ends at the stable rest."""
     laid = equilibrium(rope_over(1.0), start="straight")

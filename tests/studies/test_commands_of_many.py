@@ -37,7 +37,8 @@ SLOW = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("how", [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
 def test_a_stopped_sweep_is_resumed(tmp_path, capsys, how, ctrl_c):
     process = start_and_wait_for_rows(tmp_path, *PROGRAM, *SLOW, "--out", str(tmp_path))
     if how == signal.SIGINT:  # as a terminal does it: to the whole group

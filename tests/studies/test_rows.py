@@ -48,6 +48,7 @@ def test_rows_come_back_in_order_with_inputs_results_and_status():
     assert set(table["status"]) == {"done"} and set(table["reason"]) == {""}
 
 
+@pytest.mark.slow
 def test_sweeps_in_threads_leave_each_other_alone():
     """One that ends ends its own workers; the script that workers must not import is swapped by one thread at a time."""
     script = sys.modules["__main__"]
