@@ -108,7 +108,7 @@ def test_a_chain_falls_onto_the_ground():
 
 @pytest.mark.parametrize("method", ["edmc", "verlet"])
 def test_sliding_to_rest(method):
-    """v^2/(2 mu g)."""
+    """v^2/(2 mu g), and the account has all that it moved with as the friction's."""
     effect = Ground(0.0, 1e5, 1e3, friction=0.5)
     scene = lying(effect)
     start = state(scene, level(-0.1 * G / (1e5 * D)), (1.0, 0.0, 0.0))
@@ -117,6 +117,8 @@ def test_sliding_to_rest(method):
     way = run.q[-1, :, 0] - run.q[0, :, 0]
     # beside it the creep of friction that is regularised, below 1 mm/s
     np.testing.assert_allclose(way, 1.0 / (2 * 0.5 * G), rtol=0.02)
+    moved = 0.5 * 0.1 * 1.0**2  # [J]
+    assert run.energy_balance.by_effects == pytest.approx(moved, rel=5e-3) and abs(run.energy_balance.by_method) < 5e-3 * moved
 
 
 @pytest.mark.parametrize("angle", [20.0, 35.0])

@@ -96,6 +96,16 @@ def test_seen_from_elsewhere():
             np.testing.assert_allclose(flat(at(there, t, place)), flat(at(sea, t, moved)), rtol=0, atol=1e-13)
 
 
+def test_spectra_peak_at_the_period_that_is_given():
+    """S(w_p) = 5/16 Hs^2/w_p exp(-5/4) by Pierson and Moskowitz, and elsewhere it goes as w^-5 exp(-5/4 (w/w_p)^-4)."""
+    peak, w = 2.0 * np.pi / 9.0, np.linspace(0.2, 3.0, 20_001)
+    for sea in (PiersonMoskowitz(3.0, 9.0, 4), Jonswap(3.0, 9.0, 4)):
+        assert w[np.argmax(sea.spectrum(w))] == pytest.approx(peak, abs=2e-4)
+    found = PiersonMoskowitz(3.0, 9.0, 4).spectrum(np.array([peak, 2.0 * peak]))
+    assert found[0] == pytest.approx(5.0 / 16.0 * 9.0 / peak * np.exp(-1.25), rel=1e-12)
+    assert found[1] / found[0] == pytest.approx(2.0**-5 * np.exp(1.25 * (1.0 - 2.0**-4)), rel=1e-12)
+
+
 @pytest.mark.parametrize("sea", [Jonswap(3.0, 9.0, 4, components=400), *slow(PiersonMoskowitz(3.0, 9.0, 4, components=400))])
 def test_variance_and_spectrum(sea):
     """Four standard deviations are the height, and the spectrum of a long series is the one asked for."""

@@ -404,3 +404,13 @@ def test_bodies_without_cables_are_measured_by_their_heights():
     assert found["height:box"].to_numpy() == pytest.approx([0.4, 0.35], abs=1e-6)
     with pytest.raises(MeasureError, match="The measure `sag` is of cables, but this scene has none"):
         sweep(scene, {"box.mass": [400.0]}, ["sag"])
+
+
+def test_sag_is_the_depth_below_the_chord():
+    """Two segments of a metre over 1.6 m, EA = 1e9 N: 0.6 m."""
+    from anet_lumped.effects import Gravity
+
+    cable = Cable("a", "b", length=2.0, mass_per_length=0.1, EA=1e9, segments=2)
+    scene = Scene([Fixed("a", (0.0, 0.0, 0.0)), Fixed("b", (1.6, 0.0, 0.0))], [cable], [Gravity(9.81)])
+    found = sweep(scene, {"a-b.EA": [1e9]}, ["sag"])
+    assert found["sag"].to_numpy() == pytest.approx([0.6], rel=1e-6)
