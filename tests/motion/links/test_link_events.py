@@ -196,3 +196,13 @@ def test_order_of_a_mesh_does_not_count():
         assert [event.kind for event in runs[-1].events] == [PAYLOAD]
     for name in ("0,1", "1,2"):
         np.testing.assert_allclose(runs[0].position(name), runs[1].position(name), atol=1e-7)
+
+
+@pytest.mark.parametrize("ends", [("a", "b"), ("b", "a")])
+def test_a_support_that_jumps_works_as_much_as_it_moves(ends):
+    """Pulled up at 1.5 m/s from a standstill, 2 kg have m v^2/2 at once, which is the impulse m v at the mean velocity v/2."""
+    cable = Cable(*ends, length=1.0, mass_per_length=1e-9, EA=INF, segments=1)
+    scene = Scene([Driven("a", paths.line((0, 0, 0), (0, 0, 1.5), ramp=0.0)), Free("b", 2.0)], [cable], [Gravity(G)])
+    run = simulate(scene, 0.1, method="links", dt=0.01)
+    assert run.energy[0, [0, 3]] == pytest.approx([2.25, 2.25], rel=1e-6)
+    assert run.energy[-1, 3] == pytest.approx(2.25 + 2.0 * G * 0.15, rel=1e-6)
