@@ -175,6 +175,8 @@ def _words(name):
 
 
 def _head(name):
+    if name.endswith("]"):  # it has its unit
+        return _words(name)
     if name in OF_NAMES:
         return f"{_words(name)} [{OF_NAMES[name]}]"
     if name.split("_")[-1] in SUFFIXES and "_" in name:

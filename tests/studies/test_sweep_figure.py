@@ -100,6 +100,12 @@ def test_all_of_a_long_table_is_printed_where_asked_for(capsys):
     assert all(f"c{k} " in said for k in range(61))
 
 
+def test_a_heading_that_has_its_unit_gets_no_second_one(capsys):
+    show({"rows": [{"energy_rise [J]": 1.0, "tension": 2.0}, {"energy_rise [J]": 3.0, "tension": 4.0}]})
+    said = capsys.readouterr().out
+    assert "energy rise [J]" in said and "tension [N]" in said and said.count("[J]") == 1
+
+
 def test_rainflow_of_the_standard():
     """ASTM E1049-85, figure 6: ranges 3, 4, 4, 8, 9, 8, 6, of which the one of 4 within is whole, the others half cycles."""
     t = np.arange(9.0)
