@@ -22,7 +22,7 @@ def name_law_that_is_not_finite(model, states):
     """
     size = None
     for t, q, v in states:
-        size = size or np.abs(q).max() + sum(cable.length for cable in model.scene.cables)
+        size = size or np.abs(q).max() + (sum(cable.length for cable in model.scene.cables) or model.scene.longest)
         if not (np.abs(q).max() <= FAR * size and np.abs(v).max() <= FAST):
             continue
         for e, effect in enumerate(model.forces):

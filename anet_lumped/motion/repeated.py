@@ -10,7 +10,7 @@ from anet_lumped.model.build import build
 from anet_lumped.model.model import Model
 from anet_lumped.results.run import Run, RunInterrupt
 from anet_lumped.results.state import State
-from anet_lumped.scene.origin import FAR, largest_distance, near_origin
+from anet_lumped.scene.origin import FAR, largest_distance, near_origin, places_given
 from anet_lumped.scene.scene import Scene
 from anet_lumped.statics.equilibrium import equilibrium, rest_on
 from anet_lumped.statics.starts import Start, start_state
@@ -66,10 +66,10 @@ class Repeated:
         """Whether a scene is computed about its own origin; `serves` and `rest` ask in turn."""
         if self.last_near[0] is not scene:
             if self.last_points[0] is None or self.last_points[0] != (scene.points, scene.bodies):
-                places = [*scene.supports, *(part.at for part in (*scene.free_points, *scene.bodies) if part.at is not None)]
-                self.last_points = (scene.points, scene.bodies), max((abs(x) for at in places for x in at), default=0.0)
+                farthest = max((abs(x) for at in places_given(scene) for x in at), default=0.0)
+                self.last_points = (scene.points, scene.bodies), farthest
             # what is no farther than that from the origin has its middle no farther from it
-            surely = self.last_points[1] <= FAR * max((cable.length for cable in scene.cables), default=0.0)
+            surely = bool(scene.cables) and self.last_points[1] <= FAR * scene.longest
             self.last_near = scene, surely or near_origin(scene).scene is scene
         return self.last_near[1]
 

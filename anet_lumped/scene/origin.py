@@ -39,15 +39,18 @@ class Near(NamedTuple):
     fixed_by: object = None
 
 
+def places_given(scene: Scene) -> list[Vector]:
+    """Places of supports, and of the free points and bodies that have one [m]."""
+    free = [point.at for point in scene.free_points if point.at is not None]
+    return scene.supports + free + [body.at for body in scene.bodies if body.at is not None]
+
+
 def near_origin(scene: Scene) -> Near:
     """The scene about an origin in its middle if it is far from its own: more than `FAR` times its size along an axis.
 
     The height stays where an effect depends on it, and the whole origin where one depends on places in a way of its own.
     """
-    free = [point.at for point in scene.free_points if point.at is not None]
-    axes = list(
-        zip(*(scene.supports + free + [body.at for body in scene.bodies if body.at is not None] or [NONE_MOVED]), strict=True)
-    )
+    axes = list(zip(*(places_given(scene) or [NONE_MOVED]), strict=True))
     low, width = [min(x) for x in axes], [max(x) - min(x) for x in axes]
     size = float(max(*width, scene.longest if scene.cables else WITHOUT_SPRINGS))
     middle = [x + 0.5 * wide for x, wide in zip(low, width, strict=True)]

@@ -7,6 +7,7 @@ import numpy as np
 
 from anet_lumped.checks import InputError
 from anet_lumped.model.rest_lengths import at_time
+from anet_lumped.scene.origin import largest_distance
 from anet_lumped.scene.scene import Driven, Fixed
 
 FAR = 1e30  # [m], beyond which single precision has no room for squares
@@ -89,7 +90,8 @@ def motion_of(run: Any) -> Motion:
 
 def _box(run: Any, q: np.ndarray) -> np.ndarray:
     """Lowest and highest place, without places to which a run that diverges has thrown nodes."""
-    reach = ESCAPED * (np.ptp(q[0], axis=0).max() + sum(cable.length for cable in run.scene.cables))
+    cables = run.scene.cables  # without any, nothing but `largest_distance` says how far what moves may go
+    reach = ESCAPED * (np.ptp(q[0], axis=0).max() + sum(one.length for one in cables)) if cables else largest_distance(run.scene)
     held = q[:, [run.model.node(point.name) for point in run.scene.points if kind_of(point) != "free"]]
     lowest = np.concatenate([held.reshape(-1, 3), q[0]]).min(axis=0) - reach
     highest = np.concatenate([held.reshape(-1, 3), q[0]]).max(axis=0) + reach

@@ -43,6 +43,9 @@ class Target(StrEnum):
     HOLDER = "support"
 
 
+OF_CABLES = (Target.CABLE, Target.CABLE_OR_POINT)  # what a scene without cables has no measure of
+
+
 class Measure(NamedTuple):
     """One number or word of a sweep's table.
 
@@ -92,7 +95,7 @@ def read_measure(text: str, scene: Scene, runs: bool = False) -> tuple[Measure, 
     if measure.of_ground and not any(effect.is_ground for effect in scene.effects):
         raise MeasureError(f"The measure `{name}` is of what lies on the ground, but this scene has no ground.")
     cables, points = [cable.name for cable in scene.cables], [point.name for point in scene.points]
-    if not cables and measure.target in (Target.CABLE, Target.CABLE_OR_POINT):
+    if not cables and measure.target in OF_CABLES:
         raise MeasureError(f"The measure `{name}` is of cables, but this scene has none.")
     bodies = [body.name for body in scene.bodies]
     holders = [point.name for point in scene.all_points if not isinstance(point, Free)]

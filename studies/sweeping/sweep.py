@@ -7,9 +7,9 @@ from pathlib import Path
 
 from anet_lumped.checks import check_number, nearest, shown
 from anet_lumped.scene.as_dict import scene_to_dict
-from anet_lumped.scene.scene import Free, Scene
+from anet_lumped.scene.scene import Scene
 from integrators import schemes
-from studies.sweeping.measures import MEASURES, Measure, Source, read_measure
+from studies.sweeping.measures import MEASURES, OF_CABLES, Measure, Source, read_measure
 from studies.sweeping.own_measure import OwnMeasure
 from studies.sweeping.parts import Shard
 from studies.sweeping.rows import run_rows
@@ -19,7 +19,6 @@ from studies.sweeping.vary import SETTINGS, VaryError, apply, grid, read_values
 
 AT_REST = ("stretch", "sag", "tension", "stable")
 OF_RUN = ("end_stretch", "peak_tension", "energy_rise", "steps", "wall_time")
-OF_CABLES = ("stretch", "sag", "tension", "end_stretch", "peak_tension")
 
 
 def sweep(
@@ -142,9 +141,8 @@ def _usual(scene, runs):
     """The measures of a scene for which none are asked: without cables, heights of what moves in place of those of cables."""
     if scene.cables:
         return AT_REST + OF_RUN * runs
-    moving = [body.name for body in scene.bodies] + [point.name for point in scene.points if isinstance(point, Free)]
-    heights = tuple(f"{'end_' * runs}height:{name}" for name in moving)
-    return heights + tuple(name for name in AT_REST + OF_RUN * runs if name not in OF_CABLES)
+    heights = tuple(f"{'end_' * runs}height:{one.name}" for one in (*scene.bodies, *scene.free_points))
+    return heights + tuple(name for name in AT_REST + OF_RUN * runs if MEASURES[name].target not in OF_CABLES)
 
 
 def _check_settings(settings):

@@ -14,7 +14,7 @@ import pytest
 from looked_at import breaking
 from systems import loose_cable
 
-from anet_lumped import Cable, Fixed, Free, InputError, Scene, load_scene, simulate, waves, wind
+from anet_lumped import Body, Cable, Fixed, Free, InputError, Scene, load_scene, simulate, waves, wind
 from anet_lumped.effects import Air, Gravity, Ground, Water
 from anet_lumped.views.motion import motion_of
 from anet_lumped.views.page import page_text
@@ -158,6 +158,13 @@ def test_a_run_that_failed_says_so(carried):
     assert "1 states are not finite, and left out." in Page(page_text(replace(run, q=q), "bad")).text
     with pytest.raises(InputError, match="must have a finite state"):
         page_text(replace(run, q=np.full_like(q, np.inf)), "bad")
+
+
+def test_the_box_of_a_fall_without_cables_has_all_of_it():
+    """What falls for a second goes g/2, however small it is, and has its own size."""
+    body = Body("stone", mass=1.0, inertia=(1e-4,) * 3, at=(0.0, 0.0, 0.0))
+    run = simulate(Scene([], [], [Gravity(9.81)], bodies=[body]), 1.0, start="straight")
+    assert np.ptp(motion_of(run).box, axis=0) == pytest.approx((0.0, 0.0, 0.5 * 9.81), abs=2.0 * body.radius)
 
 
 def test_nodes_that_a_run_has_thrown_away_do_not_make_the_rest_small():
