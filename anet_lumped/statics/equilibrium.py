@@ -310,7 +310,8 @@ def _check_supports(model: Model) -> None:
         return
     name, scene = model.unheld, model.scene
     part = connected(neighbours(scene), [name])
-    others, bodies = len(part) - 1, [body.name for body in scene.bodies]
+    bodies = [body.name for body in scene.bodies]
+    others = len(part & {*bodies, *(point.name for point in scene.points)}) - 1  # without the points that make up a body
     raise NoRestError(
         "Every part of a net must hang on a fixed or driven point, but nothing holds "
         f"{'body' if name in bodies else 'free point'} {quoted(name)}"

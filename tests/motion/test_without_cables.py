@@ -142,7 +142,7 @@ def test_nothing_holds_what_falls_or_sinks():
     for scene, what in ((falling, 'body "brick"'), (sinking, 'free point "clump"'), (heavy, 'body "brick"')):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            with pytest.raises(NoRestError, match=f"nothing holds {what}"):
+            with pytest.raises(NoRestError, match=f"nothing holds {what}; `simulate` moves it"):
                 equilibrium(scene)
 
 
