@@ -2,6 +2,7 @@
 
 import os
 import signal
+import threading
 import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
@@ -74,6 +75,20 @@ def test_two_shards_side_by_side_make_the_table_of_one_process(tmp_path, one_pro
     assert (missing, torn) == ([], []) and is_table(table, one_process)
     kept = pandas.read_parquet(tmp_path / "rows.parquet")
     assert kept["square"].dropna().tolist() == one_process["square"].dropna().tolist()
+
+
+def test_threads_that_write_the_same_file_at_once_leave_it_whole(tmp_path):
+    """They had one half-written file between them, which the quicker one took away: two shards in threads failed now and then."""
+    barrier = threading.Barrier(4)
+
+    def write(k):
+        barrier.wait()
+        return parts._write_first(tmp_path / f"{k}.json", "whole")
+
+    with ThreadPoolExecutor(4) as threads:
+        for k in range(100):
+            assert all(threads.map(write, [k] * 4))
+    assert {path.read_text() for path in tmp_path.iterdir()} == {"whole"} and len(list(tmp_path.iterdir())) == 100
 
 
 def test_rows_that_are_there_are_not_done_again(tmp_path, one_process):
