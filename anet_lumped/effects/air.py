@@ -6,11 +6,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_number, quoted
+from anet_lumped.checks import Vector, check_number
 from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.flow.wind import Wind
 from anet_lumped.effects.flow.wind.base import check_winds, same_at_each_height, steady
 from anet_lumped.effects.flow.wind.kernel import pack, wind_at
+from anet_lumped.effects.laws.diameters import check_diameters
 from anet_lumped.effects.laws.drag import (
     point_coefficient,
     point_drag,
@@ -86,11 +87,7 @@ class Air(Effect):
         SceneError : a cable without a diameter
         """
         cables = model.scene.cables
-        for cable in cables:
-            if cable.diameter is None:
-                raise SceneError(
-                    f"The effect Air needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
-                )
+        check_diameters(cables, "effect Air")
         points = [point for point in model.scene.loaded_points if point.CdA > 0.0]
         of_cable = np.array([[cable.L0, cable.diameter, *segment_coefficients(self.density, cable)] for cable in cables])
         winds = pack(self.wind)

@@ -21,6 +21,7 @@ import numpy as np
 from anet_lumped.checks import Vector
 from anet_lumped.compiled.jit import inlined_law, law, njit
 from anet_lumped.effects.laws.contact_area import CONTACT, SLIP_SPEED, half_stiffnesses
+from anet_lumped.effects.laws.slide import slide
 
 from .effect import Effect, height_under
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
@@ -97,22 +98,14 @@ def _along(x, y):
     return 0.0, 0.0, 0.0
 
 
-@inlined_law
-def _slide(speed, u):
-    """v/sqrt(v^2 + u^2) and its slope [s/m]."""
-    root = math.sqrt(speed * speed + u * u)
-    share = speed / root
-    return share, (1.0 - share * share) / root
-
-
 @law
 def _on_node(node, e, N, slope, vx, vy, c_v, params, f, D, adds):
     """Add the friction of half a segment to a node, or subtract its derivative; returns F.v [W].
 
     ``slope`` is that of N in the displacement of the node along z [N/m], ``c_v`` that of the velocity [1/s].
     """
-    a, a_slope = _slide(vx * e[0] + vy * e[1], params[3])
-    n, n_slope = _slide(vy * e[0] - vx * e[1], params[3])
+    a, a_slope = slide(vx * e[0] + vy * e[1], params[3])
+    n, n_slope = slide(vy * e[0] - vx * e[1], params[3])
     along, across = params[1], params[2]
     Fx, Fy = -(along * a * e[0] - across * n * e[1]), -(along * a * e[1] + across * n * e[0])
     if adds:

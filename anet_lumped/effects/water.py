@@ -30,12 +30,13 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, Vector, check_flag, check_number, quoted, shown
+from anet_lumped.checks import SceneError, Vector, check_flag, check_number, shown
 from anet_lumped.effects.flow.waves.base import Wave, check_waves
 from anet_lumped.effects.flow.waves.kernel import pack as pack_waves
 from anet_lumped.effects.flow.wind import Wind
 from anet_lumped.effects.flow.wind.base import as_winds, check_winds, same_at_each_height, steady
 from anet_lumped.effects.flow.wind.kernel import pack
+from anet_lumped.effects.laws.diameters import check_diameters
 from anet_lumped.effects.laws.drag import point_coefficient, segment_coefficients
 from anet_lumped.effects.laws.submergence import ALWAYS_UNDER, sphere_diameter
 
@@ -144,11 +145,7 @@ class Water(Effect):
         SceneError : a cable without a diameter, gravity that is not along -z, a wave that would break
         """
         scene = model.scene
-        for cable in scene.cables:
-            if cable.diameter is None:
-                raise SceneError(
-                    f"The effect Water needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
-                )
+        check_diameters(scene.cables, "effect Water")
         g = self.gravity(scene)
         current, wave = pack(self.current), pack_waves(self.all_waves, g, self.level)
         points = scene.loaded_points

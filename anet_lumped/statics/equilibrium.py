@@ -315,7 +315,7 @@ def _check_supports(model: Model) -> None:
     raise NoRestError(
         "Every part of a net must hang on a fixed or driven point, but nothing holds "
         f"{'body' if name in bodies else 'free point'} {quoted(name)}"
-        + (f" and the {others} others it is tied to" if others else "")
+        + (f" and the {'other' if others == 1 else f'{others} others'} it is tied to" if others else "")
         + '; `simulate` moves it from start="straight" or a State'
         + (", and anet_lumped.flight lets quadrotors carry it." if any(body in part for body in bodies) else ".")
     )

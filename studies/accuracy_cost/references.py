@@ -23,6 +23,7 @@ from anet_lumped.motion.stability import predict
 from anet_lumped.scene.as_dict import scene_to_dict
 from integrators import schemes
 from studies.accuracy_cost.motions import fitting
+from studies.half_written import half_written
 
 EXPLICIT_PAIR, IMPLICIT_PAIR = ("rk4", "verlet"), ("generalised_alpha", "midpoint")
 SHARES = (0.1, 0.2, 0.5)  # of the stable step: the smallest that costs no more than AFFORDABLE
@@ -142,9 +143,9 @@ def track(motion, method, steps, folder=None):
     table = pd.DataFrame(position, columns=["x_m", "y_m", "z_m"])
     table["t_s"], table["least_tension_N"] = run.t, min(tensions)
     file.parent.mkdir(parents=True, exist_ok=True)
-    whole = file.with_suffix(f".{os.getpid()}")
-    table.to_parquet(whole, index=False)
-    whole.replace(file)
+    half = half_written(file)
+    table.to_parquet(half, index=False)
+    half.replace(file)
     return Track(position, float(min(tensions)))
 
 

@@ -12,7 +12,6 @@ import contextlib
 import json
 import os
 import socket
-import threading
 import time
 import warnings
 import zlib
@@ -23,6 +22,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from anet_lumped.checks import InputError, shown
+from studies.half_written import half_written
 from studies.sweeping.batch import BatchRunner
 from studies.sweeping.provenance import library, provenance
 from studies.sweeping.row_log import PARTS, RowsError, check_identity, line_of, line_of_text, read_meta
@@ -70,17 +70,12 @@ def part_file(folder: Path, shard: Shard, number: int) -> Path:
     return folder / PARTS / str(shard) / f"{number:09d}{ENDING}"
 
 
-def _half_written(path: Path) -> Path:
-    """Where a file is written before it is there whole: of each thread of each process on each machine another one."""
-    return path.with_name(f".{path.name}.{socket.gethostname()}.{os.getpid()}.{threading.get_ident()}")
-
-
 def write_part(path: Path, lines: Sequence[dict], seconds: float) -> None:
     """Write a part, which took so many seconds [s]; it is there whole, and on the disk, or not at all."""
     body = "".join(json.dumps(line) + "\n" for line in lines).encode()
     end = json.dumps({"part": {"rows": len(lines), "crc32": zlib.crc32(body), "seconds": seconds}}) + "\n"
     path.parent.mkdir(parents=True, exist_ok=True)
-    half = _half_written(path)
+    half = half_written(path)
     try:
         with half.open("wb") as file:
             file.write(body + end.encode())
@@ -187,7 +182,7 @@ def lines_of_parts(folder: Path, names: Iterable[str], columns: Iterable[str]) -
 
 def _write_first(path, text):
     """Write a file unless it is there, whole at once, whoever else does the same; say whether it is there now."""
-    half = _half_written(path)
+    half = half_written(path)
     half.write_text(text)
     try:
         os.link(half, path)

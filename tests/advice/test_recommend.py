@@ -8,7 +8,9 @@ import pytest
 from systems import four_cables, loose_cable
 
 from anet_lumped import Cable, Fixed, InputError, Scene, SceneError, simulate
-from anet_lumped.advice.recommend import RecommendError, _halfway, _Search, recommend, scale_of_motion
+from anet_lumped.advice.pilots import Pilots, halfway
+from anet_lumped.advice.recommend import recommend, scale_of_motion
+from anet_lumped.advice.recommendation import RecommendError
 from anet_lumped.effects import Gravity
 from studies.command_line import main
 
@@ -57,7 +59,7 @@ def test_smaller_errors_cost_more(found):
 def test_soft_cables_may_be_marched_explicitly():
     """Where the stable step is as long as the motion asks for, verlet is among what is compared."""
     scene = loose_cable(5.0, 0.0, compression="linear")
-    search = _Search(scene, ("b",), 0.3, "straight", scale_of_motion(scene, "straight"))
+    search = Pilots(scene, ("b",), 0.3, "straight", scale_of_motion(scene, "straight"))
     found = list(search.candidates(10, 1e-3))
     assert {"edmc", "verlet"} == {one.method for one in found}
     assert all(one.error <= 1e-3 for one in found)
@@ -114,7 +116,7 @@ def _between(scene):
 
 def test_links_are_weighed_where_nothing_stretches():
     """Their error is kept against a tolerance a thousand times smaller, and the elastic net is as near as its stretch."""
-    search = _Search(four_cables(1e6, carried=True), ("p0",), 1.0, "equilibrium", 0.3)
+    search = Pilots(four_cables(1e6, carried=True), ("p0",), 1.0, "equilibrium", 0.3)
     rigid = search.without_stretch(8)
     assert all(np.isinf(cable.EA) for cable in rigid.cables)
     found = search.by_links(rigid, 1e-6)
@@ -136,7 +138,7 @@ def test_ctrl_c_leaves_what_there_is(monkeypatch, capsys, stop, left_out, checke
     def interrupted(self, *given):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(_Search, stop, interrupted)
+    monkeypatch.setattr(Pilots, stop, interrupted)
     with pytest.raises(SystemExit) as ended:
         main(["recommend", "net_carried", "--error", "2mm", "--at", "p0", "--t-end", "0.5"])
     said = capsys.readouterr().out
@@ -151,7 +153,7 @@ def test_ctrl_c_before_any_method_leaves_nothing(monkeypatch):
     def interrupted(self, *given):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(_Search, "fixed", interrupted)
+    monkeypatch.setattr(Pilots, "fixed", interrupted)
     with pytest.raises(KeyboardInterrupt):
         recommend(four_cables(1e4, carried=True), 2e-3, at="p0", t_end=0.5)
 
@@ -159,7 +161,7 @@ def test_ctrl_c_before_any_method_leaves_nothing(monkeypatch):
 @pytest.mark.parametrize("segments", [2, 3, 4, 15])
 def test_halfway_along_a_parabola_is_on_it(segments):
     x = np.linspace(-1.0, 2.0, segments + 1)
-    place = _halfway(np.stack([x, np.zeros_like(x), x * x], axis=1)[None])
+    place = halfway(np.stack([x, np.zeros_like(x), x * x], axis=1)[None])
     np.testing.assert_allclose(place, [[0.5, 0.0, 0.25]], rtol=0, atol=1e-15)
 
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from anet_lumped import Cable, Fixed, Free, Scene
-from anet_lumped.advice.recommend import Candidate, Recommendation
+from anet_lumped.advice.recommendation import Candidate, Recommendation
 from anet_lumped.results.audit import Audit
 
 AUDIT = Audit(

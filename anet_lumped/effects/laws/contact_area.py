@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.checks import SceneError, quoted
+from anet_lumped.effects.laws.diameters import check_diameters
 
 CONTACT = {"stiffness": ("Pa/m", "positive"), "damping": ("Pa·s/m", "non-negative"), "friction": ("", "non-negative")}
 """Units and signs of what all effects of contact have, for `Effect._check_numbers`."""
@@ -38,7 +38,7 @@ def sums_over_halves(model: Any, effect: str, columns: int, numbers: Callable[[A
     ------
     SceneError : a cable without a diameter
     """
-    _check_diameters(model, effect)
+    check_diameters(model.scene.cables, f"effect {effect}")
     rows = [numbers(cable, 0.5 * cable.diameter * cable.L0) for cable in model.scene.cables]
     stubs = [(model.node(point), numbers(cable, 0.5 * cable.diameter * cable.L0)) for point, cable in model.scene.stubs]
     sums = np.zeros((model.n, columns))
@@ -58,14 +58,8 @@ def half_stiffnesses(model: Any, effect: str, stiffness: float) -> np.ndarray:
     ------
     SceneError : a cable without a diameter
     """
-    _check_diameters(model, effect)
+    check_diameters(model.scene.cables, f"effect {effect}")
     return np.array([0.5 * stiffness * cable.diameter * cable.L0 for cable in model.scene.cables])[model.cable_of]
-
-
-def _check_diameters(model: Any, effect: str) -> None:
-    without = next((cable.name for cable in model.scene.cables if cable.diameter is None), None)
-    if without is not None:
-        raise SceneError(f"The effect {effect} needs the `diameter` [m] of every cable, but cable {quoted(without)} has none.")
 
 
 def frequencies(cables: Sequence[Any], stiffness: float) -> list[float]:

@@ -38,6 +38,7 @@ import numpy as np
 from anet_lumped.checks import SceneError, check_names, check_number, quoted
 from anet_lumped.effects import REGISTRY
 from anet_lumped.effects.effect import Effect, names_left
+from anet_lumped.effects.laws.diameters import check_diameters
 
 from . import kernels as own_kernels
 from . import law as own_law
@@ -132,11 +133,9 @@ class _OfNodes(_Own):
             )
         nodes = np.arange(model.n_free) if self.points is None else np.array([model.node(name) for name in self.points])
         length, area = np.zeros(model.n), np.zeros(model.n)
+        if "area" in self.law.fills:
+            check_diameters(model.scene.cables, self._called)
         for c, cable in enumerate(model.scene.cables):
-            if cable.diameter is None and "area" in self.law.fills:
-                raise SceneError(
-                    f"The {self._called} needs the `diameter` [m] of every cable, but cable {quoted(cable.name)} has none."
-                )
             for ends in model.ends[model.cable_of == c].T:
                 np.add.at(length, ends, 0.5 * cable.L0)
                 np.add.at(area, ends, 0.5 * cable.L0 * (cable.diameter or 0.0))
