@@ -5,7 +5,6 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from anet_lumped.results import saved_motion
 from anet_lumped.results.break_errors import break_errors
-from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.energy_balance import (
     BY_DAMPERS,
     BY_EFFECTS,
@@ -160,14 +159,16 @@ def flight_errors(run, flies):
 
 def amplification(run, flies):
     """Logarithm of the times by which the motion has multiplied its first errors up to each saved time, (k,)."""
-    grown, loose_row, buckled = np.zeros(len(run.t)), first_loose_row(run, flies), first_buckled(run)
-    rows = min(len(run.t) if loose_row is None else loose_row, len(run.t) if buckled is None else np.searchsorted(run.t, buckled))
+    grown, loose_row = np.zeros(len(run.t)), first_loose_row(run, flies)
+    rows = len(run.t) if loose_row is None else loose_row
     if rows < LEAST_ROWS or not saved_motion._is_seen(run):
         return grown
     tension = run.segment_tension[:rows]
     bent = bends(tension)
     together = max(1, int(2.0 * np.pi / np.sqrt(max(bent, 1e-12)) / A_TURN))
-    if bent > RESOLVED or pumped_at_most(tension, together) <= np.log(SWAYS):
+    if bent > RESOLVED:
+        together = 1
+    if (bent > RESOLVED and (tension[1:] + tension[:-1]).min() >= 0.0) or pumped_at_most(tension, together) <= np.log(SWAYS):
         return grown
     size = maximum_filter1d(carried(run, tension, together), 2 * max(1, rows // SWINGS) + 1, mode="nearest")
     grown[:rows] = np.maximum.accumulate(np.maximum(size - np.minimum.accumulate(size) - np.log(SWAYS), 0.0))

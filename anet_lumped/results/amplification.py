@@ -5,16 +5,17 @@ motion, such as that of a net which swings in a plane a little out of it, obeys
 
     m_i d2z_i/dt2 = sum of (T/l) (z_j - z_i) over the segments between i and j .
 
-This is exact across a plane motion, since no length changes to first order. With tensions that do not change, z swings and stays as
-small as it is. Tensions that go up and down with the swings pump it, as a child does a swing: nets and cables that swing far for a
+This is exact across a plane motion, since no length changes to first order, whether segments pull or push. With tensions that pull
+and do not change, z swings and stays as small as it is. Segments that push (compression="linear") let z grow, as a column that
+buckles. Tensions that go up and down with the swings pump it, as a child does a swing: nets and cables that swing far for a
 long time, or that are shaken, multiply every error by exp(rate t), and the motion is chaotic. `across_kernel` carries one
 along with the tensions of a run, through some tens of steps in each of their turns. What it grows by beyond `SWAYS` times counts as
 what the motion multiplies its errors by; up to that a displacement grows as its nodes share it out, and as T^(-1/4) where tensions
 change slowly. The energy z K z/2 + sum of m (dz/dt)^2/2 of a displacement grows at no more than the rate at which the T/l do: where
 that is less than `SWAYS` times, nothing is carried along.
 
-Nodes that are loose, and cables that buckle, multiply errors in other ways, see `free_flight` and `buckling`; so from the first
-such time on no more growth counts. Nor is it looked for where effects couple more than neighbours or nodes are those of bodies, nor
+Nodes that are loose multiply errors in another way, see `free_flight`; so from the first such time on no more growth counts. Nor is
+it looked for where effects couple more than neighbours or nodes are those of bodies, nor
 where a run saves its states too seldom to show how its tensions change.
 
 Source: parametric resonance, Landau & Lifshitz, Mechanics, 1976, section 27; the power -1/4 is that of an adiabatic invariant,

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-TURNS = 4.0  # times its size, to which buckling must have brought an error for the run to say so
+TURNS = 2.0  # times its size, to which buckling must have brought an error for the run to say so; neighbours give way: it is more
 SHORTEST = 1e-3  # of the rest length: a shorter segment pushes its ends aside as one of this length does
 BENDS = 2  # neighbours that an effect couples which keeps a cable straight
 NO_STIFFNESS = 1e-100  # [N m2] of bending, by which a force can be divided

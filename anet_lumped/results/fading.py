@@ -29,6 +29,7 @@ from .place_rows import (
 )
 
 FORGOTTEN = 300.0  # exponent of decay over a run beyond which nothing of an error is left
+LARGEST = 1e100  # [m] that an error may grow to: it stays a number, and is told as no more than the way of a node
 ALIKE = 1e-9  # of a time between two saved states, by which others differ that count as the same
 
 
@@ -95,7 +96,7 @@ def fade_errors(address):  # type: ignore[no-untyped-def]  # its signature is ab
             gone = -np.expm1(-decay)
             x, added = x * (1.0 - gone), added * gone / decay
         grown = columns[MULTIPLIED, r] - columns[MULTIPLIED, r - 1]
-        x = x * np.exp(grown) + added if grown > 0.0 else x + added
+        x = min(x * np.exp(grown), LARGEST) + added if grown > 0.0 else x + added
         left[r] = left[r - 1] if x <= left[r - 1] else x
     in_play, lowest, highest, amplitude, kept, most, taken = 0.0, E[POTENTIAL], E[POTENTIAL], 0.0, 0.0, 0.0, 0.0
     step_before, keep = -1.0, 1.0

@@ -16,10 +16,9 @@ import numpy as np
 
 from .buckling import buckling_exponents, first_buckled
 from .place_rows import FIRST_LOOSE, FLIGHT
-from .saved_motion import look_at
+from .saved_motion import LARGEST_EXPONENT, look_at
 
 MULTIPLIED = 50.0  # times the error that a run tells of a motion that goes loose, or buckles: what it may be at least
-LARGEST_EXPONENT = 300.0  # of which the exponential is a number
 WITHIN = 4.0  # times an error that is told, which most are within
 
 

@@ -111,7 +111,7 @@ def _pumps(tension, together, k):  # type: ignore[no-untyped-def]
 
     The sum of second differences over that of distances from the mean is near to (2 pi/N)^2 of x = sin(2 pi r/N): it tells how many
     saved states show a turn. Tensions of stiff cables alternate about their means, so those of two in a row count. ``together`` are
-    the sums of all tensions at a row.
+    the sums of all tensions at a row. What pushes on the mean of two rows lets a displacement grow, however short the turns are.
 
     The energy z K z/2 + m (dz/dt)^2/2 of a displacement grows by z (dK/dt) z/2 only, and so at no more than the largest rate at
     which the logarithm of a T/l grows. Of a spring, l grows and falls with T.
@@ -125,6 +125,9 @@ def _pumps(tension, together, k):  # type: ignore[no-untyped-def]
             bent += abs(together[r] - together[r + 1] - together[r + 2] + together[r + 3])
     bends = bent / apart if apart > 0.0 else 0.0
     if bends > RESOLVED:
+        for i in range(s * (k - 1)):
+            if tension[i] + tension[i + s] < 0.0:
+                return 1.0
         return 0.0
     each, logarithm = max(1, int64(2.0 * np.pi / np.sqrt(max(bends, 1e-12)) / A_TURN)), 0.0
     for r in range(each, k - 1, each):

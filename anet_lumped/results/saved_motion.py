@@ -1,5 +1,6 @@
 """The saved states of a run as arrays for compiled passes: `node_pass`, `across_kernel` and `fading`."""
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from anet_lumped.model.tables import CABLE_END, CABLE_SEGMENTS, CABLE_START
 from integrators.addresses import words_of
 
-from .buckling import BENDS, first_buckled
+from .buckling import BENDS, buckling_exponents
 from .energy_balance import COLUMNS as OF_ENERGY
 from .place_rows import (
     BETWEEN,
@@ -27,6 +28,7 @@ from .place_rows import (
 )
 
 SEEN = 1e-5  # of the longest cable: less error than that may grow unseen
+LARGEST_EXPONENT = 300.0  # of which the exponential is a number
 
 
 class SavedMotion(NamedTuple):
@@ -51,8 +53,6 @@ def look_at(run: Any, grows: bool = False) -> SavedMotion:
     model, k, n_free = run.model, len(run.t), run.model.n_free
     numbers, columns, of_nodes = np.zeros(NUMBERS), np.zeros((COLUMNS, k)), np.zeros((OF_NODES, model.n))
     numbers[FALLS], numbers[UNTIL], numbers[IS_SEEN] = _falls(run.scene), k, grows and _is_seen(run)
-    if numbers[IS_SEEN] and (buckled := first_buckled(run)) is not None:
-        numbers[UNTIL] = np.searchsorted(run.t, buckled)
     columns[TIME] = run.t
     if run.error_growth is not None:
         columns[GROWTH] = run.error_growth
@@ -89,8 +89,10 @@ def _nodes(model: Any) -> np.ndarray:
 
 def _is_seen(run: Any) -> bool:
     """Whether the run has an error that is worth looking at, and no more across it than tensions."""
-    plain = not run.model.has_bodies and all(effect.coupled_neighbours < BENDS for effect in run.scene.effects)
-    return plain and run.error_growth[-1] > SEEN * run.scene.longest
+    if run.model.has_bodies or any(effect.coupled_neighbours >= BENDS for effect in run.scene.effects):
+        return False
+    error, least = run.error_growth[-1], SEEN * run.scene.longest
+    return error > least or error * math.exp(min(buckling_exponents(run)[-1], LARGEST_EXPONENT)) > least
 
 
 def _falls(scene: Any) -> bool:
