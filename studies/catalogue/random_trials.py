@@ -34,6 +34,7 @@ MOST_COMPARED = 20_000  # steps of a run that is compared with a finer one
 EVALUATIONS = 800  # of the force by one of scipy's solvers
 EXPLICIT_STEPS = 400
 RIGID_LENGTHS = 1e-7  # of the weight times its place, what is no energy in play where edmc keeps lengths to its tolerance
+LENGTHS = 1e-10  # of a length, what edmc's tolerance leaves where cables do not stretch: energy of their weight, once
 SLACK_LENGTH = 1.05  # of the distance of its ends, that of a cable which does not stretch, at least
 ADAPTIVE_TURNS, SCIPY_TURNS = 300.0, 30.0  # of the fastest axial motion, as omega t
 
@@ -310,7 +311,10 @@ def _audit(trial, run):
     own, taken = rows[:, :3].sum(axis=1) - rows[:, 3], rows[:, 4:].sum(axis=1)
     in_play = max(rows[:, 0].max(), rows[:, 1].max(), np.ptp(rows[:, 2]), np.abs(rows[:, 3]).max(), taken.max()) + rounding
     in_play = max(in_play, 1e-300)  # of a net that nothing moves
-    rise = float((own - np.minimum.accumulate(own)).max() / in_play)
+    waves = any(isinstance(effect, effects.Water) and (effect.wave or effect.waves) for effect in scene.effects)
+    rising = own + taken if waves else own  # of energy that waves give, only what is not accounted for is out of nothing
+    lengths = LENGTHS * weighty if scene.cables[0].inextensible else 0.0  # by which an event changes what lengths miss
+    rise = max(0.0, float((rising - np.minimum.accumulate(rising)).max()) - lengths) / in_play
     driven = any(isinstance(point, Driven) for point in scene.points)
     if run.method == "edmc":
         off = abs(own[-1] - own[0] + taken[-1] - taken[0]) / in_play
