@@ -17,7 +17,7 @@ Four parts of a tension may be missing in what a run shows of it. The largest of
 
 Besides, a loose node of a cable without dampers that is caught and changes its velocity by v sends off a wave of the tension
 v sqrt(EA mu). Steps that do not resolve the vibration of a segment show next to nothing of that: past a whip, a hundredth. So do
-nodes that are thrown along a taut cable at the start.
+nodes that are thrown along a taut cable at the start. Loads that are put on at once set off vibrations as well, see `sudden_loads`.
 
 A jump is half of a third difference, which is nearly nothing of a smooth peak. Two others look like jumps and set off next to
 nothing: the tension of a stiff cable alternates from step to step about its mean, and a transverse wave that a few steps resolve
@@ -47,6 +47,7 @@ from integrators.addresses import words_of
 
 from .events import BREAK, RELEASE
 from .free_flight import loose
+from .sudden_loads import sudden_load_tension
 
 OF_SEGMENT = 0.25  # of a jump, which the vibration of a segment that the steps do not resolve would add
 OVERDAMPED = 1e3  # damping ratio beyond which a tension goes less than 1e-6 of a jump beyond its rest
@@ -94,7 +95,10 @@ def tension_error(run: Any) -> float:
     largest = float(run.segment_tension.max(initial=0.0))
     if largest <= 0.0:
         return 0.0
-    more = max(float(look_at(run).most.max()), snap_tension(run), thrown_tension(run)) if len(run.t) > 2 else largest
+    more = largest
+    if len(run.t) > 2:
+        sudden = sudden_load_tension(run, lowest_axial_mode)
+        more = max(float(look_at(run).most.max()), snap_tension(run), thrown_tension(run), sudden)
     lost = lost_share(run.energy) if run.energy.shape[1] > BY_METHOD else 0.0
     return max(1.0 - largest / max(more, largest), LOST * lost)
 

@@ -1,0 +1,77 @@
+"""Loads that are put on at once, beside the closed forms of what they set off."""
+
+import math
+
+import pytest
+
+from anet_lumped import Cable, Fixed, Free, PayloadChange, Scene, load_scene, simulate
+from anet_lumped.effects import Gravity
+from anet_lumped.results.sudden_loads import sudden_load_tension
+from anet_lumped.results.tension_error import lowest_axial_mode
+
+G, L, EA = 9.81, 1.0, 1e5
+
+
+def hung(segments=1, mass=1.0, mass_per_length=1e-4, BA=None, events=()):
+    """A weight at the end of a cable that is not stretched yet."""
+    cable = Cable("a", "b", length=L, mass_per_length=mass_per_length, EA=EA, BA=BA, segments=segments)
+    return Scene([Fixed("a", (0.0, 0.0, 0.0)), Free("b", mass=mass, at=(0.0, 0.0, -L))], [cable], [Gravity(G)], events=events)
+
+
+def run_of(scene, dt, t_end, start="straight", **more):
+    return simulate(scene, t_end, method="edmc", dt=dt, save_every=dt, start=start, **more)
+
+
+def told(run):
+    """The largest tension that a run may have had, as it tells it [N]."""
+    return float(run.segment_tension.max()) / (1.0 - run.tension_error)
+
+
+@pytest.mark.parametrize("dt", [3e-3, 0.1])
+def test_a_weight_that_is_let_go(dt):
+    """omega dt of 1 and 32: the tension goes up to twice the weight, and steps show 1.8 and 1.0 of it."""
+    run = run_of(hung(), dt, 50.0 * dt)
+    assert run.segment_tension.max() < 1.9 * G
+    assert sudden_load_tension(run, lowest_axial_mode) == pytest.approx(2.0 * G, rel=0.03)  # alternating tensions have a mean
+    assert told(run) == pytest.approx(2.0 * G, rel=0.03)
+
+
+@pytest.mark.parametrize("dt", [1e-3, 0.1])
+def test_a_cable_that_is_let_go(dt):
+    """Its own weight, twice at its upper end: a wave that comes back; 10 nodes and steps tell nine tenths of that."""
+    run = run_of(hung(10, 0.0, 0.1), dt, max(50.0 * dt, 0.1))
+    assert run.segment_tension.max() < 1.3 * 0.1 * G
+    assert sudden_load_tension(run, lowest_axial_mode) == pytest.approx(2.0 * 0.1 * G, rel=0.15)
+
+
+def test_a_payload_that_becomes_heavier():
+    """From M to 3 M: M + 2 (3 M - M) = 5 M."""
+    run = run_of(hung(events=[PayloadChange("b", t=1.0, mass=3.0)]), 0.1, 3.0, start="equilibrium")
+    assert run.segment_tension.max() < 3.1 * G and told(run) == pytest.approx(5.0 * G, rel=0.03)
+
+
+def test_what_is_set_off_goes_with_a_swing():
+    """Let go 1 rad aside: mg cos(1) more, all along, than mg (3 - 2 cos(1)) at the lowest point of the swing."""
+    angle = 1.0
+    scene = hung()
+    aside = Free("b", mass=1.0, at=(L * math.sin(angle), 0.0, -L * math.cos(angle)))
+    run = run_of(Scene([scene.points[0], aside], scene.cables, scene.effects), 2e-2, 2.0)
+    assert run.segment_tension.max() == pytest.approx(G * (3.0 - 2.0 * math.cos(angle)), rel=0.01)
+    assert told(run) == pytest.approx(G * (3.0 - math.cos(angle)), rel=0.03)
+
+
+def test_dampers_take_what_is_set_off():
+    """Of exp(-zeta omega t) a hundredth is left at the lowest point of the swing with zeta = 0.03, BA = 2 zeta EA/omega."""
+    angle = 1.0
+    scene = hung(BA=2.0 * 0.03 * math.sqrt(EA * 1.0 * L))
+    aside = Free("b", mass=1.0, at=(L * math.sin(angle), 0.0, -L * math.cos(angle)))
+    run = run_of(Scene([scene.points[0], aside], scene.cables, scene.effects), 2e-2, 2.0)
+    assert sudden_load_tension(run, lowest_axial_mode) < 1.05 * run.segment_tension.max()
+
+
+@pytest.mark.parametrize("method", ["edmc", "verlet"])
+def test_what_begins_smoothly_or_is_resolved_sets_off_nothing(method):
+    carried = simulate(load_scene("net_carried"), 2.0, method="edmc", dt=8e-3, save_every=8e-3)
+    assert sudden_load_tension(carried, lowest_axial_mode) <= 1.01 * carried.segment_tension.max()
+    run = simulate(hung(), 0.1, method=method, dt=1e-4, save_every=1e-4, start="straight")
+    assert sudden_load_tension(run, lowest_axial_mode) <= 1.01 * run.segment_tension.max()
