@@ -84,8 +84,7 @@ def copy_state(source, target):
 def save(system_address, data_address, k, t, error, state, saved):
     """Write row k of what is saved, with the error of places so far; returns the number of rows written."""
     system = system_at(system_address)
-    system.observe(state.q, state.v, data_address, saved.observed[k])
-    system.energy(t, state.q, state.v, data_address, state.balance)
+    system.observe(t, state.q, state.v, data_address, saved.observed[k], state.balance)
     saved.t[k], saved.error[k] = t, error
     copy(flat(state.q), flat(saved.q[k]))
     copy(flat(state.v), flat(saved.v[k]))

@@ -69,10 +69,9 @@ class System(NamedTuple):
     average(data_address, share, h)
         Add ``share`` times the internal forces of the stage solved last to their mean over a step of h seconds; a share of 0 sets
         the mean to zero.
-    observe(q, v, data_address, row)
-        Write what else is saved of a state, such as internal forces.
-    energy(t, q, v, data_address, energy)
-        Kinetic, elastic and other potential energy (3,) [J].
+    observe(t, q, v, data_address, row, energy)
+        Write what else is saved of a state, such as internal forces, and its kinetic, elastic and other potential energy [J] to the
+        first three numbers of ``energy``. Where that has no room, no energies are written, and t does not count.
     margin(q, v, data_address) -> margin
         How far a state is beyond an event, by any continuous measure that is positive beyond the event; `NO_EVENTS` if there is
         none. A march stops where it turns positive.
@@ -92,7 +91,6 @@ class System(NamedTuple):
     remember: object
     average: object
     observe: object
-    energy: object
     margin: object
     project: object
     per_mass: np.ndarray
@@ -139,6 +137,7 @@ def words_in_memory(system):
     return np.array(words_of(system), np.int64)
 
 
+OBSERVE = types.void(_f8, _f2, _f2, _i8, _f1, _f1)
 _FUNCTIONS = (
     types.void(_f8, _i8, _f2, _f2),
     types.void(_f8, _f2, _f2, _i8, _f2, _f1),
@@ -150,8 +149,7 @@ _FUNCTIONS = (
     types.void(_i8),
     types.void(_i8, _i8),
     types.void(_i8, _f8, _f8),
-    types.void(_f2, _f2, _i8, _f1),
-    types.void(_f8, _f2, _f2, _i8, _f1),
+    OBSERVE,
     _f8(_f2, _f2, _i8),
     _f8(_f8, _i8, _f2, _f2),
 )

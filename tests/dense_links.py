@@ -145,7 +145,7 @@ def compiled(scene, t, q, v):
     q, v, f, power, T = q.copy(), v.copy(), np.full((model.n, 3), np.nan), np.full(3, np.nan), np.full(model.n_segments, np.nan)
     own.prescribe(t, net.address, q, v)
     own.force(t, q, v, net.address, f, power)
-    own.observe(q, v, net.address, T)
+    own.observe(t, q, v, net.address, T, np.empty(0))
     in_order = np.concatenate([T[model.segments(cable.name)] for cable in scene.cables])
     return Compiled(own.per_mass[: model.n_free] * f[: model.n_free], in_order, power, f)
 

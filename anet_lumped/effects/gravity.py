@@ -64,10 +64,10 @@ def force(t, q, v, index, params, f):
     return 0.0
 
 
-@njit(ENERGY_SIGNATURE, cache=True)
+@njit(ENERGY_SIGNATURE, cache=True, fastmath={"reassoc", "nsz", "contract"})
 def energy(t, q, index, params):
-    """-sum m_i g . q_i [J]."""
-    total = 0.0
+    """-sum m_i g . q_i [J], in an order that lets several nodes be added at once."""
+    total, gx, gy, gz = 0.0, params[0], params[1], params[2]
     for i in range(len(params) - 3):
-        total -= params[3 + i] * (params[0] * q[i, 0] + params[1] * q[i, 1] + params[2] * q[i, 2])
+        total -= params[3 + i] * (gx * q[i, 0] + gy * q[i, 1] + gz * q[i, 2])
     return total

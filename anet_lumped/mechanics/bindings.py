@@ -57,7 +57,6 @@ def system(model, force=True, newton=True, mean=True, links=False):
         average=_average() if newton and mean else _Absent(),
         remember=own.get("remember") or (_remember(model) if events else _Absent()),
         observe=own.get("observe") or first_class(observe),
-        energy=first_class(observing.energies),
         margin=own.get("margin") or (_margin() if events else first_class(observing.no_margin)),
         project=own.get("project") or (_keep_bodies(model) if model.has_bodies else first_class(prescribe.keep)),
         per_mass=np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(

@@ -3,20 +3,19 @@
 For scenes that have some; others compile and call none of this.
 """
 
-from numba import float64, int64, void
+from numba import int64, void
 
 from anet_lumped.compiled.jit import kernel
 from anet_lumped.mechanics.memory import remember
 from anet_lumped.mechanics.observe import observe
 from anet_lumped.model.net import view_net
+from integrators.system import OBSERVE
 
-_f1, _f2 = float64[::1], float64[:, ::1]
 
-
-@kernel(void(_f2, _f2, int64, _f1))
-def observe_and_inner(q, v, net_address, row):
+@kernel(OBSERVE)
+def observe_and_inner(t, q, v, net_address, row, energy):
     """`observe.observe`, then the inner states at the end of a row that has room for more than tensions."""
-    observe(q, v, net_address, row)
+    observe(t, q, v, net_address, row, energy)
     net = view_net(net_address)
     inner, params = net.effects.inner, net.effects.params
     if row.shape[0] > net.tension.shape[0]:

@@ -1,4 +1,4 @@
-"""Tensions and energies of a state, which a run saves.
+"""Tensions and energies of a state, which a run saves. Both need the length of every segment, and are found in one pass.
 
 Cables that are taken one by one, cables that are taken by fours and cables that creep have kernels of their own, which are compiled
 for the scenes that have such cables.
@@ -6,7 +6,7 @@ for the scenes that have such cables.
 
 import math
 
-from numba import float64, int64, void
+from numba import float64, int64
 
 from anet_lumped.compiled.jit import inlined, internal, kernel, on_demand
 from anet_lumped.compiled.lanes import WIDTH, column, group_members, load, load_four, select, shifted, store, sum_of_lanes
@@ -17,9 +17,9 @@ from anet_lumped.effects.signatures import as_energy
 from anet_lumped.mechanics.cable_rows import row3, segment_count, sum_of_members
 from anet_lumped.mechanics.creeping_law import creep_of
 from anet_lumped.mechanics.effect_forces import numbers_of
-from anet_lumped.mechanics.optional import as_cable_energy, as_cable_observe, as_set_lengths
-from anet_lumped.mechanics.plain_cables import are_plain, law_of, plain_law_of, plain_spring
-from anet_lumped.mechanics.segment_law import SHORTEST, spring_of
+from anet_lumped.mechanics.optional import as_cable_observe, as_set_lengths
+from anet_lumped.mechanics.plain_cables import are_plain, law_of, plain_law_of
+from anet_lumped.mechanics.segment_law import SHORTEST
 from anet_lumped.model.net import view_net
 from anet_lumped.model.tables import (
     AXIAL_DAMPER,
@@ -35,8 +35,6 @@ from anet_lumped.model.tables import (
     CREPT_CHANGE,
     CREPT_STRETCH,
     CREPT_T_MAX,
-    KERNEL_ENERGY_GROUPS,
-    KERNEL_ENERGY_SINGLES,
     KERNEL_OBSERVE_GROUPS,
     KERNEL_OBSERVE_SINGLES,
     KERNEL_SET_LENGTHS,
@@ -51,9 +49,9 @@ from anet_lumped.model.tables import (
 )
 from integrators.flat_view import flat
 from integrators.stage import LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN
-from integrators.system import NO_EVENTS
+from integrators.system import NO_EVENTS, OBSERVE
 
-_f1, _f2 = float64[::1], float64[:, ::1]
+_f2 = float64[:, ::1]
 BETWEEN = float(LAW_BETWEEN)  # of the type of that in ``Net.linearised``, so that what takes either is compiled once
 
 
@@ -72,7 +70,7 @@ def _creeping_tension(net, c, s, stretch, rate, acting):
 
 @inlined
 def observe_cable(net, c, stage_law, law, q, v, tension, creeps):
-    """`observe` of a cable, or of a group of cables.
+    """Write the tensions of a cable, or of a group of cables; returns the energy of the springs of each cable [J].
 
     ``stage_law`` is that of the last stage, ``law`` what `law_of` returns, and ``creeps`` True for a cable that creeps, else None.
     """
@@ -95,17 +93,21 @@ def observe_cable(net, c, stage_law, law, q, v, tension, creeps):
     over_step, h, mean_step = stage_law == LAW_BETWEEN, net.linearised[LINEARISED_TAU], net.linearised[LINEARISED_MEAN_STEP]
     per_h, resolved = 1.0 / h, 1.0 / (1.0 + (0.25 * h + 0.5 * damper / k) * h * omega_squared)
     stiff = (0.25 * mean_step + 0.5 * damper / k) * mean_step * omega_squared
-    q1, v1 = row3(flat_q, before), row3(flat_v, before)
+    energy, q1, v1 = 0.0 * L0, row3(flat_q, before), row3(flat_v, before)
     for j in range(count):
         i = shifted(node, j, 1, 0) if j < count - 1 else end
         s = shifted(first, j, 1, 0)
         acting, q2, v2 = load(net.tension, s), row3(flat_q, i), row3(flat_v, i)
         if two_way_damper == 0.0:
             acting = max(acting, 0.0)
-        T = acting
+        dx, dy, dz = q2[0] - q1[0], q2[1] - q1[1], q2[2] - q1[2]
+        l = math.sqrt(dx * dx + dy * dy + dz * dz)
+        secant, _ = elastic_secant(0.0 * l, l - L0, spring)
+        energy_of_segment, T = secant * (l - L0), acting
+        if creeps is not None:
+            crept = net.crept[s, CREPT_STRETCH]
+            energy_of_segment = stored_energy(l - L0 - crept, crept, creep_of(net, c, s))
         if not acted_at_end:
-            dx, dy, dz = q2[0] - q1[0], q2[1] - q1[1], q2[2] - q1[2]
-            l = math.sqrt(dx * dx + dy * dy + dz * dz)
             rate = dx * (v2[0] - v1[0]) + dy * (v2[1] - v1[1]) + dz * (v2[2] - v1[2])
             rate = rate / max(l, SHORTEST * L0) - L0_rate
             T, elastic = tension_parts(l - L0, rate, spring, damper, two_way_damper)
@@ -125,70 +127,52 @@ def observe_cable(net, c, stage_law, law, q, v, tension, creeps):
             if creeps is not None:
                 T = _creeping_tension(net, c, s, l - L0, rate, acting)
         store(tension, s, T)
-        q1, v1 = q2, v2
-
-
-@inlined
-def elastic_energy_of_cable(net, c, spring, q, creeps):
-    """Energy of the springs of a cable, or of each of the cables of a group [J]; ``creeps`` as of `observe_cable`."""
-    first, node, end = (
-        column(net.cable, c, CABLE_FIRST_SEGMENT),
-        column(net.cable, c, CABLE_FIRST_NODE),
-        column(net.cable, c, CABLE_END),
-    )
-    L0, count, flat_q = column(net.axial, c, AXIAL_L0), segment_count(net, c), flat(q)
-    elastic, q1 = 0.0 * L0, row3(flat_q, column(net.cable, c, CABLE_START))
-    for j in range(count):
-        q2 = row3(flat_q, shifted(node, j, 1, 0) if j < count - 1 else end)
-        dx, dy, dz = q2[0] - q1[0], q2[1] - q1[1], q2[2] - q1[2]
-        stretch, q1 = math.sqrt(dx * dx + dy * dy + dz * dz) - L0, q2
-        secant, _ = elastic_secant(0.0 * stretch, stretch, spring)
-        energy = secant * stretch
-        if creeps is not None:
-            crept = net.crept[first + j, CREPT_STRETCH]
-            energy = stored_energy(stretch - crept, crept, creep_of(net, c, first + j))
-        elastic = elastic + energy
-    return elastic
+        energy, q1, v1 = energy + energy_of_segment, q2, v2
+    return energy
 
 
 @on_demand
 def observe_of_singles(q, v, net_address, tension):
-    """`observe` of the cables that are in no group."""
-    net = view_net(net_address)
+    """`observe_cables` of those that are in no group."""
+    net, elastic = view_net(net_address), 0.0
     for c in net.single_cables:
-        observe_cable(net, c, net.linearised[LINEARISED_LAW], law_of(net, c), q, v, tension, None)
+        elastic += observe_cable(net, c, net.linearised[LINEARISED_LAW], law_of(net, c), q, v, tension, None)
+    return elastic
 
 
 @on_demand
 def observe_of_creeping(q, v, net_address, tension):
-    """`observe` of the cables that are in no group, some of which creep."""
-    net = view_net(net_address)
+    """`observe_cables` of those that are in no group, some of which creep."""
+    net, elastic = view_net(net_address), 0.0
     count = net.tension.shape[0]
     for i in range(net.crept.shape[0] if tension.shape[0] > count else 0):
         tension[count + i], tension[2 * count + i] = net.crept[i, CREPT_STRETCH], net.crept[i, CREPT_T_MAX]
     for c in net.single_cables:
         if net.creep[c, CREEP_STATIC] > 0.0:
-            observe_cable(net, c, net.linearised[LINEARISED_LAW], law_of(net, c), q, v, tension, True)
+            elastic += observe_cable(net, c, net.linearised[LINEARISED_LAW], law_of(net, c), q, v, tension, True)
         else:
-            observe_cable(net, c, net.linearised[LINEARISED_LAW], law_of(net, c), q, v, tension, None)
+            elastic += observe_cable(net, c, net.linearised[LINEARISED_LAW], law_of(net, c), q, v, tension, None)
+    return elastic
 
 
 @on_demand
 def observe_of_groups(q, v, net_address, tension):
-    """`observe` of the cables that are taken by fours."""
-    net = view_net(net_address)
+    """`observe_cables` of those that are taken by fours."""
+    net, elastic = view_net(net_address), 0.0
     stage_law = net.linearised[LINEARISED_LAW]
     for g in range(net.cable_groups.shape[0]):
         c = group_members(net.cable_groups, g)
         if are_plain(stage_law, net, c):
-            observe_cable(net, c, BETWEEN, plain_law_of(net, c), q, v, tension, None)
+            of_cables = observe_cable(net, c, BETWEEN, plain_law_of(net, c), q, v, tension, None)
         else:
-            observe_cable(net, c, stage_law, law_of(net, c), q, v, tension, None)
+            of_cables = observe_cable(net, c, stage_law, law_of(net, c), q, v, tension, None)
+        elastic += sum_of_members(of_cables, net.cable_groups[g, WIDTH])
+    return elastic
 
 
-@kernel(void(_f2, _f2, int64, _f1))
-def observe(q, v, net_address, tension):
-    """Write the tension of every segment in a state (n_segments,) [N].
+@internal
+def observe_cables(q, v, net_address, tension):
+    """Write the tension of every segment in a state (n_segments,) [N]; returns the energy of all springs [J].
 
     The law at one time would multiply rounding errors of the positions by the stiffness. Therefore the tension depends on the last
     stage:
@@ -211,45 +195,11 @@ def observe(q, v, net_address, tension):
     Of cables that creep the law is that of `creep.tension_at_once`. The slow stretches [m] and the largest tensions held [N] follow
     the tensions of all segments, where ``tension`` has room for them.
     """
-    net = view_net(net_address)
-    if net.cable_groups.shape[0] > 0:
-        as_cable_observe(net.kernels[KERNEL_OBSERVE_GROUPS])(q, v, net_address, tension)
+    net, elastic = view_net(net_address), 0.0
     if net.single_cables.shape[0] > 0:
-        as_cable_observe(net.kernels[KERNEL_OBSERVE_SINGLES])(q, v, net_address, tension)
-
-
-@on_demand
-def energy_of_singles(q, net_address):
-    """Energy of the springs of the cables that are in no group [J]."""
-    net, elastic = view_net(net_address), 0.0
-    for c in net.single_cables:
-        elastic += elastic_energy_of_cable(net, c, spring_of(net, c), q, None)
-    return elastic
-
-
-@on_demand
-def energy_of_creeping(q, net_address):
-    """`energy_of_singles` where some of these cables creep [J]."""
-    net, elastic = view_net(net_address), 0.0
-    for c in net.single_cables:
-        if net.creep[c, CREEP_STATIC] > 0.0:
-            elastic += elastic_energy_of_cable(net, c, spring_of(net, c), q, True)
-        else:
-            elastic += elastic_energy_of_cable(net, c, spring_of(net, c), q, None)
-    return elastic
-
-
-@on_demand
-def energy_of_groups(q, net_address):
-    """Energy of the springs of the cables that are taken by fours [J]."""
-    net, elastic = view_net(net_address), 0.0
-    for g in range(net.cable_groups.shape[0]):
-        c = group_members(net.cable_groups, g)
-        if are_plain(BETWEEN, net, c):
-            of_cables = elastic_energy_of_cable(net, c, plain_spring(net, c), q, None)
-        else:
-            of_cables = elastic_energy_of_cable(net, c, spring_of(net, c), q, None)
-        elastic += sum_of_members(of_cables, net.cable_groups[g, WIDTH])
+        elastic += as_cable_observe(net.kernels[KERNEL_OBSERVE_SINGLES])(q, v, net_address, tension)
+    if net.cable_groups.shape[0] > 0:
+        elastic += as_cable_observe(net.kernels[KERNEL_OBSERVE_GROUPS])(q, v, net_address, tension)
     return elastic
 
 
@@ -268,22 +218,29 @@ def _kinetic_energy(net_address, v):
     return kinetic
 
 
-@kernel(void(float64, _f2, _f2, int64, _f1))
-def energies(t, q, v, net_address, energy):
-    """Energies: kinetic of the moving nodes, springs of the cables, potential of the effects: (3,) [J], overwritten."""
-    net = view_net(net_address)
-    if net.lengths.cable.shape[0] > 0:
-        as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)
-    kinetic, elastic, potential = _kinetic_energy(net_address, v), 0.0, 0.0
-    if net.single_cables.shape[0] > 0:
-        elastic += as_cable_energy(net.kernels[KERNEL_ENERGY_SINGLES])(q, net_address)
-    if net.cable_groups.shape[0] > 0:
-        elastic += as_cable_energy(net.kernels[KERNEL_ENERGY_GROUPS])(q, net_address)
+@internal
+def write_energies(t, q, v, net_address, elastic, energy):
+    """Write the energies of a state (3,) [J]: kinetic of the moving nodes, ``elastic`` of the springs, potential of the effects."""
+    net, potential = view_net(net_address), 0.0
     effects = net.effects
     for e in range(effects.address.shape[0]):
         index, params = numbers_of(effects, e)
         potential += as_energy(effects.address[e, SLOT_ENERGY])(t, q, index, params)
-    energy[0], energy[1], energy[2] = kinetic, elastic, potential
+    energy[0], energy[1], energy[2] = _kinetic_energy(net_address, v), elastic, potential
+
+
+@kernel(OBSERVE)
+def observe(t, q, v, net_address, row, energy):
+    """Write the tensions of a state, see `observe_cables`, and its energies at time t, see `write_energies`.
+
+    Where ``energy`` has no room, only tensions are written, and t does not count.
+    """
+    asked, net = energy.shape[0] > 0, view_net(net_address)
+    if asked and net.lengths.cable.shape[0] > 0:
+        as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)
+    elastic = observe_cables(q, v, net_address, row)
+    if asked:
+        write_energies(t, q, v, net_address, elastic, energy)
 
 
 @kernel(float64(_f2, _f2, int64))

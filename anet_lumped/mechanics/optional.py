@@ -55,8 +55,7 @@ class CableAccount(NamedTuple):
 
 SIGNATURES = {
     "force": float64(int64, _f2, _f2, _f2),
-    "observe": types.void(_f2, _f2, int64, _f1),
-    "energy": float64(_f2, int64),
+    "observe": float64(_f2, _f2, int64, _f1),
     "residual": types.NamedUniTuple(float64, 6, CableBalance)(STAGE, int64, _f2, _f2, float64, float64),
     "finish": float64(STAGE, int64),
     "settle": types.NamedUniTuple(float64, 5, CableAccount)(STAGE, int64, _f2, _f2, _f2),
@@ -102,4 +101,4 @@ as_mobility_bodies, as_meet_bodies, as_pull_bodies, as_shape_bodies = (
     callable_at(SIGNATURES[f"{name}_bodies"]) for name in ("mobility", "meet", "pull", "shape")
 )
 as_settle_joints = callable_at(SIGNATURES["settle_joints"])
-as_cable_observe, as_cable_energy = callable_at(SIGNATURES["observe"]), callable_at(SIGNATURES["energy"])
+as_cable_observe = callable_at(SIGNATURES["observe"])

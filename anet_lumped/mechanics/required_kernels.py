@@ -33,13 +33,11 @@ def require(net, model, force=False, newton=False, links=False, observed=False):
 
         for name in ("set_lengths", "power_of_lengths", "work_of_lengths", "energy_of_paid_out"):
             _write(net, name.upper(), name, getattr(changing_lengths, name))
-    if observed:
+    if observed and not links:
         from anet_lumped.mechanics import observe
 
-        one = "creeping" if len(net.creep) else "singles"
-        for name in ("energy",) if links else ("observe", "energy"):
-            of_singles, of_groups = (getattr(observe, f"{name}_of_{kind}") for kind in (one, "groups"))
-            _write_both(net, name, of_singles if singles else None, of_groups if groups else None)
+        one = observe.observe_of_creeping if len(net.creep) else observe.observe_of_singles
+        _write_both(net, "observe", one if singles else None, observe.observe_of_groups if groups else None)
     if force and not links:
         from anet_lumped.mechanics import force as forces
 

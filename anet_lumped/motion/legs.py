@@ -211,7 +211,9 @@ class Legs:
 
         own, energy = self.left, np.zeros(BALANCE)
         net = fresh_net(own.model, force=False, newton=False, observed=True, crept=self.crept_of(own))
-        system(own.model, force=False, newton=False).energy(self.t, self.q[own.node], self.v[own.node], net.address, energy)
+        row = np.empty(own.model.n_segments)
+        bound = system(own.model, force=False, newton=False)
+        bound.observe(self.t, self.q[own.node], self.v[own.node], net.address, row, energy)
         return energy[:ENERGIES] + self.carried
 
     def take_blow(self):

@@ -71,9 +71,10 @@ def run_of(model, choice, settings, prepared: Prepared, out: Outcome):
     q, v, energy = np.tile(prepared.task.q, (k, 1, 1)), np.zeros((k, model.n, 3)), np.zeros((k, ENERGIES))
     q[:, :free], v[:, :free] = out.q, out.v
     energy[:, SUMMED_UP] = out.work
+    tensions = np.empty(model.n_segments)
     for row, t in enumerate(out.t):
         bound.prescribe(t, address, q[row], v[row])
-        bound.energy(t, q[row], v[row], address, energy[row])
+        bound.observe(t, q[row], v[row], address, tensions, energy[row])
     message = ""
     if out.status != DONE:
         rtol, atol = settings.tolerances

@@ -148,7 +148,7 @@ def see(address, sight):
 def _as_observed(address):
     """Write the tensions at the time reached, and the directions of the segments there."""
     r = readings_at(address)
-    system_at(r.system_address).observe(r.q, r.v, r.data_address, r.acted)
+    system_at(r.system_address).observe(0.0, r.q, r.v, r.data_address, r.acted, r.origin[:0])  # no energies, for which time counts
     for s in range(r.ends.shape[0]):
         first, second, square = r.ends[s, 0], r.ends[s, 1], 0.0
         for x in range(3):

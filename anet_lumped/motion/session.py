@@ -307,7 +307,7 @@ class Session:
     def energy(self) -> np.ndarray:
         """Kinetic, elastic, potential energy, work and what was taken so far (7,) [J], as a row of ``Run.energy``."""
         balance = self._state.balance
-        self._system.energy(self.t, self._state.q, self._state.v, self._net.address, balance)
+        self._system.observe(self.t, self._state.q, self._state.v, self._net.address, self._observed, balance)
         row = balance[:ENERGIES] + self._legs.carried
         if self._scheme.books_its_losses:
             return row
@@ -413,7 +413,7 @@ class Session:
 
     def _end_tension(self) -> np.ndarray:
         """Tension of every segment at the time reached, as a run saves it."""
-        self._system.observe(self._state.q, self._state.v, self._net.address, self._observed)
+        self._system.observe(self.t, self._state.q, self._state.v, self._net.address, self._observed, np.empty(0))
         return self._observed
 
     def _arrays(self) -> Iterator[np.ndarray]:

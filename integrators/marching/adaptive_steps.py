@@ -173,15 +173,15 @@ def adaptive_steps(stepper, times, order, state, scratch, saved, stop):
                 status = EVENT
                 end = t + locate(stepper, t, h, TWO, margin_before, margin, start, state)
         copy(observed_b, observed_a)
-        system.observe(state.q, state.v, data_address, observed_b)
+        system.observe(end, state.q, state.v, data_address, observed_b, balance_saved[:0])
         while rows < saved.t.shape[0] and saved.t[rows] <= end:
             theta = (saved.t[rows] - t) / (end - t)
-            for i in range(observed_a.shape[0]):
-                saved.observed[rows, i] = (1.0 - theta) * observed_a[i] + theta * observed_b[i]
             interpolate(theta, end - t, start, state, saved.q[rows], saved.v[rows])
             copy(state.balance, balance_saved)
-            system.energy(saved.t[rows], saved.q[rows], saved.v[rows], data_address, balance_saved)
+            system.observe(saved.t[rows], saved.q[rows], saved.v[rows], data_address, saved.observed[rows], balance_saved)
             copy(balance_saved[:ENERGIES], saved.energy[rows])
+            for i in range(observed_a.shape[0]):  # in place of what a state says that no step has reached
+                saved.observed[rows, i] = (1.0 - theta) * observed_a[i] + theta * observed_b[i]
             saved.error[rows] = total_error
             rows += 1
         t = end

@@ -102,8 +102,7 @@ def save_within(stepper, t, h, end, total_error, scratch, state, rows, saved):
             dense_output((t_saved - t) / h, h, start, memory, parameters, system.n_free, state_saved)
         system.prescribe(t_saved, data_address, state_saved.q, state_saved.v)
         system.project(t_saved, data_address, state_saved.q, state_saved.v)
-        system.observe(state_saved.q, state_saved.v, data_address, saved.observed[rows])
-        system.energy(t_saved, state_saved.q, state_saved.v, data_address, balance)
+        system.observe(t_saved, state_saved.q, state_saved.v, data_address, saved.observed[rows], balance)
         copy(balance[:ENERGIES], saved.energy[rows])
         saved.error[rows] = total_error
         rows += 1

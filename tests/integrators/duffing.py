@@ -198,15 +198,12 @@ def average(address, share, h):
     data.shares[0] = data.shares[0] + share if share > 0.0 else 0.0
 
 
-@njit(cache=True)
-def observe(q, v, address, row):
+@njit(cache=True, error_model="numpy")
+def observe(t, q, v, address, row, e):
     data = data_at(address)
     row[0], row[1] = q[1, 0] - q[0, 0], data.shares[0]
-
-
-@njit(cache=True, error_model="numpy")
-def energy(t, q, v, address, e):
-    data = data_at(address)
+    if e.shape[0] == 0:
+        return
     e[0], e[1], e[2] = 0.0, 0.0, 0.0
     for above, below in ((2, 0), (0, 1)):
         s = 0.0
@@ -239,8 +236,7 @@ _FUNCTIONS = {
     "forget": (nothing, (_i8,)),
     "remember": (remember, (_i8, _i8)),
     "average": (average, (_i8, _f8, _f8)),
-    "observe": (observe, (_f2, _f2, _i8, _f1)),
-    "energy": (energy, (_f8, _f2, _f2, _i8, _f1)),
+    "observe": (observe, (_f8, _f2, _f2, _i8, _f1, _f1)),
     "margin": (margin, (_f2, _f2, _i8)),
     "project": (project, (_f8, _i8, _f2, _f2)),
 }

@@ -25,7 +25,7 @@ def test_forces_energies_and_tensions_of_nets(compression):
         q, v = scatter(model, rng), rng.normal(size=(model.n, 3))
         f, power, energy = np.full((model.n, 3), np.nan), np.full(3, np.nan), np.zeros(3)
         compiled.force(0.0, q, v, net.address, f, power)
-        compiled.energy(0.0, q, v, net.address, energy)
+        compiled.observe(0.0, q, v, net.address, np.empty(model.n_segments), energy)
         expected, by_dampers, by_effects, put_in = naive.force(model, q, v)
         prescribed_moves = model.n_driven < model.n
         # sums of a few dozen rounded forces of up to 1e4 N
@@ -73,7 +73,7 @@ def test_force_is_the_slope_of_the_energy():
 
         def energy(x):
             out = np.zeros(3)
-            compiled.energy(0.0, q + x * d, v, net.address, out)  # noqa: B023
+            compiled.observe(0.0, q + x * d, v, net.address, np.empty(model.n_segments), out)  # noqa: B023
             return out[1] + out[2]
 
         compiled.force(0.0, q, v, net.address, f, power)

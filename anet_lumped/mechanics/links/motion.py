@@ -11,6 +11,7 @@ from anet_lumped.compiled.jit import internal, kernel
 from anet_lumped.effects.signatures import as_force
 from anet_lumped.mechanics.drive import evaluate_driven
 from anet_lumped.mechanics.effect_forces import add_masses, mobility_with_fluid, numbers_of
+from anet_lumped.mechanics.observe import write_energies
 from anet_lumped.mechanics.optional import as_force_bodies, as_mobility_bodies, as_power_of_lengths, as_set_lengths
 from anet_lumped.mechanics.prescribe import prescribe
 from anet_lumped.model.net import view_net
@@ -35,7 +36,7 @@ from anet_lumped.model.tables import (
     SLOT_FORCE,
 )
 from integrators.flat_view import flat
-from integrators.system import NO_EVENTS
+from integrators.system import NO_EVENTS, OBSERVE
 
 from .elimination import factor, mobile, solve
 
@@ -208,15 +209,19 @@ def prescribe_ends(t, net_address, q, v):
     net.links.state[LINKS_TIME], net.links.state[LINKS_CURRENT] = t, 0.0
 
 
-@kernel(void(_f2, _f2, int64, _f1))
-def observe(q, v, net_address, tension):
-    """Write the tension of every link in a state at the time that was prescribed last (n_segments,) [N]."""
+@kernel(OBSERVE)
+def observe(t, q, v, net_address, tension, energy):
+    """Write the tension of every link in a state at the time that was prescribed last (n_segments,) [N], and its energies at t."""
     net = view_net(net_address)
     if net.links.state[LINKS_CURRENT] == 0.0:
         _accelerate(net, net.links.state[LINKS_TIME], q, v, net.law_force)
     _write_tensions(net)
     for s in range(tension.shape[0]):
         tension[s] = net.tension[s]
+    if energy.shape[0] > 0:
+        if net.lengths.cable.shape[0] > 0:
+            as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)
+        write_energies(t, q, v, net_address, 0.0, energy)
 
 
 @kernel(float64(_f2, _f2, int64))
