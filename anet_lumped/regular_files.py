@@ -1,8 +1,13 @@
-"""Files that are read whole: regular ones of a bounded size, and never a pipe or a device, which might not end."""
+"""Files that are read and written whole: regular ones of a bounded size, and never a pipe or a device, which might not end."""
 
 import codecs
+import contextlib
 import os
+import pathlib
+import shutil
 import stat
+import uuid
+from collections.abc import Iterator
 from os import PathLike
 from typing import Any, Literal
 
@@ -102,6 +107,57 @@ def check_target(path: Any, what: str) -> None:
     if not stat.S_ISREG(mode):
         kind = "a folder" if stat.S_ISDIR(mode) else "a pipe or a device"
         raise InputError(f"{what} must be written to a regular file, but {named} is {kind}.")
+
+
+@contextlib.contextmanager
+def whole_file(path: Any, what: str) -> Iterator[pathlib.Path]:
+    """Give the place of a new file that takes the name ``path`` once the block under `with` has written it.
+
+    Whoever reads ``path`` finds all of the new file or what was there before, also if the disk is full, the process is killed, or
+    another thread or process writes the same file at the same time: then the last one stays.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+    what : str
+        What is to be written, for messages: "A run".
+
+    Yields
+    ------
+    half : pathlib.Path, in the same folder and with the same ending
+
+    Raises
+    ------
+    InputError : as `check_target`, or a folder that is not there
+    OSError : what the system says, of the file ``path``
+    """
+    check_target(path, what)
+    named = os.fsdecode(path)
+    target = pathlib.Path(os.path.realpath(named))  # the file that a link leads to, so that the link stays one
+    if not target.parent.is_dir():
+        folder = one_line(os.path.dirname(named) or os.fspath(target.parent), NAMED)
+        raise InputError(f"{what} must be written to a folder that is there, but {folder} is none.")
+    half = target.with_name(f".{uuid.uuid4().hex}{target.suffix}")
+    try:
+        if target.exists():
+            target.open("ab").close()  # a file that may not be changed is not replaced either
+        yield half
+        if target.exists():
+            shutil.copymode(target, half)
+        half.replace(target)
+    except OSError as error:
+        if error.filename not in (None, os.fspath(half), os.fspath(target)):  # of another file
+            raise
+        raise OSError(error.errno, error.strerror, named) from None
+    finally:
+        with contextlib.suppress(OSError):
+            half.unlink()
+
+
+def write_text(path: Any, text: str, what: str) -> None:
+    """Write a UTF-8 file, which is there whole or not at all; arguments and errors as of `whole_file`."""
+    with whole_file(path, what) as half:
+        half.write_text(text, encoding="utf-8")
 
 
 def _open_at_once(path: Any, flags: int) -> int:

@@ -1,17 +1,21 @@
-"""Files that are read: regular, of a bounded size, and where they are text, UTF-8."""
+"""Files that are read: regular, of a bounded size, and where they are text, UTF-8; files that are written: whole or not at all."""
 
+import errno
 import os
+from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
 from anet_lumped.advice.markers import MarkerError, read_markers
 from anet_lumped.checks import InputError, SceneError
 from anet_lumped.effects.flow.wind.recorded import Recorded
 from anet_lumped.files.moordyn_file import deck_from_text, read_moordyn
+from anet_lumped.files.moordyn_writer import save_moordyn
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.limits import BYTES, TEXT
 from anet_lumped.motion.simulate import simulate
-from anet_lumped.regular_files import read_bytes, read_text
+from anet_lumped.regular_files import read_bytes, read_text, whole_file
 from anet_lumped.results.loading import load_run
 
 SCENE = load_scene("net_held")
@@ -202,3 +206,71 @@ def test_nothing_waits_for_a_pipe_to_be_read(tmp_path, run):
     os.mkfifo(tmp_path / "run.nc")
     with pytest.raises(InputError, match=r"must be written to a regular file, but .*run.nc is a pipe or a device"):
         run.save(tmp_path / "run.nc")
+
+
+def test_a_file_is_replaced_only_once_all_of_it_is_written(tmp_path):
+    file = tmp_path / "run.nc"
+    file.write_text("old")
+    with whole_file(file, "A run") as half:
+        half.write_text("ne")
+        assert file.read_text() == "old"
+        assert half.suffix == ".nc"  # programs that go by the ending write the same format
+        half.write_text("new")
+    assert file.read_text() == "new" and os.listdir(tmp_path) == ["run.nc"]
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_a_full_disk_leaves_what_was_there_and_nothing_else(tmp_path, there):
+    file = tmp_path / "run.nc"
+    if there:
+        file.write_text("old")
+    with pytest.raises(OSError, match="No space left on device") as found, whole_file(file, "A run") as half:
+        half.write_text("ne")
+        raise OSError(errno.ENOSPC, "No space left on device")
+    assert found.value.errno == errno.ENOSPC and found.value.filename == str(file)
+    assert [path.read_text() for path in tmp_path.iterdir()] == (["old"] if there else [])
+
+
+def test_an_error_of_another_file_names_that_one(tmp_path):
+    with pytest.raises(FileNotFoundError) as found, whole_file(tmp_path / "film.mp4", "A film"):
+        open(tmp_path / "ffmpeg")
+    assert found.value.filename == str(tmp_path / "ffmpeg") and not os.listdir(tmp_path)
+
+
+def test_a_link_stays_a_link_and_a_mode_stays(tmp_path):
+    file, link = tmp_path / "run.nc", tmp_path / "latest.nc"
+    file.write_text("old")
+    file.chmod(0o640)
+    link.symlink_to(file)
+    with whole_file(link, "A run") as half:
+        half.write_text("new")
+    assert link.is_symlink() and file.read_text() == "new" and file.stat().st_mode & 0o777 == 0o640
+
+
+def test_threads_that_save_one_file_leave_the_whole_of_one_run(tmp_path):
+    run = simulate(SCENE, 0.1, dt=0.05)
+    file = tmp_path / "run.nc"
+    run.save(file)
+
+    def save_and_read(_):
+        run.save(file)
+        return np.array_equal(load_run(file).q, run.q)
+
+    with ThreadPoolExecutor(4) as threads:
+        assert all(threads.map(save_and_read, range(40)))
+
+
+WRITERS = {
+    "scene": lambda path: save_scene(SCENE, f"{path}.toml"),
+    "deck": lambda path: save_moordyn(SCENE, f"{path}.dat"),
+    "run": lambda path: simulate(SCENE, 0.1, dt=0.05).save(f"{path}.nc"),
+    "page": lambda path: simulate(SCENE, 0.1, dt=0.05).view(f"{path}.html"),
+    "film": lambda path: simulate(SCENE, 0.1, dt=0.05).view(f"{path}.gif"),
+}
+
+
+@pytest.mark.parametrize("write", WRITERS.values(), ids=WRITERS)
+@pytest.mark.filterwarnings("ignore:MoorDyn's dampers")
+def test_a_folder_that_is_not_there_is_refused(tmp_path, write):
+    with pytest.raises(InputError, match=r"must be written to a folder that is there, but .*nowhere is none"):
+        write(tmp_path / "nowhere" / "it")

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from anet_lumped.regular_files import check_target
+from anet_lumped.regular_files import write_text
 from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Scene
 
@@ -45,9 +45,7 @@ def save_mjcf(
     InputError : a word or a number that cannot be; a scene with bodies
     ModuleNotFoundError : MuJoCo is not installed
     """
-    check_target(path, "A model of MuJoCo")
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(mjcf(scene, links, joints, dt, damping))
+    write_text(path, mjcf(scene, links, joints, dt, damping), "A model of MuJoCo")
 
 
 def mjcf(scene: Scene, links: str = "cylinder", joints: str = "ball", dt: float = 0.002, damping: float = 0.0) -> str:

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.regular_files import read_text
+from anet_lumped.regular_files import read_text, write_text
 from anet_lumped.results.end_forces import end_force, rows_of_run
 from anet_lumped.results.run import Run
 from anet_lumped.scene.body import OnBody
@@ -132,7 +132,7 @@ def _write(path: pathlib.Path, t: np.ndarray, columns: Mapping[str, np.ndarray],
     ]
     for time, row in zip(t.tolist(), np.column_stack(list(columns.values())).tolist(), strict=True):
         lines.append(f"{time:{TIME_WIDTH}.4f}" + "".join(f"{x:{WIDTH}.7e}" for x in row))
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_text(path, "\n".join(lines) + "\n", "A file of channels")
 
 
 def _unit(name: str) -> str:

@@ -17,6 +17,7 @@ from os import PathLike
 from typing import Any
 
 from anet_lumped.checks import SceneError, quoted, shown
+from anet_lumped.regular_files import check_target, write_text
 from anet_lumped.scene.scene import Cable, Driven, Fixed, Free, Point, Scene, check_scene
 
 from .moordyn_body_rows import body_points, body_rows, pins, rod_ends
@@ -52,8 +53,10 @@ def save_moordyn(scene: Scene, path: str | PathLike[str], options: Mapping[str, 
     Raises
     ------
     SceneError : a scene with something that MoorDyn does not have; names it
+    InputError : no file can be there
     """
     check_scene(scene)
+    check_target(path, "A MoorDyn file")
     for cable in scene.cables:
         if cable.compression == "none" and cable.axial_viscosity:
             warnings.warn(
@@ -65,21 +68,21 @@ def save_moordyn(scene: Scene, path: str | PathLike[str], options: Mapping[str, 
     if any(len(set(body.CdA)) > 1 for body in scene.bodies):
         warnings.warn("MoorDyn 2.7.2 passes over the first CdA of a body that has several.", stacklevel=2)
     path = pathlib.Path(path)
-    path.write_text(moordyn_text(scene, options, stem=path.stem), encoding="utf-8")
+    write_text(path, moordyn_text(scene, options, stem=path.stem), "A MoorDyn file")
     if (ground := _seafloor(scene)) is not None:
         text = seafloor_text(ground.x, ground.y, ground.heights)
-        path.with_name(f"{path.stem}_seafloor.txt").write_text(text, encoding="utf-8")
+        write_text(path.with_name(f"{path.stem}_seafloor.txt"), text, "A MoorDyn file")
     for name, moments in dict(_moments(scene, path.stem).values()).items():
         rows = ("curvature moment", "(1/m) (N m)", "0 0", *(f"{kappa!r} {M!r}" for kappa, M in moments))
-        path.with_name(name).write_text("\n".join(rows), encoding="utf-8")
+        write_text(path.with_name(name), "\n".join(rows), "A MoorDyn file")
     for name, text in flow_files(scene).items():
-        path.with_name(name).write_text(text, encoding="utf-8")
+        write_text(path.with_name(name), text, "A MoorDyn file")
     for (curve, working), name in _curves(scene, path.stem).items():
         rows = ("strain tension", "(-) (N)", "0 0", *(f"{strain!r} {tension!r}" for strain, tension in curve))
         if working is not None:
-            path.with_name(syrope_name(name)).write_text(syrope_text(working, name), encoding="utf-8")
+            write_text(path.with_name(syrope_name(name)), syrope_text(working, name), "A MoorDyn file")
             rows = ("the original curve of a polyester rope", *rows)  # MoorDyn passes over three lines
-        path.with_name(name).write_text("\n".join(rows), encoding="utf-8")  # MoorDyn takes no empty last line
+        write_text(path.with_name(name), "\n".join(rows), "A MoorDyn file")  # MoorDyn takes no empty last line
 
 
 def _seafloor(scene: Scene) -> Any:

@@ -68,7 +68,7 @@ from os import PathLike
 from typing import Any
 
 from anet_lumped.checks import NAMED, InputError, SceneError, nearest, one_line, quoted, shown
-from anet_lumped.regular_files import check_target, read_text
+from anet_lumped.regular_files import check_target, read_text, write_text
 from anet_lumped.scene.as_dict import DEEPEST, made_from_tables, scene_from_dict, scene_to_dict
 from anet_lumped.scene.scene import Scene
 
@@ -174,4 +174,4 @@ def save_scene(scene: Scene, path: str | PathLike[str]) -> None:
     text = tomli_w.dumps(with_defaults(scene_to_dict(scene)))
     # tomli_w gives each number of a vector a line of its own; strings hold no bare line ends, so only vectors match.
     text = re.sub(r"\[\n((?: +[-+.\de]+,\n)+) *\]", lambda found: f"[{' '.join(found[1].split())[:-1]}]", text)
-    pathlib.Path(path).write_text(text, encoding="utf-8")
+    write_text(path, text, "A scene")

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from anet_lumped.checks import InputError
-from anet_lumped.regular_files import check_target
+from anet_lumped.regular_files import write_text
 from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Scene
 
@@ -39,9 +39,7 @@ def save_sdf(
     ------
     InputError : a word or a number that cannot be; a scene with bodies; damping of balls
     """
-    check_target(path, "A world of SDFormat")
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(sdf(scene, links, joints, dt, damping))
+    write_text(path, sdf(scene, links, joints, dt, damping), "A world of SDFormat")
 
 
 def sdf(scene: Scene, links: str = "cylinder", joints: str = "ball", dt: float = 0.002, damping: float = 0.0) -> str:

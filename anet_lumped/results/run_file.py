@@ -16,7 +16,7 @@ import numpy as np
 
 from anet_lumped.checks import shown
 from anet_lumped.limits import BYTES
-from anet_lumped.regular_files import check_target, read_bytes
+from anet_lumped.regular_files import check_target, read_bytes, whole_file
 from anet_lumped.results.energy_balance import COLUMNS, UNDIVIDED
 from anet_lumped.scene.as_dict import scene_to_dict
 
@@ -89,11 +89,13 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         "error": {"units": "m", "long_name": "what the steps left out of places"},
     }
     variables: dict[str, Any] = {name: (DIMENSIONS[name], array, about[name]) for name, array in arrays.items()}
-    xr.Dataset(
+    dataset = xr.Dataset(
         {name: variable for name, variable in variables.items() if name != "t"},
         coords={"t": variables["t"], "axis": AXES, "energy_of": columns} | told,
         attrs=account | {"checksum": _checksum(arrays, account)},
-    ).to_netcdf(path, engine="scipy")
+    )
+    with whole_file(path, "A run") as half:
+        dataset.to_netcdf(half, engine="scipy")
 
 
 def read(path: str | PathLike[str]) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

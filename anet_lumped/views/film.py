@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from anet_lumped.checks import InputError, printable, shown
-from anet_lumped.regular_files import check_target
+from anet_lumped.regular_files import check_target, whole_file
 
 from . import colours
 from .boxes import box_edges
@@ -54,7 +54,8 @@ def write_film(run: Any, path: str | PathLike[str]) -> pathlib.Path:
     figure, moving, draw = _drawing(run, motion)
     _draw_once(figure, moving)
     writer: Any = PillowWriter if ending == GIF else FFMpegWriter
-    FuncAnimation(figure, draw, frames=rows, init_func=lambda: None).save(file, writer(fps=rate))
+    with whole_file(file, "A film") as half:
+        FuncAnimation(figure, draw, frames=rows, init_func=lambda: None).save(half, writer(fps=rate))
     return file
 
 

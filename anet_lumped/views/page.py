@@ -15,7 +15,7 @@ import numpy as np
 
 from anet_lumped.checks import InputError, printable
 from anet_lumped.model.body_rotation import quaternions
-from anet_lumped.regular_files import check_target
+from anet_lumped.regular_files import check_target, write_text
 
 from . import colours
 from .boxes import box_of, poses
@@ -48,7 +48,7 @@ def write_page(run: Any, path: str | PathLike[str]) -> pathlib.Path:
     check_target(path, "A page")
     file = pathlib.Path(os.fsdecode(path))
     text = page_text(run, file.stem)
-    file.write_text(text, encoding="utf-8")
+    write_text(file, text, "A page")
     return file
 
 

@@ -17,7 +17,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from anet_lumped.checks import NAMED, InputError, one_line, shown
-from anet_lumped.regular_files import check_target
+from anet_lumped.regular_files import check_target, write_text
 
 from .motion import broken_at, strain
 
@@ -60,10 +60,10 @@ def write_pvd(run: Any, path: str | PathLike[str]) -> pathlib.Path:
     lines, broke = [], broken_at(run)
     for k in rows:
         state = states / f"{file.stem}_{k:0{len(str(rows[-1]))}}.vtp"
-        state.write_text(vtp_text(run, k, broke >= run.t[k]), encoding="utf-8")
+        write_text(state, vtp_text(run, k, broke >= run.t[k]), "A state")
         lines.append(f'<DataSet timestep="{float(run.t[k])!r}" part="0" file={quoteattr(f"{states.name}/{state.name}")}/>\n')
     # The list comes last, so that no reader finds a state in it that is not there yet.
-    file.write_text(f"{HEAD.format('Collection')}<Collection>\n{''.join(lines)}</Collection>\n</VTKFile>\n", encoding="utf-8")
+    write_text(file, f"{HEAD.format('Collection')}<Collection>\n{''.join(lines)}</Collection>\n</VTKFile>\n", "A VTK series")
     return file
 
 
