@@ -20,10 +20,10 @@ import anet_lumped
 from anet_lumped import simulate
 from anet_lumped.motion.simulate import StabilityWarning
 from anet_lumped.motion.stability import predict
+from anet_lumped.regular_files import whole_file
 from anet_lumped.scene.as_dict import scene_to_dict
 from integrators import schemes
 from studies.accuracy_cost.motions import fitting
-from studies.half_written import half_written
 
 EXPLICIT_PAIR, IMPLICIT_PAIR = ("rk4", "verlet"), ("generalised_alpha", "midpoint")
 SHARES = (0.1, 0.2, 0.5)  # of the stable step: the smallest that costs no more than AFFORDABLE
@@ -143,9 +143,8 @@ def track(motion, method, steps, folder=None):
     table = pd.DataFrame(position, columns=["x_m", "y_m", "z_m"])
     table["t_s"], table["least_tension_N"] = run.t, min(tensions)
     file.parent.mkdir(parents=True, exist_ok=True)
-    half = half_written(file)
-    table.to_parquet(half, index=False)
-    half.replace(file)
+    with whole_file(file, "A reference") as half:
+        table.to_parquet(half, index=False)
     return Track(position, float(min(tensions)))
 
 

@@ -8,7 +8,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from studies.half_written import half_written
+from anet_lumped.regular_files import write_text
 from studies.shown.show import as_text, column_head
 
 SHOWN = 40  # rows of a table on the page; the file beside the page has all
@@ -91,9 +91,7 @@ def write_template(file: Path, template: str, **values: object) -> None:
     environment.filters |= {"text": as_text, "head": column_head, "first_sentence": _first_sentence, "prose": _prose}
     page = environment.get_template(template).render(**values)
     file.parent.mkdir(parents=True, exist_ok=True)
-    half = half_written(file)  # a reader never finds half a page
-    half.write_text(page, encoding="utf-8")
-    half.replace(file)
+    write_text(file, page, "A page")
 
 
 def _inline(file):

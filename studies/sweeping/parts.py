@@ -13,6 +13,7 @@ import json
 import os
 import socket
 import time
+import uuid
 import warnings
 import zlib
 from collections.abc import Iterable, Sequence
@@ -22,7 +23,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from anet_lumped.checks import InputError, shown
-from studies.half_written import half_written
+from anet_lumped.regular_files import whole_file
 from studies.sweeping.batch import BatchRunner
 from studies.sweeping.provenance import library, provenance
 from studies.sweeping.row_log import PARTS, RowsError, check_identity, line_of, line_of_text, read_meta
@@ -75,17 +76,10 @@ def write_part(path: Path, lines: Sequence[dict], seconds: float) -> None:
     body = "".join(json.dumps(line) + "\n" for line in lines).encode()
     end = json.dumps({"part": {"rows": len(lines), "crc32": zlib.crc32(body), "seconds": seconds}}) + "\n"
     path.parent.mkdir(parents=True, exist_ok=True)
-    half = half_written(path)
-    try:
-        with half.open("wb") as file:
-            file.write(body + end.encode())
-            file.flush()
-            os.fsync(file.fileno())
-        half.replace(path)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            half.unlink()
-        raise OSError(error.errno, error.strerror, str(path)) from None
+    with whole_file(path, "A part") as half, half.open("wb") as file:
+        file.write(body + end.encode())
+        file.flush()
+        os.fsync(file.fileno())
 
 
 def read_part(path: Path, names: Iterable[str] = (), columns: Iterable[str] = ()) -> tuple[list[dict], float]:
@@ -182,7 +176,7 @@ def lines_of_parts(folder: Path, names: Iterable[str], columns: Iterable[str]) -
 
 def _write_first(path, text):
     """Write a file unless it is there, whole at once, whoever else does the same; say whether it is there now."""
-    half = half_written(path)
+    half = path.with_name(f".{uuid.uuid4().hex}")
     half.write_text(text)
     try:
         os.link(half, path)
