@@ -241,6 +241,104 @@ def _begin_with_inertial_stiffness(net, weight):
         D[b + 4], D[b + 5], D[b + 6], D[b + 7], D[b + 8] = W, 0.0, 0.0, 0.0, W
 
 
+@inlined
+def _add_effects(stage, net, base, q):
+    """Add the forces of effects to ``net.right_side``, and their stiffness to ``net.diagonal`` and the blocks of neighbours.
+
+    An effect with a force of its own for a whole step has that in a step of `LAW_BETWEEN`, else the one at the middle of the stage.
+
+    Returns
+    -------
+    taken, taken_by_method : float64 [J], in the step, by the effects and by what keeps their steps stable
+    """
+    effects, middle_q, middle_v, per_tau = net.effects, net.middle_q, net.middle_v, 1.0 / stage.tau
+    if any_live(net):
+        take_middle(net, stage.theta, per_tau, base, q)
+    if net.near_blocks.shape[0] > 0:
+        clear(net.near_blocks)
+        clear(net.far_blocks)
+    taken, taken_by_method = 0.0, 0.0
+    for e in range(effects.address.shape[0]):
+        (index, params), addresses = numbers_of(effects, e), effects.address[e]
+        if addresses[SLOT_WHOLE_STEP] != 0 and stage.law == LAW_BETWEEN:
+            by_effect, by_method = as_whole_step(addresses[SLOT_WHOLE_STEP])(
+                stage.t,
+                stage.tau,
+                stage.dissipation,
+                base,
+                q,
+                index,
+                params,
+                net.right_side,
+                net.diagonal,
+                net.near_blocks,
+                net.far_blocks,
+            )
+            taken, taken_by_method = taken + by_effect, taken_by_method + by_method
+            continue
+        taken += stage.tau * as_force(addresses[SLOT_FORCE])(stage.t, middle_q, middle_v, index, params, net.right_side)
+        if addresses[SLOT_TANGENT] != 0:
+            as_tangent(addresses[SLOT_TANGENT])(
+                stage.t, middle_q, middle_v, index, params, stage.theta, per_tau, net.diagonal, net.near_blocks, net.far_blocks
+            )
+    return taken, taken_by_method
+
+
+@inlined
+def _add_fluid(stage, net, target, q):
+    """Add the inertia of the fluid that moves along with nodes to ``net.right_side`` and ``net.diagonal``."""
+    right_side, diagonal = net.right_side, net.diagonal
+    add_masses(net, stage.t, net.middle_q)
+    for i in range(net.n_free):
+        A = net.added_mass[i]
+        for y in range(3):
+            slowing = stage.W * (target[i, y] - q[i, y])
+            if i >= net.bodies.first:
+                slowing = net.bodies.slowing[i - net.bodies.first, y]
+            for x in range(3):
+                right_side[i, x] += A[x, y] * slowing
+        for x in range(3):
+            for y in range(3):
+                diagonal[i, x, y] += stage.W * A[x, y]
+
+
+@inlined
+def _note_stage(stage, net, taken, taken_by_method):
+    """Write of which stage ``net.segment`` holds the linearisation, and what its effects take, for those who read either."""
+    linearised = net.linearised
+    linearised[LINEARISED_LAW], linearised[LINEARISED_TAU], linearised[LINEARISED_W] = stage.law, stage.tau, stage.W
+    linearised[LINEARISED_BEGINNING], linearised[LINEARISED_CURRENT] = LINEARISED_SAME_STEP, 1.0
+    linearised[LINEARISED_TAKEN], linearised[LINEARISED_TAKEN_BY_METHOD] = taken, taken_by_method
+
+
+@inlined
+def _add_cables_and_bodies(stage, net_address, net, base, q, step, largest_coordinate, balance):
+    """Linearise all segments and bodies, and add their forces; returns their `CableBalance` together with ``balance``."""
+    if net.cable_groups.shape[0] > 0:
+        of_groups = as_cable_residual(net.kernels[KERNEL_RESIDUAL_GROUPS])
+        balance = joined(balance, of_groups(stage, net_address, base, q, step, largest_coordinate))
+    if net.single_cables.shape[0] > 0:
+        of_singles = as_cable_residual(net.kernels[KERNEL_RESIDUAL_SINGLES])
+        balance = joined(balance, of_singles(stage, net_address, base, q, step, largest_coordinate))
+    if net.bodies.first < net.n_free:
+        of_bodies = as_balance_bodies(net.kernels[KERNEL_BALANCE_BODIES])
+        balance = joined(balance, of_bodies(stage, net_address, largest_coordinate, balance.noise, balance.predicted_noise))
+    return balance
+
+
+@inlined
+def _with_points(net, balance):
+    """``norm``, ``predicted`` and the sum of forces of a `CableBalance`, with those of the points between cables."""
+    norm, predicted, sum_of_forces = balance.norm, balance.predicted, balance.sum_of_forces
+    law_force, predicted_force = net.law_force, net.predicted_force
+    for i in range(net.n_interior, net.bodies.first):
+        p = i - net.n_interior
+        norm = max(norm, abs(law_force[i, 0]), abs(law_force[i, 1]), abs(law_force[i, 2]))
+        sum_of_forces += law_force[i, 0] + law_force[i, 1] + law_force[i, 2]
+        predicted = max(predicted, abs(predicted_force[p, 0]), abs(predicted_force[p, 1]), abs(predicted_force[p, 2]))
+    return norm, predicted, sum_of_forces
+
+
 @kernel(types.UniTuple(float64, 4)(STAGE, _f2, _f2, _f2, int64))
 def residual(stage, base, target, q, net_address):
     """Out-of-balance force of a stage on every node, and its linearisation in the net.
@@ -274,75 +372,22 @@ def residual(stage, base, target, q, net_address):
     net = view_net(net_address)
     if net.lengths.cable.shape[0] > 0:
         set_stage_lengths(stage, net_address)
-    n, n_free, right_side, diagonal, first_of_bodies = q.shape[0], net.n_free, net.right_side, net.diagonal, net.bodies.first
-    if first_of_bodies < n_free:
+    if net.bodies.first < net.n_free:
         as_place_bodies(net.kernels[KERNEL_PLACE_BODIES])(stage, net_address, base, target, q)
-    middle_q, middle_v, per_tau = net.middle_q, net.middle_v, 1.0 / stage.tau
     largest_coordinate, scale, largest_inertia = _begin_with_inertia(net_address, stage.W, target, q)
     _begin_with_inertial_stiffness(net, stage.W)
-    effects = net.effects
-    if any_live(net):
-        take_middle(net, stage.theta, per_tau, base, q)
-    if net.near_blocks.shape[0] > 0:
-        clear(net.near_blocks)
-        clear(net.far_blocks)
-    taken, taken_by_method = 0.0, 0.0
-    for e in range(effects.address.shape[0]):
-        (index, params), addresses = numbers_of(effects, e), effects.address[e]
-        if addresses[SLOT_WHOLE_STEP] != 0 and stage.law == LAW_BETWEEN:
-            by_effect, by_method = as_whole_step(addresses[SLOT_WHOLE_STEP])(
-                stage.t, stage.tau, stage.dissipation, base, q, index, params, right_side, diagonal, net.near_blocks, net.far_blocks
-            )
-            taken, taken_by_method = taken + by_effect, taken_by_method + by_method
-            continue
-        taken += stage.tau * as_force(addresses[SLOT_FORCE])(stage.t, middle_q, middle_v, index, params, right_side)
-        if addresses[SLOT_TANGENT] != 0:
-            as_tangent(addresses[SLOT_TANGENT])(
-                stage.t, middle_q, middle_v, index, params, stage.theta, per_tau, diagonal, net.near_blocks, net.far_blocks
-            )
+    taken, taken_by_method = _add_effects(stage, net, base, q)
     if net.added_mass.shape[0] > 0:
-        add_masses(net, stage.t, middle_q)
-        for i in range(n_free):
-            A = net.added_mass[i]
-            for y in range(3):
-                slowing = stage.W * (target[i, y] - q[i, y])
-                if i >= first_of_bodies:
-                    slowing = net.bodies.slowing[i - first_of_bodies, y]
-                for x in range(3):
-                    right_side[i, x] += A[x, y] * slowing
-            for x in range(3):
-                for y in range(3):
-                    diagonal[i, x, y] += stage.W * A[x, y]
-    law_force = net.law_force
-    for i in range(net.n_interior, n):
+        _add_fluid(stage, net, target, q)
+    for i in range(net.n_interior, q.shape[0]):  # to which the cables add by their law, and as the last step predicted
         for x in range(3):
-            law_force[i, x] = right_side[i, x]
+            net.law_force[i, x] = net.predicted_force[i - net.n_interior, x] = net.right_side[i, x]
+    step = net.linearised[LINEARISED_BEGINNING]
+    _note_stage(stage, net, taken, taken_by_method)
     inertia_noise = FORCE_ROUNDING * largest_inertia * largest_coordinate
-    predicted_force, step = net.predicted_force, net.linearised[LINEARISED_BEGINNING]
-    net.linearised[LINEARISED_LAW], net.linearised[LINEARISED_TAU] = stage.law, stage.tau
-    net.linearised[LINEARISED_W] = stage.W
-    net.linearised[LINEARISED_BEGINNING], net.linearised[LINEARISED_CURRENT] = LINEARISED_SAME_STEP, 1.0
-    net.linearised[LINEARISED_TAKEN], net.linearised[LINEARISED_TAKEN_BY_METHOD] = taken, taken_by_method
-    for i in range(net.n_interior, n):
-        for x in range(3):
-            predicted_force[i - net.n_interior, x] = right_side[i, x]
     balance = CableBalance(0.0, scale, inertia_noise, 0.0, inertia_noise, 0.0)
-    if net.cable_groups.shape[0] > 0:
-        of_groups = as_cable_residual(net.kernels[KERNEL_RESIDUAL_GROUPS])
-        balance = joined(balance, of_groups(stage, net_address, base, q, step, largest_coordinate))
-    if net.single_cables.shape[0] > 0:
-        of_singles = as_cable_residual(net.kernels[KERNEL_RESIDUAL_SINGLES])
-        balance = joined(balance, of_singles(stage, net_address, base, q, step, largest_coordinate))
-    if first_of_bodies < n_free:
-        of_bodies = as_balance_bodies(net.kernels[KERNEL_BALANCE_BODIES])
-        of_those = of_bodies(stage, net_address, largest_coordinate, balance.noise, balance.predicted_noise)
-        balance = joined(balance, of_those)
-    norm, predicted, sum_of_forces = balance.norm, balance.predicted, balance.sum_of_forces
-    for i in range(net.n_interior, first_of_bodies):
-        norm = max(norm, abs(law_force[i, 0]), abs(law_force[i, 1]), abs(law_force[i, 2]))
-        sum_of_forces += law_force[i, 0] + law_force[i, 1] + law_force[i, 2]
-        p = i - net.n_interior
-        predicted = max(predicted, abs(predicted_force[p, 0]), abs(predicted_force[p, 1]), abs(predicted_force[p, 2]))
+    balance = _add_cables_and_bodies(stage, net_address, net, base, q, step, largest_coordinate, balance)
+    norm, predicted, sum_of_forces = _with_points(net, balance)
     finite = sum_of_forces - sum_of_forces == 0.0
     if not finite:
         norm = UNKNOWN_FORCE

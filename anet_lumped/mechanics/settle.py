@@ -96,6 +96,37 @@ def _unresolved_share(ratio):
 
 
 @inlined
+def _shares_to_remove(stage, law, h, omega_squared, damper, k):
+    """Share of the unresolved rate of length that a segment removes while it is taut and while it is slack, see `settle`.
+
+    One that does not stretch removes as much as any can.
+    """
+    spring, two_way_damper, inextensible = law
+    most = 2.0 * stage.dissipation
+    if inextensible > 0.0:
+        return most + 0.0 * omega_squared, most + 0.0 * omega_squared
+    spring_term, damping_term = 0.25 * h * h * omega_squared, 0.5 * h * omega_squared * damper / k
+    taut = most * _unresolved_share(spring_term + damping_term * damping_term)
+    slack = spring.push_share * spring_term + two_way_damper * damping_term * damping_term
+    return taut, most * _unresolved_share(slack)
+
+
+@inlined
+def _damper_share(x_a, x_b, per_h, spring, damper, two_way_damper, numerical):
+    """Share of the force of both dampers over a step that is the cable's own, and not that of the method."""
+    change, numerically_damped_change = damped_changes(x_a, x_b, spring.push_share, two_way_damper)
+    own, of_method = damper * per_h * abs(change), numerical * abs(numerically_damped_change)
+    return own / max(own + of_method, TINY)
+
+
+@inlined
+def _impulse(acts, change_wanted, rate, shared_mobility):
+    """Impulse along a segment that changes the rate of its length as it is wanted, but never beyond a stop [N s]."""
+    change = select(abs(change_wanted) > abs(rate), rate, change_wanted)
+    return select(acts & (change_wanted * rate > 0.0), change / shared_mobility, 0.0)
+
+
+@inlined
 def cable_settle(stage, net, cables, law, base, q, v, creep):
     """`settle` of a cable, or of a group of cables; returns their `CableAccount`.
 
@@ -112,21 +143,9 @@ def cable_settle(stage, net, cables, law, base, q, v, creep):
         spring = fast_spring(net, creep.fast_stiffness, L0)
     omega_squared, L_a = column(net.axial, c, AXIAL_OMEGA_SQUARED), column(net.axial, c, AXIAL_L0_BEFORE)
     L0_rate = column(net.axial, c, AXIAL_L0_RATE)
-    if inextensible > 0.0:
-        taut_share = slack_share = 2.0 * stage.dissipation + 0.0 * L0
-    else:
-        spring_term, damping_term = 0.25 * h * h * omega_squared, 0.5 * h * omega_squared * damper / k
-        taut_share = 2.0 * stage.dissipation * _unresolved_share(spring_term + damping_term * damping_term)
-        slack_term = spring.push_share * spring_term + two_way_damper * damping_term * damping_term
-        slack_share = 2.0 * stage.dissipation * _unresolved_share(slack_term)
-    flat_base, flat_q, flat_v, velocity_change, segment, zero = (
-        flat(base),
-        flat(q),
-        flat(v),
-        flat(net.middle_v),
-        flat(net.segment),
-        0.0 * L0,
-    )
+    taut_share, slack_share = _shares_to_remove(stage, (spring, two_way_damper, inextensible), h, omega_squared, damper, k)
+    flat_base, flat_q, flat_v, velocity_change, segment = flat(base), flat(q), flat(v), flat(net.middle_v), flat(net.segment)
+    zero = 0.0 * L0
     by_dampers, by_method, put_in, by_impulses, total_square = zero, zero, zero, zero, zero
     i1, q1, v1, mobility_1 = start, row3(flat_q, start), row3(flat_v, start), _mobility(net, start)
     mobility_of_end, mobility_inside = _mobility(net, end), 1.0 / load(net.mass, node)  # all nodes inside a cable have one mass
@@ -156,9 +175,8 @@ def cable_settle(stage, net, cables, law, base, q, v, creep):
         T_at_end, _, secant = tension_law(stage, x_b, x_a, spring, damper, two_way_damper, numerical)
         store(segment, shifted(row, 0, 1, SEGMENT_STRETCH), stretch)
         store(segment, shifted(row, 0, 1, SEGMENT_TENSION), T_at_end)
-        damped_change, numerically_damped_change = damped_changes(x_a, x_b, spring.push_share, two_way_damper)
-        damper_force, method_force = damper * per_h * abs(damped_change), numerical * abs(numerically_damped_change)
-        dissipated, damper_share = (T - secant) * lengthening, damper_force / max(damper_force + method_force, TINY)
+        dissipated = (T - secant) * lengthening
+        damper_share = _damper_share(x_a, x_b, per_h, spring, damper, two_way_damper, numerical)
         by_dampers, by_method = by_dampers + damper_share * dissipated, by_method + (1.0 - damper_share) * dissipated
         total_square = total_square + lengthening * lengthening
         rate = n[0] * (v2[0] - v1[0]) + n[1] * (v2[1] - v1[1]) + n[2] * (v2[2] - v1[2]) - L0_rate
@@ -166,12 +184,8 @@ def cable_settle(stage, net, cables, law, base, q, v, creep):
         if creep is not None:
             mean_rate = mean_rate + change * per_h
         change_wanted = select(x_b > 0.0, taut_share, slack_share) * (rate - mean_rate)
-        impulse_acts = ((T > 0.0) | (two_way_damper > 0.0)) & (change_wanted * rate > 0.0) & (mobility_1 + mobility_2 > 0.0)
-        impulse = select(
-            impulse_acts,
-            select(abs(change_wanted) > abs(rate), rate, change_wanted) / (shared_1 + shared_2),
-            0.0,
-        )
+        acts = ((T > 0.0) | (two_way_damper > 0.0)) & (mobility_1 + mobility_2 > 0.0)
+        impulse = _impulse(acts, change_wanted, rate, shared_1 + shared_2)
         store(net.tension, s, T + impulse * per_h)
         by_impulses = by_impulses - impulse * L0_rate
         speed_1, speed_2 = impulse * mobility_1, impulse * mobility_2
@@ -300,6 +314,25 @@ def _change_velocities(net_address, v):
     return kinetic, gained
 
 
+@inlined
+def _account_of_effects(stage, net, base, q, v):
+    """Energy that effects took in a step, what kept their steps stable took, and what driving nodes against them put in [J]."""
+    if net.linearised[LINEARISED_CURRENT] == 0.0:
+        _evaluate_effects(stage, net, base, q)
+    by_effects, put_in = net.linearised[LINEARISED_TAKEN], 0.0
+    for i in range(net.n_driven, q.shape[0]):
+        for x in range(3):
+            put_in -= net.right_side[i, x] * (q[i, x] - base[i, x])
+    for i in range(net.added_mass.shape[0]):  # energy given to the fluid: the step's acceleration is 2 (v_b - v_mean)/h
+        for x in range(3):
+            for y in range(3):
+                half_change = v[i, y] - net.middle_v[i, y]
+                if i >= net.bodies.first:  # whose velocities before the step `turn_bodies` has left there
+                    half_change = 0.5 * (v[i, y] - net.law_force[i, y])
+                by_effects += 2.0 * net.middle_v[i, x] * net.added_mass[i, x, y] * half_change
+    return by_effects, net.linearised[LINEARISED_TAKEN_BY_METHOD], put_in
+
+
 @kernel(types.void(STAGE, _f2, _f2, _f2, int64, _f1))
 def settle(stage, base, q, v, net_address, energy):
     """Account for the energy of a step of `LAW_BETWEEN` from base to q, and damp axial ringing that the step cannot resolve.
@@ -333,7 +366,6 @@ def settle(stage, base, q, v, net_address, energy):
         Energy put in; energies dissipated by dampers, by effects and by the method.
     """
     net = view_net(net_address)
-    change, right_side = net.middle_v, net.right_side
     put_in, by_effects, by_steps_of_effects = 0.0, 0.0, 0.0
     lengths_change, has_bodies = net.lengths.cable.shape[0] > 0, net.bodies.first < net.n_free
     if has_bodies:
@@ -341,22 +373,11 @@ def settle(stage, base, q, v, net_address, energy):
     if lengths_change:
         put_in = as_work_of_lengths(net.kernels[KERNEL_WORK_OF_LENGTHS])(stage, net_address, base, q, v)
     if any_live(net):
-        if net.linearised[LINEARISED_CURRENT] == 0.0:
-            _evaluate_effects(stage, net, base, q)
-        by_effects, by_steps_of_effects = net.linearised[LINEARISED_TAKEN], net.linearised[LINEARISED_TAKEN_BY_METHOD]
-        for i in range(net.n_driven, q.shape[0]):
-            for x in range(3):
-                put_in -= right_side[i, x] * (q[i, x] - base[i, x])
-        for i in range(net.added_mass.shape[0]):  # energy given to the fluid: the step's acceleration is 2 (v_b - v_mean)/h
-            for x in range(3):
-                for y in range(3):
-                    half_change = v[i, y] - net.middle_v[i, y]
-                    if i >= net.bodies.first:  # whose velocities before the step `turn_bodies` has left there
-                        half_change = 0.5 * (v[i, y] - net.law_force[i, y])
-                    by_effects += 2.0 * net.middle_v[i, x] * net.added_mass[i, x, y] * half_change
+        by_effects, by_steps_of_effects, against_effects = _account_of_effects(stage, net, base, q, v)
+        put_in += against_effects
     for i in range(net.n_interior, q.shape[0]):
         for x in range(3):
-            change[i, x] = 0.0
+            net.middle_v[i, x] = 0.0
     account = CableAccount(0.0, 0.0, 0.0, 0.0, 0.0)
     if net.cable_groups.shape[0] > 0:
         account = as_cable_settle(net.kernels[KERNEL_SETTLE_GROUPS])(stage, net_address, base, q, v)
