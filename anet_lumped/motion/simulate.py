@@ -1,14 +1,11 @@
 """Simulate a scene: method and step, the march through its events, and the verdicts on the run."""
 
-import math
 import warnings
-from collections.abc import Callable
 from contextvars import ContextVar
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
-from anet_lumped.checks import InputError, number, quoted
+from anet_lumped.checks import number, quoted
 from anet_lumped.results.audit import audited
 from anet_lumped.results.near_origin import computed_near_origin
 from anet_lumped.results.run import Run, RunInterrupt
@@ -17,19 +14,15 @@ from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.statics.first_state import first_state
 from anet_lumped.statics.starts import Start, straight
 from integrators import schemes
-from integrators.schemes.record import Origin, Scheme
 
-from .accuracy import TENSION_ERROR, Wanted, keep_error
-from .choice import Choice, by_links, links_are_cheaper, shedding_cable
+from .accuracy import TENSION_ERROR, Wanted
 from .extrapolation import extrapolated, method_to_extrapolate
-from .judged_states import as_asked, judged_every
-from .legs import Settings, march_legs
-from .link_legs import SLACK_ALLOWED, slack_time
+from .kept_errors import Keeps, check_keeps_error, errors_kept
+from .legs import Settings
+from .motion import Motion
 from .plan import Asked, check_arguments, planned
-from .tolerance import keep_error_by_tolerance
 from .verdict import judged
 
-RUNS_INSTEAD = 4  # of links by default, in place of an implicit method: four powers of ten of the tolerance
 MEANT_STRAIN = 0.2  # of a straight start: cords break before
 DEFAULT_RTOL, DEFAULT_ATOL = 1e-6, 1e-9  # [m]; of the largest coordinate where no tolerance is given
 _quiet = ContextVar("quiet", default=False)  # whether runs of this thread give no warnings, as those for an audit
@@ -115,81 +108,57 @@ def simulate(
     scheme = None if method is None else schemes.scheme(method)
     begin = first_state(scene, start, scheme is not None and scheme.keeps_constraints)
     plan = planned(scene, begin, Asked(t_end, method, dt, save_every, rtol, atol, extrapolate))
-    choice, adaptive, transverse = plan
-    scheme = schemes.scheme(choice.method)
-    for text in choice.warnings:
+    for text in plan.choice.warnings:
         _warn(text, StabilityWarning)
     if isinstance(start, str) and start == "straight":
         for text in overstretched(begin):
             _warn(text, UserWarning)
-            choice = replace(choice, warnings=(*choice.warnings, text))
-    settings = Settings(adaptive, _tolerances(rtol, atol), rho_inf)
-    whole = partial(march_legs, _march_of(scheme), scene, start=begin, t_end=begin.t + t_end, settings=settings)
-    asked = error is not None, tension_error is not None
+            plan = plan._replace(choice=replace(plan.choice, warnings=(*plan.choice.warnings, text)))
+    choice, adaptive = plan.choice, plan.adaptive
+    motion = Motion(scene, begin, t_end, save_every, Settings(adaptive, _tolerances(rtol, atol), rho_inf))
     by_default = method is None and dt is None and not adaptive and not extrapolate
-    wanted = Wanted(error, TENSION_ERROR if tension_error is None else tension_error)
-    length = scene.longest
-
-    def by_tolerance(choice: Choice, most: float = math.inf) -> Run:
-        def march(tolerance: float) -> Run:
-            nonlocal settings
-            settings = Settings(True, (0.0, tolerance), rho_inf)
-            return whole(choice, save_every=save_every, settings=settings)
-
-        return keep_error_by_tolerance(march, wanted, length, most)
-
-    def by_links_instead(run: Run, parts: float) -> Run | None:
-        other = by_links(choice, transverse)
-        iterations = run.work.newton_iterations / max(run.work.steps, 1)
-        if not links_are_cheaper(replace(choice, dt=run.dt), other.limit, parts, iterations):
-            return None
-        found = by_tolerance(other, RUNS_INSTEAD)
-        return found if found.kept and slack_time(found) <= SLACK_ALLOWED * t_end else None
-
-    if any(asked) and scheme.embedded and rtol is None and atol is None:
-        run = by_tolerance(choice)
-    elif any(asked) or by_default:
-        _check_keeps_error(scheme, dt, adaptive, extrapolate)
-        choice, every = judged_every(choice, save_every, t_end)
-
-        def march(choice: Choice, duration: float) -> Run:
-            return whole(choice, save_every=every, t_end=begin.t + duration)
-
-        without_links = any(body.is_jointed for body in scene.bodies) or shedding_cable(scene) is not None  # links take none
-        rigid = by_default and not without_links and bool(scene.cables) and all(cable.inextensible for cable in scene.cables)
-        run = keep_error(march, choice, wanted, t_end, save_every or t_end, by_links_instead if rigid else None, asked=asked)
-        if rigid and run.ok and not run.kept:  # what multiplies errors leaves less of those of order 8
-            run = by_links_instead(run, math.inf) or run
-        if save_every is not None and every != save_every:
-            run = as_asked(run, save_every, wanted.tension_error)
+    keeps = Keeps(error is not None, tension_error is not None, by_default)
+    if keeps.places or keeps.tensions:
+        check_keeps_error(schemes.scheme(choice.method), dt, rtol is not None or atol is not None, extrapolate)
+    if any(keeps):
+        run, motion = errors_kept(motion, plan, Wanted(error, TENSION_ERROR if tension_error is None else tension_error), keeps)
     else:
-        run = whole(choice, save_every=save_every)
-    if run.method != choice.method:
-        adaptive, scheme = True, schemes.scheme(run.method)
+        run = motion.march(choice)
+    adaptive = adaptive or run.method != choice.method
     choice = replace(choice, dt=run.dt)
     if extrapolate:
         every = run.t[1] - run.t[0] if len(run.t) > 2 else t_end
-        run = extrapolated(run, whole(replace(choice, dt=0.5 * choice.dt), save_every=every))
+        run = extrapolated(run, motion._replace(save_every=every).march(replace(choice, dt=0.5 * choice.dt)))
     if audit and run.ok:
-        every = save_every if adaptive or len(run.t) < 3 else run.t[1] - run.t[0]
-
-        def again(parts: int) -> Run:
-            finer: dict[str, Any] = {"dt": run.dt / parts}
-            if adaptive:
-                finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), settings.tolerances, strict=True)}
-            finer |= {"method": run.method, "rho_inf": rho_inf, "extrapolate": extrapolate, "save_every": every}
-            before = _quiet.set(True)
-            try:
-                return simulate(scene, t_end, start=start, **finer)
-            finally:
-                _quiet.reset(before)
-
-        order = None if adaptive else scheme.extrapolated_order if extrapolate else scheme.order
-        run = audited(run, again, order, None if audit is True else audit)
+        run = _audited(run, motion, start, extrapolate, audit)
     run = judged(run, choice.limit, adaptive)
     if check and not run.ok:
         raise RunError(run)
     return run
+
+
+def _audited(run: Run, motion: Motion, start: Start, extrapolate: bool, allowed: bool | float) -> Run:
+    """The run with an audit: it is done again with half the step, or with a tenth of the tolerance of adaptive steps.
+
+    ``allowed`` is the error that it may have [m], or True.
+    """
+    adaptive, tolerances, rho_inf = motion.settings
+    every = motion.save_every if adaptive or len(run.t) < 3 else run.t[1] - run.t[0]
+    scheme = schemes.scheme(run.method)
+
+    def again(parts: int) -> Run:
+        finer: dict[str, Any] = {"dt": run.dt / parts}
+        if adaptive:
+            finer = {name: 0.1 * x or None for name, x in zip(("rtol", "atol"), tolerances, strict=True)}
+        finer |= {"method": run.method, "rho_inf": rho_inf, "extrapolate": extrapolate, "save_every": every}
+        before = _quiet.set(True)
+        try:
+            return simulate(motion.scene, motion.duration, start=start, **finer)
+        finally:
+            _quiet.reset(before)
+
+    order = None if adaptive else scheme.extrapolated_order if extrapolate else scheme.order
+    return audited(run, again, order, None if allowed is True else allowed)
 
 
 def quiet_in_this_thread() -> None:
@@ -210,23 +179,6 @@ def _tolerances(rtol: float | None, atol: float | None) -> tuple[float, float]:
     return rtol or 0.0, atol or 0.0
 
 
-def _march_of(scheme: Scheme) -> Callable[..., Any]:
-    """What marches a leg with a scheme; JAX is imported, and computes in float64 from then on, for the solvers of diffrax."""
-    if scheme.origin is Origin.OWN:
-        from .own_methods import march
-    elif scheme.origin is Origin.SCIPY:
-        from .scipy_methods import march
-    else:
-        try:
-            from .jax.diffrax_methods import march
-        except ModuleNotFoundError as missing:
-            raise ModuleNotFoundError(
-                f'Method "{scheme.name}" needs the packages jax and diffrax, but there is no {missing.name}; '
-                'pip install "anet-lumped[diffrax]" brings them.'
-            ) from missing
-    return march
-
-
 def overstretched(begin: State) -> list[str]:
     """Warning in a list if the places of points stretch cables by more than a start that is meant would."""
     if not begin.scene.cables:
@@ -239,14 +191,3 @@ def overstretched(begin: State) -> list[str]:
         f'start="straight" stretches cable {quoted(worst.name)} of {worst.length:g} m by {strain:.0%}: its ends are '
         f"{begin.length(worst.name):.4g} m apart, and the run begins with the energy of that."
     ]
-
-
-def _check_keeps_error(scheme: Scheme, dt: float | None, adaptive: bool, extrapolate: bool) -> None:
-    """An error is kept by the step, of a scheme whose own steps tell it."""
-    given = "`dt`" if dt is not None else "`rtol` or `atol`" if adaptive else "`extrapolate`" if extrapolate else None
-    if given or not scheme.own:
-        what = f"{given} is given" if given else f"the method is {scheme.name}"
-        raise InputError(
-            f"Arguments `error` and `tension_error` choose the step of one run with a method of this package, but {what}; "
-            "leave it out, or take `audit`."
-        )

@@ -9,7 +9,7 @@ import pytest
 from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, equilibrium, paths, simulate
 from anet_lumped.effects import Gravity
 from anet_lumped.motion import accuracy
-from anet_lumped.motion import simulate as simulate_module
+from anet_lumped.motion import motion as motion_module
 from anet_lumped.motion.accuracy import ERROR_OF_LENGTH, PILOT, TENSION_ERROR, Budget, Wanted, _compared, cost, keep_error
 from anet_lumped.motion.choice import EXPLICIT_COST, IMPLICIT_COST, SHARE_OF_TIME_SCALE, Choice, time_scale
 from anet_lumped.results.energy_balance import BY_METHOD
@@ -97,7 +97,7 @@ def test_a_scene_that_is_right_at_its_first_step_costs_a_pilot_more():
     cables = [Cable(f"s{i}", "p0", length=1.0, mass_per_length=0.1, EA=1e4, zeta=0.05, segments=10) for i in range(4)]
     scene, steps = Scene(points, cables, [Gravity(9.81)]), []
 
-    whole = simulate_module.march_legs
+    whole = motion_module.march_legs
 
     def counted(*arguments, **more):
         run = whole(*arguments, **more)
@@ -105,7 +105,7 @@ def test_a_scene_that_is_right_at_its_first_step_costs_a_pilot_more():
         return run
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(simulate_module, "march_legs", counted)
+        patch.setattr(motion_module, "march_legs", counted)
         run = simulate(scene, 6.0)
     assert run.dt == pytest.approx(SHARE_OF_TIME_SCALE * time_scale(scene), rel=0.01)
     assert len(steps) == 2 and steps[0] <= (PILOT + 0.01) * steps[1] and steps[1] == run.work.steps
@@ -148,13 +148,13 @@ def test_past_a_whip_no_step_keeps_an_error_and_the_run_says_so():
 
 def test_the_default_stops_at_its_budget_and_an_error_that_is_asked_for_goes_on(monkeypatch):
     """All runs together cost no more than the budget; the last one says what it is worth, and how to go further."""
-    marched, whole = [], simulate_module.march_legs
+    marched, whole = [], motion_module.march_legs
 
     def counted(*arguments, **more):
         marched.append(whole(*arguments, **more))
         return marched[-1]
 
-    monkeypatch.setattr(simulate_module, "march_legs", counted)
+    monkeypatch.setattr(motion_module, "march_legs", counted)
     monkeypatch.setattr(accuracy, "BUDGET", 100e3)
     run = simulate(loose(), 1.0, start="straight")
     assert len(marched) > 1 and run is not marched[0] and sum(map(cost, marched)) <= 100e3
