@@ -167,8 +167,7 @@ class Repeated:
         if not (net.mass.shape == model.mass.shape and renew(net, model)):
             return None
         net.tension[:] = begin.segment_tension
-        mass = model.mass[:, None]
-        np.divide(1.0, mass, out=march.system.per_mass, where=mass > 0.0)
+        march.system.per_mass[:] = np.divide(1.0, model.mass, out=np.zeros(model.n), where=model.mass > 0.0)[:, None]
         march.system = march.system._replace(largest=largest_distance(model.scene))
         march.renew(times, room)
         return march
