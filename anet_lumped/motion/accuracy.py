@@ -33,6 +33,7 @@ from integrators import schemes
 from .choice import EXPLICIT_COST, IMPLICIT_COST, Choice
 from .first_step import thrown
 from .run_warnings import ALLOWED_LOSS
+from .verdict import least_steps
 
 LOG = logging.getLogger(__name__)
 ERROR_OF_LENGTH = 1e-3  # of the longest cable, and
@@ -165,6 +166,9 @@ def keep_error(
     Run
         The last one; `Run.reason` says what was kept. If it is not "done", nothing more was tried.
     """
+    least = least_steps(schemes.scheme(choice.method))
+    if duration < least * choice.dt:  # in fewer steps no error is seen
+        choice = _finer(choice, math.ceil(least * choice.dt / duration * (1.0 - 1e-12)), span)
     first, budget = choice.dt, Budget()
 
     def affordable(run: Run, wishes: tuple[int, int], known: Known, share: float) -> int:

@@ -7,6 +7,7 @@ from anet_lumped.results.tension_error import highest_axial_mode
 from integrators import schemes
 from integrators.linear_stability import AmplificationPolynomial
 from integrators.marching.error_growth import steps_of_differences, times_seen
+from integrators.schemes.record import Scheme
 from integrators.system import DIVERGED, UNCONVERGED
 
 from .energy_gain import GAINED, flag_energy_gain
@@ -58,8 +59,12 @@ def _knows_no_error(run: Run, adaptive: bool) -> bool:
         return False
     order = scheme.error_order or scheme.order
     differences = DIFFERENCES_AT_KINKS if order > ORDER_AT_KINKS and _meets_kinks(run) else DIFFERENCES
-    least = max(LEAST_STEPS, steps_of_differences(scheme, differences))
-    return round((run.t[-1] - run.t[0]) / run.dt) < least
+    return round((run.t[-1] - run.t[0]) / run.dt) < least_steps(scheme, differences)
+
+
+def least_steps(scheme: Scheme, differences: int = DIFFERENCES) -> int:
+    """Steps that a run must take for an error to be seen in them, by so many differences of velocities."""
+    return max(LEAST_STEPS, steps_of_differences(scheme, differences))
 
 
 def _times_seen(run: Run) -> float:

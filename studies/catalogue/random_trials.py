@@ -25,7 +25,8 @@ from integrators.schemes.record import EnergyPromise
 from studies.catalogue.outcome import DEFAULT, FAILED, GAINED, HELD, REFUSED, bounded_work, compiled_methods
 from studies.catalogue.random_extras import with_extras
 
-IMBALANCE = 1e-4  # of the energy in play, what the exact balance of edmc may miss: Newton's tolerance over some ten steps
+IMBALANCE, MORE_A_STEP = 1e-4, 1e-7  # of the energy in play, what the exact balance of edmc may miss: Newton's tolerance over
+# some ten steps, and over thousands of them
 RISE, GAIN = 1e-5, 0.1  # of the energy in play: of methods that never raise it; of the others, counted
 FAR_OFF = 10.0  # times the error that a run says it keeps: from there on it is wrong in silence
 SMALL = 1e-4  # of the longest cable: an error a tenth of what the default keeps need not be told
@@ -318,7 +319,7 @@ def _audit(trial, run):
     driven = any(isinstance(point, Driven) for point in scene.points)
     if run.method == "edmc":
         off = abs(own[-1] - own[0] + taken[-1] - taken[0]) / in_play
-        if off > IMBALANCE:
+        if off > IMBALANCE + MORE_A_STEP * run.work.steps:
             return FAILED, f"edmc's balance of energy is off by {off:.2g} of the energy in play"
         # states between adaptive steps are interpolated, their energies too rough; added mass that turns gives energy of the water
         if rise > RISE and trial.rtol is None and not any(isinstance(effect, effects.Water) for effect in scene.effects):
