@@ -5,7 +5,9 @@ from typing import Any
 import numpy as np
 from numba import float64, int64, void
 
+from anet_lumped.checks import InputError, quoted
 from anet_lumped.compiled.jit import inlined, kernel
+from anet_lumped.scene.scene import Scene
 
 from .body_readings import BodyTable
 
@@ -50,6 +52,23 @@ class CableEnds:
             self._at[node] = own, np.where(self._ends[own, 0] == node, 1.0, -1.0)
         own, sign = self._at[node]
         return (sign * tension[own]) @ directions[own]
+
+
+def check_tied_there(scene: Scene, point: str) -> None:
+    """Refuse the name of a body whose cables all end at attachments: nothing pulls at its origin, and 0 N would look like no pull.
+
+    Raises
+    ------
+    InputError
+    """
+    if point in {body.name for body in scene.bodies}:
+        ends = {end for cable in scene.cables for end in (cable.start, cable.end)}
+        tied = sorted(end for end in ends if end.rpartition(".")[0] == point)
+        if point not in ends and tied:
+            raise InputError(
+                f"A pull is that of the cables at one point, but none ends at the origin of body {quoted(point)}; ask for "
+                f"{quoted(tied[0])}, or for `pulls()`, the forces and moments on all bodies."
+            )
 
 
 @inlined

@@ -31,7 +31,7 @@ from integrators.system import BALANCE, COUNTS, DONE, ENERGIES, EVENT, SAME_TIME
 from integrators.system import words_in_memory as system_words
 
 from .body_readings import Motions, body_table
-from .cable_ends import CableEnds
+from .cable_ends import CableEnds, check_tied_there
 from .choice import check_method, choose
 from .failure_messages import why_it_stopped
 from .given_forces import GivenForces
@@ -375,9 +375,17 @@ class Session:
         return Motions(*self.look()[:4])
 
     def pull(self, point: str) -> np.ndarray:
-        """(3,) force of the cables on a point that acted in the last step [N]; of a body at its origin alone, see `pulls`."""
+        """(3,) force of the cables on a point, an attachment or the origin of a body that acted in the last step [N].
+
+        Raises
+        ------
+        InputError : a body whose cables end at attachments alone, `pulls` has the force and the moment on it; an unknown point
+        """
         rows, column = self._directions()
-        return self._cable_ends.pull(self._node(point), rows[:, column : column + 3], self._acted())
+        pull = self._cable_ends.pull(self._node(point), rows[:, column : column + 3], self._acted())
+        if not pull.any():
+            check_tied_there(self.scene, point)
+        return pull
 
     def pulls(self) -> tuple[np.ndarray, np.ndarray]:
         """(bodies, 3) forces of the cables on all bodies that move freely [N], and moments about their origins [N m].

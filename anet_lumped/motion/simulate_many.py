@@ -212,7 +212,10 @@ def _given(scenes: Any, vary: Any) -> Given:
             if name in SETTINGS:
                 raise InputError(f"What varies must be a field of the scene, but `{name}` is an argument of all runs.")
         varied = Varied(scenes, vary)
-        values = {name: list(np.asarray(of_name).tolist()) for name, of_name in vary.items()}
+        for name, fields in varied.found.items():
+            if any(field.section == "cables" and field.key == "segments" for field in fields):
+                raise InputError(f"Runs must have the same segments, which `{name}` changes; a sweep may vary them.")
+        values = {name: _values(name, given) for name, given in vary.items()}
         counts = {name: len(of_name) for name, of_name in values.items()}
         if len(set(counts.values())) > 1 or not min(counts.values()):
             raise InputError(f"What varies must have a value for every run, at least one, but the numbers of values are {counts}.")
@@ -220,9 +223,9 @@ def _given(scenes: Any, vary: Any) -> Given:
         check_most(ROWS, len(rows), "This table")
         columns = {name: np.array(of_name) for name, of_name in values.items()}
         return Given(len(rows), lambda k: varied.with_values(dict(zip(values, rows[k], strict=True))), scenes, columns)
-    if vary is not None:
+    if vary is not None and not isinstance(scenes, str):
         raise InputError("What varies is for one scene, but `vary` is given beside several.")
-    if not isinstance(scenes, Iterable):
+    if isinstance(scenes, str) or not isinstance(scenes, Iterable):
         check_scene(scenes)
     listed = list(scenes)
     if not listed:
@@ -237,6 +240,22 @@ def _given(scenes: Any, vary: Any) -> Given:
             )
     check_most(ROWS, len(listed), "This table")
     return Given(len(listed), listed.__getitem__, listed[0], {})
+
+
+def _values(name: str, given: Any) -> list[Any]:
+    """The values of what varies, one for each run.
+
+    Raises
+    ------
+    InputError : one value alone, or values of different lengths
+    """
+    try:
+        values = np.asarray(given)
+    except ValueError:  # vectors of different lengths
+        values = np.array(None)
+    if values.ndim == 0:
+        raise InputError(f"What varies must have values in a sequence, one for each run, but `{name}` has {shown(given)}.")
+    return list(values.tolist())
 
 
 def _names(scene: Scene) -> Any:

@@ -42,8 +42,12 @@ class RunTable:
     """
 
     def __init__(self, scene: Scene, count: int, t: np.ndarray, keep: Sequence[str] = KEPT) -> None:
-        for name in [keep] if isinstance(keep, str) else keep:
-            if name not in KNOWN or isinstance(keep, str):
+        if isinstance(keep, str):
+            raise InputError(
+                f"Argument `keep` must be a list of what is kept of a run, as [{shown(keep)}], but it is {shown(keep)}."
+            )
+        for name in keep:
+            if name not in KNOWN:
                 near = nearest(name, KNOWN) or f"; known are {', '.join(KNOWN)}."
                 raise InputError(f"Argument `keep` must list what is kept of a run, but it has {shown(name)}{near}")
         model, most = build(scene), max((cable.segments for cable in scene.cables), default=0)

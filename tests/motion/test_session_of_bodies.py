@@ -138,6 +138,22 @@ def test_save_and_restore_go_on_bit_for_bit(method):
     assert np.array_equal(march(other)[0], first[0])
 
 
+def test_the_pull_on_a_body_is_asked_for_where_cables_end():
+    """At the origin, where no cable ends, it is 0 N whatever hangs at the attachments."""
+    session = Session(slung(FREE), DT, start=start_of(slung(FREE)))
+    session.push("quad", (0.0, 0.0, 12.0))
+    session.step()
+    assert session.pull("quad.hook")[2] < -1.0
+    with pytest.raises(InputError, match=r'none ends at the origin of body "quad"; ask for "quad.hook", or for `pulls\(\)`'):
+        session.pull("quad")
+    cable = replace(slung(FREE).cables[0], start="quad")
+    scene = replace(slung(FREE), cables=[cable])
+    session = Session(scene, DT, start=start_of(scene))
+    session.step()
+    assert session.pull("quad")[2] < -1.0
+    assert not Session(apart(), DT, start="straight").pull("box").any()  # nothing at all is tied to it
+
+
 def test_a_push_that_is_held_is_the_run_with_that_force():
     """A constant force in the axes of the world, as an effect of its own: the same steps, but for the order of sums."""
     scene = slung(FREE)
