@@ -198,7 +198,10 @@ def read_markers(path: str | Path, scene: Scene, unit: str | None = None, up: st
     try:
         header = [name.strip().lower() for name in next(rows, [])]
         if any(header.count(name) != 1 for name in "xyz"):
-            raise MarkerError(f"A marker file must have a header with one x, one y and one z, but {path} has {shown(header)}.")
+            raise MarkerError(
+                "A marker file must have a first line, with commas, of one x, one y and one z, or over time of t, NAME.x, NAME.y "
+                f"and NAME.z, but {path} has {shown(header)}."
+            )
         columns = [header.index(name) for name in "xyz"]
         cells = [_row(row, columns, f"{path}, line {rows.line_num}") for row in rows if any(cell.strip() for cell in row)]
     except csv.Error as error:

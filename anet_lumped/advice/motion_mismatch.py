@@ -68,6 +68,7 @@ class MotionMismatch:
     shift : float [s], time of the run at the first sample
     found : bool, whether the shift was sought, and not given
     sure : bool, whether J is larger by a quarter or more at half of all shifts; else the motion tells little of the shift
+    at_end : bool, whether J is least at an end of the shifts that are tried, so that the right one may lie beyond
     overlap : float [s], that both have
     tensions, markers : channels
     curves : by channel, times of the run (k,) [s], what was measured and what the run has, (k, d)
@@ -76,6 +77,7 @@ class MotionMismatch:
     shift: float
     found: bool
     sure: bool
+    at_end: bool
     overlap: float
     tensions: list[ChannelMismatch]
     markers: list[ChannelMismatch]
@@ -124,7 +126,9 @@ def compare_motion(
     number = len(tensions.channels) if tensions else 0
     curves = {pair.name: _together(pair, run.t, common) for pair in pairs}
     times = np.concatenate([t for t, _, _ in curves.values()])
-    return MotionMismatch(common, shift is None, rise >= SURE, float(np.ptp(times)), found[:number], found[number:], curves)
+    sure = shift is not None or (rise >= SURE and not all(_still(pair.measured) for pair in pairs))
+    at_end = shift is None and _at_end(common, MOST_SHIFT * span)
+    return MotionMismatch(common, shift is None, sure, at_end, float(np.ptp(times)), found[:number], found[number:], curves)
 
 
 @dataclass(frozen=True)
@@ -246,7 +250,7 @@ def _mismatch(pair: _Pair, t: np.ndarray, shift: float, most: float) -> ChannelM
         float(error.max()),
         measured_peak,
         model_peak,
-        model_peak / measured_peak - 1.0 if measured_peak > 0.0 else math.nan,
+        model_peak / measured_peak - 1.0 if measured_peak > STILL * np.abs(measured).max() else math.nan,
         _phase_error(pair, t, shift, most, (measured, model)),
     )
 
@@ -256,9 +260,18 @@ def _peak(values: np.ndarray) -> float:
     return float(values.max() if values.shape[1] == 1 else np.linalg.norm(values - values.mean(axis=0), axis=1).max())
 
 
+def _still(values: np.ndarray) -> bool:
+    return bool(values.std(axis=0).max() <= STILL * np.abs(values).max())
+
+
+def _at_end(shift: float, most: float) -> bool:
+    """Whether a shift [s] is, but for one of those tried, the largest that was tried to either side."""
+    return abs(shift) >= (1.0 - 2.0 / TRIED) * most
+
+
 def _phase_error(pair: _Pair, t: np.ndarray, shift: float, most: float, both: tuple[np.ndarray, np.ndarray]) -> float:
-    if any(values.std(axis=0).max() <= STILL * np.abs(values).max() for values in both):
+    if any(_still(values) for values in both):
         return math.nan
     own, rise = _best_shift([pair], t, most, shift)
-    known = rise >= SURE and abs(own - shift) < (1.0 - 2.0 / TRIED) * most  # else the motion tells little, or ends there
+    known = rise >= SURE and not _at_end(own - shift, most)  # else the motion tells little, or ends there
     return own - shift if known else math.nan

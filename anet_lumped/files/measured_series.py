@@ -90,10 +90,10 @@ def read_tracks(path: str | PathLike[str], up: str | None = None) -> Series:
     else:
         t, columns = _csv(path, what)
         names = list(dict.fromkeys(column[:-2] for column in columns if column.endswith(AXES)))
-        lone = [column for column in columns if not column.endswith(AXES)]
-        lone += [name + axis for name in names for axis in AXES if name + axis not in columns]
+        lone = [f"has {quoted(column)}" for column in columns if not column.endswith(AXES)]
+        lone += [f"lacks {quoted(name + axis)}" for name in names for axis in AXES if name + axis not in columns]
         if lone:
-            raise SeriesError(f"A marker must have columns NAME.x, NAME.y and NAME.z, but {path} has or lacks {quoted(lone[0])}.")
+            raise SeriesError(f"A marker must have columns NAME.x, NAME.y and NAME.z [m], but {path} {lone[0]}.")
         channels = {name: np.column_stack([columns[name + axis] for axis in AXES]) for name in names}
     channels = {name: np.asarray(xyz, float) for name, xyz in channels.items()}
     return _series(t, {name: z_up(xyz, up or "z") for name, xyz in channels.items()}, path, what)
@@ -134,8 +134,13 @@ def _series(t: np.ndarray, channels: dict[str, np.ndarray], path: str | PathLike
     """The series of what was read, if it is one."""
     if not channels:
         raise SeriesError(f"{what} must hold at least one channel besides the time, but {path} has none.")
-    if len(t) < 2 or not np.isfinite(t).all() or (np.diff(t) <= 0.0).any():
-        raise SeriesError(f"Times must be two finite numbers or more that grow, but those of {path} are {len(t)} that do not.")
+    if len(t) < 2:
+        raise SeriesError(f"{what} must have two samples or more, but {path} has {len(t)}.")
+    if not np.isfinite(t).all():
+        raise SeriesError(f"Times must be finite numbers, but sample {int(np.isfinite(t).argmin()) + 1} of {path} has none.")
+    if (np.diff(t) <= 0.0).any():
+        k = int((np.diff(t) <= 0.0).argmax())
+        raise SeriesError(f"Times must grow, but in {path} sample {k + 2}, t={t[k + 1]:.10g}, follows t={t[k]:.10g}.")
     for name, values in channels.items():
         if len(values) != len(t):
             raise SeriesError(

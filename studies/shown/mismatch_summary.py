@@ -3,6 +3,8 @@
 import csv
 from dataclasses import asdict
 
+from anet_lumped.checks import quoted
+
 FARTHEST = 8  # markers in the table
 STILL = 0.01  # of the longest cable: how far markers of one shape may move while they are recorded
 
@@ -71,11 +73,19 @@ def _with_the_catenary(scene, out):
 
 def _with_markers(scene, file, up, out):
     """The scene at rest against measured markers, before and after its cables' lengths are fitted to them."""
-    from anet_lumped.advice.markers import fit_markers, read_markers
+    from anet_lumped.advice.markers import MarkerError, fit_markers, read_markers
     from anet_lumped.files.scene_file import save_scene
 
     markers = read_markers(file, scene, up=up)
-    fit = fit_markers(markers.xyz, scene)
+    try:
+        fit = fit_markers(markers.xyz, scene)
+    except MarkerError as error:
+        if markers.spread is None:
+            raise
+        raise MarkerError(
+            f'{error} No track, as {quoted(markers.names[0])}, has the name of a point or of a place on a cable, "CABLE@ARC", so '
+            "that the tracks are taken for one shape at rest."
+        ) from None
     rows = _rows(markers, fit)
     warning = []
     if markers.spread is not None and markers.spread.max() > STILL * scene.longest:

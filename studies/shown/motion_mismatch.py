@@ -4,7 +4,16 @@ from dataclasses import asdict
 
 FEWEST_STATES = 400  # that are saved, and more where more was measured
 MOST_STATES = 5000
+FAR = 10.0  # lengths of the longest cable, which no marker is off by that is in metres and along the axes of the scene
 UNSURE = "What was measured hardly tells the shift of the clock: others are nearly as good. Give the right one by --shift."
+AT_END = (
+    "The shift found is the largest that is tried, a quarter of the measured time: the run may begin elsewhere, or times are not "
+    "in s. Give the right one by --shift."
+)
+AWAY = (
+    'Marker "{}" is {:.3g} m from its place in the run, {:.3g} times the longest cable: places must be in m, along the axes of the '
+    "scene."
+)
 
 
 def motion_mismatch(scene, tension, tracks, shift=None):
@@ -50,7 +59,16 @@ def tables(run, found, left_out=()) -> dict:
         "tensions": [_row(one, "N") for one in found.tensions],
         "markers": [_row(one, "m") for one in found.markers],
         **({"left_out": ", ".join(left_out)} if left_out else {}),
-        "warning": [*run.warnings, *([] if found.sure else [UNSURE])],
+        "warning": [
+            *run.warnings,
+            *([] if found.sure else [UNSURE]),
+            *([AT_END] if found.at_end and found.sure else []),
+            *(
+                AWAY.format(one.name, one.rmse, one.rmse / run.scene.longest)
+                for one in found.markers
+                if run.scene.longest and one.rmse > FAR * run.scene.longest
+            ),
+        ],
     }
 
 

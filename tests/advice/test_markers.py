@@ -75,9 +75,13 @@ def test_other_columns_empty_cells_and_blank_lines(tmp_path):
 @pytest.mark.parametrize(
     ("text", "unit", "message"),
     [
-        ("1,2,3\n4,5,6\n", None, r"must have a header with one x, one y and one z, but .*csv has \['1', '2', '3'\]"),
-        ("x,y,z,x\n1,2,3,4\n", None, "must have a header with one x, one y and one z"),
-        ("", None, "must have a header with one x, one y and one z"),
+        (
+            "1,2,3\n4,5,6\n",
+            None,
+            r"must have a first line, with commas, of one x, one y and one z, or .* but .*csv has \['1', '2', '3'\]",
+        ),
+        ("x,y,z,x\n1,2,3,4\n", None, "must have a first line, with commas, of one x, one y and one z"),
+        ("", None, "must have a first line, with commas, of one x, one y and one z"),
         ("x,y,z\n1,2,3\n1,two,3\n", None, r"must be numbers, but .*markers.csv, line 3 has \['1', 'two', '3'\]"),
         ("x,y,z\n1,2,3\n1,-inf,3\n", None, r"must not be beyond 1e\+09, but .*markers.csv, line 3 has \['1', '-inf', '3'\]"),
         ("x,y,z\n1,2,1e10\n", None, "must not be beyond"),

@@ -126,8 +126,9 @@ def test_a_cloud_of_markers_is_no_track(tmp_path, header, tracks):
         ("a,b\n1,2\n", r"A file of tensions must have a header with one t and no name twice"),
         ("t,a,a\n1,2,3\n", r"no name twice"),
         ("t\n1\n2\n", r"at least one channel besides the time"),
-        ("t,a\n1,2\n", r"Times must be two finite numbers or more that grow, but those of .* are 1 that"),
-        ("t,a\n1,2\n1,3\n", r"two finite numbers or more that grow"),
+        ("t,a\n1,2\n", r"A file of .* must have two samples or more, but .* has 1\."),
+        ("t,a\n1,2\n1,3\n", r"Times must grow, but in .* sample 2, t=1, follows t=1\."),
+        ("t,a\n1,2\nnan,3\n", r"Times must be finite numbers, but sample 2 of .* has none"),
         ("t,a\n1,2\n2,x\n", r"Samples must be numbers, but .*line 3 has"),
         ("t,a\n1,2,3\n", r"A row must have 2 cells at most, .*line 2 has 3"),
         ("t,a\n1,\n2,nan\n", r'finite samples, but "a" of .* has none'),
@@ -143,8 +144,8 @@ def test_tensions_that_are_none(tmp_path, text, sentence):
 @pytest.mark.parametrize(
     "name, text, sentence",
     [
-        ("m.csv", "t,p0.x,p0.y\n0,1,2\n", r'NAME.x, NAME.y and NAME.z, but .* has or lacks "p0.z"'),
-        ("m.csv", "t,p0\n0,1\n", r'has or lacks "p0"'),
+        ("m.csv", "t,p0.x,p0.y\n0,1,2\n", r'NAME.x, NAME.y and NAME.z \[m\], but .* lacks "p0.z"'),
+        ("m.csv", "t,p0\n0,1\n", r' has "p0"'),
         ("m.json", "", r"A file of marker tracks must end in .csv, .npz, .trc, .c3d, but it is "),
         ("m.trc", "PathFileType\n", r"must begin with PathFileType, as TRC does, and hold rows"),
         ("m.trc", TRC.replace("PathFileType", "Other"), r"must begin with PathFileType"),

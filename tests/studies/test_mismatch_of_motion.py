@@ -73,3 +73,43 @@ def test_a_given_shift_and_one_without_a_motion(measured, capsys):
 def test_a_tension_of_no_cable_is_one_sentence(measured, capsys):
     assert call("mismatch", "loose_cable", "--tension", measured / "tension.csv") == 2
     assert 'none called "s0-p0"' in capsys.readouterr().err
+
+
+def write_track(folder, t, name, places):
+    table = np.column_stack([t, places])
+    np.savetxt(folder / "track.csv", table, delimiter=",", header=f"t,{name}.x,{name}.y,{name}.z", comments="")
+    return folder / "track.csv"
+
+
+def test_a_track_in_millimetres_is_warned_of(measured, capsys):
+    with np.load(measured / "track.npz") as track:
+        file = write_track(measured, track["t"], "p0", 1e3 * track["p0"])
+    assert call("mismatch", "net_carried", "--markers", file, "--json") == 0
+    warning = " ".join(json.loads(capsys.readouterr().out)["warning"])
+    assert 'Marker "p0" is ' in warning and "times the longest cable: places must be in m, along the axes of the scene" in warning
+
+
+def test_a_track_that_began_too_late_is_warned_of(measured, capsys):
+    """The run moves 2.4 s before the recording does, of 1.6 s: the largest shift that is tried, 0.4 s, is the best of them."""
+    run = simulate(load_scene("net_carried"), 4.0, dt=5e-3, save_every=5e-3)
+    t = np.arange(0.0, 1.6, 0.01)
+    file = write_track(measured, t, "p0", np.column_stack([np.interp(t + 2.4, run.t, axis) for axis in run.position("p0").T]))
+    assert call("mismatch", "net_carried", "--markers", file, "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["shift_s"] == pytest.approx(0.4, abs=0.01)
+    assert any("The shift found is the largest that is tried" in warning for warning in found["warning"])
+
+
+def test_a_track_that_stands_still_tells_no_shift_and_no_peak(measured, capsys):
+    file = write_track(measured, np.arange(0.0, 1.6, 0.01), "p0", np.tile([0.1, 0.2, -0.6], (160, 1)))
+    assert call("mismatch", "net_carried", "--markers", file, "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["markers"][0]["peak_error_percent"] is None
+    assert any("hardly tells the shift" in warning for warning in found["warning"])
+
+
+def test_a_track_of_another_name_says_that_it_is_taken_for_a_shape(measured, capsys):
+    file = write_track(measured, np.arange(0.0, 1.6, 0.01), "bottle", np.tile([0.1, 0.2, -0.6], (160, 1)))
+    assert call("mismatch", "net_carried", "--markers", file) == 2
+    said = capsys.readouterr().err
+    assert 'No track, as "bottle", has the name of a point or of a place on a cable, "CABLE@ARC"' in said and said.count("\n") == 1
