@@ -90,7 +90,8 @@ def read_measure(text: str, scene: Scene, runs: bool = False) -> tuple[Measure, 
         if own is not None:
             return Measure(own, Source.RUN if runs else Source.REST, Target.NONE, "", "a function of one's own"), ()
         known = nearest(name, MEASURES, quote="`") or f"; known are {', '.join(MEASURES)}."
-        raise MeasureError(f"There is no measure called `{name}`{known}")
+        neither = "neither a measure nor, here or where Python looks, a module" if colon and target.isidentifier() else "no measure"
+        raise MeasureError(f"There is {neither} called `{name}`{known}")
     measure = MEASURES[name]
     if measure.of_ground and not any(effect.is_ground for effect in scene.effects):
         raise MeasureError(f"The measure `{name}` is of what lies on the ground, but this scene has no ground.")

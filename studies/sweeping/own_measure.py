@@ -9,6 +9,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from anet_lumped.checks import InputError, nearest, shown
 
 
@@ -31,8 +33,20 @@ class OwnMeasure:
     folder: str
 
     def __call__(self, result: Any) -> Any:
-        """What the function gives."""
-        return self.load()(result)
+        """What the function gives.
+
+        Raises
+        ------
+        OwnMeasureError : neither a number nor a word
+        """
+        given = self.load()(result)
+        if isinstance(given, str):
+            return given
+        number = np.asarray(given, None if np.isscalar(given) or hasattr(given, "dtype") else object)
+        if number.ndim or number.dtype.kind not in "biuf":  # as a list, None, or a complex number
+            what = f"an array of {number.shape}" if number.ndim else shown(given)
+            raise OwnMeasureError(f"Measure `{self.module}:{self.function}` must give a number or a word, but it gave {what}.")
+        return number.item()
 
     def load(self):
         """The function.

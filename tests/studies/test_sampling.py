@@ -1,6 +1,8 @@
 """Samples of inputs, and the sensitivities that are taken from them."""
 
+import importlib
 import math
+import re
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
@@ -12,6 +14,8 @@ from scipy import stats
 from anet_lumped.checks import InputError
 from anet_lumped.effects import Gravity
 from anet_lumped.scene.scene import Cable, Fixed, Free, Scene
+from anet_lumped.statics.equilibrium import equilibrium
+from studies.sweeping.measures import MeasureError
 from studies.sweeping.own_measure import OwnMeasureError
 from studies.sweeping.row_log import RowsError
 from studies.sweeping.sampling import MATRIX, POINT, Input, inputs_of, read_inputs, read_sample, sampled
@@ -206,6 +210,36 @@ def test_rows_of_another_text_of_the_module_are_not_mixed_in(hanging, own_module
     (own_module / "of_my_own.py").write_text("def depth(state):\n    return 0.0\n")
     with pytest.raises(RowsError, match="was made with another own measures"):
         sweep(*asked, workers=1, out=own_module / "rows", resume=True)
+
+
+@pytest.mark.parametrize(
+    ("gives", "told"),
+    [
+        ("state.position('end')", r"gave an array of \(3,\)"),
+        ("[1.0, [2.0]]", r"gave an array of \(2,\)"),
+        ("None", "gave None"),
+        ("1j", "gave 1j"),
+        ("state.position('end')[2]", None),
+        ("__import__('numpy').array(2.5)", None),
+        ("state.stable", None),
+        ("'a word'", None),
+    ],
+)
+def test_a_function_gives_a_number_or_a_word(hanging, own_module, monkeypatch, gives, told):
+    (own_module / "one_of_my_own.py").write_text(f"def gives(state):\n    return {gives}\n")
+    monkeypatch.delitem(sys.modules, "one_of_my_own", raising=False)
+    importlib.invalidate_caches()
+    row = in_this_process(hanging, {"EA": [1e3]}, ["one_of_my_own:gives"]).iloc[0]
+    if told is None:
+        assert row["status"] == "done" and row["one_of_my_own:gives"] == eval(gives, {"state": equilibrium(hanging)})
+    else:
+        assert row["status"] == "failed"
+        assert re.search(f"`one_of_my_own:gives` must give a number or a word, but it {told}", row["reason"])
+
+
+def test_a_module_that_is_not_there_is_told(hanging, own_module):
+    with pytest.raises(MeasureError, match="neither a measure nor, here or where Python looks, a module called `of_my_onw`"):
+        sweep(hanging, {"EA": [1e3]}, ["of_my_onw:depth"])
 
 
 def test_a_function_that_is_not_there_is_told(hanging, own_module):
