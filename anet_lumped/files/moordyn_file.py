@@ -123,6 +123,10 @@ def deck_from_text(
     for section in NEEDED:
         if not sections.get(section) and not alone:
             with findings.refusing():
+                if section in sections:
+                    raise SceneError(
+                        f"{source}: {section.upper()} must have rows below its two lines of names and units, but has none."
+                    )
                 raise SceneError(f"{source}: a MoorDyn file must have a section {section.upper()}, but this has none.")
     for row in sections.get("control", ()):
         findings.unused(f"channel {row.words[0]}", row.line, "control channels, for which there is no controller")

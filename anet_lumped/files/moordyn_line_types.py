@@ -21,7 +21,7 @@ from anet_lumped.checks import NAMED, InputError, one_line, quoted, shown
 from anet_lumped.regular_files import read_text
 
 from .moordyn_findings import Findings
-from .moordyn_rows import WORD, Row, is_number, number_of
+from .moordyn_rows import WORD, Row, is_number, number_of, unreadable
 from .moordyn_shedding import shedding_fields
 from .moordyn_syrope import is_syrope, read_syrope_file, syrope_numbers
 
@@ -204,9 +204,7 @@ def _curve(
     try:
         text = read_text(path, "It", errors="replace")
     except InputError as error:
-        raise row.error(
-            f"{what} must be a number or the name of a readable file, but {one_line(path.name, WORD)}: {error}"
-        ) from None
+        raise row.error(f"{what} must be a number or the name of a readable file, but {unreadable(path, error)}") from None
     lines = [line.split() for line in text.splitlines() if line.strip()]
     first = next((i for i, words in enumerate(lines) if is_number(words[0])), len(lines))
     for words in lines[first:]:

@@ -105,12 +105,17 @@ def _line(
     if kind not in types or start is None or end is None:  # said already
         return None
     if length < 0.0:  # MoorDyn's Line::initialize
-        length = -length * math.dist(*(places.at[number] for number in ends))
+        times, length = -length, -length * math.dist(*(places.at[number] for number in ends))
+        row.findings.remark(
+            f"Line {row.line}: UnstrLen {-times:g} is {times:g} times the distance of both ends, {length:g} m, as by MoorDyn."
+        )
     number = row.count(0, "the number of a line")
-    cable = made(
-        row, Cable, start.name, end.name, name=row.name or f"line{number}",
-        length=length, segments=segments, **_law(_worked(row, types[kind][1], held), length / segments),
-    )  # fmt: skip
+    type_row, fields = types[kind]
+    law = _law(_worked(row, fields, held), length / segments)
+    try:
+        cable = Cable(start.name, end.name, name=row.name or f"line{number}", length=length, segments=segments, **law)
+    except ValueError as error:  # which names an argument of the line, or one of its type
+        raise (type_row if any(f"`{name}`" in str(error) for name in fields) else row).error(str(error)) from None
     if cable.creeps:
         row.findings.remark(
             f"Line {row.line}: {quoted(cable.name)} creeps and only pulls, where MoorDyn's slow damper acts on slack segments."

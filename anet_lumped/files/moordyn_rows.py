@@ -12,10 +12,11 @@ Its points and lines have numbers; here they have names. The remark `! name: "..
 import difflib
 import json
 import math
+import pathlib
 import re
 from typing import Any, NamedTuple
 
-from anet_lumped.checks import SceneError, one_line, quoted, shown
+from anet_lumped.checks import NAMED, InputError, SceneError, one_line, quoted, shown
 
 from .moordyn_findings import Findings, RowError
 
@@ -42,6 +43,7 @@ DIGITS = 18  # of an integer of 64 bits
 COUNT = re.compile(r"\d{1,18}(\.0*)?")  # 20 or 20.0
 ROW_COUNT = re.compile(r"\s*(\d{1,18})\s+N[A-Za-z]*(Types|Connects|Points|Nodes|Lines|Rods|Bodies)\b", re.IGNORECASE)
 FORTRAN = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))[dDqQ]([+-]?\d+)")
+UNITS = re.compile(r"\s*(\([^()\s]*\)\s*)+")  # a row of words in brackets
 NAME = re.compile(r'!\s*name:\s*("(?:[^"\\]|\\.)*")\s*$')
 
 
@@ -106,6 +108,13 @@ def made(row: Row, maker: Any, *arguments: Any, **fields: Any) -> Any:
         raise row.error(str(error)) from None
 
 
+def unreadable(path: pathlib.Path, error: InputError) -> str:
+    """A file that a row names, and why it cannot be read; ``error`` is that of `read_text` for what is called "It"."""
+    why = str(error)
+    why = why.rpartition(": ")[2] if why.startswith("It must be readable") else why
+    return f"{one_line(path.name, NAMED)}: {why}"
+
+
 def is_number(word: str) -> bool:
     """Whether a word is a finite number."""
     return math.isfinite(number_of(word))
@@ -138,12 +147,14 @@ def rows_by_section(text: str, findings: Findings) -> dict[str, list[Row]]:
         if above:
             if above == 2 and ROW_COUNT.match(line):  # of the first Fortran version
                 continue
-            columns = tuple(line.lower().split()) if above == 2 else columns
+            columns = columns or (() if UNITS.fullmatch(line) else tuple(line.lower().split()))
             above -= 1
             continue
         remark = NAME.search(line)
         content = re.split("[!#%]", line, maxsplit=1)[0].strip()
         if not content or (section == "outputs" and content.split()[0].upper() == "END"):
+            continue
+        if UNITS.fullmatch(line) and section not in WITHOUT_COLUMN_NAMES:  # below an empty line, which counts as one of the two
             continue
         words = tuple(content.split())
         row = Row(number, " ".join(words), words, columns, None, findings)

@@ -16,7 +16,7 @@ from anet_lumped.regular_files import read_text
 from .moordyn_findings import Findings
 from .moordyn_line_types import Tables
 from .moordyn_options import NOTHING, Options
-from .moordyn_rows import Row, is_number, number_of
+from .moordyn_rows import Row, is_number, number_of, unreadable
 
 
 class Seafloor(NamedTuple):
@@ -46,7 +46,7 @@ def read_seafloor(options: Options, tables: Tables, findings: Findings) -> Seafl
         try:
             text = read_text(path, "It", errors="replace")
         except InputError as error:
-            raise row.error(f"a seafloor must be in a readable file, but {one_line(path.name, NAMED)}: {error}") from None
+            raise row.error(f"a seafloor must be in a readable file, but {unreadable(path, error)}") from None
         lines = [line.split() for line in text.splitlines() if line.strip()]
         return _of_grid(lines, row) if lines and is_number(lines[0][0]) else _of_depths(lines, row)
     return None

@@ -15,7 +15,7 @@ from anet_lumped.scene import working_curves
 from anet_lumped.scene.working_curves import WorkingCurve
 
 from .moordyn_findings import Findings
-from .moordyn_rows import WORD, Row, is_number, made, number_of
+from .moordyn_rows import WORD, Row, is_number, made, number_of, unreadable
 
 PREFIX, NAMES = "SYROPE:", ("OWC", "WCTYPE", "K1", "K2")
 STIFFNESS_FROM = 1.0  # from here on k1 of LINEAR is no share but a stiffness [N]
@@ -50,7 +50,7 @@ def read_syrope_file(row: Row, path: Any) -> SyropeFile:
     try:
         text = read_text(path, "It", errors="replace")
     except InputError as error:
-        raise row.error(f"a Syrope model must name a readable file, but {one_line(path.name, WORD)}: {error}") from None
+        raise row.error(f"a Syrope model must name a readable file, but {unreadable(path, error)}") from None
     lines = [line.split() for line in text.splitlines() if line.strip()]
     found = {words[1].upper(): words[0] for words in lines if len(words) > 1 and words[1].upper() in NAMES}
     for name in NAMES:

@@ -22,7 +22,7 @@ from anet_lumped.regular_files import read_text
 from .moordyn_flow import elevation_series, positive_depth
 from .moordyn_line_types import Tables
 from .moordyn_options import Options
-from .moordyn_rows import WORD, Row, is_number, made, number_of
+from .moordyn_rows import WORD, Row, is_number, made, number_of, unreadable
 
 NAMES = ("WaveKinMod", "WaveKinFile", "dtWave", "WaveDir", "CurrentMod")
 FROM_OUTSIDE = 2
@@ -83,7 +83,7 @@ def _read(row: Row, path: pathlib.Path) -> tuple[dict[str, str], list[list[float
     try:
         text = read_text(path, "It", errors="replace")
     except InputError as error:
-        raise row.error(f"WaterKin must name a readable file, but {one_line(path.name, NAMED)}: {error}") from None
+        raise row.error(f"WaterKin must name a readable file, but {unreadable(path, error)}") from None
     values: dict[str, str] = {}
     table: list[list[float]] = []
     for line in text.splitlines():

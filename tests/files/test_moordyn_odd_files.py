@@ -126,3 +126,23 @@ def test_what_is_no_deck_is_refused_in_sentences(seed):
             refused += 1
             assert all(line.startswith("deck") and len(line) < 400 for line in str(error).splitlines())
     assert 20 < refused < 100
+
+
+def test_empty_lines_between_rows_change_nothing():
+    """MoorDyn counts an empty line as one of the two above the rows and stops; a row of units alone is a heading here."""
+    assert deck_from_text(DECK.replace("\n", "\n\n")).scene == deck_from_text(DECK).scene
+
+
+def test_a_section_whose_rows_are_taken_for_its_headings():
+    units = "(name) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)\n"
+    with pytest.raises(SceneError, match="LINE TYPES must have rows below its two lines of names and units, but has none"):
+        deck_from_text(changed((units, "")))
+
+
+def test_a_length_that_is_a_multiple_of_the_distance_is_told():
+    (line,) = (row for row in DECK.splitlines() if row.startswith("1 light 1 2 "))
+    number = DECK.splitlines().index(line) + 1
+    deck = deck_from_text(changed((line, "1 light 1 2 -60 1 -")))
+    (cable,) = deck.scene.cables
+    told = f"Line {number}: UnstrLen -60 is 60 times the distance of both ends, {cable.length:g} m, as by MoorDyn."
+    assert told in deck.remarks and cable.length > 60.0
