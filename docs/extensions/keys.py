@@ -10,7 +10,7 @@ from docstrings import NAMED
 
 def parameters(thing):
     """Return each argument of a class or function with what its docstring says of it."""
-    found, section, names = {}, "", ()
+    found, section, names, begun = {}, "", (), False
     for line in inspect.cleandoc(thing.__doc__).splitlines():
         if not line.strip():
             section = section if section == "Parameters" else ""
@@ -20,14 +20,17 @@ def parameters(thing):
             entry = NAMED.match(line)
             if entry is None:
                 break
-            names = [name.strip() for name in entry["name"].split(",")]
+            names, begun = [name.strip() for name in entry["name"].split(",")], False
             found |= dict.fromkeys(names, entry["rest"])
         elif section == "Parameters" and line.startswith(" "):
             joined = (
                 ""
-                if found[names[-1]].endswith((",", ";", "(")) or line.strip()[0].islower()
-                else "."
+                if begun
+                or found[names[-1]].endswith((",", ";", "(", "."))
+                or line.strip()[0].islower()
+                else "."  # after the type, where a sentence follows
             )
+            begun = True
             found |= dict.fromkeys(names, f"{found[names[-1]]}{joined} {line.strip()}")
     return found
 

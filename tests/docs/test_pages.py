@@ -130,6 +130,7 @@ def test_every_effect_has_a_page_with_its_equation_and_its_source(name):
     assert "$$" in page and "## Source" in page and "## Example" in page
     assert f"autoclass:: anet_lumped.effects.{REGISTRY[name].__name__}" in page
     assert f"### `[effects.{name}]`" in text_of(DOCS / "scene-file.md")
+    assert f".. autoclass:: {REGISTRY[name].__name__}\n" in text_of(DOCS / "api" / "effects.md")
 
 
 @pytest.mark.parametrize("name", anet_lumped.__all__)
