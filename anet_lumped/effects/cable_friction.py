@@ -21,7 +21,7 @@ import numpy as np
 from anet_lumped.checks import Vector
 from anet_lumped.compiled.jit import inlined_law, law, njit
 from anet_lumped.effects.laws.contact_area import CONTACT, SLIP_SPEED, half_stiffnesses
-from anet_lumped.effects.laws.slide import slide
+from anet_lumped.effects.laws.sliding import sliding_share
 
 from .effect import Effect, height_under
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
@@ -102,10 +102,19 @@ def _along(x, y):
 def _on_node(node, e, N, slope, vx, vy, c_v, params, f, D, adds):
     """Add the friction of half a segment to a node, or subtract its derivative; returns F.v [W].
 
-    ``slope`` is that of N in the displacement of the node along z [N/m], ``c_v`` that of the velocity [1/s].
+    Parameters
+    ----------
+    node : int
+    e : (2,) unit vector along the segment, in the plane
+    N : float [N], load on the node
+    slope : float [N/m], derivative of N by the unknown place of the node along z
+    vx, vy : float [m/s], velocity of the node in the plane
+    c_v : float [1/s], derivative of the velocity by the unknown place
+    params : as `CableFriction.table` has them
+    f, D : (n, 3) [N], to which the force is added if ``adds``; (n, 3, 3) [N/m], from which its derivative is subtracted if not
     """
-    a, a_slope = slide(vx * e[0] + vy * e[1], params[3])
-    n, n_slope = slide(vy * e[0] - vx * e[1], params[3])
+    a, a_slope = sliding_share(vx * e[0] + vy * e[1], params[3])
+    n, n_slope = sliding_share(vy * e[0] - vx * e[1], params[3])
     along, across = params[1], params[2]
     Fx, Fy = -(along * a * e[0] - across * n * e[1]), -(along * a * e[1] + across * n * e[0])
     if adds:

@@ -22,7 +22,7 @@ from anet_lumped.checks import Vector
 from anet_lumped.compiled.jit import inlined_law, law, njit
 from anet_lumped.effects.laws.contact_area import CONTACT, SLIP_SPEED, half_stiffnesses
 from anet_lumped.effects.laws.height_map import checked_map, spot
-from anet_lumped.effects.laws.slide import slide
+from anet_lumped.effects.laws.sliding import sliding_share
 
 from .effect import Effect, height_under
 from .signatures import ENERGY_SIGNATURE, FORCE_SIGNATURE, TANGENT_SIGNATURE, WHOLE_STEP_SIGNATURE
@@ -124,8 +124,8 @@ def _on_node(node, d, k, at, v, c_q, c_v, params, f, D, adds):
         return 0.0
     e = ex / l, ey / l, ez / l
     m = n[1] * e[2] - n[2] * e[1], n[2] * e[0] - n[0] * e[2], n[0] * e[1] - n[1] * e[0]
-    a, a_slope = slide(v[0] * e[0] + v[1] * e[1] + v[2] * e[2], params[2])
-    b, b_slope = slide(v[0] * m[0] + v[1] * m[1] + v[2] * m[2], params[2])
+    a, a_slope = sliding_share(v[0] * e[0] + v[1] * e[1] + v[2] * e[2], params[2])
+    b, b_slope = sliding_share(v[0] * m[0] + v[1] * m[1] + v[2] * m[2], params[2])
     N, along, across = k * s * tilt, params[0], params[1]
     power = 0.0
     for x in range(3):

@@ -9,7 +9,7 @@ Source: Brent, Algorithms for Minimization without Derivatives (1973), chapter 4
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from anet_lumped.checks import InputError, check_number, quoted
 from anet_lumped.results.sag import sag as sag_of
@@ -94,6 +94,13 @@ def tensioned(
     return with_length(search.root(lambda reached: _not_found(cable, what, value, reached)))
 
 
+class _Look(NamedTuple):
+    """A length that was tried [m], and the value of the function there: positive where the cable is too short."""
+
+    length: float
+    value: float
+
+
 class _Search:
     """Search for the length at which a function is zero that is positive for short cables.
 
@@ -107,58 +114,62 @@ class _Search:
     def __init__(self, tightness: Callable[[float], float], length: float, turns: bool) -> None:
         self.tightness, self.length, self.turns = tightness, length, turns
 
-    def root(self, not_found: Callable[[tuple[float, float]], Exception]) -> float:
-        """The root [m]; raises what ``not_found`` makes of the length that comes nearest and of its value."""
+    def root(self, not_found: Callable[[_Look], Exception]) -> float:
+        """The root [m]; raises what ``not_found`` makes of the look that comes nearest."""
         from scipy.optimize import brentq
 
-        here = self.length, self.tightness(self.length)
-        if here[1] > 0.0:
+        here = _Look(self.length, self.tightness(self.length))
+        if here.value > 0.0:
             loose = self._loose(here, not_found)
-            tight = here if here[0] < loose[0] else self._walk(loose, -1.0, lambda value: value > 0.0, not_found)[1]
+            tight = here if here.length < loose.length else self._walk(loose, -1.0, lambda value: value > 0.0, not_found)[1]
         else:
             loose, tight = self._walk(here, -1.0, lambda value: value > 0.0, not_found)
-        if loose[1] == 0.0:
-            return loose[0]
-        return float(brentq(self.tightness, tight[0], loose[0], xtol=1e-13 * loose[0], rtol=1e-14))
+        if loose.value == 0.0:
+            return loose.length
+        return float(brentq(self.tightness, tight.length, loose.length, xtol=1e-13 * loose.length, rtol=1e-14))
 
-    def _loose(self, here: tuple[float, float], not_found: Any) -> tuple[float, float]:
-        """A length at which the function is negative, found from one where it is positive."""
+    def _loose(self, here: _Look, not_found: Any) -> _Look:
+        """A length at which the function is not positive, found from one where it is.
+
+        Longer cables are looser. But a tension rises again with the weight of a long cable: then the walk goes to the side where it
+        falls, and if it only reaches the least tension, that is sought within the last three looks.
+        """
         if not self.turns:
             return self._walk(here, 1.0, lambda value: value <= 0.0, not_found)[1]
         from scipy.optimize import minimize_scalar
 
-        longer = self.tightness(here[0] * (1.0 + SETTLED))
-        side = 1.0 if longer <= here[1] else -1.0
+        longer = self.tightness(here.length * (1.0 + SETTLED))
+        side = 1.0 if longer <= here.value else -1.0
         seen = [here]
-        while seen[-1][1] > 0.0 and (len(seen) < 2 or seen[-1][1] <= seen[-2][1]):
-            seen.append(self._step(seen[-1][0], side, len(seen), not_found, seen[-1]))
-        if seen[-1][1] <= 0.0:
+        while seen[-1].value > 0.0 and (len(seen) < 2 or seen[-1].value <= seen[-2].value):
+            seen.append(self._step(seen[-1], side, len(seen), not_found))
+        if seen[-1].value <= 0.0:
             return seen[-1]
-        low, high = sorted((seen[-1][0], seen[max(len(seen) - 3, 0)][0]))
+        low, high = sorted((seen[-1].length, seen[max(len(seen) - 3, 0)].length))
         least = minimize_scalar(self.tightness, bounds=(low, high), method="bounded", options={"xatol": SETTLED * low})
         if least.fun > 0.0:
-            raise not_found((float(least.x), float(least.fun)))
-        return float(least.x), float(least.fun)
+            raise not_found(_Look(float(least.x), float(least.fun)))
+        return _Look(float(least.x), float(least.fun))
 
-    def _walk(self, here: tuple[float, float], side: float, enough: Callable[[float], bool], not_found: Any) -> tuple:
-        """The last two looks of a walk to longer or shorter cables, up to where the function is as wanted."""
+    def _walk(self, here: _Look, side: float, enough: Callable[[float], bool], not_found: Any) -> tuple[_Look, _Look]:
+        """The last two looks of a walk to longer (``side`` 1) or shorter (-1) cables, up to where the function is as wanted."""
         before, k = here, 1
         while True:
-            after = self._step(before[0], side, k, not_found, before)
-            if enough(after[1]):
+            after = self._step(before, side, k, not_found)
+            if enough(after.value):
                 return before, after
             before, k = after, k + 1
 
-    def _step(self, length: float, side: float, k: int, not_found: Any, before: tuple[float, float]) -> tuple[float, float]:
-        """The next length to look at, and the function there."""
+    def _step(self, before: _Look, side: float, k: int, not_found: Any) -> _Look:
+        """The look after ``before``, the ``k``-th of a walk to longer (``side`` 1) or shorter (-1) cables."""
         change = FIRST_STEP * GROWTH ** (k - 1)
-        longer = length * (1.0 + change) if side > 0.0 else length / (1.0 + change)
-        if not SHORTEST * self.length < longer < LONGEST * self.length:
+        length = before.length * (1.0 + change) if side > 0.0 else before.length / (1.0 + change)
+        if not SHORTEST * self.length < length < LONGEST * self.length:
             raise not_found(before)
-        return longer, self.tightness(longer)
+        return _Look(length, self.tightness(length))
 
 
-def _not_found(cable: str, what: str, value: float, reached: tuple[float, float]) -> EquilibriumError:
+def _not_found(cable: str, what: str, value: float, reached: _Look) -> EquilibriumError:
     """What to say where no length has what is wanted."""
     length, off = reached
     nearest = {"sag": value - off, "end_tension": value * math.exp(min(off, TIGHT)), "lowest": value + off}[what]
