@@ -36,7 +36,7 @@ from studies.options import (
     Whole,
     folder,
 )
-from studies.quantities import metres, newtons
+from studies.quantities import largest_error
 from studies.scenes import changed, load
 from studies.shown.given import give
 from studies.stop_signals import stop_signals
@@ -233,7 +233,7 @@ def recommend(
     from studies.shown.summary import recommendation_summary
 
     loaded = changed(load(scene), change, effect)
-    limit = newtons(error) if tension else metres(error)
+    limit = largest_error(error, of_tension=tension is not None)
     found = recommend(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, realtime=realtime)
     give(recommendation_summary(found, scene, change, effect), as_json)
     if found.left_out:
@@ -265,7 +265,7 @@ def effects(
     from anet_lumped.advice.effect_audit import audit_effects
     from studies.shown.summary import effects_summary, write_effects
 
-    limit = newtons(error) if tension else metres(error)
+    limit = largest_error(error, of_tension=tension is not None)
     loaded = changed(load(scene), change, effect)
     found = audit_effects(loaded, limit, at=at, tension=tension, t_end=t_end, start=start, water_level=water_level)
     give(effects_summary(found), as_json, out, "effects", lambda: write_effects(found, out / "effects.csv"))

@@ -39,6 +39,12 @@ def newtons(text: str) -> float:
     return _amount(text, FORCES, "a force such as 0.1N, 2kN or 0.1")
 
 
+def largest_error(text: str, of_tension: bool) -> float:
+    """The largest error that is wanted: newtons of a tension, or metres of a position."""
+    like = "a force such as 0.1N" if of_tension else "a length such as 1mm, or a force together with --tension CABLE"
+    return _amount(text, FORCES if of_tension else LENGTHS, like, "'--error'")
+
+
 def newton_metre_seconds(text: str) -> float:
     """Newton metre seconds in a text such as 0.1mNms or 1e-4."""
     return _amount(text, DAMPERS, "a damper such as 0.1mNms or 1e-4")
@@ -63,16 +69,16 @@ def amount(text: str, units: dict[str, float]) -> float:
         return math.nan
 
 
-def _amount(text, units, like):
+def _amount(text, units, like, option=None):
     found = amount(text, units)
     if not math.isfinite(found):
-        raise _refused(like, text)
+        raise _refused(like, text, option)
     return found
 
 
-def _refused(like, text):
+def _refused(like, text, option=None):
     import typer
 
     from anet_lumped.checks import quoted
 
-    return typer.BadParameter(f"must be {like}, but it is {quoted(text)}.")
+    return typer.BadParameter(f"must be {like}, but it is {quoted(text)}.", param_hint=option)

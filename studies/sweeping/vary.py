@@ -25,7 +25,10 @@ def parse_vary(texts: Iterable[str]) -> dict[str, str]:
     for text in texts:
         name, _, spec = map(str.strip, re.sub("[=~]", "=", text, count=1).partition("="))
         if not (name and spec):
-            raise VaryError(f'What is varied must be NAME=SPEC, as in EA=1e2:1e6:9log, but "{text}" was given.')
+            raise VaryError(
+                "What is set or varied must be NAME=VALUE, as in EA=1e4, or NAME=SPEC, as in EA=1e2:1e6:9log, but "
+                f'"{text}" was given.'
+            )
         if name in vary:
             raise VaryError(f"A name must be varied once, but `{name}` is given {vary[name]} and {spec}.")
         vary[name] = spec

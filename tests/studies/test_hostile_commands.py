@@ -37,6 +37,12 @@ def test_quantities(text, capsys):
     assert "must be a force such as" in refused(capsys, "effects", "net_held", "--error", text, "--tension", "s0-p0")
 
 
+@pytest.mark.parametrize("command", ["recommend", "effects"])
+def test_an_error_in_newtons_needs_the_cable_whose_tension_it_is(command, capsys):
+    said = refused(capsys, command, "net_held", "--error", "1N")
+    assert "'--error': must be a length such as 1mm, or a force together with --tension CABLE, but it is \"1N\"" in said
+
+
 @pytest.mark.parametrize("number", ["nan", "inf", "-1", "x", "", DIGITS])
 def test_pure_numbers(number, capsys):
     for option in ("--rtol", "--tension-error"):

@@ -62,7 +62,9 @@ def test_a_range_that_cannot_be_read_says_what_one_is(spec):
 
 def test_what_varies_is_a_name_and_a_specification_once():
     assert parse_vary(["EA=1,2", "p0.mass=0:1:3"]) == {"EA": "1,2", "p0.mass": "0:1:3"}
-    with pytest.raises(VaryError, match='must be NAME=SPEC, as in EA=1e2:1e6:9log, but "EA" was given'):
+    with pytest.raises(
+        VaryError, match='must be NAME=VALUE, as in EA=1e4, or NAME=SPEC, as in EA=1e2:1e6:9log, but "EA" was given'
+    ):
         parse_vary(["EA"])
     with pytest.raises(VaryError, match="`EA` is given 1 and 2"):
         parse_vary(["EA=1", "EA=2"])
