@@ -7,8 +7,9 @@ import contextlib
 import logging
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -49,6 +50,69 @@ class Constraint(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.measure}{'<=' if self.largest else '>='}{self.bound:g}"
+
+
+class _Question(NamedTuple):
+    """A measure that is to be small, or ``large``, within bounds on others."""
+
+    measure: str
+    large: bool
+    bounds: list[Constraint]
+
+    def cost(self, lines: list[dict]) -> np.ndarray:
+        """What is to be least, of the lines of rows (s,); infinite of rows that failed."""
+        found = [_number(line.get(self.measure)) if line["status"] == "done" else math.nan for line in lines]
+        return np.nan_to_num(np.multiply(-1.0 if self.large else 1.0, found), nan=np.inf)
+
+    def excess(self, lines: list[dict]) -> np.ndarray:
+        """By how much the lines of rows miss each bound, (bounds, s); at most 0 where it is met."""
+        missed = [
+            np.multiply(1.0 if bound.largest else -1.0, [_number(line.get(bound.measure)) - bound.bound for line in lines])
+            for bound in self.bounds
+        ]
+        return np.nan_to_num(missed, nan=1e30, posinf=1e30)
+
+    def best_of(self, lines: list[dict]) -> dict | None:
+        """The best line that meets all bounds; None if none does."""
+        good = [line for line in lines if line["status"] == "done" and all(bound.is_met(line) for bound in self.bounds)]
+        good = [line for line in good if math.isfinite(_number(line.get(self.measure)))]
+        return (max if self.large else min)(good, key=lambda line: line[self.measure], default=None)
+
+
+class _AskedRows:
+    """Rows that a search asks for, in that order: what is known of them, and how others are done.
+
+    Parameters
+    ----------
+    inputs : name -> distribution of its values
+    lines : of rows that were done before, by their keys
+    log : where lines go that are done, or None
+    do : callable(rows) -> iterator of the number of a row and its result
+    """
+
+    def __init__(self, inputs: dict[str, Any], lines: dict[str, dict], log: Any, do: Callable[[list[dict]], Any]) -> None:
+        self.inputs, self.names, self.lines, self.log, self.do = inputs, list(inputs), lines, log, do
+        self.order: dict[str, None] = {}
+
+    def at(self, shares: np.ndarray) -> list[dict]:
+        """Lines of the rows at shares, (d, s) of the inputs' ranges; those that are not there yet are done."""
+        columns = [found.values(shares[i]) for i, found in enumerate(self.inputs.values())]
+        rows = [plain(dict(zip(self.names, values, strict=True))) for values in zip(*columns, strict=True)]
+        keys = [key(row, self.names) for row in rows]
+        self.order.update(dict.fromkeys(keys))
+        check_most(ROWS, len(self.order), "This search")
+        todo = list({one: row for one, row in zip(keys, rows, strict=True) if one not in self.lines}.values())
+        with contextlib.closing(self.do(todo)) as results:
+            for number, result in results:
+                line = line_of(todo[number], result)
+                if self.log:
+                    self.log.append(number, line)
+                self.lines[key(line, self.names)] = line
+        return [self.lines[one] for one in keys]
+
+    def asked(self) -> list[dict]:
+        """Lines of all rows asked for so far."""
+        return [self.lines[one] for one in self.order]
 
 
 class Best(NamedTuple):
@@ -138,93 +202,63 @@ def best(
     BestError : an objective or constraint that cannot be read, an input without ends
     VaryError, MeasureError, RowsError, InputError : as in `sweep`
     """
-    from scipy.optimize import NonlinearConstraint, differential_evolution
-
     check_workers(workers, elsewhere=executor is not None)
-    wanted, large = read_objective(objective)
-    bounds = [read_constraint(text) for text in constraints]
+    question = _Question(*read_objective(objective), [read_constraint(text) for text in constraints])
     inputs = read_inputs(scene, vary)
     for name, found in inputs.items():
         if math.isinf(found.low) or math.isinf(found.high):
             raise BestError(f"What is searched must have ends, but `{name}` ~ {vary[name]} has none.")
     told = {name: as_told(spec) for name, spec in vary.items()}
     settings = {"t_end": t_end, "method": method, "dt": dt, "start": start}
-    asked = tuple(dict.fromkeys([wanted, *(bound.measure for bound in bounds), *measures]))
-    variant, identity = prepared(scene, told, asked, settings, since)
-    identity |= {"vary": told, "best": objective, "constraints": [str(bound) for bound in bounds], "seed": seed}
+    columns = tuple(dict.fromkeys([question.measure, *(bound.measure for bound in question.bounds), *measures]))
+    variant, identity = prepared(scene, told, columns, settings, since)
+    identity |= {"vary": told, "best": objective, "constraints": [str(bound) for bound in question.bounds], "seed": seed}
     run, names, out = BatchRunner(variant, check_budget(budget)), list(inputs), None if out is None else Path(out)
-    lines: dict[str, dict] = {}
-    order: dict[str, None] = {}
     with contextlib.ExitStack() as stack:
         stack.enter_context(locked(out))
-        log = None
+        lines, log = {}, None
         if out is not None:
-            lines, log = open_log(out, names, None, resume=resume, identity=plain(identity), columns=asked)
+            lines, log = open_log(out, names, None, resume=resume, identity=plain(identity), columns=columns)
             stack.enter_context(log)
-        pool = None if executor else stack.enter_context(OwnPool(run, workers))
-
-        def lines_at(shares):
-            """Lines of the rows at shares, (d, s) of the inputs' ranges; those that are not there yet are done."""
-            columns = [found.values(shares[i]) for i, found in enumerate(inputs.values())]
-            rows = [plain(dict(zip(names, values, strict=True))) for values in zip(*columns, strict=True)]
-            keys = [key(row, names) for row in rows]
-            order.update(dict.fromkeys(keys))
-            check_most(ROWS, len(order), "This search")
-            new = {one: row for one, row in zip(keys, rows, strict=True) if one not in lines}
-            todo = list(new.values())
-            results = through_executor(executor, run, todo) if pool is None else pool.results(todo)
-            with contextlib.closing(results):
-                for number, result in results:
-                    line = line_of(todo[number], result)
-                    if log:
-                        log.append(number, line)
-                    lines[key(line, names)] = line
-            return [lines[one] for one in keys]
-
-        def cost(shares):
-            found = [_number(line.get(wanted)) if line["status"] == "done" else math.nan for line in lines_at(shares)]
-            return np.nan_to_num(np.multiply(-1.0 if large else 1.0, found), nan=np.inf)
-
-        def excess(shares):
-            """By how much each constraint is not met, (constraints, s); at most 0 where it is."""
-            values = [[_number(line.get(bound.measure)) for line in lines_at(shares)] for bound in bounds]
-            signed = [
-                np.multiply(1.0 if bound.largest else -1.0, np.subtract(row, bound.bound))
-                for bound, row in zip(bounds, values, strict=True)
-            ]
-            return np.nan_to_num(signed, nan=1e30, posinf=1e30)
-
-        def tell(intermediate_result):
-            """Whether the members of a generation are alike in every input."""
-            LOG.info("%d rows are done; the best has %s = %.6g", len(order), wanted, (-1 if large else 1) * intermediate_result.fun)
-            return bool((np.ptp(intermediate_result.population, axis=0) < ALIKE).all())
-
+        do = partial(through_executor, executor, run) if executor else stack.enter_context(OwnPool(run, workers)).results
+        rows = _AskedRows(inputs, lines, log, do)
         try:
-            differential_evolution(
-                _of_columns(cost),
-                [(0.0, 1.0)] * len(names),
-                constraints=NonlinearConstraint(_of_columns(excess), -np.inf, 0.0) if bounds else (),
-                popsize=PER_INPUT,
-                maxiter=GENERATIONS,
-                tol=ALIKE,
-                init="sobol",
-                polish=False,
-                vectorized=True,
-                updating="deferred",
-                callback=tell,
-                rng=np.random.default_rng(seed),
-            )
+            _search(question, rows, seed)
         except KeyboardInterrupt:
             on_disk = f", which are in {log.path}" if log else ""
             raise KeyboardInterrupt(f"Stopped after {len(lines)} rows{on_disk}.") from None
-        found = [lines[one] for one in order]
-        table = table_of(found, names)
+        table = table_of(rows.asked(), names)
         if out is not None:
             save_table(table, out / "rows")
-    good = [line for line in found if line["status"] == "done" and all(bound.is_met(line) for bound in bounds)]
-    good = [line for line in good if math.isfinite(_number(line.get(wanted)))]
-    line = (max if large else min)(good, key=lambda line: line[wanted], default=None)
-    return Best(None if line is None else {name: line[name] for name in (*names, *asked)}, table)
+    line = question.best_of(rows.asked())
+    return Best(None if line is None else {name: line[name] for name in (*names, *columns)}, table)
+
+
+def _search(question: _Question, rows: _AskedRows, seed: int) -> None:
+    """Ask for rows, a generation at a time, until one is alike."""
+    from scipy.optimize import NonlinearConstraint, differential_evolution
+
+    def tell(intermediate_result):
+        """Whether the members of a generation are alike in every input."""
+        least = (-1 if question.large else 1) * intermediate_result.fun
+        LOG.info("%d rows are done; the best has %s = %.6g", len(rows.order), question.measure, least)
+        return bool((np.ptp(intermediate_result.population, axis=0) < ALIKE).all())
+
+    excess = _of_columns(lambda shares: question.excess(rows.at(shares)))
+    differential_evolution(
+        _of_columns(lambda shares: question.cost(rows.at(shares))),
+        [(0.0, 1.0)] * len(rows.names),
+        constraints=NonlinearConstraint(excess, -np.inf, 0.0) if question.bounds else (),
+        popsize=PER_INPUT,
+        maxiter=GENERATIONS,
+        tol=ALIKE,
+        init="sobol",
+        polish=False,
+        vectorized=True,
+        updating="deferred",
+        callback=tell,
+        rng=np.random.default_rng(seed),
+    )
 
 
 def _of_columns(function):
