@@ -1,6 +1,8 @@
 """Whether cables that do not stretch reach from where they are held to where they are held.
 
-Between two held points the cables of a net that do not stretch leave no more room than the shortest way along them.
+Between two held points the cables of a net that do not stretch, and the bodies that they end at, leave no more room than the
+shortest way along them. That is enough for a chain. Three supports may be too far from a point that each of them could reach: then
+no shape has the lengths of all cables, and `overlong` finds it in that which has been found.
 """
 
 import heapq
@@ -15,6 +17,7 @@ from anet_lumped.scene.scene import Driven, Free
 ROUNDED = 1e-9  # of a length, what rounding may leave too short
 LOOKS = 200  # at where points are driven, over a run
 BISECTIONS = 50
+OVERLONG = 1e-7  # of a length that must not change: more than the flattest cable stretches that statics take for one
 
 
 class Shortfall(NamedTuple):
@@ -23,6 +26,7 @@ class Shortfall(NamedTuple):
     Parameters
     ----------
     cables : tuple of str, the way along them
+    bodies : tuple of str, that the way goes across
     length : float [m], of the way
     distance : float [m], between its ends
     ends : tuple of two str, the points there
@@ -30,6 +34,7 @@ class Shortfall(NamedTuple):
     """
 
     cables: tuple
+    bodies: tuple
     length: float
     distance: float
     ends: tuple
@@ -40,15 +45,16 @@ class Shortfall(NamedTuple):
         """A sentence with both numbers."""
         names = ", ".join(quoted(name) for name in self.cables)
         one = len(self.cables) == 1
+        across = f" and {', '.join(f'body {quoted(name)}' for name in self.bodies)} between them" if self.bodies else ""
         return (
             f"{'A cable' if one else 'Cables'} with EA=inf must be longer than the distance between {'its' if one else 'their'} "
-            f"ends, but cable{'' if one else 's'} {names} {'is' if one else 'are'} {self.length:.9g} m long, and points "
+            f"ends, but cable{'' if one else 's'} {names}{across} {'is' if one else 'are'} {self.length:.9g} m long, and points "
             f"{quoted(self.ends[0])} and {quoted(self.ends[1])} are {self.distance:.9g} m apart at "
             f"t={self.t:.4g} s; give EA to let it stretch."
         )
 
 
-def shortfall(scene, t, free=None, straight=False):
+def shortfall(scene, t, free=None, straight=False, driven=None):
     """The cables of a scene that do not reach at a time, or None.
 
     Parameters
@@ -59,6 +65,8 @@ def shortfall(scene, t, free=None, straight=False):
         Where free points are, if they count as held.
     straight : bool
         Whether cables may be straight between held points.
+    driven : dict of str and (3,) [m], or None
+        Where driven points are, in place of where their paths have them.
 
     Returns
     -------
@@ -72,40 +80,48 @@ def shortfall(scene, t, free=None, straight=False):
         if isinstance(point, Free):
             if free is not None:
                 at[point.name] = free[point.name]
+        elif driven is not None and point.name in driven:
+            at[point.name] = driven[point.name]
         else:
             at[point.name] = np.asarray(point.path.at(t)[0] if isinstance(point, Driven) else point.at, float)
     ways = {}
     for cable in rigid:
         for here, there in ((cable.start, cable.end), (cable.end, cable.start)):
-            ways.setdefault(here, []).append((there, cable.name, lengths.get(cable.name, cable.length), cable.segments))
+            ways.setdefault(here, []).append((there, (cable.name,), (), lengths.get(cable.name, cable.length), cable.segments))
+    for body in scene.bodies if free is None else ():
+        ends = {f"{body.name}.{name}": np.asarray(place, float) for name, place in dict(body.attachments).items()}
+        for here, place in ends.items():
+            for there in ends.keys() & ways.keys() - {here} if here in ways else ():
+                apart = float(np.linalg.norm(ends[there] - place))
+                ways[here].append((there, (), (body.name,), apart, 1))
     places = np.array(list(at.values()))
     for begin in at:
         farthest = float(np.abs(places - at[begin]).sum(axis=1).max())
-        for end, (length, segments, names) in _shortest_ways(ways, begin, at, farthest).items():
+        for end, (length, segments, names, bodies) in _shortest_ways(ways, begin, at, farthest).items():
             distance = float(np.linalg.norm(at[end] - at[begin]))
             least = 1.0 + ROUNDED if segments == 1 or free is not None or straight else 1.0 - 1e-12
             if distance > length * least:
-                return Shortfall(names, length, distance, (begin, end), t)
+                return Shortfall(names, bodies, length, distance, (begin, end), t)
     return None
 
 
 def _shortest_ways(ways, begin, held, longest):
-    """Length, segments and cables of the shortest way from a held point to each other one, through free points alone.
+    """Length, segments, cables and bodies of the shortest way from a held point to each other one, through free points alone.
 
     Ways above a length do not count.
     """
-    found, queue = {}, [(0.0, begin, 0, ())]
+    found, queue = {}, [(0.0, begin, 0, (), ())]
     while queue:
-        length, here, segments, names = heapq.heappop(queue)
+        length, here, segments, names, bodies = heapq.heappop(queue)
         if here in found:
             continue
         if length > longest:
             break
-        found[here] = length, segments, names
+        found[here] = length, segments, names, bodies
         if here == begin or here not in held:
-            for there, name, more, count in ways.get(here, ()):
+            for there, name, across, more, count in ways.get(here, ()):
                 if there not in found:
-                    heapq.heappush(queue, (length + more, there, segments + count, (*names, name)))
+                    heapq.heappush(queue, (length + more, there, segments + count, names + name, bodies + across))
     return {name: way for name, way in found.items() if name in held and name != begin}
 
 
@@ -130,3 +146,33 @@ def first_shortfall(scene, t0, t_end):
             return found
         before = float(t)
     return None
+
+
+def overlong(model, q):
+    """Words for the cable that does not stretch and is longest in a shape for its length, or None where all keep theirs.
+
+    Parameters
+    ----------
+    model : Model
+    q : (n, 3) float64 [m]
+
+    Returns
+    -------
+    str or None
+    """
+    scene, worst, found = model.scene, OVERLONG, None
+    lengths = rest_lengths.at_time(scene, 0.0)
+    for cable in scene.cables:
+        if not cable.inextensible:
+            continue
+        length = lengths.get(cable.name, cable.length)
+        reached = float(np.linalg.norm(np.diff(q[model.nodes(cable.name)], axis=0), axis=1).sum())
+        if reached > length * (1.0 + worst):
+            worst, found = reached / length - 1.0, (cable.name, length, reached)
+    if found is None:
+        return None
+    name, length, reached = found
+    return (
+        f"Cables with EA=inf must keep their lengths, but in no shape of this net all of them do: cable {quoted(name)} is "
+        f"{length:.9g} m long, and {reached:.9g} m in the shape that comes nearest; give EA to let it stretch."
+    )

@@ -7,6 +7,7 @@ import numpy as np
 
 from anet_lumped.checks import InputError, quoted, shown
 from anet_lumped.model.body_rotation import turn_of_points
+from anet_lumped.model.reach import shortfall
 from anet_lumped.prescribed.path_kernel import lead
 from anet_lumped.prescribed.turning import coefficients
 from anet_lumped.scene.scene import Driven, Scene
@@ -101,6 +102,19 @@ class GivenMotions:
                 raise InputError(f"Argument `rotation` of drive must be less than a whole turn [rad], but it is {shown(rotation)}.")
             self.given[1, turn, 0] = phi
             self.given[1, turn, 1] = rate_of(phi, vector("angular_velocity", spin, "rad/s", "drive"))
+
+    def too_far(self, t: float) -> str:
+        """Words for cables that do not stretch and do not reach where points are to be at the end of a step, else nothing.
+
+        Of bodies that are driven from outside nothing is said.
+        """
+        points = {point.name for point in self.scene.points}
+        if not all(track.name in points for track in self.tracks):
+            return ""
+        short = shortfall(
+            self.scene, t, driven={track.name: self.given[1, k, 0] + self.origin for k, track in enumerate(self.tracks)}
+        )
+        return "" if short is None else f" {short.words}"
 
     def _track(self, name: Any, kind: str) -> int | None:
         """Number of a track, or None."""

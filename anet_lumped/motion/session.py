@@ -254,9 +254,8 @@ class Session:
     def _after(self, status: int, node: int) -> None:
         """After an event: make what the rest of the step works on; else the step has failed."""
         if status != EVENT:
-            raise SessionError(
-                STATUS[status], why_it_stopped(self._legs.left.model, self._choice, status, self.t, node, None, self._counts)
-            )
+            why = why_it_stopped(self._legs.left.model, self._choice, status, self.t, node, None, self._counts)
+            raise SessionError(STATUS[status], why + self._motions.too_far(self._goal))
         self._sync()
         self._legs.give_way(self._legs.overloaded(at_least=1))
         self._new_march()

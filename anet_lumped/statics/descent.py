@@ -21,6 +21,7 @@ MANY_POINTS = 120  # free points, from which on a descent has fewer steps, so th
 NEAR = 1e-4  # of the load: pseudo-steps find the balance from an out-of-balance force of this size
 ENOUGH = 0.1  # of the predicted work: a step that does less is not taken
 GOOD = 0.7  # of the predicted work: after a step that does more, m becomes smaller
+SOFTEST = 1e-9  # of the first m, the least: nodes that nothing holds, as of a heap on the ground, have no other stiffness
 STIFFEST = 1e5  # EA over the load, in place of a cable that does not stretch: a strain of 1e-5 under the load
 
 
@@ -69,7 +70,7 @@ def descended(model: Model, net: Any, q: np.ndarray, load: float, near: float = 
         work = 0.5 * float(d @ (force + trial_force).ravel())
         if np.isfinite(work) and work >= ENOUGH * predicted_work:
             q[:], force, tension, K = q_trial, trial_force, trial_tension, None
-            shift *= 0.25 if work >= GOOD * predicted_work else 1.0
+            shift = max(0.25 * shift, SOFTEST * soft) if work >= GOOD * predicted_work else shift
         else:
             shift *= 4.0
         if not 0.0 < shift < 1e30:

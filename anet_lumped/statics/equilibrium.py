@@ -13,7 +13,7 @@ from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
 from anet_lumped.model.held import connected, neighbours
 from anet_lumped.model.model import Model
-from anet_lumped.model.reach import shortfall
+from anet_lumped.model.reach import overlong, shortfall
 from anet_lumped.model.remainder import remainder
 from anet_lumped.model.tables import (
     AXIAL_INEXTENSIBLE,
@@ -165,6 +165,7 @@ def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) 
         )
     tension, stable = np.empty(model.n_segments), True  # of cables without effects the energy is convex
     least, sum_of_all = unroll(net.address, load, EA, H, q, tension)
+    _check_lengths_kept(model, q)
     settled = None
     if model.single_kinds[0]:  # cables of one segment
         settled, sum_of_all = _settle_bars(model, net, q, tension), math.nan
@@ -186,6 +187,7 @@ def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) 
         if not (found.stable or found.asked_for):
             _refuse(model, found, q)
         (q, tension), balance, stable = found.shape, found.residual, found.stable
+        _check_lengths_kept(model, q)
         sum_of_all = math.nan
     elif settled is not None or not least >= SLACK * scale:
         _check_slack(model, tension if settled is None else np.where(settled, np.inf, tension), total, scale)
@@ -257,6 +259,7 @@ def _rest_of_bodies(model: Model, tolerance: float, given: State | None) -> Stat
     if not (found.stable or found.asked_for):
         _refuse(model, found, q)
     (q, tension), balance = found.shape, found.residual
+    _check_lengths_kept(model, q)
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance, stable=found.stable)
 
 
@@ -319,6 +322,13 @@ def _check_supports(model: Model) -> None:
         + '; `simulate` moves it from start="straight" or a State'
         + (", and anet_lumped.flight lets quadrotors carry it." if any(body in part for body in bodies) else ".")
     )
+
+
+def _check_lengths_kept(model: Model, q: np.ndarray) -> None:
+    """Cables that do not stretch must have their lengths in a rest, which supports far from each other may make impossible."""
+    words = overlong(model, q)
+    if words is not None:
+        raise NoRestError(words)
 
 
 def _check_slack(model: Model, tension: np.ndarray, total: float, scale: float) -> None:

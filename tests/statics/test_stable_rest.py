@@ -10,6 +10,7 @@ from anet_lumped import Cable, Fixed, Free, NoRestError, Scene, equilibrium
 from anet_lumped.effects import Bending, Gravity, Ground, Water, node_energy
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
+from anet_lumped.statics import descent
 from anet_lumped.statics.descent import _forces, descended
 from anet_lumped.statics.failure_reasons import reason
 from anet_lumped.statics.stability import curvature, tangent
@@ -166,6 +167,18 @@ def test_descent_ends_where_no_direction_leads_down():
     tension, residual = descended(model, net, q, 100.0)
     assert residual <= 1e-4
     assert curvature(model, net, q, tension, 100.0).directions_down == 0
+
+
+def test_a_descent_leaves_nodes_that_nothing_holds_some_stiffness(monkeypatch):
+    """A rope that cannot push falls to the ground for 200 steps: m fell to 1e-16 N/m, and to 1e-33 where a pivot was zero then."""
+    rope = Cable("a", "b", length=44.0, mass_per_length=0.5, EA=1e3, segments=40, diameter=0.01)
+    model = build(Scene([Fixed("a", (0, 0, 40)), Free("b", at=(1, 0, 40))], [rope], [Gravity(G), Ground()]))
+    net, q = fresh_net(model, force=False, newton=False), np.full((model.n, 3), (0.0, 0.0, 40.0))
+    q[model.nodes("a-b"), 0] = np.linspace(0.0, 1.0, 41)
+    shifts, pivots_of = [], descent.pivots_of
+    monkeypatch.setattr(descent, "pivots_of", lambda K, shift: (shifts.append(shift), pivots_of(K, shift))[1])
+    _, residual = descended(model, net, q, 22.0 * G)
+    assert residual <= 1e-4 and min(shifts) == pytest.approx(1e-9 * 1e-3 * 22.0 * G / (model.n_free * 1.1), rel=1e-9)
 
 
 @node_energy
