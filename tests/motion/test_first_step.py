@@ -44,6 +44,23 @@ def test_a_first_step_that_is_resolved_is_no_throw(method):
     assert thrown(run) is None and run.error_estimate is not None and not run.warnings and off(run) < 1e-3
 
 
+@pytest.mark.parametrize(("share", "told"), [(1.9, False), (0.9, True)])
+def test_an_explicit_step_that_does_not_resolve_the_dampers_of_the_start_tells_no_error(share, told):
+    """A light point that a ground presses out creeps with k s/c = 20 m/s; a step of h c/m = 1.9 let it fly with 38 m/s."""
+    scene = Scene(
+        [Fixed("a", (0.0, 0.0, 0.0)), Free("b", mass=1e-3, at=(0.0, 0.0, -1.0))],
+        [Cable("a", "b", length=2.0, mass_per_length=1e-3, EA=1e3, segments=1, diameter=0.004)],
+        [Ground(height=1.0)],
+    )
+    area, m = 0.004 * 1.0, 2e-3
+    steps = {"t_end": 1e-3, "start": "straight", "method": "symplectic_euler"}
+    run, fine = (simulate(scene, dt=part * m / (3e5 * area), **steps) for part in (share, 0.05))
+    wrong = np.linalg.norm(run.final.q - fine.final.q, axis=1).max()
+    assert fine.velocity("b")[-1, 2] == pytest.approx(20.0, rel=0.02)
+    assert (run.error_estimate is not None) == told and bool(wrong < 1e-3) == told
+    assert any("throws a node off with 38 m/s" in text for text in run.warnings) != told
+
+
 @pytest.mark.parametrize("method", ["edmc", "backward_euler"])
 def test_what_never_raises_the_energy_throws_nothing(method):
     """But the velocity of 5 m/s that it leaves the ground with is off by 0.08 m/s, and it flies with that, which the run says."""
