@@ -17,6 +17,7 @@ from anet_lumped.limits import ROWS, check_most
 
 from .smoothstep import ramped
 
+HELD_AFTER = 1e-9  # of the last interval of states, beyond rounding of the time: so long after the last one their path is held
 DEGREE = 6  # the integral of the quintic smoothstep; a spline needs 3
 SHORTEST_RAMP = 1e-6  # [s]; far below, the coefficients velocity/ramp⁵ overflow
 LONGEST_RAMP = 1e12  # [s]; far above, ramp⁵ overflows
@@ -198,7 +199,8 @@ def states(t: Sequence[float], xyz: Sequence[Vector], velocity: Sequence[Vector]
     """Return a smooth motion through places at given velocities and accelerations, as another motion has them at these times.
 
     From sample to sample the polynomial of degree 5 that has all three at both ends: twice continuously differentiable, and off by
-    h^6/46080 times the sixth derivative at intervals h. Held at the first place before t[0] and at the last after t[-1].
+    h^6/46080 times the sixth derivative at intervals h. Held at the first place before t[0] and at the last after t[-1], where it
+    still has the last velocity: a run that ends there ends in that motion, and not with the blow of its stop.
 
     Parameters
     ----------
@@ -220,9 +222,11 @@ def states(t: Sequence[float], xyz: Sequence[Vector], velocity: Sequence[Vector]
     for power, (of_way, of_slope, of_bend) in enumerate(((10.0, -4.0, 0.5), (-15.0, 7.0, -1.0), (6.0, -3.0, 0.5)), start=3):
         coefficients[:-1, power] = (of_way * way + of_slope * slope + of_bend * bend) / h**power
     coefficients[-1, 0] = q[-1]
+    breaks = times.copy()
+    breaks[-1] += HELD_AFTER * (times[-1] - times[-2])
     arrays = (("xyz", q), ("velocity", v), ("acceleration", a))
     parameters = (("t", tuple(times.tolist())), *((name, tuple(map(tuple, rows.tolist()))) for name, rows in arrays))
-    return Path("states", parameters, times.copy(), coefficients, times[[0, -1]])
+    return Path("states", parameters, breaks, coefficients, times[[0, -1]])
 
 
 def harmonic(center: Vector, amplitude: Vector, frequency: float, phase: float = 0.0, ramp: float = 0.0) -> Path:

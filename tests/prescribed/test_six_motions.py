@@ -1,11 +1,13 @@
 """Platforms: paths of their points against the formula, rigidity, exact velocities; the polynomial through states."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from anet_lumped import SceneError, SixMotions, paths, signals
+from anet_lumped import Cable, Driven, Free, Scene, SceneError, SixMotions, equilibrium, paths, signals, simulate
+from anet_lumped.effects import Gravity
 from anet_lumped.prescribed.path_kernel import evaluate
 from anet_lumped.prescribed.six_motions import ROTATIONS, TRANSLATIONS, point_paths
 
@@ -110,6 +112,20 @@ def test_states_are_of_order_six_and_smooth():
     errors = [off(count) for count in (4, 8, 16, 32)]
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
     assert np.allclose(orders, 6.0, atol=0.4), orders
+
+
+@pytest.mark.parametrize("method", ["edmc", "verlet"])
+def test_a_run_that_ends_with_the_states_ends_in_their_motion(method):
+    """A weight that is lifted steadily: T = m g up to the last state, where a stop in a moment took 0.3 N, or all, of 5.3 N."""
+    t, up = np.linspace(0.0, 0.2, 21), (0.0, 0.0, 0.5)
+    path = paths.states(t, np.outer(t, up), [up] * 21, [(0.0, 0.0, 0.0)] * 21)
+    rope = Cable("a", "b", length=2.0, mass_per_length=0.02, EA=1e5, segments=4, zeta=0.5)
+    scene = Scene([Driven("a", path), Free("b", mass=0.5)], [rope], [Gravity(9.81)])
+    rest = equilibrium(scene)
+    run = simulate(scene, 0.2, method=method, dt=4e-5, start=replace(rest, v=np.tile(up, (len(rest.q), 1))), save_every=0.02)
+    assert run.velocity("a")[-1] == pytest.approx(up, abs=1e-12)
+    assert run.reaction("a")[:, 2] == pytest.approx(0.54 * 9.81, rel=1e-6)
+    assert np.array_equal(path.at(0.3)[1], np.zeros(3)) and path.at(0.3)[0] == pytest.approx([0.0, 0.0, 0.1], abs=1e-15)
 
 
 def test_compiled_code_reads_states():
