@@ -1,9 +1,9 @@
 """Motions of a platform from a file of columns, or in words such as "surge=1sin0.1".
 
-Files are those of MoorDyn's driver and of OpenFAST, or a CSV: a time [s] and some of surge, sway, heave, roll, pitch and yaw, below
-names such as `PtfmSurge`, in any order, beside whatever else. Angles must have a unit, `(deg)` or `(rad)`, behind their name or in
-the line below the names. A file without names has seven columns, the time and the six in this order, angles in rad (MoorDyn's
-documentation, "MoorDyn-F Driver Input File").
+Files are those of MoorDyn's driver and of OpenFAST, or a CSV: a time and some of surge, sway, heave, roll, pitch and yaw, below
+names such as `PtfmSurge`, in any order, beside whatever else. Units such as `(mm)` stand behind the names or in the line below
+them; without one a time is in s and a length in m, and angles must have one, `(deg)` or `(rad)`. A file without names has seven
+columns, the time and the six in this order, angles in rad (MoorDyn's documentation, "MoorDyn-F Driver Input File").
 """
 
 import math
@@ -20,6 +20,13 @@ from anet_lumped.scene.platform import platform
 from anet_lumped.scene.scene import Scene
 
 NAMES = TRANSLATIONS + ROTATIONS
+UNITS = {
+    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
+    **{name: {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3} for name in TRANSLATIONS},
+    **{name: {"rad": 1.0, "mrad": 1e-3, "deg": math.radians(1.0), "degrees": math.radians(1.0)} for name in ROTATIONS},
+}
+"""Sizes of the units in which a column may be given, in SI."""
+NONE_GIVEN = ("", "-")
 NUMBER = r"([0-9.]+(?:e[+-]?[0-9]+)?)"
 WORDS = re.compile(
     rf"\s*([a-z]+)\s*=\s*(-?){NUMBER}\s*(m|deg|rad)?\s*(sin|cos)\s*{NUMBER}\s*(?:hz)?\s*(?:ramp\s*{NUMBER}\s*s?)?\s*"
@@ -102,12 +109,17 @@ def _columns(path: str | PathLike[str]) -> list[list[signals.Signal]]:
     first = next((i for i, words in enumerate(lines) if len(words) > 1 and all(map(_is_number, words))), None)
     if first is None:
         raise SceneError(f"A file of motions must have rows of numbers, a time and motions, but {source} has none.")
-    rows = [[float(word) for word in words] for words in lines[first:] if all(map(_is_number, words))]
-    width = len(rows[0])
-    if len(rows) != len(lines) - first or any(len(row) != width for row in rows):
-        raise SceneError(f"Rows of a file of motions must be {width} numbers each, as the first is, but {source} has others.")
+    width = len(lines[first])
+    for number, words in enumerate(lines[first:], 1):
+        if len(words) != width or not all(map(_is_number, words)):
+            raise SceneError(
+                f"Rows of a file of motions must be {width} numbers each, as the first is, but row {number} of {source} is "
+                f"{quoted(one_line(' '.join(words), NAMED))}."
+            )
+    rows = [[float(word) for word in words] for words in lines[first:]]
     places = _places(lines[:first], width, source)
-    time = [row[places["time"][0]] for row in rows]
+    column, size = places["time"]
+    time = [size * row[column] for row in rows]
     found: list[list[signals.Signal]] = []
     for name in NAMES:
         if name not in places:
@@ -137,13 +149,24 @@ def _places(above: list[list[str]], width: int, source: str) -> dict[str, tuple[
         name = "time" if re.match(r"time|t\b", word.lower()) else _motion(word)
         if name is None or name in found:
             continue
-        unit = word.lower() + (units[column].lower() if len(units) == width else "")
-        if name in ROTATIONS and "deg" not in unit and "rad" not in unit:
-            raise SceneError(f"Angles of a file of motions must have a unit, (deg) or (rad), but {source} has {quoted(word)}.")
-        found[name] = column, math.radians(1.0) if name in ROTATIONS and "deg" in unit else 1.0
+        found[name] = column, _size(name, word, units[column] if len(units) == width else "", source)
     if "time" not in found:
         raise SceneError(f"A file of motions must have a column of times, but the names of {source} have none.")
     return found
+
+
+def _size(name: str, word: str, below: str, source: str) -> float:
+    """Size in SI of the unit of a column: what stands behind its name in ``word``, or in the line ``below`` the names."""
+    behind = re.search(r"[(\[_](.*)", word.lower().strip("\"'").removeprefix("platform_"))
+    unit = behind[1].strip("()[]_ ") if behind else ""
+    unit = below.lower().strip("()[]_ ") if unit in NONE_GIVEN else unit
+    if unit in NONE_GIVEN and name in ROTATIONS:
+        raise SceneError(f"Angles of a file of motions must have a unit, (deg) or (rad), but {source} has {quoted(word)}.")
+    if unit not in NONE_GIVEN and unit not in UNITS[name]:
+        raise SceneError(
+            f"The unit of {name} in a file of motions must be one of {', '.join(UNITS[name])}, but {source} has {quoted(unit)}."
+        )
+    return 1.0 if unit in NONE_GIVEN else UNITS[name][unit]
 
 
 def _motion(word: str) -> str | None:

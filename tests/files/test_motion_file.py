@@ -37,6 +37,17 @@ def test_columns_with_names(tmp_path, text):
     assert motions.sway == motions.roll == motions.yaw == ()
 
 
+@pytest.mark.parametrize(
+    "names",
+    ["Time (ms), Surge (mm), heave [cm], pitch (mrad)", "time_ms,PtfmSurge_[mm],platform_heave_cm,pitch_mrad",
+     "time,surge,heave,pitch\n(ms),(mm),(cm),(mrad)"],
+)  # fmt: skip
+def test_units_of_columns(tmp_path, names):
+    (tmp_path / "six.csv").write_text(f"{names}\n0,0,0,0\n1000,500,-10,35\n")
+    at = read_motions(tmp_path / "six.csv").at(1.0)[0]
+    assert np.allclose(at, (0.5, 0.0, -0.1, 0.0, 0.035, 0.0), rtol=1e-12)
+
+
 @pytest.mark.parametrize("text", [MOORDYN, MOORDYN.partition("\n")[2]], ids=["names", "no names"])
 def test_columns_of_moordyns_driver(tmp_path, text):
     (tmp_path / "PtfmMotions.dat").write_text(text)
@@ -81,7 +92,15 @@ def test_words_that_are_refused(words, message):
     [
         ("hello\n", "must have rows of numbers, a time and motions, but six.csv has none"),
         ("0 1 2\n1 2 3\n", r"must have names above its columns, or 7 columns, .* but six.csv has 3 without names"),
-        (CSV + "3,1\n", "Rows of a file of motions must be 4 numbers each"),
+        (CSV + "3,1\n", 'Rows of a file of motions must be 4 numbers each, as the first is, but row 4 of six.csv is "3 1"'),
+        (
+            CSV.replace("surge", "surge (ft)"),
+            r'The unit of surge in a file of motions must be one of m, mm, cm, km, but .* has "ft"',
+        ),
+        (
+            CSV.replace("time", "Time [h]"),
+            r'The unit of time in a file of motions must be one of s, sec, ms, us, min, but .* has "h"',
+        ),
         (CSV + "3,1,nan,2\n", "Rows of a file of motions must be 4 numbers each"),
         (CSV.replace(" (deg)", ""), r'Angles of a file of motions must have a unit, \(deg\) or \(rad\), but six.csv has "pitch"'),
         (CSV.replace("time", "x"), "must have a column of times"),
