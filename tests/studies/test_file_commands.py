@@ -124,7 +124,7 @@ def test_view_and_convert_show_a_saved_run(tmp_path, capsys):
         (["view", "."], "A saved run must be readable, but run.nc: No such file or directory."),
         (["view", SCENES / "net_held.toml"], "it is no netCDF-3 file, or is cut or damaged."),
         (["view", OLD_RUN, "--out", "run.txt"], "A view of a run must end in .html, .pvd, .gif, .mp4, but it is 'run.txt'."),
-        (["view", OLD_RUN, "--out", "nowhere/run.html"], "nowhere/run.html: No such file or directory."),
+        (["view", OLD_RUN, "--out", "nowhere/run.html"], "A page must be written to a folder that is there, but nowhere is none."),
         (["convert", OLD_RUN, "run.toml"], "A view of a run must end in .html, .pvd, .gif, .mp4, but it is 'run.toml'."),
         (["convert", "net_held", "net.pvd"], "but is net.pvd; .pvd is for a saved run (.nc)."),
     ],

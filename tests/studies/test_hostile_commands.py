@@ -113,7 +113,7 @@ def test_folders(folder, command, capsys):
 
 
 def test_a_file_that_cannot_be_written(capsys, tmp_path):
-    assert "No such file or directory" in refused(capsys, "convert", "net_held", tmp_path / "nowhere" / "net.toml")
+    assert "to a folder that is there, but" in refused(capsys, "convert", "net_held", tmp_path / "nowhere" / "net.toml")
     refused(capsys, "convert", "net_held", "a\0b.toml")
 
 
