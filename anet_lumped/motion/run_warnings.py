@@ -1,5 +1,6 @@
 """Warnings attached to a completed run: energy lost or added by its steps, cables too long for their tension, no limit in sight,
-points that nothing has moved, obstacles that were not seen, errors that may have been multiplied, starts and steps not resolved.
+points that nothing has moved, wind under water, obstacles that were not seen, errors that may have been multiplied, starts and
+steps not resolved.
 
 A run with a warning is done all the same: a method that damps the motion is asked for by name, and a rest may be right that
 was reached by wrong damping. But a reader of its swing or its stretch must know. On the catalogue of hard cases
@@ -12,6 +13,7 @@ from enum import Enum
 import numpy as np
 
 from anet_lumped.checks import quoted
+from anet_lumped.effects import REGISTRY
 from anet_lumped.results.audit import SHARE
 from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.energy_balance import error_of_steps
@@ -39,6 +41,7 @@ class Finding(Enum):
     TAKEN_BY_METHOD = "energy that the method took"
     EXCESS_LENGTH = "a cable longer than its tension can hold it"
     FAR_FROM_LIMIT = "two extrapolated runs that are far apart"
+    WIND_UNDER_WATER = "air whose wind blows on what is under water"
     STOOD_STILL = "points that are driven from outside, which nothing has moved"
     THROUGH_AN_OBSTACLE = "cables that may have gone through an obstacle"
     MULTIPLIED_ERRORS = "errors that the motion may have multiplied"
@@ -64,6 +67,7 @@ def findings(run, adaptive=False):
         Finding.TAKEN_BY_METHOD: _taken_by_method(run, step, adaptive),
         Finding.EXCESS_LENGTH: _excess_length(run, step),
         Finding.FAR_FROM_LIMIT: _far_from_limit(run, step),
+        Finding.WIND_UNDER_WATER: _wind_under_water(run),
         Finding.STOOD_STILL: _stood_still(run),
         Finding.THROUGH_AN_OBSTACLE: _through_an_obstacle(run, step),
         Finding.MULTIPLIED_ERRORS: _multiplied_errors(run),
@@ -240,6 +244,17 @@ def _far_from_limit(run, step):
     return (
         f"The two runs that are extrapolated are {3.0 * run.error_estimate:.2g} m apart, which is far from a limit: the result "
         f"need not be any motion; take {step}, or no extrapolation."
+    )
+
+
+def _wind_under_water(run):
+    """Wind acts below the surface of the water where the air is not told that there is one."""
+    acting = {REGISTRY.name_of(effect): effect for effect in run.scene.effects}
+    air, water = acting.get("air"), acting.get("water")
+    if air is None or water is None or air.wind is None or air.surface is not None or not (run.q[..., 2] < water.level).any():
+        return ""
+    return (
+        f"The wind blows on what is under water, too: Air has no `surface` beside Water; surface={water.level:g} lets it end there."
     )
 
 

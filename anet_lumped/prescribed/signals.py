@@ -63,6 +63,8 @@ def samples(t: Sequence[float], values: Sequence[float], ends: Sequence[float] |
         raise SceneError(
             f"Argument `values` of samples must hold at least two numbers, one for each of `t`, but holds {shown(values)}."
         )
+    if len(t := _scalars("t", t)) != len(values):
+        raise SceneError(f"Arguments `t` and `values` of samples must be of one length, but are of {len(t)} and {len(values)}.")
     rates = None if ends is None else _scalars("ends", ends)
     along = None if rates is None else tuple(map(_along_x, rates))
     path = paths.samples(t, tuple(map(_along_x, values)), along, periods)

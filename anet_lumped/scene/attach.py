@@ -53,6 +53,12 @@ def attach(scene: Scene, cable: str, points: Mapping[float, Free]) -> Scene:
             )
     _check(scene, own)
     by_length = {float(s): point for s, point in points.items()}
+    taken = {point.name for point in scene.all_points}
+    for point in by_length.values():
+        if point.name in taken:
+            raise SceneError(
+                f"Names of points must be unique, but one attached to cable {quoted(cable)} is {quoted(point.name)}, too."
+            )
     names = [own.start, *(by_length[s].name for s in lengths), own.end]
     pieces = [
         replace(

@@ -129,7 +129,7 @@ class Body:
         for key in ("path", "turning"):
             if getattr(self, key) is not None and not isinstance(getattr(self, key), Path):
                 raise SceneError(
-                    f"Argument `{key}` must be made by paths.line, paths.samples or paths.harmonic, but "
+                    f"Argument `{key}` must be made by a function of anet_lumped.paths, as paths.line, but "
                     f"{owner} has {key}={shown(getattr(self, key))}."
                 )
         if self.path is not None and self.at is not None:

@@ -41,7 +41,7 @@ class Driven:
         check_name(self.name, "point")
         if not isinstance(self.path, Path):
             raise SceneError(
-                f"Argument `path` must be made by paths.line, paths.samples or paths.harmonic, "
+                f"Argument `path` must be made by a function of anet_lumped.paths, as paths.line, "
                 f"but driven point {quoted(self.name)} has path={shown(self.path)}."
             )
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from systems import four_cables, loose_cable
 
-from anet_lumped import Cable, Fixed, Free, Scene, load_run, simulate
-from anet_lumped.effects import Bending, Gravity, ViscousDamping
+from anet_lumped import Cable, Fixed, Free, Scene, load_run, simulate, wind
+from anet_lumped.effects import Air, Bending, Gravity, ViscousDamping, Water
 from anet_lumped.motion.run_warnings import Finding, findings, warnings_of
 from anet_lumped.results.energy_balance import error_of_steps
 from studies.catalogue.swings import ANGLE, pendulum, released
@@ -120,3 +120,19 @@ def test_steps_that_are_taken_in_many_parts_say_so():
     assert said.endswith(f"take dt={0.2 / run.work.steps:.2g} s or less.") and said in run.warnings
     fine = simulate(scene, 0.002, method="edmc", dt=2e-5, start="straight")
     assert Finding.TAKEN_IN_PARTS not in findings(fine)
+
+
+def test_wind_that_blows_under_water_is_told():
+    """A cord of which the lower half is under water; with a surface, or still air, or all of it above, there is nothing to tell."""
+    cord = Cable("a", "b", length=1.0, mass_per_length=0.1, EA=1e3, zeta=0.1, segments=4, diameter=0.01)
+    points, blowing = [Fixed("a", (0, 0, 0)), Free("b", mass=0.1)], Air(wind=wind.Uniform((10.0, 0.0, 0.0)))
+
+    def told(*effects):
+        run = simulate(Scene(points, [cord], [Gravity(9.81), *effects]), 0.02, method="edmc", dt=0.01)
+        return findings(run).get(Finding.WIND_UNDER_WATER, "")
+
+    water = Water(level=-0.5)
+    assert "Air has no `surface` beside Water; surface=-0.5 lets it end there" in told(blowing, water)
+    assert (
+        "" == told(replace(blowing, surface=-0.5), water) == told(Air(), water) == told(blowing) == told(blowing, Water(level=-2.0))
+    )

@@ -162,3 +162,15 @@ def test_states_seen_from_elsewhere():
 def test_refusals(make, message):
     with pytest.raises(SceneError, match=message):
         make()
+
+
+@pytest.mark.parametrize(
+    ("t", "values", "message"),
+    [
+        ([0.0, 1.0], [0.0, 1.0, 2.0], "`t` and `values` of samples must be of one length, but are of 2 and 3"),
+        ("ab", [0.0, 1.0], "Argument `t` of samples must be numbers, but could not convert string to float: 'a'"),
+    ],
+)
+def test_samples_of_a_signal_are_told_by_its_own_arguments(t, values, message):
+    with pytest.raises(SceneError, match=message):
+        signals.samples(t, values)

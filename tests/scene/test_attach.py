@@ -50,6 +50,7 @@ def test_several_in_any_order_and_what_acts_on_the_cable():
         (light(), {}, r'attached to cable "a-b" must be a dict of lengths to Free points, but is \{\}'),
         (light(), {1.0: 2.0}, r"must be a dict of lengths to Free points, but is \{1.0: 2.0\}"),
         (light(), {6.0: Free("c")}, r'cable "a-b" of 5 m would have a piece from 6 m to 5 m'),
+        (light(), {1.0: Free("a")}, r'must be unique, but one attached to cable "a-b" is "a", too'),
         (light(), {"x": Free("c")}, r"Argument `points` must be a finite number \[m\]"),
         (light([Bending()], EI=1.0), {1.0: Free("c")}, r'passes no bending moment, but cable "a-b" bends with EI=1'),
         (light([LineChange({"a-b": signals.line(0, 0.1, 0)})]), {1.0: Free("c")}, r'cannot be paid out, but cable "a-b" is'),

@@ -89,7 +89,10 @@ def test_gravity_vector():
         (lambda: Fixed("a", "xyz"), r"`at` must be three finite numbers .* at='xyz'"),
         (lambda: Free("a", mass=-1), r'`mass` must be non-negative and finite \[kg\], but free point "a" has mass=-1'),
         (lambda: Free("a", at=(0, 0)), r'`at` must be three finite numbers .* free point "a" has at=\(0, 0\)'),
-        (lambda: Driven("a", (0, 0, 0)), r'`path` must be made by paths.line.* driven point "a" has path=\(0, 0, 0\)'),
+        (
+            lambda: Driven("a", (0, 0, 0)),
+            r'`path` must be made by a function of anet_lumped.paths.* driven point "a" has path=\(0, 0, 0\)',
+        ),
         (lambda: scene(points=[]), r"`points` of a scene must hold Fixed, Driven or Free points, but is empty"),
         (lambda: scene(cables=[]), r"`cables` of a scene must hold at least one Cable, but is empty"),
         (lambda: scene(points=["s0"]), r"must hold Fixed, Driven or Free points, but points\[0\] is 's0'"),
