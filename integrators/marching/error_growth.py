@@ -110,7 +110,8 @@ def times_seen(scheme, x, zeta):
     """
     order = scheme.error_order or scheme.order
     z = x * (-zeta + 1j * np.sqrt(1.0 - zeta**2))
-    seen = SWING * scheme.error_constant * abs(z) * abs(1.0 - np.exp(-z)) ** order
+    with np.errstate(over="ignore"):  # of a step so long that the vibration dies in it by more than a float holds
+        seen = SWING * scheme.error_constant * abs(z) * abs(1.0 - np.exp(-z)) ** order
     return max(1.0, float(scheme.limit.error_of_step(z)) / seen) if x > 0.0 else 1.0
 
 

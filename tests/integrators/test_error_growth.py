@@ -70,3 +70,8 @@ def test_what_differences_of_a_vibration_do_not_see_is_known(name, x, zeta):
     differences = np.diff(np.exp(z * np.arange(-scheme.order, 11)), n=scheme.order)[:-1]
     seen = scheme.error_constant * abs(z) * np.abs(differences).sum()
     assert times_seen(scheme, x, zeta) == pytest.approx(max(off / (SWING * seen), 1.0), rel=1e-9)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_vibration_that_dies_within_a_step_is_seen_without_a_word():
+    assert times_seen(schemes.scheme("rk4"), 1e3, 0.9) == 1.0  # exp(900)^4 is more than a float holds
