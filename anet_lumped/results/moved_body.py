@@ -29,8 +29,14 @@ def moved(
 
     Raises
     ------
-    InputError : a body whose motion is prescribed; a place or velocity of one that is pinned to a point, from which they follow
+    InputError : a point; a body whose motion is prescribed; a place or velocity of one that is pinned to a point, from which they
+        follow
     """
+    if body in {point.name for point in state.scene.points}:
+        raise InputError(
+            f"What is moved must be a body, but {quoted(body)} is a point; State.of(scene, shapes=..., points=...) takes the places of "
+            "points and cables."
+        )
     own = state.scene.body(body)
     if own.is_driven:
         raise InputError(f"A body to be moved must move freely, but the motion of {quoted(body)} is prescribed.")

@@ -87,3 +87,9 @@ def test_cables_that_meet_have_one_place_and_one_velocity():
     assert both.velocity("p")[2] == 1.5
     with pytest.raises(InputError, match=r'The velocity of point "p" must be three numbers \[m/s\], but it is 1.0'):
         State.of(scene, points=at, velocities={"p": 1.0})
+
+
+def test_a_point_is_not_moved_as_a_body_is():
+    state = State.of(rope(), {"a-b": HALF_CIRCLE})
+    with pytest.raises(InputError, match=r'must be a body, but "a" is a point; State.of\(scene, .* takes the places of points'):
+        state.moved("a", at=(0.0, 0.0, 1.0))
