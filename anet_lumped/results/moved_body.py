@@ -34,8 +34,8 @@ def moved(
     """
     if body in {point.name for point in state.scene.points}:
         raise InputError(
-            f"What is moved must be a body, but {quoted(body)} is a point; State.of(scene, shapes=..., points=...) takes the places of "
-            "points and cables."
+            f"What is moved must be a body, but {quoted(body)} is a point; State.of(scene, shapes=..., points=...) takes the "
+            "places of points and cables."
         )
     own = state.scene.body(body)
     if own.is_driven:
