@@ -48,7 +48,7 @@ def table(path):
 READERS = {
     "scene": (load_scene, ".toml", "A scene file"),
     "deck": (read_moordyn, ".txt", "A MoorDyn file"),
-    "table": (table, ".tab", "It|it.tab"),
+    "table": (table, ".tab", "EA|it.tab"),
     "wind": (lambda path: Recorded(str(path)), ".csv", "A recorded wind"),
     "markers": (lambda path: read_markers(path, SCENE), ".csv", "A marker file"),
     "run": (load_run, ".nc", "A saved run"),
@@ -77,9 +77,9 @@ def make(kind, path):
     [
         ("pipe", "must be a regular file, but .* is a pipe or a device"),
         ("endless", "must be a regular file, but .* is a pipe or a device|leads out of it"),
-        ("folder", "must be readable, but .*: Is a directory"),
-        ("loop", "must be readable, but .*: Too many levels of symbolic links"),
-        ("none", "must be readable, but .*: No such file or directory"),
+        ("folder", "(must be readable|a readable file), but .*: Is a directory"),
+        ("loop", "(must be readable|a readable file), but .*: Too many levels of symbolic links"),
+        ("none", "(must be readable|a readable file), but .*: No such file or directory"),
         ("large", r"1e\+12 bytes of .*, but must not take more than .* another limit|It, .* another limit"),
     ],
 )

@@ -285,7 +285,7 @@ def test_mismatch_with_markers_fits_them(tmp_path, capsys):
         (["simulate", "net_held", "--t-end", "1", "--method", "edcm"], "edmc"),
         (["simulate", "net_held"], "Missing option '--t-end'"),
         (["simulate", "net_held", "--t-end", "4m"], 'must be a time such as 10ms, 0.01s or 0.01, but it is "4m"'),
-        (["convert", "net_held", "nowhere/net.toml"], "nowhere/net.toml: No such file or directory."),
+        (["convert", "net_held", "nowhere/net.toml"], "A scene must be written to a folder that is there, but nowhere is none."),
         (["study", "ordr"], 'There is no study "ordr", did you mean "order"?'),
         (["mismatch", "net_held", "--markers", "nowhere.csv"], "nowhere.csv"),
         (["land"], "No such command 'land'"),
