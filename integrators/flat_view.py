@@ -1,5 +1,6 @@
-"""Views of contiguous arrays in compiled code, without references: an array must outlive its views."""
+"""Views of contiguous arrays in compiled code, without references: an array must outlive its views; and how one is fetched."""
 
+from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
@@ -34,3 +35,18 @@ def part(typing_context, row, begin, count):
         return _view(context, builder, row, whole, builder.gep(whole.data, [args[1]]), args[2])
 
     return types.Array(row.dtype, 1, "C")(row, types.int64, types.int64), codegen
+
+
+@intrinsic
+def fetch_line(typing_context, row, i):
+    """Let a processor fetch the line of its cache that holds number ``i`` of a contiguous row, to be written; nothing changes."""
+
+    def codegen(context, builder, signature, args):
+        byte, number = ir.IntType(8).as_pointer(), ir.IntType(32)
+        at = builder.bitcast(builder.gep(context.make_array(row)(context, builder, args[0]).data, [args[1]]), byte)
+        kind = ir.FunctionType(ir.VoidType(), [byte, number, number, number])
+        fetch = builder.module.declare_intrinsic("llvm.prefetch", [byte], kind)
+        builder.call(fetch, [at, number(1), number(3), number(1)])  # to write, into all levels, data
+        return context.get_dummy_value()
+
+    return types.void(row, types.int64), codegen

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from .flat_view import flat
+from .flat_view import fetch_line, flat
 from .jit import inlined, internal
 from .system import BALANCE, ENERGIES, STEP_STATE, StepState, system_at
 
@@ -13,6 +13,7 @@ _f1, _f2, _f3 = (types.Array(types.float64, d, "C") for d in (1, 2, 3))
 
 # Integers as arguments of compiled functions: for a literal 0, 1 or 2 Numba would compile a function once more.
 NONE, ONE, TWO = np.int64(0), np.int64(1), np.int64(2)
+LINE = 8  # numbers in a line of a processor's cache
 
 
 class Saved(NamedTuple):
@@ -71,6 +72,13 @@ def copy(source, target):
 
 
 @internal
+def fetch_row(row):
+    """Let a processor fetch a flat array that is to be written, so that it need not wait when it writes."""
+    for i in range(0, row.shape[0], LINE):
+        fetch_line(row, i)
+
+
+@internal
 def copy_state(source, target):
     """Copy a state, and as many rows of memory as both have."""
     copy(flat(source.q), flat(target.q))
@@ -89,6 +97,10 @@ def save(system_address, data_address, k, t, error, state, saved):
     copy(flat(state.q), flat(saved.q[k]))
     copy(flat(state.v), flat(saved.v[k]))
     copy(state.balance[:ENERGIES], saved.energy[k])
+    if k + 1 < saved.t.shape[0]:  # the next row comes from memory while the next step is taken
+        fetch_row(flat(saved.q[k + 1]))
+        fetch_row(flat(saved.v[k + 1]))
+        fetch_row(saved.observed[k + 1])
     return k + 1
 
 
