@@ -59,7 +59,7 @@ class RunTable:
         shapes = {name: (count, len(t), *(sizes[axis] for axis in KNOWN[name][0])) for name in keep}
         numbers = sum(float(np.prod([float(size) for size in shape])) for shape in shapes.values())
         check_most(BYTES, 8.0 * numbers, f"What is kept of {count} runs at {len(t)} times")
-        self.kept = {name: np.empty(shape) for name, shape in shapes.items()}  # whoever writes a run clears its rows where need be
+        self.kept = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
         self.points = np.array([model.node(point.name) for point in scene.all_points])
         self.cables = [(cable.segments, model.segments(cable.name), model.nodes(cable.name)) for cable in scene.cables]
         # whether the segments of all cables, one cable behind the other, are those of a model in their order
@@ -74,8 +74,6 @@ class RunTable:
         """Write the k-th run."""
         rows, of_run = self._rows(run.t)
         tension = run.segment_tension[of_run]
-        if len(tension) < len(self.t) or not self.tensions_in_order:
-            self._clear(k)
         for name, kept in self.kept.items():
             own = kept[k]
             if name in ("position", "velocity"):
@@ -100,14 +98,8 @@ class RunTable:
 
     def fail(self, k: int, error: Exception) -> None:
         """Write that the k-th run ended in an exception."""
-        self._clear(k)
         self.texts["reason"][k] = f"{type(error).__name__}: {error}"
         self.status[k] = FAILED
-
-    def _clear(self, k: int) -> None:
-        """NaN for all that is kept of the k-th run."""
-        for kept in self.kept.values():
-            kept[k] = np.nan
 
     def _rows(self, t: np.ndarray) -> tuple[Any, Any]:
         """Rows of this table for rows of a run; the state in which a run failed may be at a time that the others do not save."""
