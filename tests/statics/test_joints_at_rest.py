@@ -80,5 +80,5 @@ def test_what_is_pinned_to_a_free_body_has_no_rest_where_nothing_holds_that():
     scene = Scene(
         [Fixed("a", (0, 0, 0)), Fixed("b", (1, 0, 0))], [rope("a", "b", length=1.1)], [Gravity(G)], bodies=[first, second]
     )
-    with pytest.raises(NoRestError, match=r'nothing holds body "first" and the \d+ others it is tied to'):
+    with pytest.raises(NoRestError, match=r'nothing holds body "first" and the other it is tied to'):
         equilibrium(scene)
