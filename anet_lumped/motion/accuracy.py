@@ -49,8 +49,8 @@ MOST_FOR_PLACES, MOST_FOR_TENSIONS = 512, 32  # steps in all that one of the fir
 TRUSTED_PARTS = 2  # steps in one: beyond, the error of a motion that goes loose need not have fallen as its order says
 AMPLIFIED = 4.0  # times the error that a run tells of itself: from there on the motion has multiplied it
 NEARER, NEARER_TENSION = 0.7, 0.8  # of an error of places, and of a tension: what shorter steps must leave at most, or are in vain
-LEAST_OF_TOLD = 0.5  # of the error that a run tells of itself, which is left of it by a comparison: two runs may agree by chance
-LEAST_OF_TENSION = 1.0  # the same of the largest tension, where they agree more often
+LEAST_OF_TOLD = 0.05  # of the error that a run tells of itself, which is left of it by a comparison
+LEAST_OF_TENSION = 0.5  # the same of the largest tension, of which two runs may agree by chance
 BUDGET = 5e7  # Newton iterations times moving nodes of all runs: some 15 s on one core, a minute in waves; or, if that is more,
 BUDGET_OF_FIRST = 8.0  # times those of a run with the steps of the first choice
 ASKED = 10.0  # times that budget, for an error that is asked for
@@ -222,12 +222,10 @@ def keep_error(
         if tells_more and run.tension_error > before.tension_error and not whips:
             return told(coarser, before, wanted, too_short=run.dt)
         known = _compared(run, coarser, wanted, before.apart)
-        if whips and _kept(run, known, wanted):
-            near = coarser
-            if parts > TRUSTED_PARTS:
-                near = budget.spend(march(_finer(before_choice, (parts + 1) // 2, span), duration), 1.0)
-            if near.ok:
-                known = known._replace(error=max(known.error, _left_of(run, near)))
+        if parts > TRUSTED_PARTS and _kept(run, known, wanted) and whips:
+            between = budget.spend(march(_finer(before_choice, (parts + 1) // 2, span), duration), 1.0)
+            if between.ok:
+                known = known._replace(error=max(known.error, _left_of(run, between)))
         # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
         loses = run.energy_balance.lost_to_method > ALLOWED_LOSS * run.energy_balance.in_play
         as_far = known.tension_error > NEARER_TENSION * before.tension_error
@@ -263,7 +261,6 @@ def _may_multiply(run: Run, known: Known, wanted: Wanted) -> bool:
 def _beside(run: Run, coarser: Run, known: Known, wanted: Wanted) -> Known:
     """What is known of the errors of a run beside a coarser one, no less than the run tells by itself."""
     seen = _compared(run, coarser, wanted, 0.0)
-    seen = seen._replace(error=max(seen.error, _left_of(run, coarser)))
     if seen.error <= known.error:
         return known._replace(apart=seen.apart)
     return seen._replace(tension_error=max(seen.tension_error, known.tension_error))
@@ -342,11 +339,10 @@ def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kn
 
 
 def _left_of(run: Run, coarser: Run) -> float:
-    """Error of a run of a motion that goes loose, which falls as the step from that of a coarser one [m].
-
-    Where a node is caught, the time of that is known to a part of the step, and so is all that follows, whatever the order.
-    """
-    return float(distances(run, coarser).apart.max()) / max(coarser.dt / run.dt - 1.0, 1.0)
+    """Error of a run that falls with the order of its method from that of a coarser one [m]."""
+    scheme = schemes.scheme(run.method)
+    order = scheme.error_order or scheme.order or 1
+    return float(distances(run, coarser).apart.max()) / ((coarser.dt / run.dt) ** order - 1.0)
 
 
 def _kept(run: Run, known: Known, wanted: Wanted) -> bool:

@@ -235,32 +235,22 @@ def test_messages(options, message):
         simulate(swing(), 0.1, start="straight", **options)
 
 
-@pytest.mark.parametrize(("factor", "share"), [(1.6, None), (1.0, 1.0)])
+@pytest.mark.parametrize(("factor", "share"), [(1.3, None), (1.0, 0.5)])
 def test_two_runs_correct_what_the_finer_one_tells_of_its_largest_tension(factor, share):
-    """By what their largest tensions differ over what the coarser one told; where they agree, which may be chance, it stands."""
+    """By what their largest tensions differ over what the coarser one told; where they agree, which may be chance, half is left."""
     coarse, fine = (simulate(swing(), 1.0, start="straight", method="edmc", dt=dt, save_every=0.02) for dt in (0.02, 0.01))
     alike = replace(fine, segment_tension=factor * coarse.segment_tension)  # tells as much of itself, but for lost energy
     known = _compared(alike, coarse, Wanted(None, 0.02), math.inf)
     expected = (1.0 - 1.0 / factor) / coarse.tension_error if share is None else share
-    assert known.tension_error == pytest.approx(alike.tension_error * max(expected, 1.0), rel=1e-12)
-    assert share is not None or expected > 1.0
+    assert known.tension_error == pytest.approx(alike.tension_error * max(expected, 0.5), rel=1e-12)
+    assert share is not None or expected > 0.5
 
 
 def test_the_word_of_one_run_is_not_enough_for_a_motion_that_goes_loose():
-    """A net that is let go stretched up to 27 times: its pilot asked for an eighth of the step, and its run told 1.8 of 60 mm."""
+    """A net that is let go stretched up to 27 times: its pilot asked for an eighth of the step, and the run told 1.8 of 60 mm."""
     trial = draw(Random((90433, 182)))
     run = simulate(trial.scene, trial.t_end, start="straight")
     finer = simulate(trial.scene, trial.t_end, start="straight", method=run.method, dt=run.dt / 4.0, save_every=run.t[1] - run.t[0])
     off = np.linalg.norm(run.q - finer.q, axis=2).max()
-    assert off > 5.0 * Wanted(None, TENSION_ERROR).of_places(run)
+    assert off > 10.0 * Wanted(None, TENSION_ERROR).of_places(run)
     assert run.kept is False and 0.25 < run.error_estimate / off < 4.0
-
-
-def test_what_two_runs_agree_on_by_chance_is_not_half_of_what_one_tells():
-    """A weight on one segment is caught and flies off: eight times as long a step told so much too much that 2.5 mm became 0.3."""
-    cable = Cable("a", "b", length=1.0, mass_per_length=0.13060211217440765, EA=19748.419930827313, zeta=0.02, segments=1)
-    points = [Fixed("a", (0.0, 0.0, 0.0)), Free("b", mass=0.9898811791345818, at=(0.10477099566965434, 0.0, -0.31431298700896304))]
-    run = simulate(Scene(points, [cable], [Gravity(9.81)]), 3.0 * math.sqrt(1.0 / 9.81), start="straight")
-    fine = simulate(run.scene, run.t[-1], start="straight", method=run.method, dt=run.dt / 32.0, save_every=run.t[1] - run.t[0])
-    assert run.kept and run.error_factor >= 0.5
-    assert np.linalg.norm(run.q - fine.q, axis=2).max() < 1e-3
