@@ -28,6 +28,7 @@ from .place_rows import (
 )
 
 SEEN = 1e-5  # of the longest cable: less error than that may grow unseen
+ROUNDING = 1e-12  # of the extent of a scene: places that are less off a line are on it
 LARGEST_EXPONENT = 300.0  # of which the exponential is a number
 
 
@@ -92,7 +93,24 @@ def _is_seen(run: Any) -> bool:
     if run.model.has_bodies or any(effect.coupled_neighbours >= BENDS for effect in run.scene.effects):
         return False
     error, least = run.error_growth[-1], SEEN * run.scene.longest
-    return error > least or error * math.exp(min(buckling_exponents(run)[-1], LARGEST_EXPONENT)) > least
+    exponent = min(buckling_exponents(run)[-1], LARGEST_EXPONENT)
+    if exponent > 0.0 and _on_one_line(run.q):
+        return False  # nothing is off the line that buckling could multiply
+    return error > least or error * math.exp(exponent) > least
+
+
+def _on_one_line(q: np.ndarray) -> bool:
+    """Whether all places (k, n, 3) of all times are on one line."""
+    first = q[0] - q[0, 0]
+    lengths = np.linalg.norm(first, axis=1)
+    if (extent := lengths.max()) == 0.0:
+        return True
+    along = first[lengths.argmax()] / extent
+
+    def off(away: np.ndarray) -> float:
+        return float(np.abs(away - (away @ along)[..., None] * along).max())
+
+    return off(first) <= ROUNDING * extent and off(q - q[0, 0]) <= ROUNDING * extent
 
 
 def _falls(scene: Any) -> bool:

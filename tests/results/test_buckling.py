@@ -10,6 +10,7 @@ from anet_lumped.effects import Bending
 from anet_lumped.model.build import build
 from anet_lumped.results.amplification import amplification
 from anet_lumped.results.buckling import TURNS, first_buckled
+from anet_lumped.results.saved_motion import SEEN
 from studies.catalogue.random_motions import random_motion
 
 ASIDE, L, APART, EA, MU = 1e-6, 1.1, 1.0, 100.0, 0.1
@@ -47,6 +48,16 @@ def test_what_pushes_multiplies_errors_across_it(aside):
     middle = (grown > 1.0) & (run.t < 5.5 / rate)  # the largest of some rows looks ahead, and ends with the run
     assert np.polyfit(run.t[middle], grown[middle], 1)[0] == pytest.approx(rate, rel=0.01)
     assert run.multiplies > 1.0 or run.error_estimate > run.error_growth[-1]
+
+
+def test_nothing_is_multiplied_on_a_straight_line():
+    """Two segments that push along a line keep to it to the last digit; the run warns of what they may do."""
+    scene, start = pushed(aside=0.0)
+    start.v[start.model.nodes("a-b")[1], 0] = 0.1
+    run = simulate(scene, 0.5, method="edmc", dt=2e-3, save_every=2e-3, start=start)
+    assert run.error_growth[-1] > SEEN * scene.longest
+    assert not amplification(run).any()
+    assert first_buckled(run) is not None
 
 
 def test_what_pulls_or_bends_does_not_buckle():
