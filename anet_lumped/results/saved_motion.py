@@ -93,10 +93,12 @@ def _is_seen(run: Any) -> bool:
     if run.model.has_bodies or any(effect.coupled_neighbours >= BENDS for effect in run.scene.effects):
         return False
     error, least = run.error_growth[-1], SEEN * run.scene.longest
+    on_one_line = _on_one_line(run.q)
+    if error > least and not on_one_line:
+        return True
     exponent = min(buckling_exponents(run)[-1], LARGEST_EXPONENT)
-    if exponent > 0.0 and _on_one_line(run.q):
-        return False  # nothing is off the line that buckling could multiply
-    return error > least or error * math.exp(exponent) > least
+    nothing_to_grow = on_one_line and exponent > 0.0  # by buckling, which multiplies what is off the line
+    return error * math.exp(exponent) > least and not nothing_to_grow
 
 
 def _on_one_line(q: np.ndarray) -> bool:
@@ -110,7 +112,8 @@ def _on_one_line(q: np.ndarray) -> bool:
     def off(away: np.ndarray) -> float:
         return float(np.abs(away - (away @ along)[..., None] * along).max())
 
-    return off(first) <= ROUNDING * extent and off(q - q[0, 0]) <= ROUNDING * extent
+    # most motions leave a line between their first and their last state, which spares a look at all of them
+    return all(off(rows - q[0, 0]) <= ROUNDING * extent for rows in (q[:1], q[-1:], q))
 
 
 def _falls(scene: Any) -> bool:

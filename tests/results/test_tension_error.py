@@ -14,7 +14,7 @@ from anet_lumped import Cable, Fixed, Free, PayloadChange, Scene, equilibrium, s
 from anet_lumped.effects import Gravity
 from anet_lumped.results.energy_balance import BY_METHOD, lost_share
 from anet_lumped.results.events import BREAK, Event
-from anet_lumped.results.tension_error import Mode, look_at, lowest_axial_mode
+from anet_lumped.results.tension_error import Mode, look_at, lowest_axial_mode, snap_tension
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.5, 1.0, 3.0])
@@ -191,6 +191,7 @@ def test_a_loose_node_that_is_caught_sends_off_a_wave():
     assert caught.tension_error == pytest.approx(1.0 - 1.0 / wave, rel=1e-12)
     tension[1:5, 1:3] = tension[0, 1:3] = 0.0  # slack from the start, and caught at the second saved time
     tension[1:, 1:3] = 1.0
+    assert snap_tension(replace(caught, segment_tension=tension)) == 0.0
     assert replace(caught, segment_tension=tension).tension_error < 0.7
 
 
