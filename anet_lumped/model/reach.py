@@ -2,7 +2,7 @@
 
 Between two held points the cables of a net that do not stretch, and the bodies that they end at, leave no more room than the
 shortest way along them. That is enough for a chain. Three supports may be too far from a point that each of them could reach: then
-no shape has the lengths of all cables, and `overlong` finds it in that which has been found.
+no shape has the lengths of all cables. `overlong` finds it in that which has been found, `meeting` without a shape.
 """
 
 import heapq
@@ -75,25 +75,13 @@ def shortfall(scene, t, free=None, straight=False, driven=None):
     rigid = [cable for cable in scene.cables if cable.inextensible]
     if not rigid:
         return None
-    lengths, at = rest_lengths.at_time(scene, t), {}
-    for point in scene.all_points:
-        if isinstance(point, Free):
-            if free is not None:
-                at[point.name] = free[point.name]
-        elif driven is not None and point.name in driven:
-            at[point.name] = driven[point.name]
-        else:
-            at[point.name] = np.asarray(point.path.at(t)[0] if isinstance(point, Driven) else point.at, float)
+    lengths, at = rest_lengths.at_time(scene, t), held_places(scene, t, free, driven)
     ways = {}
     for cable in rigid:
         for here, there in ((cable.start, cable.end), (cable.end, cable.start)):
             ways.setdefault(here, []).append((there, (cable.name,), (), lengths.get(cable.name, cable.length), cable.segments))
-    for body in scene.bodies if free is None else ():
-        ends = {f"{body.name}.{name}": np.asarray(place, float) for name, place in dict(body.attachments).items()}
-        for here, place in ends.items():
-            for there in ends.keys() & ways.keys() - {here} if here in ways else ():
-                apart = float(np.linalg.norm(ends[there] - place))
-                ways[here].append((there, (), (body.name,), apart, 1))
+    for here, there, body, apart in across_bodies(scene, ways.keys()) if free is None else ():
+        ways[here].append((there, (), (body,), apart, 1))
     places = np.array(list(at.values()))
     for begin in at:
         farthest = float(np.abs(places - at[begin]).sum(axis=1).max())
@@ -103,6 +91,29 @@ def shortfall(scene, t, free=None, straight=False, driven=None):
             if distance > length * least:
                 return Shortfall(names, bodies, length, distance, (begin, end), t)
     return None
+
+
+def held_places(scene, t, free=None, driven=None):
+    """Places (3,) [m] of the points that are held at a time, by name; ``free`` and ``driven`` as in `shortfall`."""
+    at = {}
+    for point in scene.all_points:
+        if isinstance(point, Free):
+            if free is not None:
+                at[point.name] = free[point.name]
+        elif driven is not None and point.name in driven:
+            at[point.name] = driven[point.name]
+        else:
+            at[point.name] = np.asarray(point.path.at(t)[0] if isinstance(point, Driven) else point.at, float)
+    return at
+
+
+def across_bodies(scene, ends):
+    """Every attachment, each other one of its body, the body's name and how far they are apart [m], of those in ``ends`` alone."""
+    for body in scene.bodies:
+        places = {f"{body.name}.{name}": np.asarray(place, float) for name, place in dict(body.attachments).items()}
+        for here in places.keys() & ends:
+            for there in places.keys() & ends - {here}:
+                yield here, there, body.name, float(np.linalg.norm(places[there] - places[here]))
 
 
 def _shortest_ways(ways, begin, held, longest):

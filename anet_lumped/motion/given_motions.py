@@ -7,6 +7,7 @@ import numpy as np
 
 from anet_lumped.checks import InputError, quoted, shown
 from anet_lumped.model.body_rotation import turn_of_points
+from anet_lumped.model.meeting import too_far_to_meet
 from anet_lumped.model.reach import shortfall
 from anet_lumped.prescribed.path_kernel import lead
 from anet_lumped.prescribed.turning import coefficients
@@ -111,10 +112,10 @@ class GivenMotions:
         points = {point.name for point in self.scene.points}
         if not all(track.name in points for track in self.tracks):
             return ""
-        short = shortfall(
-            self.scene, t, driven={track.name: self.given[1, k, 0] + self.origin for k, track in enumerate(self.tracks)}
-        )
-        return "" if short is None else f" {short.words}"
+        driven = {track.name: self.given[1, k, 0] + self.origin for k, track in enumerate(self.tracks)}
+        short = shortfall(self.scene, t, driven=driven)
+        words = too_far_to_meet(self.scene, t, driven) if short is None else short.words
+        return "" if words is None else f" {words}"
 
     def _track(self, name: Any, kind: str) -> int | None:
         """Number of a track, or None."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.model.build import build
+from anet_lumped.model.meeting import too_far_to_meet
 from anet_lumped.model.reach import first_shortfall
 from anet_lumped.model.remainder import Remainder, remainder
 from anet_lumped.model.tables import CABLE_SEGMENTS
@@ -105,12 +106,21 @@ def march_legs(march, scene, choice, start, t_end, save_every, settings):
         made.add(run if handover is None else handover.with_jump(run))
         nearly_taut = short is not None and run.status == STATUS[UNCONVERGED] and short.t - made.t <= NEARLY_TAUT * run.dt
         if nearly_taut or (short is not None and run.ok and leg.end >= short.t):
-            text = f"The run stopped at t={made.t:.4g} s. {short.words}"
-            return replace(joined(made, handover), status=STATUS[UNCONVERGED], message=text)
+            return _stopped(made, handover, short.words)
+        if short is None and run.status == STATUS[UNCONVERGED]:
+            words = too_far_to_meet(own.model.scene, min(made.t + NEARLY_TAUT * run.dt, end))
+            if words is not None:
+                return _stopped(made, handover, words)
         if run.status == STATUS[EVENT]:
             made.give_way(made.overloaded(at_least=1 if handover is None or handover.slack else 0))
         if made.t >= t_end or run.status not in (STATUS[DONE], STATUS[EVENT]):
             return joined(made, handover)
+
+
+def _stopped(made, handover, why):
+    """All legs so far as a Run that stopped where cables do not reach."""
+    text = f"The run stopped at t={made.t:.4g} s. {why}"
+    return replace(joined(made, handover), status=STATUS[UNCONVERGED], message=text)
 
 
 def joined(made, handover):
