@@ -12,6 +12,7 @@ SCRATCH = (
     "far_factor", "border_work", "newton_step", "middle_q", "middle_v", "near_blocks", "far_blocks", "added_mass",
 )  # fmt: skip
 LINE = 8  # numbers in a cache line, at which each array begins
+BEFORE_THE_FIRST_STAGE = nothing_linearised()
 SCRATCH_OF_BODIES = ("arm_end", "arm_mean", "slowing", "state")
 
 
@@ -85,5 +86,5 @@ def renew(net, model):
         getattr(net.bodies, name).fill(0.0)
     net.points.block.fill(0.0)
     net.carried.values.fill(0.0)
-    net.linearised[:] = nothing_linearised()
+    net.linearised[:] = BEFORE_THE_FIRST_STAGE
     return True

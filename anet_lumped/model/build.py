@@ -49,6 +49,16 @@ _KNOWN = {}  # what scenes share, `_topology`: the model of one of them
 def build(scene):
     """Cut a scene into nodes and segments and choose the elimination order.
 
+    Returns
+    -------
+    Model
+    """
+    return build_anew(scene)
+
+
+def build_anew(scene):
+    """`build` of a scene that has not been built: to look for it among those that have would take a tenth of the time.
+
     What only names and ends of the parts of a scene decide is kept for the next scene that has the same, see `refilled`.
 
     Returns
@@ -114,7 +124,7 @@ def refilled(known, scene):
         groups, single, kinds = _groups(known.cable, axial, np.array([one.creeps for one in scene.cables]))
         vars(model).update(cable_groups=groups, single_cables=single, single_kinds=kinds)
         vars(model).pop("trails", None)
-    vars(model).update(effects=_effect_tables(model.forces, model, known.forces, known.kinds_of_library))
+    vars(model).update(effects=_effect_tables(model.forces, model, known))
     if rest_lengths.changes(scene) or len(known.lengths.cable):
         vars(model).pop("trails", None)
         vars(model).update(lengths=rest_lengths.table(scene, model, _cut))
@@ -177,33 +187,40 @@ def _numbers(scene, node_of, cable, n_free):
     ------
     SceneError : a frequency that is beyond what numbers hold
     """
-    mass = np.zeros(len(node_of) + sum(one.segments - 1 for one in scene.cables))
+    rows, axial, runs, inside = {}, [], cable[:, : CABLE_END + 1].tolist(), []
+    first = sum(one.segments - 1 for one in scene.cables)
+    ends = [0.0] * len(node_of)  # masses of points, whose nodes are behind those inside of cables
     for point in scene.all_points:
         if isinstance(point, Free):
-            mass[node_of[point.name]] = point.mass
-    rows, axial, runs = {}, [], cable[:, : CABLE_END + 1].tolist()
-    for one, (_, count, node, start, end) in zip(scene.cables, runs, strict=True):
-        numbers = (one.length, count, one.mass_per_length, one.EA, one.zeta, one.BA, one.EA_dynamic, one.EA_compression)
+            ends[node_of[point.name] - first] = point.mass
+    for one, (_, _, _, start, end) in zip(scene.cables, runs, strict=True):
+        numbers = (one.length, one.segments, one.mass_per_length, one.EA, one.zeta, one.BA, one.EA_dynamic, one.EA_compression)
         alike = (*numbers, one.compression, one.tension_strain, one.working_curve)
         if alike not in rows:
             rows[alike] = _axial_row(one), 0.5 * one.mass_per_length * one.L0
         row, half = rows[alike]
-        axial.append(row)
-        mass[node : node + count - 1] = 2.0 * half
-        mass[start] += half
-        mass[end] += half
-    table = np.array(axial).reshape(-1, AXIAL_COLUMNS)
-    for c, (row, (_, count, node, start, end)) in enumerate(zip(axial, runs, strict=True)):
-        at_start, at_end = (1.0 / float(mass[i]) if i < n_free else 0.0 for i in (start, end))
-        inside = 1.0 / float(mass[node]) if count > 1 else 0.0
-        largest = max(at_start + inside, inside + at_end, 2.0 * inside if count > 2 else 0.0) if count > 1 else at_start + at_end
-        table[c, AXIAL_OMEGA_SQUARED] = row[AXIAL_STIFFNESS] * largest
-        if not table[c, AXIAL_OMEGA_SQUARED] <= LARGEST**2:
+        axial.append(row.copy())
+        inside.append(2.0 * half)
+        ends[start - first] += half
+        ends[end - first] += half
+    for c, (row, own, (_, count, _, start, end)) in enumerate(zip(axial, inside, runs, strict=True)):
+        at_start, at_end = (1.0 / ends[i - first] if i < n_free else 0.0 for i in (start, end))
+        of_inside = 1.0 / own if count > 1 else 0.0
+        largest = (
+            max(at_start + of_inside, of_inside + at_end, 2.0 * of_inside if count > 2 else 0.0) if count > 1 else at_start + at_end
+        )
+        row[AXIAL_OMEGA_SQUARED] = row[AXIAL_STIFFNESS] * largest
+        if not row[AXIAL_OMEGA_SQUARED] <= LARGEST**2:
             one = scene.cables[c]
             raise SceneError(
                 f"The frequencies of a cable must be up to {LARGEST:g} rad/s, but cable {quoted(one.name)} has segments of "
-                f"{one.stiffness:g} N/m on nodes of {1.0 / max(at_start, inside, at_end):g} kg."
+                f"{one.stiffness:g} N/m on nodes of {1.0 / max(at_start, of_inside, at_end):g} kg."
             )
+    mass = np.empty(first + len(ends))
+    for own, (_, count, node, _, _) in zip(inside, runs, strict=True):
+        mass[node : node + count - 1] = own
+    mass[first:] = ends
+    table = np.array(axial).reshape(-1, AXIAL_COLUMNS)
     return mass, table
 
 
@@ -268,34 +285,45 @@ def _groups(cable, axial, creeps):
     return np.array(groups, np.int64).reshape(-1, WIDTH + 1), single, np.cumsum([len(kind) for kind in kinds[:2]]).astype(np.int64)
 
 
-def _effect_tables(effects, model, checked=(), checked_kinds=()):
+def _effect_tables(effects, model, known=None):
     """Tables and addresses of the compiled functions of the effects present; ``model`` is complete but for them.
 
-    What effects say of themselves is compared with what they do, but for those among ``checked`` and those of ``checked_kinds``.
+    What effects say of themselves is compared with what they do, but for those of the model ``known`` and those of the kinds of
+    the library that it has.
     """
-    index, params, inner, begin = [], [], [np.empty(0, np.int64)], 0
+    checked, checked_kinds = ((), ()) if known is None else (known.forces, known.kinds_of_library)
+    index, params, inner, begin = [], [], [], 0
     for effect in effects:
         of_known = type(effect) in checked_kinds or effect in checked
         if not of_known:
             check_kernels(effect)
-        own = [np.asarray(numbers, kind) for numbers, kind in zip(effect.table(model), (np.int64, float), strict=True)]
-        if any(numbers.ndim != 1 for numbers in own):
+        own_index, own_params = effect.table(model)
+        own_index, own_params = np.asarray(own_index, np.int64), np.asarray(own_params, float)
+        if own_index.ndim != 1 or own_params.ndim != 1:
             raise SceneError(
                 "The `table` of an effect must return two flat arrays, index and params, but of effect "
-                f"{type(effect).__name__} they have shapes {own[0].shape} and {own[1].shape}."
+                f"{type(effect).__name__} they have shapes {own_index.shape} and {own_params.shape}."
             )
         if not of_known:
-            check_claims(effect, model, *own)
-        index.append(own[0])
-        params.append(own[1])
-        inner.append(begin + effect.inner_states(*own))
-        begin += len(own[1])
+            check_claims(effect, model, own_index, own_params)
+        index.append(own_index)
+        params.append(own_params)
+        inner.append(begin + effect.inner_states(own_index, own_params))
+        begin += len(own_params)
+    alike = known is not None and effects == checked  # then the functions are the same, too
     return Effects(
-        address=np.array([addresses(effect) for effect in effects], np.int64).reshape(-1, len(SLOTS)),
-        index=np.concatenate([*index, np.empty(0, np.int64)]),
+        address=known.effects.address
+        if alike
+        else np.array([addresses(effect) for effect in effects], np.int64).reshape(-1, len(SLOTS)),
+        index=_joined(index, np.int64),
         index_at=np.array([0, *accumulate(map(len, index))], np.int64),
-        params=np.concatenate([*params, np.empty(0)]),
+        params=_joined(params, float),
         params_at=np.array([0, *accumulate(map(len, params))], np.int64),
         linear_in_node_state=int(all(effect.linear_in_node_state for effect in effects)),
-        inner=np.concatenate(inner),
+        inner=_joined(inner, np.int64),
     )
+
+
+def _joined(parts, kind):
+    """A new flat array of flat ones, one behind the other, which may be none."""
+    return parts[0].copy() if len(parts) == 1 else np.concatenate([*parts, np.empty(0, kind)])

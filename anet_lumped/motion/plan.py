@@ -102,8 +102,11 @@ def check_start(scene: Scene, begin: State) -> None:
     """Refuse a start whose nodes are too far from each other, or whose points that a session drives are elsewhere."""
     _check_external(scene, begin)
     _check_held(scene, begin)
+    most, places = largest_distance(scene), begin.q.ravel()
+    if 2.0 * math.sqrt(float(places @ places)) < 0.9 * most:
+        return  # the farthest from the origin, and any two from each other, are no farther than that
     along = np.ascontiguousarray(begin.q.T)  # the largest of three rows takes a seventh of that of three columns
-    apart, most = float((along.max(axis=1) - along.min(axis=1)).max()), largest_distance(scene)
+    apart = float((along.max(axis=1) - along.min(axis=1)).max())
     if not apart < most:
         raise InputError(
             f"Nodes must start within {most:.3g} m of each other, beyond which a motion counts as diverged, but they are "

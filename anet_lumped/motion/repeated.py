@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from anet_lumped.mechanics.renew_net import can_be_renewed, renew, renewable_net
-from anet_lumped.model.build import build
+from anet_lumped.model.build import build_anew
 from anet_lumped.model.model import Model
 from anet_lumped.results.run import Run, RunInterrupt
 from anet_lumped.results.state import State
@@ -51,6 +51,7 @@ class Repeated:
         self.asked, self.start, self.rho_inf = asked, start, rho_inf
         self.at_rest: Any = None
         self.planned: tuple[Any, Plan] | None = None
+        self.last_model: tuple[Scene | None, Any] = None, None
         self.last_near: tuple[Scene | None, bool] = None, False
         self.last_points: tuple[Any, float] = None, 0.0  # points and bodies, and their largest coordinate [m]
         self.last_steps: tuple[tuple[float, float], tuple[FixedSteps, int]] | None = None
@@ -60,7 +61,14 @@ class Repeated:
         """Whether runs of a scene can be made here, as far as it alone tells: fixed steps to its end, without events."""
         given = self.asked.dt is not None and self.asked.rtol is None and self.asked.atol is None
         able = self.asked.method is None or schemes.scheme(self.asked.method).own
-        return given and able and not scene.events and self._is_near(scene) and can_be_renewed(build(scene))
+        return given and able and not scene.events and self._is_near(scene) and can_be_renewed(self._model(scene))
+
+    def _model(self, scene: Scene) -> Model:
+        """`build` of a scene; `serves`, `begin` and `rest` ask in turn."""
+        if self.last_model[0] is not scene:
+            self.last_model = scene, build_anew(scene)
+        model: Model = self.last_model[1]
+        return model
 
     def _is_near(self, scene: Scene) -> bool:
         """Whether a scene is computed about its own origin; `serves` and `rest` ask in turn."""
@@ -144,17 +152,17 @@ class Repeated:
         """State that a run of a scene starts from."""
         if isinstance(self.start, str) and self.start == "equilibrium":
             return self.rest(scene)
-        return start_state(build(scene), self.start)
+        return start_state(self._model(scene), self.start)
 
     def rest(self, scene: Scene) -> State:
         """`equilibrium` of a scene."""
         if not self._is_near(scene):
             return equilibrium(scene)
-        model, found = build(scene), None
+        model, found = self._model(scene), None
         if self.at_rest is None and can_be_renewed(model):
             self.at_rest = renewable_net(model, force=False, newton=False)
         if self.at_rest is not None and can_be_renewed(model) and renew(self.at_rest, model):
-            found = rest_on(self.at_rest, scene)
+            found = rest_on(self.at_rest, model)
         return equilibrium(scene) if found is None else found
 
     def march_of(self, begin: State, plan: Plan, room: int = 0) -> March | None:

@@ -62,19 +62,19 @@ def findings(run, adaptive=False):
     dict of Finding to str
     """
     step = "a smaller tolerance" if adaptive else f"a smaller step than dt={run.dt:.3g} s"
-    texts = {
-        Finding.UNACCOUNTED_ENERGY: _unaccounted_energy(run, step),
-        Finding.TAKEN_BY_METHOD: _taken_by_method(run, step, adaptive),
-        Finding.EXCESS_LENGTH: _excess_length(run, step),
-        Finding.FAR_FROM_LIMIT: _far_from_limit(run, step),
-        Finding.WIND_UNDER_WATER: _wind_under_water(run),
-        Finding.STOOD_STILL: _stood_still(run),
-        Finding.THROUGH_AN_OBSTACLE: _through_an_obstacle(run, step),
-        Finding.MULTIPLIED_ERRORS: _multiplied_errors(run),
-        Finding.THROWN_AT_START: "" if adaptive or run.kept else _thrown_at_start(run, step),
-        Finding.TAKEN_IN_PARTS: "" if adaptive or run.extrapolated else _taken_in_parts(run),
-    }
-    return {finding: text for finding, text in texts.items() if text}
+    texts = (
+        (Finding.UNACCOUNTED_ENERGY, _unaccounted_energy(run, step)),
+        (Finding.TAKEN_BY_METHOD, _taken_by_method(run, step, adaptive)),
+        (Finding.EXCESS_LENGTH, _excess_length(run, step)),
+        (Finding.FAR_FROM_LIMIT, _far_from_limit(run, step)),
+        (Finding.WIND_UNDER_WATER, _wind_under_water(run)),
+        (Finding.STOOD_STILL, _stood_still(run)),
+        (Finding.THROUGH_AN_OBSTACLE, _through_an_obstacle(run, step)),
+        (Finding.MULTIPLIED_ERRORS, _multiplied_errors(run)),
+        (Finding.THROWN_AT_START, "" if adaptive or run.kept else _thrown_at_start(run, step)),
+        (Finding.TAKEN_IN_PARTS, "" if adaptive or run.extrapolated else _taken_in_parts(run)),
+    )
+    return {finding: text for finding, text in texts if text}
 
 
 def warnings_of(run, adaptive=False):
@@ -249,6 +249,8 @@ def _far_from_limit(run, step):
 
 def _wind_under_water(run):
     """Wind acts below the surface of the water where the air is not told that there is one."""
+    if len(run.scene.effects) < 2:
+        return ""
     acting = {REGISTRY.name_of(effect): effect for effect in run.scene.effects}
     air, water = acting.get("air"), acting.get("water")
     if air is None or water is None or air.wind is None or air.surface is not None or not (run.q[..., 2] < water.level).any():

@@ -1,5 +1,6 @@
 """The account of energy of a run: where it went, and what of that a method took that no force took."""
 
+import math
 import warnings
 from dataclasses import dataclass
 from typing import Any
@@ -53,24 +54,26 @@ class EnergyBalance:
     @staticmethod
     def of(rows: np.ndarray) -> "EnergyBalance":
         """Balance of saved rows, with the columns `COLUMNS`, or `UNDIVIDED` of a run saved by version 0.1 [J]."""
-        change = rows[-1] - rows[0]
-        kinetic, elastic, potential, work = change[:BY_DAMPERS]
         divided = rows.shape[1] == len(COLUMNS)
-        dissipated = change[BY_DAMPERS:].sum()
+        change = (rows[-1] - rows[0]).tolist()
+        kinetic, elastic, potential, work = change[:BY_DAMPERS]
+        dissipated = 0.0
+        for taken in change[BY_DAMPERS:]:  # `sum` rounds in another way from Python 3.12 on
+            dissipated += taken
         in_play = energy_in_play(rows)
         off = abs(kinetic + elastic + potential - work + dissipated)
-        by_dampers, by_effects, by_method = map(float, change[BY_DAMPERS:]) if divided else (None, None, None)
+        by_dampers, by_effects, by_method = change[BY_DAMPERS:] if divided else (None, None, None)
         return EnergyBalance(
-            float(kinetic),
-            float(elastic),
-            float(potential),
-            float(work),
-            float(dissipated),
+            kinetic,
+            elastic,
+            potential,
+            work,
+            dissipated,
             by_dampers,
             by_effects,
             by_method,
-            in_play=float(in_play),
-            imbalance=float(off / in_play) if in_play else 0.0,
+            in_play=in_play,
+            imbalance=off / in_play if in_play else 0.0,
         )
 
     @property
@@ -101,11 +104,11 @@ def energy_in_play(rows: np.ndarray) -> float:
     Of rows with the columns `COLUMNS` or `UNDIVIDED`.
     """
     columns = np.ascontiguousarray(rows.T)  # of many rows, a sum along a row of seven takes ten times as long
-    largest, least = columns[: WORK + 1].max(axis=1), columns[: WORK + 1].min(axis=1)
-    work, potential = columns[WORK, 0], largest[POTENTIAL] - least[POTENTIAL]
-    dissipated = np.abs((columns[BY_DAMPERS:] - columns[BY_DAMPERS:, :1]).sum(axis=0)).max()
+    largest, least = columns[: WORK + 1].max(axis=1).tolist(), columns[: WORK + 1].min(axis=1).tolist()
+    work, potential = float(columns[WORK, 0]), largest[POTENTIAL] - least[POTENTIAL]
+    dissipated = float(np.abs((columns[BY_DAMPERS:] - columns[BY_DAMPERS:, :1]).sum(axis=0)).max())
     moved = largest[KINETIC], largest[ELASTIC], potential, largest[WORK] - work, work - least[WORK], dissipated
-    return float(np.max(moved))  # NaN of a run that diverged, if one is
+    return math.nan if any(map(math.isnan, moved)) else max(moved)  # NaN of a run that diverged, if one is
 
 
 def energies_in_play(rows: np.ndarray) -> np.ndarray:

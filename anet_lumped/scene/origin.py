@@ -5,7 +5,6 @@ A place of 5e6 m is rounded to 1e-9 m. In a segment of 0.1 m with EA = 1e6 N tha
 
 import math
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -69,7 +68,6 @@ def near_origin(scene: Scene) -> Near:
     return Near(scene, NONE_MOVED, refused)
 
 
-@lru_cache(maxsize=8)
 def largest_distance(scene: Scene) -> float:
     """Distance of two nodes, plus the difference of their velocities, beyond which a motion has diverged [m], [m/s]."""
     return DIVERGED * max(1.0, *(abs(x) for at in scene.supports for x in at), sum(cable.length for cable in scene.cables))

@@ -109,24 +109,30 @@ def spread(scene: Scene, of_held: Callable[[Scene], State]) -> State:
         raise
 
 
-def rest_on(net: Any, scene: Scene, tolerance: float = TOLERANCE) -> State | None:
-    """`equilibrium` of a scene near its origin on arrays that are there already, a fresh net of its model.
+def rest_on(net: Any, model: Model, tolerance: float = TOLERANCE) -> State | None:
+    """`equilibrium` of a scene near its origin, from its model, on arrays that are there already, a fresh net of it.
 
     Returns
     -------
     State or None
         None where effects rest in another way than they move, or where bodies do: then `equilibrium` makes arrays of its own.
     """
+    scene = model.scene
     if scene.bodies or scene.releases or any(effect.no_force_at_rest or effect.at_rest() != effect for effect in scene.effects):
         return None
-    return _rest(scene, tolerance, None, net)
+    return _rest_of(model, tolerance, None, net)
 
 
-def _rest(scene: Scene, tolerance: float, start: Start | None, net: Any = None) -> State:
-    """Static shape of a scene whose effects are `at_rest`; on the arrays of a fresh ``net`` of its model, if there is one."""
+def _rest(scene: Scene, tolerance: float, start: Start | None) -> State:
+    """Static shape of a scene whose effects are `at_rest`."""
+    return _rest_of(build(scene), tolerance, start)
+
+
+def _rest_of(model: Model, tolerance: float, start: Start | None, net: Any = None) -> State:
+    """`_rest` of the scene of a model; on the arrays of a fresh ``net`` of it, if there is one."""
     from .hanging_chains import first_guess, solve, unroll  # compiled when a first rest is asked for
 
-    model = build(scene)
+    scene = model.scene
     if scene.cables or all(effect.dead_load or effect.no_force_at_rest for effect in model.forces):
         _check_supports(model)
     given = None if start is None or (isinstance(start, str) and start == "equilibrium") else start_state(model, start)
