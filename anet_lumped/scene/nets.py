@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import MISSING
 from os import PathLike, fspath
 from typing import Any, Literal, NamedTuple
 
@@ -9,15 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from anet_lumped.checks import SceneError, Vector, check_count, check_number, check_vector, nearest, quoted, shown
+from anet_lumped.limits import BYTES, check_most
 
 from .cable import Cable
-from .netting import Netting
+from .mesh_files import read_mesh
+from .netting import Netting, Twines
 from .point import Fixed, Free
 
 __all__ = ["NetParts", "Netting", "cone", "from_edges", "from_file", "grid"]
 
+OF_NET = {"start", "end", "length", "name"}  # arguments of its cables that a net gives
 PATTERNS = ("square", "diagonal")
-SIDES = {"line": ((0, 1),), "triangle": ((0, 1), (1, 2), (2, 0)), "quad": ((0, 1), (1, 2), (2, 3), (3, 0))}  # of a file's cells
+BYTES_OF_CABLE = 1000.0  # of a net, with its share of the points: as measured from 30 x 30 to 200 x 200 meshes
 
 
 class NetParts(NamedTuple):
@@ -25,43 +29,6 @@ class NetParts(NamedTuple):
 
     points: tuple[Fixed | Free, ...]
     cables: tuple[Cable, ...]
-
-
-class _Twines:
-    """How many twines and knots of a netting the cables and points of a grid stand for.
-
-    Parameters
-    ----------
-    netting : Netting
-    corners : (4, 3) float64 [m], of the field
-    counts : (2,) int, steps of the lattice along its sides
-    diagonal : bool, whether bars run across the field
-    """
-
-    def __init__(self, netting: Netting, corners: np.ndarray, counts: tuple[int, int], diagonal: bool) -> None:
-        a, b, c, d = corners
-        steps = 0.5 * (b + c - a - d) / counts[0], 0.5 * (c + d - a - b) / counts[1]  # in the middle of the field
-        self.netting, self.counts, self.diagonal = netting, counts, diagonal
-        if diagonal:
-            self.bars = tuple(float(np.linalg.norm(steps[1] + sign * steps[0])) / netting.bar for sign in (1.0, -1.0))
-        else:
-            self.bars = tuple(float(np.linalg.norm(step)) / netting.bar for step in steps)
-
-    def _line(self, axis: int, k: int) -> float:
-        """Twines that the k-th line of cables across an axis stands for: half of those up to the next line on either side."""
-        return 0.5 * (self.bars[axis] + 1.0) if k in (0, self.counts[axis]) else self.bars[axis]
-
-    def of_bar(self, i: int, j: int, towards: int) -> float:
-        """Twines of the bar from the point (i, j) that goes on ``towards`` along the first side."""
-        if self.diagonal:
-            return self.bars[0 if towards > 0 else 1]
-        return self._line(1, j) if towards else self._line(0, i)
-
-    def knots(self, i: int, j: int) -> float:
-        """Knots of the point (i, j); of diagonal meshes those of its field, which a side halves."""
-        if not self.diagonal:
-            return self._line(0, i) * self._line(1, j)
-        return self.bars[0] * self.bars[1] * 0.5 ** ((i in (0, self.counts[0])) + (j in (0, self.counts[1])))
 
 
 class _Edge(NamedTuple):
@@ -78,7 +45,7 @@ def from_edges(
     edges: Iterable[Sequence[Any]],
     *,
     cable: Mapping[str, Any],
-    held: Iterable[Any] = (),
+    held: Any = (),
     border: Mapping[str, Any] | None = None,
     border_edges: Iterable[Sequence[Any]] = (),
     knot_mass: float = 0.0,
@@ -93,7 +60,7 @@ def from_edges(
         Places. Points of an array are named p0, p1 and so on.
     edges : pairs of numbers of points, or of names
     cable : dict, arguments of `Cable` beside its ends and its length; ``segments`` is 1 if it is not given
-    held : numbers or names of points that are Fixed
+    held : numbers or names of points that are Fixed, or one of them
     border : dict or None, arguments of `Cable` for the ``border_edges``, in place of those of ``cable``
     border_edges : pairs out of ``edges``
     knot_mass : float [kg], of each free point
@@ -106,36 +73,11 @@ def from_edges(
 
     Raises
     ------
-    SceneError : an edge or a held point that is none, a point without an edge, what a point or a cable refuses
+    SceneError : an edge or a held point that is none, an edge that is there twice, a point without one, what a part refuses
     """
     places = _places(points, name)
-    names = list(places)
-
-    def name_of(point: Any, what: str) -> str:
-        number = isinstance(point, int | np.integer) and not isinstance(point, bool) and 0 <= point < len(names)
-        if isinstance(point, str) and point in places:
-            return point
-        if not number or isinstance(points, Mapping):
-            kind = "names of its points" if isinstance(points, Mapping) else f"numbers from 0 to {len(names) - 1}"
-            raise SceneError(f"A net's {what} must be given by {kind}, but one is {shown(point)}.")
-        return names[point]
-
-    def pair(edge: Any, what: str) -> tuple[str, str]:
-        if not isinstance(edge, Sequence | np.ndarray) or isinstance(edge, str) or len(edge) != 2:
-            raise SceneError(f"A net's {what} must be pairs of points, but one is {shown(edge)}.")
-        return name_of(edge[0], what), name_of(edge[1], what)
-
-    pairs = [pair(edge, "edges") for edge in edges]
-    of_border = {frozenset(pair(edge, "border_edges")) for edge in border_edges}
-    strange = of_border - {frozenset(edge) for edge in pairs}
-    if strange:
-        raise SceneError(f"A net's border_edges must be among its edges, but {' to '.join(sorted(strange.pop()))} is not.")
-    if of_border and border is None:
-        raise SceneError("Argument `border` must be given for border_edges, but it is None.")
-    return _parts(
-        places, [_Edge(*edge, border=frozenset(edge) in of_border) for edge in pairs],
-        [name_of(point, "held points") for point in held], cable, border, knot_mass, slack, None, {},
-    )  # fmt: skip
+    names = None if isinstance(points, Mapping) else list(places)
+    return _of_edges(places, names, edges, cable, held, border, border_edges, knot_mass, slack)
 
 
 def grid(
@@ -186,11 +128,13 @@ def grid(
     if not isinstance(pattern, str) or pattern not in PATTERNS:
         raise SceneError(f"Argument `pattern` must be one of {', '.join(PATTERNS)}, but a grid has pattern={shown(pattern)}.")
     at = _array(corners, (4, 3), "corners", "a grid")
+    _check_field(at)
     diagonal = pattern == "diagonal"
     columns, rows = (2 * across, 2 * along) if diagonal else (across, along)
+    check_most(BYTES, BYTES_OF_CABLE * (2.0 if not diagonal else 4.0) * across * along, f"A grid of {across} by {along} meshes")
     lattice = [(i, j) for j in range(rows + 1) for i in range(columns + 1) if not diagonal or (i + j) % 2 == 0]
     places = {f"{name}{i}_{j}": _inside(at, i / columns, j / rows) for i, j in lattice}
-    twines = None if netting is None else _Twines(netting, at, (columns, rows), diagonal)
+    twines = None if netting is None else Twines(netting, at, (columns, rows), diagonal)
     edges: list[_Edge] = []
     inside = set(lattice)
     for i, j in lattice:
@@ -255,6 +199,7 @@ def cone(
     around, down = _counts(meshes, "a cone")
     if around < 3:
         raise SceneError(f"A cone must have at least 3 meshes around, but it has {around}.")
+    check_most(BYTES, BYTES_OF_CABLE * 2.0 * around * down, f"A cone of {around} by {down} meshes")
     radius, depth = (check_number(key, x, "m", "a cone", sign="positive") for key, x in (("radius", radius), ("depth", depth)))
     end_radius = check_number("end_radius", end_radius, "m", "a cone", sign="non-negative")
     centre = np.array(check_vector("at", at, "m", "a cone"))
@@ -278,16 +223,35 @@ def cone(
     return _parts(places, edges, _held(held, words, places), cable, border, knot_mass, slack, None, {})
 
 
-def from_file(path: str | PathLike[str], *, scale: float = 1.0, **arguments: Any) -> NetParts:
-    """Net of a mesh file, as CAD and meshing programs write them; the package meshio reads it.
+def from_file(
+    path: str | PathLike[str],
+    *,
+    cable: Mapping[str, Any],
+    scale: float = 1.0,
+    held: Any = (),
+    border: Mapping[str, Any] | None = None,
+    border_edges: Iterable[Sequence[Any]] = (),
+    knot_mass: float = 0.0,
+    slack: float = 0.0,
+    name: str = "p",
+) -> NetParts:
+    """Net of a mesh file, as CAD and meshing programs write them; the package meshio reads it, but for .obj files.
 
-    Its lines, and the sides of its triangles and quadrilaterals, become cables, each once.
+    Its lines, and the sides of its triangles, quadrilaterals and polygons, become cables, each once; sides with a node in their
+    middle become two. Points nearer to each other than 1e-6 of the size of the mesh are one, the first of them. Points of no line
+    and no surface are left out. Points have their numbers in the file, counted from 0, behind ``name``.
 
     Parameters
     ----------
-    path : str or path, of a file whose format meshio knows by its ending: .vtk, .msh, .obj, .stl, .ply, .inp and others
+    path : str or path, of a file whose format its ending tells: .obj, .vtk, .msh, .stl, .ply, .inp and others
+    cable : dict, arguments of `Cable` beside its ends and its length; ``segments`` is 1 if it is not given
     scale : float, length of a unit of the file [m], 1e-3 of a file in millimetres
-    **arguments : those of `from_edges`
+    held : numbers or names of points that are Fixed, or one of them
+    border : dict or None, arguments of `Cable` for the ``border_edges``, in place of those of ``cable``
+    border_edges : pairs of numbers or names; if none are given, the edges of one surface alone, the rim
+    knot_mass : float [kg], of each free point
+    slack : float, by which share cables are longer than the distance of their ends
+    name : str, that names of points begin with
 
     Returns
     -------
@@ -295,26 +259,66 @@ def from_file(path: str | PathLike[str], *, scale: float = 1.0, **arguments: Any
 
     Raises
     ------
-    ImportError : meshio is not installed
-    SceneError : no such file, one that meshio cannot read, one without lines and surfaces
+    ImportError : meshio is not installed, and the file is no .obj file
+    SceneError : no such file, one that cannot be read, one without lines and surfaces, one with cells that are neither
     """
-    import meshio
-
     scale = check_number("scale", scale, "m", "a mesh file", sign="positive")
-    try:
-        mesh = meshio.read(fspath(path))
-    except (Exception, SystemExit) as error:  # of readers of some thirty formats; some of them exit
-        raise SceneError(f"A mesh file must be one that meshio reads, but of {quoted(fspath(path))} it says: {error}") from None
-    corners = np.zeros((len(mesh.points), 3))
-    corners[:, : mesh.points.shape[1]] = scale * mesh.points  # those of a plane have two numbers
-    edges: dict[tuple[int, int], None] = {}
-    for block in mesh.cells:
-        for a, b in SIDES.get(block.type, ()):
-            edges |= dict.fromkeys(zip(*np.sort(block.data[:, [a, b]], axis=1).T.tolist(), strict=True))
-    if not edges:
-        kinds = ", ".join(sorted({block.type for block in mesh.cells})) or "none"
-        raise SceneError(f"A mesh file must have {', '.join(SIDES)} cells, but {quoted(fspath(path))} has {kinds}.")
-    return from_edges(corners, list(edges), **arguments)
+    mesh = read_mesh(path)
+    names = [f"{name}{i}" for i in mesh.one_of.tolist()]
+    places = {names[i]: scale * mesh.places[i] for i in sorted({end for edge in mesh.edges for end in edge})}
+    if border is not None and not border_edges:
+        if not mesh.rim:
+            raise SceneError(f"A mesh file must have surfaces for a `border` along their rim, but {quoted(fspath(path))} has none.")
+        border_edges = mesh.rim
+    return _of_edges(places, names, mesh.edges, cable, held, border, border_edges, knot_mass, slack)
+
+
+def _of_edges(places, names, edges, cable, held, border, border_edges, knot_mass, slack) -> NetParts:  # type: ignore[no-untyped-def]
+    """`NetParts` of points by name and edges; ``names`` are those of points that have numbers."""
+
+    def name_of(point: Any, what: str) -> str:
+        if isinstance(point, str) and point in places:
+            return point
+        number = isinstance(point, int | np.integer) and not isinstance(point, bool)
+        if names is None or not number or not 0 <= point < len(names):
+            kind = "names of its points" if names is None else f"numbers from 0 to {len(names) - 1}"
+            raise SceneError(f"A net's {what} must be given by {kind}, but one is {shown(point)}.")
+        if names[point] not in places:
+            raise SceneError(f"A net's {what} must be points of its edges, but {point} is of none.")
+        return names[point]
+
+    def pair(edge: Any, what: str) -> tuple[str, str]:
+        if not isinstance(edge, Sequence | np.ndarray) or isinstance(edge, str) or len(edge) != 2:
+            raise SceneError(f"A net's {what} must be pairs of points, but one is {shown(edge)}.")
+        return name_of(edge[0], what), name_of(edge[1], what)
+
+    pairs: dict[frozenset[str], tuple[str, str]] = {}
+    for edge in _listed(edges, "edges"):
+        start, end = pair(edge, "edges")
+        if start == end:
+            raise SceneError(f"A net's edges must join two points, but one joins {quoted(start)} to itself.")
+        if frozenset((start, end)) in pairs:
+            raise SceneError(f"A net's edges must be given once each, but {quoted(start)} to {quoted(end)} is there twice.")
+        pairs[frozenset((start, end))] = start, end
+    of_border = {frozenset(pair(edge, "border_edges")) for edge in _listed(border_edges, "border_edges")}
+    strange = of_border - pairs.keys()
+    if strange:
+        raise SceneError(f"A net's border_edges must be among its edges, but {' to '.join(sorted(strange.pop()))} is not.")
+    if bool(of_border) != (border is not None):
+        lacks = ("border", "border_edges, but it is None") if of_border else ("border_edges", "a border, but there are none")
+        raise SceneError(f"Argument `{lacks[0]}` must be given for {lacks[1]}.")
+    held = [held] if isinstance(held, str | int | np.integer) else _listed(held, "held points")
+    return _parts(
+        places, [_Edge(*ends, border=edge in of_border) for edge, ends in pairs.items()],
+        [name_of(point, "held points") for point in held], cable, border, knot_mass, slack, None, {},
+    )  # fmt: skip
+
+
+def _listed(things: Any, what: str) -> list[Any]:
+    """A list of what can be one."""
+    if isinstance(things, str) or not isinstance(things, Iterable):
+        raise SceneError(f"A net's {what} must be a list of them, but it has {shown(things)}.")
+    return list(things)
 
 
 def _parts(places, edges, held, cable, border, knot_mass, slack, netting, knots) -> NetParts:  # type: ignore[no-untyped-def]
@@ -326,7 +330,7 @@ def _parts(places, edges, held, cable, border, knot_mass, slack, netting, knots)
             raise SceneError(f"Argument `{argument}` of a net must be a dict of a cable's arguments, but it is {shown(given)}.")
     own = {"segments": 1} | dict(cable or {})
     rope = {"segments": 1} | dict(border or {})
-    taken = {"start", "end", "length", "name"} & (own.keys() | rope.keys())
+    taken = OF_NET & (own.keys() | rope.keys())
     if taken:
         raise SceneError(f"A net gives its cables {', '.join(sorted(taken))}, but the arguments of its cables have it, too.")
     slack = check_number("slack", slack, "", "a net")
@@ -343,20 +347,29 @@ def _parts(places, edges, held, cable, border, knot_mass, slack, netting, knots)
         free = {"mass": knot_mass + knot.get("mass", 0.0), "volume": knot.get("volume", 0.0)}
         at = tuple(place.tolist())
         points.append(Fixed(name, at) if name in held else Free(name, at=at, **free))
+    known = own if netting is None else netting.cable(1.0) | own
+    for argument, given in (("cable", known), ("border", known if border is None else rope)):
+        _check_arguments(argument, given)
     cables = []
     for start, end, twines, of_border in edges:
         arguments = rope if of_border else own if netting is None else netting.cable(twines) | own
         length = (1.0 + slack) * float(np.linalg.norm(places[end] - places[start]))
-        cables.append(Cable(start, end, length=length, **_known(arguments)))
+        cables.append(Cable(start, end, length=length, **arguments))
     return NetParts(tuple(points), tuple(cables))
 
 
-def _known(arguments: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Arguments of a `Cable`, if they are."""
-    wrong = [key for key in arguments if key not in Cable.__dataclass_fields__]
+def _check_arguments(argument: str, given: Mapping[str, Any]) -> None:
+    """Refuse what are no arguments of a `Cable`, or not all that it must have."""
+    known = Cable.__dataclass_fields__
+    wrong = [key for key in given if key not in known]
     if wrong:
-        raise SceneError(f"Cables have no argument `{wrong[0]}`{nearest(wrong[0], Cable.__dataclass_fields__, '`') or '.'}")
-    return arguments
+        raise SceneError(f"Cables have no argument `{wrong[0]}`{nearest(wrong[0], known, '`') or '.'}")
+    lacks = [
+        key for key, field in known.items()
+        if field.default is MISSING and field.default_factory is MISSING and key not in given and key not in OF_NET
+    ]  # fmt: skip
+    if lacks:
+        raise SceneError(f"Argument `{argument}` of a net must have {', '.join(f'`{key}`' for key in lacks)}, but it does not.")
 
 
 def _places(points: Any, name: str) -> dict[str, np.ndarray]:
@@ -391,15 +404,29 @@ def _array(value: Any, shape: tuple[int, int], argument: str, owner: str) -> np.
 def _held(held: Any, words: Mapping[str, set[str]], places: Mapping[str, Any]) -> set[str]:
     """Names of the points that are held."""
     if isinstance(held, str):
+        if held in places:
+            return {held}
         if held not in words:
             known = ", ".join(quoted(word) for word in words)
             raise SceneError(f"Argument `held` must be {known} or names of points, but a net has held={shown(held)}.")
         return words[held]
-    names = list(held)
+    names = _listed(held, "held points")
     for name in names:
-        if name not in places:
+        if not isinstance(name, str) or name not in places:
             raise SceneError(f"Argument `held` must name points of the net, but {shown(name)} is none.")
     return set(names)
+
+
+def _check_field(corners: np.ndarray) -> None:
+    """Refuse (4, 3) corners of a field that is nowhere, or whose net would turn over and lie on itself."""
+    normals = np.cross(np.roll(corners, -1, axis=0) - corners, np.roll(corners, 1, axis=0) - corners)
+    sizes = np.linalg.norm(normals, axis=1)
+    turns = normals[sizes > 1e-9 * np.ptp(corners, axis=0).max() ** 2]  # a corner on a straight side has none
+    if len(turns) == 0:
+        raise SceneError("Argument `corners` must be four around a field, but those of a grid lie in one line.")
+    turns = turns / np.linalg.norm(turns, axis=1)[:, None]
+    if (turns @ turns.T).min() < -0.999:  # a field that is no plane may be turned by less
+        raise SceneError("Argument `corners` must go around a field in one turn, but the sides of a grid cross or turn back.")
 
 
 def _inside(corners: np.ndarray, s: float, t: float) -> np.ndarray:

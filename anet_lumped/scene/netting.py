@@ -26,6 +26,8 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from anet_lumped.checks import SceneError, check_number
 
 CYLINDER = (-78.46675, 254.73873, -327.8864, 223.64577, -87.92234, 20.00769, -2.44894, 0.12479)  # c(Re), powers of log10 Re
@@ -116,3 +118,40 @@ class Netting:
     def knots(self, count: float) -> dict[str, float]:
         """Mass [kg] and volume [m3] of a `Free` point that stands for so many knots; their drag is that of the twines."""
         return {"mass": count * self.knot_mass, "volume": count * self.knot_mass / self.density}
+
+
+class Twines:
+    """How many twines and knots of a netting the cables and points of a grid stand for.
+
+    Parameters
+    ----------
+    netting : Netting
+    corners : (4, 3) float64 [m], of the field
+    counts : (2,) int, steps of the lattice along its sides
+    diagonal : bool, whether bars run across the field
+    """
+
+    def __init__(self, netting: Netting, corners: np.ndarray, counts: tuple[int, int], diagonal: bool) -> None:
+        a, b, c, d = corners
+        steps = 0.5 * (b + c - a - d) / counts[0], 0.5 * (c + d - a - b) / counts[1]  # in the middle of the field
+        self.netting, self.counts, self.diagonal = netting, counts, diagonal
+        if diagonal:
+            self.bars = tuple(float(np.linalg.norm(steps[1] + sign * steps[0])) / netting.bar for sign in (1.0, -1.0))
+        else:
+            self.bars = tuple(float(np.linalg.norm(step)) / netting.bar for step in steps)
+
+    def _line(self, axis: int, k: int) -> float:
+        """Twines that the k-th line of cables across an axis stands for: half of those up to the next line on either side."""
+        return 0.5 * (self.bars[axis] + 1.0) if k in (0, self.counts[axis]) else self.bars[axis]
+
+    def of_bar(self, i: int, j: int, towards: int) -> float:
+        """Twines of the bar from the point (i, j) that goes on ``towards`` along the first side."""
+        if self.diagonal:
+            return self.bars[0 if towards > 0 else 1]
+        return self._line(1, j) if towards else self._line(0, i)
+
+    def knots(self, i: int, j: int) -> float:
+        """Knots of the point (i, j); of diagonal meshes those of its field, which a side halves."""
+        if not self.diagonal:
+            return self._line(0, i) * self._line(1, j)
+        return self.bars[0] * self.bars[1] * 0.5 ** ((i in (0, self.counts[0])) + (j in (0, self.counts[1])))

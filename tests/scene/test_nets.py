@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from anet_lumped import Driven, Scene, SceneError, State, equilibrium, nets, paths, rope, wind
+from anet_lumped import Driven, InputError, Scene, SceneError, State, equilibrium, nets, paths, rope, wind
 from anet_lumped.effects import Gravity, Water
 from anet_lumped.results.end_forces import effect_forces, rows_of_state
 from anet_lumped.scene.as_dict import scene_from_dict
@@ -113,10 +113,64 @@ def test_a_mesh_file_gives_each_side_once(tmp_path):
     assert len(net.cables) == 6 and net.points[4].at == (2.0, 0.0, 0.0)
     assert sorted(cable.length for cable in net.cables)[-1] == pytest.approx(math.sqrt(2.0))
     meshio.Mesh(np.array(points, float), [("vertex", np.array([[0]]))]).write(tmp_path / "dots.vtk")
-    with pytest.raises(SceneError, match=r"A mesh file must have line, triangle, quad cells, but .* has vertex"):
+    with pytest.raises(SceneError, match=r"must have lines, triangles, quadrilaterals or polygons, but .* has vertex"):
         nets.from_file(tmp_path / "dots.vtk", cable=KIND)
     with pytest.raises(SceneError, match="must be one that meshio reads"):
         nets.from_file(tmp_path / "none.vtk", cable=KIND)
+
+
+def test_patches_of_a_mesh_file_hang_together_and_its_other_points_stay_away(tmp_path):
+    """CAD programs write the corners of each surface anew, and middles of circles besides; a rim is of one surface alone."""
+    meshio = pytest.importorskip("meshio")
+    first = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    points = np.array([*first, *(np.add(first, [1, 1e-8, 0])), [9, 9, 9]])
+    meshio.Mesh(points, [("quad", np.array([[0, 1, 2, 3], [4, 5, 6, 7]])), ("vertex", np.array([[8]]))]).write(tmp_path / "net.vtk")
+    net = nets.from_file(tmp_path / "net.vtk", cable=KIND, border=KIND | {"EA": 1e4}, held=[0, 7])
+    assert [point.name for point in net.points] == ["p0", "p1", "p2", "p3", "p5", "p6"]
+    assert [point.name for point in net.points if hasattr(point, "mass")] == ["p1", "p3", "p5", "p6"]  # 7 is at the place of 2
+    assert [{cable.start, cable.end} for cable in net.cables if cable.EA == 5e3] == [{"p1", "p2"}]
+    assert len(net.cables) == 7
+    with pytest.raises(SceneError, match="held points must be points of its edges, but 8 is of none"):
+        nets.from_file(tmp_path / "net.vtk", cable=KIND, held=[8])
+    meshio.Mesh(points[:8], [("quad", np.array([[0, 1, 2, 3]])), ("hexahedron", np.array([range(8)]))]).write(
+        tmp_path / "solid.vtk"
+    )
+    with pytest.raises(SceneError, match=r"lines, triangles, quadrilaterals or polygons, but .* has hexahedron"):
+        nets.from_file(tmp_path / "solid.vtk", cable=KIND)
+    curved = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [1, 0.1, 0], [2, 1, 0], [1, 2, 0], [0, 1, 0]], float)
+    meshio.Mesh(curved, [("quad8", np.array([range(8)]))]).write(tmp_path / "curved.vtk")
+    sides = nets.from_file(tmp_path / "curved.vtk", cable=KIND).cables
+    assert sum(cable.length for cable in sides) == pytest.approx(6.0 + 2.0 * math.hypot(1.0, 0.1), rel=1e-12)
+
+
+def test_lines_and_polygons_of_an_obj_file_are_cables_too(tmp_path):
+    """As Blender writes them: coordinates of textures, a pentagon, a line, numbers that count back from the last point."""
+    lines = [
+        "v 0 0 0",
+        "v 1 0 0",
+        "v 1.5 .5 0",
+        "v 1 1 0",
+        "v 0 1 0",
+        "vt 0 0",
+        "f 1/1 2/1 3/1 4/1 5/1",
+        "v 0 2 0",
+        "l -2 -1 # a line",
+    ]
+    path = tmp_path / "net.obj"
+    path.write_text("\n".join(lines))
+    net = nets.from_file(path, cable=KIND, held="p0")
+    assert sum(cable.length for cable in net.cables) == pytest.approx(3.0 + 2.0 * math.hypot(0.5, 0.5) + 1.0, rel=1e-12)
+    assert {(cable.start, cable.end) for cable in net.cables} >= {("p4", "p5"), ("p0", "p4")}
+    with pytest.raises(SceneError, match="must have surfaces for a `border`"):
+        path.write_text("v 0 0 0\nv 1 0 0\nl 1 2")
+        nets.from_file(path, cable=KIND, border=KIND)
+    path.write_text("v 0 0 0\nv 1 0 nan\nl 1 2")
+    with pytest.raises(SceneError, match="Points of a mesh file must be finite"):
+        nets.from_file(path, cable=KIND)
+    for bad in ("f 1 2 9", "v 0 1", "l 0 1", "f one"):
+        path.write_text(f"v 0 0 0\nv 1 0 0\n{bad}")
+        with pytest.raises(SceneError, match=f'Line 3 of .* must be a point, a face or a line, but is "{bad}"'):
+            nets.from_file(path, cable=KIND)
 
 
 def test_a_scene_file_takes_nets_and_points_in_place_of_theirs():
@@ -166,6 +220,18 @@ def refusals():
         (nets.from_edges, edges | {"held": ["p9"]}, "A net's held points must be given by numbers"),
         (nets.from_edges, edges | {"border_edges": [(0, 1)]}, "`border` must be given for border_edges"),
         (nets.from_edges, edges | {"border_edges": [(0, 2)], "border": KIND}, "border_edges must be among its edges, but p0 to p2"),
+        (nets.from_edges, edges | {"border": KIND}, "`border_edges` must be given for a border"),
+        (nets.from_edges, edges | {"edges": [(0, 1), (1, 2), (1, 0)]}, 'given once each, but "p1" to "p0" is there twice'),
+        (nets.from_edges, edges | {"edges": [(0, 1), (1, 1)]}, 'one joins "p1" to itself'),
+        (nets.from_edges, edges | {"edges": 5}, "A net's edges must be a list of them, but it has 5"),
+        (nets.from_edges, edges | {"held": 0.5}, "held points must be a list of them, but it has 0.5"),
+        (nets.grid, grid | {"cable": {"EA": 5e3}}, "`cable` of a net must have `mass_per_length`, but it does not"),
+        (nets.grid, grid | {"border": {"EA": 5e3}}, "`border` of a net must have `mass_per_length`, but it does not"),
+        (nets.grid, grid | {"corners": [SQUARE[k] for k in (0, 2, 1, 3)]}, "go around a field in one turn"),
+        (nets.grid, grid | {"corners": [(0, 0, 0), (2, 0, 0), (0.5, 0.5, 0), (0, 2, 0)]}, "go around a field in one turn"),
+        (nets.grid, grid | {"corners": [(k, 0, 0) for k in (0, 1, 3, 2)]}, "lie in one line"),
+        (nets.grid, grid | {"meshes": (10**5, 10**5)}, "A grid of 100000 by 100000 meshes would take 2e.13 bytes"),
+        (nets.cone, cone | {"meshes": (10**5, 10**5)}, "A cone of 100000 by 100000 meshes would take 2e.13 bytes"),
         (nets.cone, cone | {"meshes": (2, 3)}, "at least 3 meshes around, but it has 2"),
         (nets.cone, cone | {"meshes": 4}, "two numbers of meshes, but a cone"),
         (nets.Netting, netting | {"bar": 4e-3}, "must cover less than 0.5 of its outline"),
@@ -175,8 +241,14 @@ def refusals():
 
 @pytest.mark.parametrize(("make", "arguments", "message"), refusals())
 def test_what_is_no_net_is_refused(make, arguments, message):
-    with pytest.raises(SceneError, match=message):
+    with pytest.raises(InputError, match=message):
         make(**arguments)
+
+
+def test_one_name_is_enough_for_one_point_that_is_held():
+    assert nets.grid((3, 2), SQUARE, cable=KIND, held="p3_0") == nets.grid((3, 2), SQUARE, cable=KIND, held=["p3_0"])
+    places, edges = {"ab": (0, 0, 0), "a": (1, 0, 0), "b": (2, 0, 0)}, [("ab", "a"), ("a", "b")]
+    assert nets.from_edges(places, edges, cable=KIND, held="ab") == nets.from_edges(places, edges, cable=KIND, held=["ab"])
 
 
 def test_what_all_cables_of_a_file_share_holds_for_those_of_its_nets():
