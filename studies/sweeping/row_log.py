@@ -20,6 +20,8 @@ from studies.sweeping.provenance import provenance
 LARGE = "large"
 OF_JSON = (int, float, bool, type(None))  # which need no look at their characters
 PARTS = "parts"  # folder of the parts that many processes share, see `parts`
+ABSENT = object()  # in place of a value that is not given
+TOLD = 3  # of what differs between two sweeps
 FORCED_AFTER = 0.5  # [s]; to force every line to the disk would take longer than a short row
 
 
@@ -263,9 +265,11 @@ def check_identity(log: Path, meta: Path, identity: dict) -> dict:
         raise RowsError(f"What rows were made with must be known to resume {log}, but {meta} does not say it: take another folder.")
     changed = [name for name in before | identity if before.get(name) != identity.get(name)]
     if changed:
-        first = [next(_differences(before.get(name), identity.get(name), name), f"{name} differs") for name in changed]
+        found = [text for name in changed for text in _differences(before.get(name, ABSENT), identity.get(name, ABSENT), name)]
+        more = f" and {len(found) - TOLD} more" if len(found) > TOLD else ""
         raise RowsError(
-            f"Rows of one table must agree, but {log} was made with another {' and '.join(changed)}: {'; '.join(first)}."
+            f"Rows of one table must agree, but {log} is of another sweep: {', '.join(found[:TOLD])}{more}; ask for the same, or "
+            "take another folder."
         )
     return kept
 
@@ -273,11 +277,12 @@ def check_identity(log: Path, meta: Path, identity: dict) -> dict:
 def _differences(before: Any, now: Any, where: str) -> Iterator[str]:
     """Yield "vary.EA was [1, 2] and is [1, 3]" for each part of two JSON values that differs."""
     if isinstance(before, dict) and isinstance(now, dict):
-        parts = [(f"{where}.{key}", before.get(key), now.get(key)) for key in before | now]
+        parts = [(f"{where}.{key}", before.get(key, ABSENT), now.get(key, ABSENT)) for key in before | now]
     elif isinstance(before, list) and isinstance(now, list) and len(before) == len(now) and dict in map(type, now):
         parts = [(f"{where}[{i}]", *pair) for i, pair in enumerate(zip(before, now, strict=True))]
     elif before != now:
-        yield f"{where} was {shown(before)} and is {shown(now)}"
+        was, is_now = ("not given" if value is ABSENT else shown(value) for value in (before, now))
+        yield f"{where} was {was} and is {is_now}"
         return
     else:
         return

@@ -52,7 +52,7 @@ def test_the_least_of_a_measure_is_that_of_the_same_seed_and_is_resumed(hanging,
     again = in_this_process(*asked, out=tmp_path / "once", resume=True)
     pandas.testing.assert_frame_equal(again.table, found.table)
     assert sorted(log.read_bytes().splitlines(keepends=True)) == sorted(lines)
-    with pytest.raises(RowsError, match="was made with another best: best was 'stretch' and is 'max stretch'"):
+    with pytest.raises(RowsError, match="is of another sweep: best was 'stretch' and is 'max stretch'"):
         in_this_process(hanging, {"end.mass": "0:1"}, "max stretch", out=tmp_path / "once", resume=True)
 
 

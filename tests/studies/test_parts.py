@@ -189,7 +189,7 @@ def test_what_is_mixed_is_refused(tmp_path):
     do_shard(tmp_path / "parts-first", 1, 2)
     with pytest.raises(RowsError, match="holds parts of a sweep that many processes share"):
         run_rows(square, ROWS, out=tmp_path / "parts-first", resume=True, **SETTINGS)
-    with pytest.raises(RowsError, match="was made with another scene"):
+    with pytest.raises(RowsError, match="is of another sweep: scene"):
         run_rows(square, ROWS, out=tmp_path / "parts-first", shard=Shard(1, 2), identity={"scene": "cable"})
     with pytest.raises(RowsError, match=r"meta\.json is not of these rows"):
         run_rows(square, ROWS[:5], out=tmp_path / "parts-first", shard=Shard(1, 2), **SETTINGS)

@@ -102,7 +102,7 @@ def test_rows_of_something_else_are_not_mixed(tmp_path):
     run_rows(square, rows_of(3), workers=1, out=tmp_path, identity={"scene": "net"})
     with pytest.raises(RowsError, match=r"rows\.jsonl holds 3 rows already: resume them"):
         run_rows(square, rows_of(3), out=tmp_path, identity={"scene": "net"})
-    with pytest.raises(RowsError, match="was made with another scene"):
+    with pytest.raises(RowsError, match="is of another sweep: scene"):
         run_rows(square, rows_of(3), out=tmp_path, identity={"scene": "cable"}, resume=True)
     with pytest.raises(RowsError, match=r"holds 1 rows that are not asked for now, the first with {'x': 2}"):
         run_rows(square, rows_of(2), out=tmp_path, identity={"scene": "net"}, resume=True)

@@ -176,7 +176,7 @@ def test_sensitivities_of_a_cable_are_those_of_its_closed_form(hanging, tmp_path
 
 def test_another_sample_is_not_mixed_in(hanging, tmp_path):
     in_this_process(hanging, {"EA": stats.uniform(1e3, 1e3)}, ["height:end"], sample="lhs:3", out=tmp_path)
-    with pytest.raises(RowsError, match="was made with another seed: seed was 0 and is 1"):
+    with pytest.raises(RowsError, match="is of another sweep: seed was 0 and is 1"):
         in_this_process(hanging, {"EA": stats.uniform(1e3, 1e3)}, ["height:end"], sample="lhs:3", seed=1, out=tmp_path)
     assert save_sensitivities(tmp_path, None) is None
 
@@ -208,7 +208,7 @@ def test_rows_of_another_text_of_the_module_are_not_mixed_in(hanging, own_module
     asked = hanging, {"EA": [1e3]}, ["of_my_own:depth"]
     sweep(*asked, workers=1, out=own_module / "rows")
     (own_module / "of_my_own.py").write_text("def depth(state):\n    return 0.0\n")
-    with pytest.raises(RowsError, match="was made with another own measures"):
+    with pytest.raises(RowsError, match="is of another sweep: own measures"):
         sweep(*asked, workers=1, out=own_module / "rows", resume=True)
 
 

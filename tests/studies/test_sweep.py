@@ -288,10 +288,25 @@ def test_another_sweep_is_not_mixed_in(net, hanging, tmp_path, changed):
         "scene": "scene.points[1].mass was 0.5 and is 0.6",
         "vary": "vary.EA was [1000.0, 10000.0] and is [1000.0, 10000.0, 100000.0]",
         "measures": "measures was ['height:end'] and is ['sag']",
-        "settings": "settings.t_end was None and is 0.1",
+        "settings": "settings.t_end was not given and is 0.1",
     }[changed]
-    with pytest.raises(RowsError, match=re.escape(f"was made with another {changed}: {differs}.")):
+    with pytest.raises(RowsError, match=re.escape(f"is of another sweep: {differs}; ask for the same")):
         sweep(asked["scene"], asked["vary"], asked["measures"], **asked["settings"], out=tmp_path, resume=True)
+
+
+def test_all_that_differs_from_another_sweep_is_told_with_both_values(net, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # a long path would leave less of the message
+    settings = {"t_end": 0.02, "dt": 0.01}
+    sweep(net, {"EA": "1e3,1e4"}, ["peak_tension"], **settings, method="edmc", workers=1, out="rows")
+    told = (
+        "another sweep: measures was ['peak_tension'] and is ['sag'], settings.t_end was 0.02 and is 0.04, settings.method was "
+        "'edmc' and is not given; ask for the same, or take another folder."
+    )
+    with pytest.raises(RowsError, match=re.escape(told)):
+        sweep(net, {"EA": "1e3,1e4"}, ["sag"], t_end=0.04, dt=0.01, workers=1, out="rows", resume=True)
+    with pytest.raises(RowsError, match=r"settings\.method was 'edmc' and is not given and 3 more; ask"):
+        other = {"t_end": 0.04, "dt": 0.02, "start": "straight"}
+        sweep(net, {"EA": "1e3,2e4"}, ["sag"], **other, workers=1, out="rows", resume=True)
 
 
 SCRIPT = """
