@@ -1,8 +1,8 @@
 """Points and edges of mesh files: sides of their surfaces and their lines, each once."""
 
+import contextlib
 import io
 from collections import Counter
-from contextlib import redirect_stderr, redirect_stdout
 from os import PathLike, fspath
 from pathlib import Path
 from typing import NamedTuple
@@ -80,7 +80,10 @@ def _of_meshio(name: str) -> tuple[np.ndarray, list, list]:
 
     said = io.StringIO()
     try:
-        with redirect_stdout(said), redirect_stderr(said):  # some of its readers print what is wrong, and exit
+        with (
+            contextlib.redirect_stdout(said),
+            contextlib.redirect_stderr(said),
+        ):  # some of its readers print what is wrong, and exit
             mesh = meshio.read(name)
     except (Exception, SystemExit) as error:  # of readers of some thirty formats
         why = " ".join(said.getvalue().split()) or str(error)
@@ -112,20 +115,19 @@ def _of_obj(name: str) -> tuple[np.ndarray, list, list]:
     cells: dict[str, list] = {"f": [], "l": []}
     for number, line in enumerate(text.replace("\\\n", " ").splitlines(), 1):
         word, *rest = line.split("#")[0].split() or [""]
-        try:
+        right = word != "v" and word not in cells
+        with contextlib.suppress(ValueError):  # what is no number is not right
             if word == "v":
-                x, y, z = map(float, rest[:3])
-                places.append([x, y, z])
+                places.append([float(x) for x in rest[:3]])
+                right = len(rest) >= 3
             elif word in cells:
                 given = [int(item.split("/")[0]) for item in rest]
                 cell = [k - 1 if k > 0 else len(places) + k for k in given]
-                if len(cell) < 2 or 0 in given or not all(0 <= k < len(places) for k in cell):
-                    raise ValueError
+                right = len(cell) > 1 and 0 not in given and all(0 <= k < len(places) for k in cell)
                 cells[word].append(cell)
-        except ValueError:
-            raise SceneError(
-                f"Line {number} of {quoted(name)} must be a point, a face or a line, but is {quoted(line.strip())}."
-            ) from None
+        if not right:
+            what = f"Line {number} of {quoted(name)}"
+            raise SceneError(f"{what} must be a point, a face or a line, but is {quoted(line.strip())}.")
     _check(cells["f"], cells["l"], ["points alone"] if places else ["none"], False, name)
     return np.array(places), cells["f"], cells["l"]
 
