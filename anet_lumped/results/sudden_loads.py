@@ -12,6 +12,9 @@ the elastic energy of what is missing to their rest. An implicit method that has
 
 of their size. The rest of it is missing in the tensions of the run, where it has none that are larger.
 
+A load that takes half of that vibration's period or longer to come, as that of a support which starts to move may do, is not put on
+at once: where it acts, the tension has not come by dT/2 in the first quarter of the period.
+
 J is the mean of a tension over a period of the lowest vibration, or over two saved states, which alternate where steps do not
 resolve it. Tensions of a smooth motion change within a period, too: so the straight line through the means of two periods, as far
 as it goes back, tells J where the load is put on, and J is no more than the first mean.
@@ -33,6 +36,8 @@ from .events import BREAK, PAYLOAD, RELEASE
 
 LEAST = 1e-3  # of the largest tension: a change of less than that sets off nothing that is told
 SAME = 1e-6  # of a step, by which times differ that are the same
+AT_ONCE = 0.5  # of a change of tension, which a load has made in a quarter of a period if it took no longer than half of one
+NEAREST = 0.5  # of the largest change of a cable's segments: one that has changed by more may be where the load acts
 FORGOTTEN = 300.0  # exponent of decay over a run beyond which nothing is left
 
 
@@ -86,7 +91,7 @@ def _with_vibrations(run: Any, mode_of: Any, put: _Put) -> float:
         mean, later = own[1 : 1 + rows].mean(axis=0), own[1 + rows : 1 + 2 * rows].mean(axis=0)
         rest = np.minimum(1.5 * mean - 0.5 * later, mean)
         change = np.where(own[0] >= 0.0, np.maximum(rest - own[0], 0.0), 0.0)
-        if change.max() > LEAST * own.max():
+        if change.max() > LEAST * own.max() and _comes_at_once(own[: 1 + max(1, round(rows / 4))], change):
             energy += float((change**2).sum() * cable.L0 / (2.0 * cable.EA_fast))
             found.append((own, mode, rows, rest, change))
     if not found:
@@ -101,3 +106,13 @@ def _with_vibrations(run: Any, mode_of: Any, put: _Put) -> float:
         held[:rows] = np.minimum(held[:rows], rest)  # where the run shows the vibration itself
         largest = max(largest, float((held + change * left[:, None]).max()))
     return largest
+
+
+def _comes_at_once(first: np.ndarray, change: np.ndarray) -> bool:
+    """Whether a segment's tension has come by the better part of its change (segments,) [N] in a quarter of a period.
+
+    ``first`` are tensions from before the load was put on until then, (rows, segments) [N]. One segment is enough: from where the
+    load acts a wave runs to the others.
+    """
+    come = first[1:].max(axis=0) - first[0]
+    return bool((come >= AT_ONCE * change)[change >= NEAREST * change.max()].any())

@@ -4,8 +4,9 @@ import math
 
 import pytest
 
-from anet_lumped import Cable, Fixed, Free, PayloadChange, Scene, load_scene, simulate
+from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, load_scene, simulate
 from anet_lumped.effects import Gravity
+from anet_lumped.prescribed import paths
 from anet_lumped.results.sudden_loads import sudden_load_tension
 from anet_lumped.results.tension_error import lowest_axial_mode
 
@@ -75,3 +76,14 @@ def test_what_begins_smoothly_or_is_resolved_sets_off_nothing(method):
     assert sudden_load_tension(carried, lowest_axial_mode) <= 1.01 * carried.segment_tension.max()
     run = simulate(hung(), 0.1, method=method, dt=1e-4, save_every=1e-4, start="straight")
     assert sudden_load_tension(run, lowest_axial_mode) <= 1.01 * run.segment_tension.max()
+
+
+@pytest.mark.parametrize("ramp", [0.02, 0.05])
+def test_what_takes_longer_than_half_a_period_is_not_put_on_at_once(ramp):
+    """The support of a weight starts within one and 2.5 periods, whose mean tension grows as if a load had been put on."""
+    points = [Driven("a", paths.line((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), ramp=ramp)), Free("b", mass=1.0)]
+    scene = Scene(points, [Cable("a", "b", length=L, mass_per_length=1e-4, EA=EA, segments=1)], [Gravity(G)])
+    run = run_of(scene, 2e-3, 0.3, start="equilibrium")
+    quarter = 1 + round(0.5 * math.pi / lowest_axial_mode(scene, scene.cables[0]).omega / run.dt)
+    assert run.segment_tension[:quarter].max() < 0.5 * (run.segment_tension[0, 0] + run.segment_tension[: 4 * quarter].max())
+    assert sudden_load_tension(run, lowest_axial_mode) == 0.0
