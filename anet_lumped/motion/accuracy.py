@@ -26,7 +26,7 @@ import numpy as np
 from anet_lumped.limits import STEPS, most_of
 from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.distances import distances
-from anet_lumped.results.free_flight import MULTIPLIED, goes_loose
+from anet_lumped.results.free_flight import MULTIPLIED, goes_loose, loose
 from anet_lumped.results.run import Run
 from integrators import schemes
 
@@ -47,6 +47,7 @@ AIM = 0.5  # of the error asked for, by an estimate that may be half of the trut
 MOST_AT_ONCE = 8  # steps that one is replaced by
 MOST_FOR_PLACES, MOST_FOR_TENSIONS = 512, 32  # steps in all that one of the first choice is replaced by; beyond, the run says so
 TRUSTED_PARTS = 2  # steps in one: beyond, the error of a motion that goes loose need not have fallen as its order says
+MOST_BETWEEN = 4  # steps in one of a third run beside one whose nodes are caught: it costs up to a quarter more
 AMPLIFIED = 4.0  # times the error that a run tells of itself: from there on the motion has multiplied it
 NEARER, NEARER_TENSION = 0.7, 0.8  # of an error of places, and of a tension: what shorter steps must leave at most, or are in vain
 LEAST_OF_TOLD = 0.05  # of the error that a run tells of itself, which is left of it by a comparison
@@ -222,8 +223,9 @@ def keep_error(
         if tells_more and run.tension_error > before.tension_error and not whips:
             return told(coarser, before, wanted, too_short=run.dt)
         known = _compared(run, coarser, wanted, before.apart)
-        if parts > TRUSTED_PARTS and _kept(run, known, wanted) and whips:
-            between = budget.spend(march(_finer(before_choice, (parts + 1) // 2, span), duration), 1.0)
+        if parts > TRUSTED_PARTS and _kept(run, known, wanted) and (whips or _is_caught_and_corrected(run, known, wanted)):
+            in_parts = (parts + 1) // 2 if whips else max((parts + 1) // MOST_BETWEEN, 2)
+            between = budget.spend(march(_finer(before_choice, in_parts, span), duration), 1.0)
             if between.ok:
                 known = known._replace(error=max(known.error, _left_of(run, between)))
         # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
@@ -250,6 +252,16 @@ def _longer(choice: Choice, first: float, span: float) -> Choice | None:
         if steps % together == 0 and together * choice.dt < 1.001 * first:
             return replace(choice, dt=span / (steps // together))
     return None
+
+
+def _is_caught_and_corrected(run: Run, known: Known, wanted: Wanted) -> bool:
+    """Whether a run keeps an error of places that it tells to be larger, or that grows, as a coarser one says, and nodes fly in it.
+
+    When a node is caught, a coarse step moves the time of that by much of itself: what the coarse run told may be many times too
+    large, or its places near to those of the finer one by chance.
+    """
+    tells_more = (run.error_estimate or 0.0) > wanted.of_places(run)
+    return (tells_more or known.of_told > AMPLIFIED) and run.segment_tension.min(initial=1.0) <= 0.0 and bool(loose(run).any())
 
 
 def _may_multiply(run: Run, known: Known, wanted: Wanted) -> bool:
