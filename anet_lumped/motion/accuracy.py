@@ -5,7 +5,8 @@ the next one takes steps that its predecessor's errors ask for, a whole number o
 two runs to compare: what they differ by is the error of the coarser one, and what that is of the error which it told corrects what
 the finer one tells. Where it is many times as much, the motion has multiplied errors: past a whip, or in chaos, no step keeps an
 error, and the run says from when on. Nodes of a loose cable fly until it is taut again, and where they are then changes at once
-with the step: two runs whose steps are far apart say little of how the error falls, and a third one between them is asked. Nor is
+with the step: two runs whose steps are far apart say little of how the error falls, and a third one between them is asked; so it is
+of a node that one segment catches, where the error is kept by what a coarser run says of it alone. Nor is
 the error of such a motion kept by the word of one run: where the pilot chose steps several times shorter, a run with four of them
 in one is beside it.
 
