@@ -35,7 +35,7 @@ from anet_lumped.files.moordyn_writer import save_moordyn
 from anet_lumped.files.motion_file import read_motions
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.motion.simulate import RunError, RunInterrupt, simulate
-from anet_lumped.motion.simulate_many import simulate_many
+from anet_lumped.motion.simulate_many import RunsInterrupt, simulate_many
 from anet_lumped.motion.winch import winched
 from anet_lumped.prescribed import paths, signals
 from anet_lumped.prescribed.six_motions import SixMotions
@@ -81,6 +81,7 @@ __all__ = [
     "Run",
     "RunError",
     "RunInterrupt",
+    "RunsInterrupt",
     "Scene",
     "SceneError",
     "Session",

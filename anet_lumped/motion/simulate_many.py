@@ -13,7 +13,7 @@ import numpy as np
 from anet_lumped.checks import InputError, number, shown
 from anet_lumped.limits import ROWS, check_most
 from anet_lumped.results.run import Run
-from anet_lumped.results.run_table import KEPT, RunTable
+from anet_lumped.results.run_table import KEPT, NOT_RUN, RunTable
 from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.scene.varied import SETTINGS, Varied
@@ -26,6 +26,14 @@ from .simulate import quiet_in_this_thread, simulate
 from .times import Leg, save_times
 
 TOGETHER, BYTES_TOGETHER = 32, 1.6e7  # runs that a thread takes at a time, and the most bytes of their rows
+
+
+class RunsInterrupt(KeyboardInterrupt):
+    """Ctrl-C during many runs; ``found`` is the Dataset of those that were done, the status of the others is "not run"."""
+
+    def __init__(self, message: str, found: Any) -> None:
+        super().__init__(message)
+        self.found = found
 
 
 class Given(NamedTuple):
@@ -67,7 +75,8 @@ def simulate_many(
     method, dt, start, save_every, rtol, atol, rho_inf, error, tension_error : as in `simulate`, for every run
         Runs that choose their fixed steps save at the same times only with `save_every`, which they then need.
     keep : sequence of str
-        What is kept of each run, of "position", "velocity" (of points), "tension" (of segments), "shape" (of cables) and "energy".
+        What is kept of each run, of "position", "velocity" (of points), "tension" (of segments), "shape" (of cables) and "energy";
+        and what it tells of its errors, "error_estimate" [m] and "tension_error" [1], to compute which takes time of its own.
     workers : int or None
         Threads; one for each core by default. While several run, `sys.setswitchinterval` is 0.1 ms at most.
 
@@ -81,6 +90,7 @@ def simulate_many(
     Raises
     ------
     InputError : an argument that no run can have; scenes of other points or cables; a name that nothing has; more than memory holds
+    RunsInterrupt : Ctrl-C; with the runs that were done in its ``found``
     """
     check_arguments(t_end, method, dt, save_every, rtol, atol, rho_inf, False, error, tension_error)
     given = _given(scenes, vary)
@@ -93,7 +103,11 @@ def simulate_many(
     table = RunTable(given.first, given.count, _saved_times(begin, t_end, save_every, dt, rtol, atol), keep)
     settings = {"method": method, "dt": dt, "start": start, "save_every": save_every, "rtol": rtol, "atol": atol}
     settings |= {"rho_inf": rho_inf, "error": error, "tension_error": tension_error}
-    each_run(given, t_end, settings, table.take, table.fail, workers)
+    try:
+        each_run(given, t_end, settings, table.take, table.fail, workers)
+    except KeyboardInterrupt as stopped:
+        done = given.count - int(np.count_nonzero(table.status == NOT_RUN))
+        raise RunsInterrupt(f"Stopped after {done} of {given.count} runs.", table.dataset(given.varied)) from stopped
     return table.dataset(given.varied)
 
 

@@ -10,6 +10,7 @@ from anet_lumped.limits import BYTES, check_most
 from anet_lumped.model.build import build
 from anet_lumped.results.labelled import AXES
 from anet_lumped.scene.scene import Scene
+from anet_lumped.scene.units import unit_of_field
 
 from .energy_balance import COLUMNS
 from .run import Run
@@ -22,6 +23,28 @@ KNOWN = {  # what may be kept: its dimensions after `run` and `t`, its unit
     "shape": (("cable", "node", "axis"), "m"),
     "energy": (("energy_of",), "J"),
 }
+ERRORS = {  # what a run tells of its errors, which may be kept; their unit, and what they are
+    "error_estimate": ("m", "largest error of a place, estimated; NaN if it is not known"),
+    "tension_error": ("1", "error of the largest tension over that tension, estimated"),
+}
+ABOUT = {  # units of what each run has besides, None of words, and what it is
+    "status": (None, "how the run ended"),
+    "reason": (None, "why it is not done"),
+    "warnings": (None, "warnings of the run, one a line"),
+    "method": (None, "method of the steps"),
+    "step": ("s", "fixed or first step"),
+    "end_time": ("s", "time of the last saved state"),
+    "steps": ("1", "number of steps taken"),
+    "newton_iterations": ("1", "number of Newton iterations"),
+}
+LONG_NAMES = {
+    "position": "places of points",
+    "velocity": "velocities of points",
+    "tension": "tensions of segments, from the start of their cable",
+    "shape": "places of nodes, from the start of their cable",
+    "energy": "energies, and what was done and taken since the start",
+}
+NOT_RUN = "not run"  # status of one that Ctrl-C came before
 SAME_TIME = 1e-6  # of the time between two saved states
 FAILED = "failed"  # status of a run that ended in an exception
 
@@ -34,7 +57,7 @@ class RunTable:
     scene : Scene, of any of the runs
     count : int, number of runs
     t : increasing (k,) float64 [s], times at which runs save
-    keep : sequence of names in `KNOWN`
+    keep : sequence of names in `KNOWN` and `ERRORS`
 
     Raises
     ------
@@ -47,8 +70,9 @@ class RunTable:
                 f"Argument `keep` must be a list of what is kept of a run, as [{shown(keep)}], but it is {shown(keep)}."
             )
         for name in keep:
-            if name not in KNOWN:
-                near = nearest(name, KNOWN) or f"; known are {', '.join(KNOWN)}."
+            if name not in KNOWN and name not in ERRORS:
+                known = (*KNOWN, *ERRORS)
+                near = nearest(name, known) or f"; known are {', '.join(known)}."
                 raise InputError(f"Argument `keep` must list what is kept of a run, but it has {shown(name)}{near}")
         model, most = build(scene), max((cable.segments for cable in scene.cables), default=0)
         self.scene, self.count, self.t = scene, count, t
@@ -56,7 +80,7 @@ class RunTable:
             "point": len(scene.all_points), "axis": 3, "cable": len(scene.cables), "segment": most, "node": most + 1,
             "energy_of": len(COLUMNS),
         }  # fmt: skip
-        shapes = {name: (count, len(t), *(sizes[axis] for axis in KNOWN[name][0])) for name in keep}
+        shapes = {name: (count, len(t), *(sizes[axis] for axis in KNOWN[name][0])) for name in keep if name in KNOWN}
         numbers = sum(float(np.prod([float(size) for size in shape])) for shape in shapes.values())
         check_most(BYTES, 8.0 * numbers, f"What is kept of {count} runs at {len(t)} times")
         self.kept = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
@@ -65,7 +89,8 @@ class RunTable:
         # whether the segments of all cables, one cable behind the other, are those of a model in their order
         in_order = [slice(c * most, (c + 1) * most) for c in range(len(scene.cables))]
         self.tensions_in_order = [segments for _, segments, _ in self.cables] == in_order
-        self.status = np.full(count, "", object)
+        self.errors = {name: np.full(count, np.nan) for name in keep if name in ERRORS}
+        self.status = np.full(count, NOT_RUN, object)
         self.texts = {name: np.full(count, "", object) for name in ("reason", "warnings", "method")}
         self.numbers = {name: np.full(count, np.nan) for name in ("step", "end_time")}
         self.counts = {name: np.zeros(count, np.int64) for name in ("steps", "newton_iterations")}
@@ -94,6 +119,9 @@ class RunTable:
             self.texts[name][k] = text
         self.numbers["step"][k], self.numbers["end_time"][k] = run.dt, run.t[-1]
         self.counts["steps"][k], self.counts["newton_iterations"][k] = run.work.steps, run.work.newton_iterations
+        for name, errors in self.errors.items():
+            told = getattr(run, name)
+            errors[k] = np.nan if told is None else told
         self.status[k] = run.status
 
     def fail(self, k: int, error: Exception) -> None:
@@ -116,7 +144,7 @@ class RunTable:
         return slice(first, last + 1), of_run
 
     def dataset(self, varied: dict[str, np.ndarray]) -> Any:
-        """An `xarray.Dataset` of all runs.
+        """An `xarray.Dataset` of all runs; numbers say their units, and what varies where its field says one.
 
         Parameters
         ----------
@@ -125,17 +153,20 @@ class RunTable:
         import xarray as xr
 
         scene, cables = self.scene, [cable.name for cable in self.scene.cables]
-        found = {
-            name: (("run", "t", *KNOWN[name][0]), kept, {"units": KNOWN[name][1]}) for name, kept in self.kept.items()
-        }  # fmt: skip
-        coordinates: dict[str, Any] = {"run": np.arange(self.count), "t": ("t", self.t, {"units": "s"}), "cable": cables}
-        coordinates |= {"point": [point.name for point in scene.all_points], "axis": list(AXES), "energy_of": list(COLUMNS)}
-        used = {axis for axes, *_ in found.values() for axis in axes} | {"run", "t"}
-        coordinates = {name: values for name, values in coordinates.items() if name in used}
-        about = {"step": "s", "end_time": "s"}
-        of_runs = {"status": self.status} | self.texts | self.numbers | self.counts
-        values = {}
-        for name, column in of_runs.items():
-            units = {"units": about[name]} if name in about else {}
-            values[name] = ("run", column.astype(str) if column.dtype == object else column, units)
-        return xr.Dataset(found | values, coordinates | {name: ("run", of_name) for name, of_name in varied.items()})
+        values: dict[str, Any] = {
+            name: (("run", "t", *KNOWN[name][0]), kept, {"units": KNOWN[name][1], "long_name": LONG_NAMES[name]})
+            for name, kept in self.kept.items()
+        }
+        number, names = {"units": "1", "long_name": "number of the run"}, [point.name for point in scene.all_points]
+        coordinates: dict[str, Any] = {"run": ("run", np.arange(self.count), number), "t": ("t", self.t, {"units": "s"})}
+        coordinates |= {"cable": cables, "point": names, "axis": list(AXES), "energy_of": list(COLUMNS)}
+        used = {axis for axes, *_ in values.values() for axis in axes} | {"run", "t"}
+        coordinates = {name: found for name, found in coordinates.items() if name in used}
+        for name, column in ({"status": self.status} | self.texts | self.numbers | self.counts | self.errors).items():
+            unit, long_name = (ABOUT | ERRORS)[name]
+            about = {"long_name": long_name} if unit is None else {"units": unit, "long_name": long_name}
+            values[name] = ("run", column.astype(str) if column.dtype == object else column, about)
+        for name, of_name in varied.items():
+            unit = unit_of_field(scene, name)
+            coordinates[name] = ("run", of_name, {"units": unit} if unit else {})
+        return xr.Dataset(values, coordinates)

@@ -13,6 +13,7 @@ from anet_lumped import (
     Free,
     InputError,
     PayloadChange,
+    RunsInterrupt,
     Scene,
     SceneError,
     equilibrium,
@@ -23,6 +24,7 @@ from anet_lumped import (
 )  # fmt: skip
 from anet_lumped.effects import Air, Gravity, ViscousDamping
 from anet_lumped.limits import BYTES
+from anet_lumped.results.run_table import RunTable
 
 DT, T_END = 0.01, 0.3
 WEIGHT = (Gravity(),)
@@ -194,3 +196,52 @@ def test_more_than_memory_holds_is_refused(monkeypatch):
     monkeypatch.setenv(BYTES.variable, "1e4")
     with pytest.raises(InputError, match="What is kept of 100 runs"):
         simulate_many(net(), T_END, vary={"EA": np.geomspace(1e3, 1e4, 100)}, method="edmc", dt=DT)
+
+
+def test_numbers_say_their_units():
+    varied = {
+        "EA": [1e3, 1e4],
+        "p0.mass": [0.1, 0.2],
+        "gravity.g": [9.81, 1.6],
+        "zeta": [0.0, 0.1],
+    }
+    kept = ["position", "velocity", "tension", "shape", "energy", "error_estimate", "tension_error"]
+    found = simulate_many(net(), T_END, vary=varied, method="edmc", dt=DT, keep=kept)
+    units = {name: values.attrs.get("units") for name, values in found.variables.items() if values.dtype.kind in "if"}
+    assert units == {
+        "position": "m", "velocity": "m/s", "tension": "N", "shape": "m", "energy": "J",
+        "error_estimate": "m", "tension_error": "1",
+        "step": "s", "end_time": "s", "steps": "1", "newton_iterations": "1", "run": "1", "t": "s",
+        "EA": "N", "p0.mass": "kg", "gravity.g": "m/s2", "zeta": None,
+    }  # fmt: skip
+    assert all(values.attrs["long_name"] for values in found.data_vars.values())
+
+
+def test_errors_that_are_kept_are_those_that_each_run_tells():
+    scenes = [net(1e3), net(2e4), net(1e4, mass=0.1)]
+    found = simulate_many(scenes, T_END, method="edmc", dt=DT, keep=["error_estimate", "tension_error"])
+    alone = [simulate(scene, T_END, method="edmc", dt=DT) for scene in scenes]
+    assert found.error_estimate.values.tolist() == [run.error_estimate for run in alone]
+    assert found.tension_error.values.tolist() == [run.tension_error for run in alone]
+    assert "t" in found.coords and "position" not in found
+    found = simulate_many(scenes[:1], 3 * DT, method="edmc", dt=DT, keep=["error_estimate"])  # too short to tell an error
+    assert np.isnan(found.error_estimate.values).all() and simulate(scenes[0], 3 * DT, method="edmc", dt=DT).error_estimate is None
+
+
+def test_ctrl_c_leaves_the_runs_that_were_done(monkeypatch):
+    scenes, take, took = [net(EA) for EA in (1e3, 2e3, 3e3, 4e3)], RunTable.take, []
+
+    def stopped(table, k, run):
+        if len(took) == 2:
+            raise KeyboardInterrupt
+        took.append(k)
+        take(table, k, run)
+
+    monkeypatch.setattr(RunTable, "take", stopped)
+    with pytest.raises(RunsInterrupt, match="Stopped after 2 of 4 runs") as caught:
+        simulate_many(scenes, T_END, method="edmc", dt=DT, workers=1)
+    found = caught.value.found
+    assert found.status.values.tolist() == ["done", "done", "not run", "not run"]
+    alone = simulate(scenes[1], T_END, method="edmc", dt=DT)
+    assert np.array_equal(found.position.sel(run=1, point="p0"), alone.position("p0"))
+    assert np.isnan(found.position.sel(run=2)).all()
