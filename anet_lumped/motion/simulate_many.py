@@ -157,13 +157,13 @@ def each_run(
             ready = [(k, scene, None if others else attempt(k, prepared, repeated, scene)) for k, scene in scenes]
             ready = [one for one in ready if others or one[2] is not None]
             for room, (k, _, one) in enumerate(ready):
-                if isinstance(one, Ready):
+                if isinstance(one, Ready) and not stopped.is_set():
                     attempt(k, repeated.march, one, room)
-                if stopped.is_set():
-                    return
             for k, scene, one in ready:
                 if isinstance(one, Ready) and one.out is not None:
                     run = attempt(k, repeated.judge, one)
+                elif stopped.is_set():
+                    continue
                 else:
                     run = attempt(k, partial(simulate, scene, t_end, **settings))
                 if run is not None:
@@ -185,6 +185,9 @@ def each_run(
                 thread.join()
     finally:
         stopped.set()
+        for thread in threads:  # after Ctrl-C each ends the run at which it is, and nothing is written any more
+            if thread.is_alive():
+                thread.join()
     if raised:
         raise raised[0]
 
