@@ -110,8 +110,11 @@ def refilled(known, scene):
         The same as of `build`, to the last bit.
     """
     model = object.__new__(Model)
-    paths, known_paths = ([point.path for point in one.points if isinstance(point, Driven)] for one in (scene, known.scene))
-    shared = ("path_table",) if paths == known_paths else ()
+    same_paths = scene.points is known.scene.points
+    if not same_paths:
+        paths, known_paths = ([point.path for point in one.points if isinstance(point, Driven)] for one in (scene, known.scene))
+        same_paths = paths == known_paths
+    shared = ("path_table",) if same_paths else ()
     for name in (*OF_TOPOLOGY, *shared):
         getattr(known, name)
     vars(model).update(vars(known))

@@ -70,7 +70,7 @@ def near_origin(scene: Scene) -> Near:
 
 def largest_distance(scene: Scene) -> float:
     """Distance of two nodes, plus the difference of their velocities, beyond which a motion has diverged [m], [m/s]."""
-    return DIVERGED * max(1.0, *(abs(x) for at in scene.supports for x in at), sum(cable.length for cable in scene.cables))
+    return DIVERGED * scene.reach
 
 
 def _moved(scene: Scene, origin: Vector, effects: list[Effect]) -> Scene:

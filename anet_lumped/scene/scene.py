@@ -113,6 +113,11 @@ class Scene:
             return max(cable.length for cable in self.cables)
         return 2.0 * max((body.radius for body in self.bodies if not body.is_driven), default=0.5)
 
+    @cached_property
+    def reach(self) -> float:
+        """The largest coordinate of its supports, or the lengths of all its cables [m]; 1 m at least."""
+        return max(1.0, *(abs(x) for at in self.supports for x in at), sum(cable.length for cable in self.cables))
+
     def __repr__(self) -> str:
         segments = sum(cable.segments for cable in self.cables)
         effects = ", ".join(type(effect).__name__ for effect in self.effects) or "no effects"
