@@ -11,15 +11,17 @@ from numba.core.compiler_lock import global_compiler_lock
 
 from .compiler_shortcuts import keep_as_old
 from .ctrl_c import ctrl_c_later
+from .deadline import uncounted
 
 
 @contextmanager
 def compiling() -> Iterator[None]:
     """Other threads wait, and so does Ctrl-C: what Numba leaves behind when it is interrupted compiles no more in this process.
 
-    The lock is Numba's own, so that no two locks can wait for each other.
+    The lock is Numba's own, so that no two locks can wait for each other. The time is not counted for a deadline: where nothing is
+    compiled yet, the first run of a sweep would otherwise be over its budget.
     """
-    with ctrl_c_later(), global_compiler_lock, _without_collection():
+    with uncounted(), ctrl_c_later(), global_compiler_lock, _without_collection():
         yield
 
 
@@ -47,7 +49,7 @@ def once(make: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(make)
     def ask(*given: Hashable) -> Any:
         if given not in made:
-            with lock:
+            with uncounted(), lock:
                 if given not in made:
                     made[given] = make(*given)
         return made[given]

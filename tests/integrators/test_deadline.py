@@ -5,7 +5,8 @@ import time
 
 import pytest
 
-from integrators.deadline import deadline, time_left
+from integrators.compile_once import compiling
+from integrators.deadline import deadline, time_left, uncounted
 from integrators.marching.interruptible import interruptible
 
 
@@ -46,4 +47,22 @@ def test_a_deadline_is_that_of_its_thread_and_of_its_block():
         with deadline(5.0):
             assert time_left() <= 5.0
         assert time_left() > 5.0 and in_another_thread(time_left) is None
+    assert time_left() is None
+
+
+def test_what_compiles_does_not_take_a_marchs_time():
+    """Blocks within blocks are counted out once, for the deadlines around them, too."""
+    with uncounted():
+        assert time_left() is None
+    with deadline(60.0):
+        with deadline(1.0):
+            with uncounted():
+                with uncounted():
+                    time.sleep(0.3)
+                time.sleep(0.1)
+            assert 0.8 < time_left() <= 1.0
+            with compiling():
+                time.sleep(0.3)
+            assert 0.8 < time_left() <= 1.0
+        assert 59.8 < time_left() <= 60.0
     assert time_left() is None

@@ -255,6 +255,23 @@ def test_a_run_that_takes_longer_than_its_budget_says_so(in_main_thread):
     assert time.monotonic() - began < 100  # of minutes: where everything compiles first, too
 
 
+def first_of_a_process(row):
+    """Imports take 0.6 s the first time, then a march takes no time."""
+    if not SLEPT:
+        SLEPT.append(row["x"])
+        time.sleep(0.6)
+    run = simulate(load_scene("net_carried"), 0.01, method="edmc", dt=1e-3)
+    return {"end": run.t[-1]}
+
+
+SLEPT = []
+
+
+def test_the_first_row_of_a_process_is_not_over_its_budget_by_its_imports():
+    table = run_rows(first_of_a_process, [{"x": 0}, {"x": 1}], workers=1, budget=0.5)
+    assert table["status"].tolist() == ["done", "done"], table["reason"].tolist()
+
+
 def test_a_budget_is_a_time():
     with pytest.raises(InputError, match="Argument `budget` must be positive and finite"):
         run_rows(square, ROWS, budget=0.0)
