@@ -18,12 +18,14 @@ import numpy as np
 from anet_lumped.checks import InputError, shown
 from anet_lumped.limits import ROWS, check_most
 from anet_lumped.scene.scene import Scene
+from studies.quantities import amount
 from studies.sweeping.batch import BatchRunner, check_budget
 from studies.sweeping.folder_lock import locked
 from studies.sweeping.row_log import key, line_of, open_log, plain
 from studies.sweeping.rows import save_table, table_of
 from studies.sweeping.sampling import as_told, read_inputs
 from studies.sweeping.sweep import prepared
+from studies.sweeping.vary import sizes_of
 from studies.sweeping.workers import OwnPool, check_workers, through_executor
 
 LOG = logging.getLogger(__name__)
@@ -49,7 +51,8 @@ class Constraint(NamedTuple):
         return value <= self.bound if self.largest else value >= self.bound
 
     def __str__(self) -> str:
-        return f"{self.measure}{'<=' if self.largest else '>='}{self.bound:g}"
+        bound = repr(self.bound).removesuffix(".0")  # all digits: it is read again
+        return f"{self.measure}{'<=' if self.largest else '>='}{bound}"
 
 
 class _Question(NamedTuple):
@@ -145,16 +148,18 @@ def read_objective(text: str) -> tuple[str, bool]:
     )
 
 
-def read_constraint(text: str) -> Constraint:
-    """The bound that "sag<=0.1" means.
+def read_constraint(text: str, scene: Scene | None = None) -> Constraint:
+    """The bound that "sag<=0.1" means, and with a scene, which tells units of measures, "sag<=10cm".
 
     Raises
     ------
     BestError
     """
     found = CONSTRAINT.fullmatch(text)
-    with contextlib.suppress(ValueError):
-        if found and math.isfinite(bound := float(found["bound"])):
+    if found:
+        sizes = {} if scene is None else sizes_of(scene, found["measure"])
+        bound = amount(found["bound"], sizes)
+        if math.isfinite(bound):
             return Constraint(found["measure"], found["sign"] == "<=", bound)
     raise BestError(f"A constraint must be MEASURE<=NUMBER or MEASURE>=NUMBER, as in sag<=0.1, but {shown(text)} was given.")
 
@@ -188,7 +193,7 @@ def best(
     scene : Scene
     vary : name -> what it may be, with ends: "a:b", "a:b:log", "a,b,c" or a bounded distribution (see `sampling.read_inputs`)
     objective : "peak_tension", "min peak_tension" or "max height:p0"
-    constraints : "sag<=0.1", "height:p0>=-2"; a row that fails meets none
+    constraints : "sag<=0.1", "sag<=10cm", "height:p0>=-2"; a row that fails meets none
     measures : further ones for the table
     seed : of the search
     t_end, method, dt, start, since, budget, executor, workers, out, resume : as in `sweep`
@@ -203,7 +208,7 @@ def best(
     VaryError, MeasureError, RowsError, InputError : as in `sweep`
     """
     check_workers(workers, elsewhere=executor is not None)
-    question = _Question(*read_objective(objective), [read_constraint(text) for text in constraints])
+    question = _Question(*read_objective(objective), [read_constraint(text, scene) for text in constraints])
     inputs = read_inputs(scene, vary)
     for name, found in inputs.items():
         if math.isinf(found.low) or math.isinf(found.high):

@@ -92,6 +92,17 @@ def test_a_constraint_that_cannot_be_read_is_told(text):
     assert read_constraint("height:p0 >= -2.5") == Constraint("height:p0", False, -2.5)
 
 
+def test_a_constraint_has_the_unit_of_its_measure_and_all_its_digits(hanging):
+    """It is written beside the rows, and read again by their page."""
+    assert read_constraint("sag <= 10cm", hanging) == read_constraint("sag<=0.1") == Constraint("sag", True, 0.1)
+    assert read_constraint("tension>=2kN", hanging) == Constraint("tension", False, 2000.0)
+    for text in ("sag<=10kN", "sag<=10 cm"):
+        with pytest.raises(BestError, match="A constraint must be"):
+            read_constraint(text, hanging)
+    for bound in (0.12345678901, -2.0, 1e6, 1e-7):
+        assert read_constraint(str(Constraint("sag", True, bound))).bound == bound
+
+
 def test_what_has_no_ends_is_not_searched(hanging):
     with pytest.raises(BestError, match="What is searched must have ends, but `EA` ~ lognormal"):
         best(hanging, {"EA": "lognormal(1e4,0.2)"}, "stretch")
