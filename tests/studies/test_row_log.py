@@ -116,8 +116,8 @@ METAS = {
     "no identity": (b"{}", r"to resume .*rows\.jsonl, but .*meta\.json does not say it"),
     "a list": (b"[1]", r"meta\.json does not say it"),
     "an identity of another type": (b'{"identity": "x"}', r"meta\.json does not say it"),
-    "a scene of another type": (b'{"identity": {"scene": 3}}', r"another scene: scene was 3 and is \{'a': 1\}"),
-    "one more key": (b'{"identity": {"scene": {"a": 1, "b": null}}}', "another scene: scene differs"),
+    "a scene of another type": (b'{"identity": {"scene": 3}}', r"another sweep: scene was 3 and is \{'a': 1\}"),
+    "one more key": (b'{"identity": {"scene": {"a": 1, "b": null}}}', r"another sweep: scene\.b was None and is not given"),
 }
 
 
