@@ -19,8 +19,8 @@ LINE = 8  # numbers in a line of a processor's cache
 class Saved(NamedTuple):
     """Rows that a march saves.
 
-    Times (k,) [s], q, v (k, n, 3), energies (k, ENERGIES) [J], what the system observes (k, any), and the largest error of a place
-    so far, as far as it is known (k,) [m].
+    Times (k,) [s], q, v (k, n, 3), energies (k, ENERGIES) [J], what the system observes (k, any), the largest error of a place
+    so far, as far as it is known (k,) [m], and what the system has noticed so far (k, any): nothing where every step is saved.
     """
 
     t: np.ndarray
@@ -29,16 +29,17 @@ class Saved(NamedTuple):
     energy: np.ndarray
     observed: np.ndarray
     error: np.ndarray
+    noticed: np.ndarray
 
 
-SAVED = types.NamedTuple((_f1, _f3, _f3, _f2, _f2, _f1), Saved)
+SAVED = types.NamedTuple((_f1, _f3, _f3, _f2, _f2, _f1, _f2), Saved)
 
 
 class Scratch(NamedTuple):
     """Arrays that a march works in.
 
     ``start``: a copy of the state at the start of a step. ``q`` (n, 3): positions. ``balance`` (BALANCE,): an energy balance.
-    ``observed_a``, ``observed_b``: what the system observes at the start and at the end of a step.
+    ``observed_a``, ``observed_b``: what the system observes at the start and at the end of a step. ``noticed``: what it notices.
     """
 
     start: StepState
@@ -46,22 +47,24 @@ class Scratch(NamedTuple):
     balance: np.ndarray
     observed_a: np.ndarray
     observed_b: np.ndarray
+    noticed: np.ndarray
 
 
-SCRATCH = types.NamedTuple((STEP_STATE, _f2, _f1, _f1, _f1), Scratch)
+SCRATCH = types.NamedTuple((STEP_STATE, _f2, _f1, _f1, _f1, _f1), Scratch)
 
 
-def scratch_for(state, carried_rows, observed):
+def scratch_for(state, carried_rows, observed, notices=0):
     """`Scratch` for a march of a state, with a scheme that carries some rows of memory from step to step.
 
     Parameters
     ----------
     state : StepState
     carried_rows : int
-    observed : int, how many numbers the system observes
+    observed, notices : int, how many numbers the system observes and notices
     """
     start = StepState(np.empty_like(state.q), np.empty_like(state.v), np.empty_like(state.memory[:carried_rows]), np.zeros(BALANCE))
-    return Scratch(start, np.empty_like(state.q), np.zeros(BALANCE), np.zeros(observed), np.zeros(observed))
+    rows = np.zeros(observed), np.zeros(observed), np.zeros(2 * notices)
+    return Scratch(start, np.empty_like(state.q), np.zeros(BALANCE), *rows)
 
 
 @internal
@@ -69,6 +72,13 @@ def copy(source, target):
     """Copy a flat array. An assignment of arrays would take seconds to compile, because it may raise errors."""
     for i in range(source.shape[0]):
         target[i] = source[i]
+
+
+@internal
+def clear(array):
+    """Set a flat array to zero."""
+    for i in range(array.shape[0]):
+        array[i] = 0.0
 
 
 @internal
@@ -89,14 +99,15 @@ def copy_state(source, target):
 
 
 @internal
-def save(system_address, data_address, k, t, error, state, saved):
-    """Write row k of what is saved, with the error of places so far; returns the number of rows written."""
+def save(system_address, data_address, k, t, error, state, noticed, saved):
+    """Write row k of what is saved, with the error of places and what was noticed so far; returns the number of rows written."""
     system = system_at(system_address)
     system.observe(t, state.q, state.v, data_address, saved.observed[k], state.balance)
     saved.t[k], saved.error[k] = t, error
     copy(flat(state.q), flat(saved.q[k]))
     copy(flat(state.v), flat(saved.v[k]))
     copy(state.balance[:ENERGIES], saved.energy[k])
+    copy(noticed[: saved.noticed.shape[1]], saved.noticed[k])
     if k + 1 < saved.t.shape[0]:  # the next row comes from memory while the next step is taken
         fetch_row(flat(saved.q[k + 1]))
         fetch_row(flat(saved.v[k + 1]))

@@ -38,10 +38,11 @@ TOLERANCE, ITERATIONS, FIRST_OWN = 0, 1, 2
 
 
 class System(NamedTuple):
-    """Compiled functions of a system, and three things more.
+    """Compiled functions of a system, and four things more.
 
-    The inverse of its masses ``per_mass`` (n, 3) [1/kg], a column an axis; the number ``n_free`` of moving nodes; and the
-    ``largest`` distance [m] plus relative velocity [m/s] of a node and the last one, beyond which a motion has diverged.
+    The inverse of its masses ``per_mass`` (n, 3) [1/kg], a column an axis; how many largest values it ``notices``; the number
+    ``n_free`` of moving nodes; and the ``largest`` distance [m] plus relative velocity [m/s] of a node and the last one, beyond
+    which a motion has diverged.
 
     Attributes
     ----------
@@ -72,6 +73,9 @@ class System(NamedTuple):
     observe(t, q, v, data_address, row, energy)
         Write what else is saved of a state, such as internal forces, and its kinetic, elastic and other potential energy [J] to the
         first three numbers of ``energy``. Where that has no room, no energies are written, and t does not count.
+    notice(t, q, v, data_address, row, noticed)
+        Let the first half of ``noticed`` (2 * notices,) be the largest so far of what is looked at in states between those that are
+        saved; the second half is its own memory, zero at the start. ``row`` is scratch that `observe` may write.
     margin(q, v, data_address) -> margin
         How far a state is beyond an event, by any continuous measure that is positive beyond the event; `NO_EVENTS` if there is
         none. A march stops where it turns positive.
@@ -91,9 +95,11 @@ class System(NamedTuple):
     remember: object
     average: object
     observe: object
+    notice: object
     margin: object
     project: object
     per_mass: np.ndarray
+    notices: int
     n_free: int
     largest: float
 
@@ -138,6 +144,7 @@ def words_in_memory(system):
 
 
 OBSERVE = types.void(_f8, _f2, _f2, _i8, _f1, _f1)
+NOTICE = OBSERVE
 _FUNCTIONS = (
     types.void(_f8, _i8, _f2, _f2),
     types.void(_f8, _f2, _f2, _i8, _f2, _f1),
@@ -150,10 +157,11 @@ _FUNCTIONS = (
     types.void(_i8, _i8),
     types.void(_i8, _f8, _f8),
     OBSERVE,
+    NOTICE,
     _f8(_f2, _f2, _i8),
     _f8(_f8, _i8, _f2, _f2),
 )
-SYSTEM = types.NamedTuple((*map(types.FunctionType, _FUNCTIONS), _f2, _i8, _f8), System)
+SYSTEM = types.NamedTuple((*map(types.FunctionType, _FUNCTIONS), _f2, _i8, _i8, _f8), System)
 system_at = view_at(SYSTEM)
 STEP_STATE = types.NamedTuple((_f2, _f2, _f3, _f1), StepState)
 # step(system_address, data_address, t, h, state, parameters, counts) -> status, of every scheme

@@ -3,8 +3,8 @@
 import numpy as np
 from numba import types
 
+from anet_lumped.mechanics import notice, prescribe
 from anet_lumped.mechanics import observe as observing
-from anet_lumped.mechanics import prescribe
 from anet_lumped.scene.origin import largest_distance
 from integrators.system import System, first_class
 
@@ -57,11 +57,13 @@ def system(model, force=True, newton=True, mean=True, links=False):
         average=_average() if newton and mean else _Absent(),
         remember=own.get("remember") or (_remember(model) if events else _Absent()),
         observe=own.get("observe") or first_class(observe),
+        notice=own.get("notice") or first_class(notice.notice_acting if newton else notice.notice_by_law),
         margin=own.get("margin") or (_margin() if events else first_class(observing.no_margin)),
         project=own.get("project") or (_keep_bodies(model) if model.has_bodies else first_class(prescribe.keep)),
         per_mass=np.repeat(1.0 / np.where(model.mass > 0.0, model.mass, np.inf), 3).reshape(
             -1, 3
         ),  # a point without a cable has no mass
+        notices=len(model.scene.cables),
         n_free=model.n_free,
         largest=largest_distance(model.scene),
     )
@@ -89,6 +91,7 @@ def _of_links():
         "prescribe": motion.prescribe_ends,
         "force": motion.force,
         "observe": motion.observe,
+        "notice": motion.notice,
         "margin": motion.margin,
         "remember": motion.remember,
         "project": project.project,

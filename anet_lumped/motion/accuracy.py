@@ -345,7 +345,7 @@ def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kn
     of_told = error / own_told
     beyond = apart > np.maximum(AMPLIFIED * told, wanted.of_places(run))
     since = float(run.t[own][np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf
-    peak, peak_of_coarser = float(run.segment_tension.max(initial=0.0)), float(coarser.segment_tension.max(initial=0.0))
+    peak, peak_of_coarser = run.peak_tension(), coarser.peak_tension()
     changed = abs(peak - peak_of_coarser) / max(peak, peak_of_coarser, 1e-300)
     tension_error = run.tension_error * max(changed / max(coarser.tension_error, 1e-300), LEAST_OF_TENSION)
     return Known(error, min(tension_error, 1.0), of_told, since, last)

@@ -59,6 +59,7 @@ def extrapolated(coarse, fine):
         v=_extrapolate(coarse.v, fine.v),
         energy=_extrapolate(coarse.energy, fine.energy),
         segment_tension=tension,
+        largest_tension=_extrapolated_peaks(coarse.largest_tension, fine.largest_tension),
         crept=None if fine.crept is None else np.maximum(_extrapolate(coarse.crept, fine.crept), 0.0),
         T_max=None if fine.T_max is None else np.maximum(_extrapolate(coarse.T_max, fine.T_max), 0.0),
         shedding=None if fine.shedding is None else _extrapolated_shedding(coarse.shedding, fine.shedding),
@@ -69,6 +70,13 @@ def extrapolated(coarse, fine):
         error_growth=np.maximum.accumulate(WEIGHT * np.linalg.norm(fine.q - coarse.q, axis=2).max(axis=1)),
         wall_time=coarse.wall_time + fine.wall_time,
     )
+
+
+def _extrapolated_peaks(coarse, fine):
+    """Largest tensions so far of each cable, which do not fall; None if the finer run has none."""
+    if coarse is None or fine is None:
+        return fine
+    return np.maximum.accumulate(np.maximum(_extrapolate(coarse, fine), 0.0), axis=0)
 
 
 def _extrapolated_shedding(coarse, fine):

@@ -1,7 +1,7 @@
 """States by which a run judges its errors where a user saves few of them: a peak of a tension must not be lost between two.
 
 Frames of a film are a 25th of a second apart, and a snap is over in a hundredth. So a run that keeps an error is marched with some
-`times.SAVES` states, and those that were asked for are returned, with a warning where their largest tension is not that of the run.
+`times.SAVES` states, and those that were asked for are returned, with the largest tension of all steps (`Run.largest_tension`).
 """
 
 import math
@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from anet_lumped.results.peaks import largest_so_far
 from anet_lumped.results.run import Run
 
 from .choice import Choice
@@ -38,27 +39,14 @@ def judged_every(choice: Choice, save_every: float | None, duration: float) -> t
     return replace(choice, dt=save_every / (parts * stride)), save_every / parts
 
 
-def as_asked(run: Run, save_every: float, tension_error: float) -> Run:
-    """The states of a run that were asked for, ``save_every`` [s] apart.
-
-    Where their largest tension is less than that of the run by more than ``tension_error`` of it, the run says so in a warning, and
-    has not kept what it should.
-    """
+def as_asked(run: Run, save_every: float) -> Run:
+    """The states of a run that were asked for, ``save_every`` [s] apart."""
+    if run.largest_tension is None:  # it has saved every step
+        run = replace(run, largest_tension=largest_so_far(run))
+    run = replace(run, peak_at_most=run.peak_tension() / max(1.0 - run.tension_error, 1e-6))
     apart = (run.t - run.t[0]) / save_every
     rows = np.abs(apart - np.round(apart)) < 1e-6
     rows[-1] = True
-    some = {
-        name: getattr(run, name)[rows]
-        for name in ("t", "q", "v", "energy", "segment_tension", "error_growth", "q_near", "crept", "T_max", "shedding")
-        if getattr(run, name) is not None
-    }
-    peak, shown = float(run.segment_tension.max(initial=0.0)), float(some["segment_tension"].max(initial=0.0))
-    found = replace(run, **some)
-    if not run.ok or peak - shown <= tension_error * peak:
-        return found
-    at = float(run.t[run.segment_tension.max(axis=1).argmax()])
-    said = (
-        f"the largest tension is {peak:.4g} N at t={at:.4g} s, but {shown:.4g} N in the states that are saved; "
-        "a smaller save_every shows it"
-    )
-    return replace(found, reason=f"{run.reason}; {said}", warnings=(*run.warnings, f"{run.method}: {said}."), kept=False)
+    names = ("t", "q", "v", "energy", "segment_tension", "error_growth", "largest_tension", "q_near", "crept", "T_max", "shedding")
+    some = {name: getattr(run, name)[rows] for name in names if getattr(run, name) is not None}
+    return replace(run, **some)

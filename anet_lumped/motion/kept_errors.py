@@ -14,6 +14,7 @@ from anet_lumped.scene.scene import Scene
 from integrators import schemes
 from integrators.schemes.record import Scheme
 
+from .about_peak import with_peak_judged
 from .accuracy import Wanted, keep_error
 from .choice import Choice, by_links, links_are_cheaper, shedding_cable
 from .judged_states import as_asked, judged_every
@@ -61,7 +62,8 @@ def errors_kept(motion: Motion, plan: Plan, wanted: Wanted, keeps: Keeps) -> tup
         return found
 
     def march(choice: Choice, until: float) -> Run:
-        return motion._replace(duration=until, save_every=every).march(choice)
+        some = motion._replace(duration=until, save_every=every)
+        return with_peak_judged(some.march(choice), some, choice)
 
     rigid = keeps.by_default and _links_may_stand_in(motion.scene)
     asked, instead = (keeps.places, keeps.tensions), by_links_instead if rigid else None
@@ -69,7 +71,7 @@ def errors_kept(motion: Motion, plan: Plan, wanted: Wanted, keeps: Keeps) -> tup
     if rigid and run.ok and not run.kept:  # what multiplies errors leaves less of those of order 8
         run = by_links_instead(run, math.inf) or run
     if save_every is not None and every != save_every:
-        run = as_asked(run, save_every, wanted.tension_error)
+        run = as_asked(run, save_every)
     return run, stand_in
 
 

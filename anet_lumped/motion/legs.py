@@ -15,9 +15,10 @@ from anet_lumped.model.build import build
 from anet_lumped.model.meeting import too_far_to_meet
 from anet_lumped.model.reach import first_shortfall
 from anet_lumped.model.remainder import Remainder, remainder
-from anet_lumped.model.tables import CABLE_SEGMENTS
+from anet_lumped.model.tables import CABLE_FIRST_SEGMENT, CABLE_SEGMENTS
 from anet_lumped.results.energy_balance import BY_EFFECTS, POTENTIAL, WORK
 from anet_lumped.results.events import BREAK, PAYLOAD, RELEASE, Event, broken, released
+from anet_lumped.results.peaks import largest_of_cables
 from anet_lumped.results.run import STATUS, RunInterrupt, Work
 from anet_lumped.scene.payload_change import carried_from
 from integrators import schemes
@@ -131,7 +132,8 @@ def joined(made, handover):
 class _Rows(NamedTuple):
     """Rows that a leg has saved: what was left of the scene, times, places, velocities, energies and tensions of what was left.
 
-    And what the steps had left out of places by then, None if that is not known.
+    And what the steps had left out of places by then, and the largest tension of each cable of the whole scene so far, None if that
+    is not known.
     """
 
     left: Remainder
@@ -141,6 +143,7 @@ class _Rows(NamedTuple):
     energy: np.ndarray
     tension: np.ndarray
     error: np.ndarray | None
+    largest: np.ndarray | None
     crept: np.ndarray | None
     shedding: np.ndarray | None
 
@@ -165,6 +168,7 @@ class Legs:
             self.events.append(Event(event.t, RELEASE, event.point, 0.0))
         self.broken = broken(self.events)
         self.runs, self.rows, self.carried, self.left_out = [], [], np.zeros(ENERGIES), 0.0
+        self.peaks = np.zeros(len(scene.cables))
         self._reduce()
 
     def _carry(self, change):
@@ -186,7 +190,9 @@ class Legs:
         error = None if run.error_growth is None else self.left_out + run.error_growth
         saved = run.t[new], run.q[new], run.v[new], energy[new], run.segment_tension[new]
         inner, shed = inner_of(run), None if run.shedding is None else run.shedding[new]
-        self.rows.append(_Rows(own, *saved, None if error is None else error[new], None if inner is None else inner[:, new], shed))
+        error_rows, largest = None if error is None else error[new], self._largest(run)
+        largest = None if largest is None else largest[new]
+        self.rows.append(_Rows(own, *saved, error_rows, largest, None if inner is None else inner[:, new], shed))
         self.left_out = 0.0 if error is None else float(error[-1])
         self.t = float(run.t[-1])
         self.q[own.node], self.v[own.node], self.tension[own.segment] = run.q[-1], run.v[-1], run.segment_tension[-1]
@@ -199,13 +205,26 @@ class Legs:
         self.carried[WORK:] = energy[-1, WORK:]
         self.runs.append(run)
 
+    def _largest(self, run):
+        """Largest tension of each cable of the whole scene so far, at the rows of a leg (k, cables); None where it is not known."""
+        if run.largest_tension is None:
+            return None
+        own = self.left
+        cables = self.model.cable_of[own.segment[own.model.cable[:, CABLE_FIRST_SEGMENT]]]  # pieces of one cable count as that
+        largest = np.tile(self.peaks, (len(run.t), 1))
+        np.maximum.at(largest, (slice(None), cables), run.largest_tension)
+        self.peaks = largest[-1]
+        return largest
+
     def add_row(self):
         """Save the current state."""
         own = self.left
         row = self.t, self.q[own.node], self.v[own.node], self.energies(), self.tension[own.segment]
         crept, shed = self.crept_of(own), self.shedding_of(own)
         saved, shed = (np.array([part]) for part in row), None if shed is None else shed[None]
-        self.rows.append(_Rows(own, *saved, np.array([self.left_out]), None if crept is None else crept[:, None], shed))
+        self.rows.append(
+            _Rows(own, *saved, np.array([self.left_out]), self.peaks[None], None if crept is None else crept[:, None], shed)
+        )
 
     def crept_of(self, own):
         """`inner_states` of the segments of what is left, (2, n_segments); None where no cable creeps."""
@@ -386,8 +405,16 @@ class Legs:
             error_growth=None if any(leg.error is None for leg in self.rows) else np.concatenate([leg.error for leg in self.rows]),
             wall_time=sum(run.wall_time for run in self.runs),
             warnings=tuple(dict.fromkeys(text for run in self.runs for text in run.warnings)),
-            events=tuple(self.events),
+            events=tuple(self.events), largest_tension=self._all_largest(tension),
         )  # fmt: skip
+
+    def _all_largest(self, tension):
+        """Largest tension of each cable so far at all rows, whose tensions are given; None if no leg has looked between rows."""
+        if all(run.largest_tension is None for run in self.runs):
+            return None
+        seen = [np.zeros((len(leg.t), len(self.peaks))) if leg.largest is None else leg.largest for leg in self.rows]
+        largest = np.maximum(np.concatenate(seen), largest_of_cables(self.model, tension))
+        return np.maximum.accumulate(largest, axis=0)
 
 
 def due_releases(scene, events, t):

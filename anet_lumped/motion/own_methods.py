@@ -4,6 +4,7 @@ import numpy as np
 
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.results.energy_balance import book_remainder
+from anet_lumped.results.peaks import largest_of_cables
 from anet_lumped.results.run import STATUS, Run, RunInterrupt, Work
 from integrators import schemes
 from integrators.marching.adaptive_steps import AdaptiveSteps
@@ -13,6 +14,8 @@ from integrators.marching.march import march as march_system
 from .failure_messages import stiff_for, why_it_stopped
 from .inner_states import shedding_of_rows, split_inner
 from .times import stops
+
+SEVERAL, EXPLICIT_LOOKS = 8, 4  # segments of each cable from which on explicit steps are looked at so many apart, a radian each
 
 
 def net_and_system(model, scheme, tension, crept=None, shedding=None):
@@ -41,6 +44,18 @@ def net_and_system(model, scheme, tension, crept=None, shedding=None):
     return net, bound
 
 
+def look_every(scene, scheme, stride):
+    """Steps between two looks at the largest tensions of a run that saves every ``stride``-th state; 0 if none is left to look at.
+
+    An implicit step knows the tensions that acted in it. An explicit one is short beside what moves a cable of several segments,
+    and a look at it costs a sixth of a step.
+    """
+    if stride == 1:
+        return 0
+    several = all(cable.segments >= SEVERAL for cable in scene.cables)
+    return EXPLICIT_LOOKS if scheme.explicit and several else 1
+
+
 def march(model, choice, leg, start, settings):
     """March a leg with a scheme of this package.
 
@@ -67,7 +82,7 @@ def march(model, choice, leg, start, settings):
         saves = leg.times()
     else:
         stride, saves = leg.stride(choice.dt)
-        times = FixedSteps(leg.begin, leg.end, choice.dt, leg.run_begin, stride)
+        times = FixedSteps(leg.begin, leg.end, choice.dt, leg.run_begin, stride, look_every(model.scene, scheme, stride))
     parameters = scheme.parameters(rho_inf=settings.rho_inf)
     observed = (3 * model.n_segments if model.creeps else model.n_segments) + len(net.effects.inner)
     out = march_system(scheme, bound, net.address, times, start.q, start.v, (saves, observed), parameters)
@@ -108,6 +123,13 @@ def run_of(model, choice, out, settings):
         wall_time=out.wall_time,
         warnings=(*choice.warnings, *stiff),
         segment_tension=tensions,
+        largest_tension=_largest_so_far(model, tensions, out.saved.noticed) if out.saved.noticed.shape[1] else None,
         **split_inner(model, np.stack(np.split(inner, 2, axis=1)) if model.creeps else None),
         shedding=shedding_of_rows(model, shed) if model.sheds else None,
     )  # fmt: skip
+
+
+def _largest_so_far(model, tensions, noticed):
+    """Largest tension of each cable up to each saved time (k, cables) [N], in the states that were saved or looked at."""
+    largest = np.maximum(largest_of_cables(model, tensions), noticed)
+    return np.maximum.accumulate(largest, axis=0, out=largest)

@@ -20,7 +20,7 @@ from integrators.marching.fixed_steps import FixedSteps
 from integrators.marching.march import March, Outcome
 
 from .legs import Settings
-from .own_methods import net_and_system, run_of
+from .own_methods import look_every, net_and_system, run_of
 from .plan import Asked, Plan, check_start, planned
 from .times import Leg
 from .verdict import judged
@@ -169,6 +169,7 @@ class Repeated:
         """A march that is ready for a scene; None if its arrays are of other shapes than those of the first one."""
         model, choice = begin.model, plan.choice
         times, rows = self.steps(begin.t, choice.dt)
+        times = times._replace(look_every=look_every(model.scene, schemes.scheme(choice.method), times.stride))
         if choice.method not in self.marches:
             self.marches[choice.method] = self._made(model, choice.method, times, rows)
         net, march = self.marches[choice.method]

@@ -1,6 +1,6 @@
 """Warnings attached to a completed run: energy lost or added by its steps, cables too long for their tension, no limit in sight,
 points that nothing has moved, wind under water, obstacles that were not seen, errors that may have been multiplied, starts and
-steps not resolved.
+steps not resolved, largest tensions between saved states.
 
 A run with a warning is done all the same: a method that damps the motion is asked for by name, and a rest may be right that
 was reached by wrong damping. But a reader of its swing or its stretch must know. On the catalogue of hard cases
@@ -18,6 +18,7 @@ from anet_lumped.results.audit import SHARE
 from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.results.free_flight import MULTIPLIED, first_loose, times_at_most
+from anet_lumped.results.peaks import hidden_peak
 from anet_lumped.results.tension_error import lowest_axial_mode
 from anet_lumped.scene.platform import driven_from_outside
 from anet_lumped.scene.scene import Driven
@@ -31,6 +32,7 @@ SHARE_OF_PATH = 0.05  # of the path of a node: error of the finer of two runs up
 STILL = 1e-6  # of its cables' length, by which a net may move that counts as still
 ALLOWED_LOSS = 0.01  # of the energy in play, which a method may take without a warning
 TOLERANCE = 1e-7  # of its length: what Newton's tolerance leaves
+MOST_HIDDEN = 0.1  # of the largest tension, by which saved states may show less without a warning
 MANY_PARTS = 4.0  # in which each step is taken on average: a start that is hard to solve takes some steps in two
 
 
@@ -46,6 +48,7 @@ class Finding(Enum):
     THROUGH_AN_OBSTACLE = "cables that may have gone through an obstacle"
     MULTIPLIED_ERRORS = "errors that the motion may have multiplied"
     THROWN_AT_START = "a start that the first step does not resolve"
+    HIDDEN_PEAK = "a largest tension that passes between saved states"
     TAKEN_IN_PARTS = "steps whose equations were solved in many parts only"
 
 
@@ -72,6 +75,7 @@ def findings(run, adaptive=False):
         (Finding.THROUGH_AN_OBSTACLE, _through_an_obstacle(run, step)),
         (Finding.MULTIPLIED_ERRORS, _multiplied_errors(run)),
         (Finding.THROWN_AT_START, "" if adaptive or run.kept else _thrown_at_start(run, step)),
+        (Finding.HIDDEN_PEAK, _hidden_peak(run)),
         (Finding.TAKEN_IN_PARTS, "" if adaptive or run.extrapolated else _taken_in_parts(run)),
     )
     return {finding: text for finding, text in texts if text}
@@ -173,6 +177,19 @@ def _thrown_at_start(run, step):
     return (
         f"{run.method}: its first step throws a node off with {speed:.2g} m/s, most of what is seen in the run, and does not "
         f'resolve the forces at the start; places may be wrong by the way of such a node. Take {step}, or method="edmc".'
+    )
+
+
+def _hidden_peak(run):
+    """A largest tension that saved states do not come near to: curves of them would not show it."""
+    hidden = hidden_peak(run)
+    if hidden is None or hidden.shown >= (1.0 - MOST_HIDDEN) * hidden.tension:
+        return ""
+    before, after = run.t[max(hidden.row - 1, 0)], run.t[hidden.row]
+    return (
+        f"The largest tension is {hidden.tension:.4g} N in cable {quoted(run.scene.cables[hidden.cable].name)} between "
+        f"t={before:.4g} s and t={after:.4g} s (run.peak_tension()), but {hidden.shown:.4g} N in the states that are saved; "
+        "a smaller save_every shows it."
     )
 
 

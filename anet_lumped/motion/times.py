@@ -87,7 +87,7 @@ def check_counts(scene, t0, t_end, dt, save_every, adaptive):
         raise InputError(f"Steps must change the time, but t={t0:g} s has no digits for one of {dt or duration:g} s.")
     saves = min(duration / save_every, duration / dt if dt is not None and not adaptive else math.inf) if save_every else SAVES
     segments = sum(cable.segments for cable in scene.cables)
-    numbers = 6 * (segments + len(scene.all_points)) + segments + ENERGIES + 2
+    numbers = 6 * (segments + len(scene.all_points)) + segments + len(scene.cables) + ENERGIES + 2
     check_most(BYTES, 8.0 * numbers * saves, f"A run of {duration:g} s that saves {saves:.3g} states")
 
 

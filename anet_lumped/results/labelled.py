@@ -7,6 +7,7 @@ import numpy as np
 from anet_lumped.model.model import Model
 
 from .energy_balance import COLUMNS, UNDIVIDED
+from .peaks import largest_so_far
 
 AXES = ("x", "y", "z")
 
@@ -19,10 +20,10 @@ def energy_names(run: Any) -> tuple[str, ...]:
 def dataset(run: Any) -> Any:
     """A run as an `xarray.Dataset` whose dimensions are names: ``ds.sel(point="bottle")``, ``ds.sel(cable="line1")``.
 
-    Variables: `position` and `velocity` (t, point, axis), `shape` (t, cable, node, axis), `tension` (t, cable, segment) and
-    `energy` (t, energy_of). Coordinates: `arc` (cable, node) and `arc_of_segment` (cable, segment), unstretched lengths from the
-    start of each cable as the scene has it. Nodes and segments are counted from the start of a cable. Where cables have fewer than
-    others, NaN follows.
+    Variables: `position` and `velocity` (t, point, axis), `shape` (t, cable, node, axis), `tension` (t, cable, segment),
+    `largest_tension` (t, cable), in all steps up to each time, and `energy` (t, energy_of). Coordinates: `arc` (cable, node) and
+    `arc_of_segment` (cable, segment), unstretched lengths from the start of each cable as the scene has it. Nodes and segments are
+    counted from the start of a cable. Where cables have fewer than others, NaN follows.
     """
     import xarray as xr
 
@@ -42,6 +43,7 @@ def dataset(run: Any) -> Any:
             "velocity": (("t", "point", "axis"), run.v[:, nodes], {"units": "m/s"}),
             "shape": (("t", "cable", "node", "axis"), shape, {"units": "m", "long_name": "places of nodes"}),
             "tension": (("t", "cable", "segment"), tension, {"units": "N"}),
+            "largest_tension": (("t", "cable"), largest_so_far(run), {"units": "N", "long_name": "largest in all steps so far"}),
             "energy": (("t", "energy_of"), run.energy, {"units": "J"}),
         },
         coords={

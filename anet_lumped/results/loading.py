@@ -23,7 +23,7 @@ from .run import FINISHED, STATUSES, Run, Work
 from .run_file import DamagedError
 
 OF_VERSION_0_1 = ("error_estimate",)  # attributes that are not written any more
-NOT_OF_VERSION_0_1 = ("extrapolated", "kept", "error_factor", "format", "pushed")
+NOT_OF_VERSION_0_1 = ("extrapolated", "kept", "error_factor", "format", "pushed", "peak_at_most")
 
 
 def load_run(path: str | PathLike[str]) -> Run:
@@ -80,6 +80,8 @@ def _run(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Run:
     return Run(
         model, arrays["t"], arrays["q"], arrays["v"], arrays["energy"], **texts,
         dt=float(account["dt"]), wall_time=float(account["wall_time"]), segment_tension=arrays["tension"],
+        largest_tension=arrays.get("largest_tension"),
+        peak_at_most=_read(float | None, "peak_at_most", _typed(str, "peak_at_most", {"peak_at_most": "null"} | dict(account))),
         error_growth=arrays.get("error"), error_factor=float(numbers["error_factor"]),
         crept=arrays.get("crept"), T_max=arrays.get("T_max"), shedding=arrays.get("shedding"), work=work,
         audit=_record(Audit, "audit", account), events=events,
@@ -105,6 +107,9 @@ def _scene(arrays: Mapping[str, np.ndarray], account: Mapping[str, Any]) -> Scen
         raise DamagedError(
             f"its scene has {nodes} nodes and {segments} segments, but its arrays are of {found[0]} nodes and {found[2]} segments"
         )
+    cables = arrays["largest_tension"].shape[1] if "largest_tension" in arrays else len(scene.cables)
+    if cables != len(scene.cables):
+        raise DamagedError(f"its scene has {len(scene.cables)} cables, but its largest tensions are of {cables}")
     return scene
 
 
@@ -112,7 +117,7 @@ def _check_finite(arrays: Mapping[str, np.ndarray], finished: bool) -> None:
     """Times are finite and increase; what a run that reached its end holds besides is finite too."""
     if not np.isfinite(arrays["t"]).all() or (np.diff(arrays["t"]) < 0.0).any():
         raise DamagedError("its times are not finite, or do not increase")
-    for name in ("q", "v", "tension", "energy", "crept", "T_max", "shedding") if finished else ():
+    for name in ("q", "v", "tension", "largest_tension", "energy", "crept", "T_max", "shedding") if finished else ():
         if name in arrays and not np.isfinite(arrays[name]).all():
             raise DamagedError(f"its run reached its end, but `{name}` is not finite")
 

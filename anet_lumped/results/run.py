@@ -16,7 +16,7 @@ from integrators import schemes
 from integrators.schemes.record import EnergyPromise
 from integrators.system import DIVERGED, DONE, EVENT, INTERRUPTED, OUT_OF_STEPS, UNCONVERGED
 
-from . import end_forces, error_estimate, free_flight, labelled, run_file, tension_error, touchdown
+from . import end_forces, error_estimate, free_flight, labelled, peaks, run_file, tension_error, touchdown
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, RELEASE, Event
@@ -83,6 +83,11 @@ class Run:
     wall_time : float [s], of the march alone
     warnings : tuple of str, from before the run (see `motion.choice`) and of the completed run (see `motion.run_warnings`)
     segment_tension : (k, n_segments) float64 [N]; None takes the law at every saved time
+    largest_tension : (k, cables) float64 [N] or None
+        Largest tension of each cable up to each saved time, in all steps; None where every step is saved, and of a solver of
+        another package. See `peak_tension`.
+    peak_at_most : float or None [N]
+        What the largest tension may be, where it passes between two saved states and the steps about it have been looked at.
     audit : Audit or None, what an audit found, if one was asked for
     events : tuple of Event
         What happened, in order: payloads that changed, segments that broke; with what its start had behind it. Rows saved at the
@@ -114,6 +119,8 @@ class Run:
     wall_time: float = 0.0
     warnings: tuple[str, ...] = ()
     segment_tension: np.ndarray = None  # type: ignore[assignment]  # the law gives it
+    largest_tension: np.ndarray | None = None
+    peak_at_most: float | None = None
     audit: Audit | None = None
     events: tuple[Event, ...] = ()
     extrapolated: bool = False
@@ -185,7 +192,7 @@ class Run:
 
     @cached_property
     def tension_error(self) -> float:
-        """Error of the largest tension in the saved states, over what that tension may be, estimated; see `tension_error`."""
+        """Error of the largest tension, `peak_tension`, over what that tension may be, estimated; see `tension_error`."""
         return tension_error.tension_error(self)
 
     @cached_property
@@ -215,7 +222,7 @@ class Run:
         columns = self.energy.shape[1:] if self.energy.shape[1:] in ((len(COLUMNS),), (len(UNDIVIDED),)) else (len(COLUMNS),)
         shapes = {"q": places, "v": places, "q_near": places, "segment_tension": (*rows, self.model.n_segments)}
         shapes["crept"] = shapes["T_max"] = shapes["segment_tension"]
-        shapes["shedding"] = (*places[:2], 4)
+        shapes["shedding"], shapes["largest_tension"] = (*places[:2], 4), (*rows, len(self.scene.cables))
         for name, shape in (shapes | {"error_growth": rows, "energy": (*rows, *columns)}).items():
             found = getattr(self, name)
             if found is not None and found.shape != shape:
@@ -267,6 +274,13 @@ class Run:
     def tension(self, cable: str) -> np.ndarray:
         """(k, segments) tension of a cable's segments from its start to its end [N]."""
         return self.segment_tension[:, self.model.segments(cable)]
+
+    def peak_tension(self, cable: str | None = None) -> float:
+        """Largest tension of a cable, or of any, in all steps of the run [N]; 0 where nothing is taut.
+
+        A peak that passes between two saved states counts (`largest_tension`), which `tension` and what is made of it do not show.
+        """
+        return peaks.peak_tension(self, cable)
 
     def end_tension(self, cable: str, point: str) -> np.ndarray:
         """(k,) force with which a cable pulls at a point where it ends [N]: its last half segment included, see `end_forces`."""

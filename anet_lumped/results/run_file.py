@@ -22,13 +22,13 @@ from anet_lumped.scene.as_dict import scene_to_dict
 
 from .labelled import LABELS, energy_names, labels
 
-FORMAT = 2  # of the files that are written here; the first had no labels
+FORMAT = 3  # of the files that are written here; the first had no labels, the second no largest tensions
 WHAT = "A saved run"  # for messages
 AXES = ["x", "y", "z"]
 DIMENSIONS = {
     "t": ("t",), "q": ("t", "node", "axis"), "v": ("t", "node", "axis"), "tension": ("t", "segment"), "energy": ("t", "energy_of"),
     "error": ("t",), "crept": ("t", "segment"), "T_max": ("t", "segment"), "shedding": ("t", "node", "inner"),
-    "rotation": ("t", "body", "quaternion"),
+    "rotation": ("t", "body", "quaternion"), "largest_tension": ("t", "cable_number"),
 }  # fmt: skip
 
 
@@ -59,6 +59,7 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         "kept": json.dumps(run.kept),
         "error_factor": float(run.error_factor),
         "pushed": int(run.pushed),
+        "peak_at_most": json.dumps(run.peak_at_most),
     }
     arrays = {"t": run.t, "q": run.q, "v": run.v, "energy": run.energy}
     told = labels(run.model)
@@ -68,6 +69,8 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         told = {name: one for name, one in told.items() if one[0] != "segment"}
     if run.error_growth is not None:
         arrays["error"] = run.error_growth
+    if run.largest_tension is not None and run.scene.cables:
+        arrays["largest_tension"] = run.largest_tension
     if run.crept is not None:
         arrays["crept"] = run.crept
     if run.T_max is not None:
@@ -81,6 +84,7 @@ def write(run: Any, path: str | PathLike[str]) -> None:
         "q": {"units": "m", "long_name": "place"},
         "v": {"units": "m/s", "long_name": "velocity"},
         "tension": {"units": "N"},
+        "largest_tension": {"units": "N", "long_name": "largest tension of each cable up to each time, in all steps"},
         "energy": {"units": "J"},
         "rotation": {"units": "1", "long_name": "unit quaternion (w, x, y, z) of each body"},
         "crept": {"units": "m", "long_name": "how far each segment has crept"},
@@ -104,7 +108,8 @@ def read(path: str | PathLike[str]) -> tuple[dict[str, np.ndarray], dict[str, An
     Returns
     -------
     arrays : dict of str to float64
-        t, q, v, energy and, if there are such, tension, error, crept, T_max and shedding; shapes agree with each other.
+        t, q, v, energy and, if there are such, tension, largest_tension, error, crept, T_max and shedding; shapes agree with each
+        other.
     account : dict
         The attributes, as text and numbers.
 

@@ -1,4 +1,4 @@
-"""What a run knows of the error of its largest tension: between saved states, of jumps that ring, of vibrations and of snaps.
+"""What a run knows of the error of its largest tension: of peaks between states, jumps that ring, vibrations and snaps.
 
 Four parts of a tension may be missing in what a run shows of it. The largest of them counts, at each saved time:
 
@@ -26,6 +26,9 @@ row, which do not alternate, but not less than a quarter of their own and not mo
 from what is saved four to seven rows before and after is a jump, and counts in full, and so do those of the first rows, and of
 cables that were slack.
 
+A largest tension that passes between two saved states is known (`Run.largest_tension`), but not how it came. Where the steps about
+it have not been looked at (`Run.peak_at_most`), all by which it is above the saved states beside it counts as a jump.
+
 Besides, a quarter of the share of the energy that the method took counts as an error of the largest tension.
 
 The shares 0.7, a quarter, twenty, a fifth and a half are fitted to runs with a reference; the results hardly change with them.
@@ -47,6 +50,7 @@ from integrators.addresses import words_of
 
 from .events import BREAK, RELEASE
 from .free_flight import loose
+from .peaks import Hidden, hidden_peak
 from .sudden_loads import sudden_load_tension
 
 OF_SEGMENT = 0.25  # of a jump, which the vibration of a segment that the steps do not resolve would add
@@ -92,15 +96,30 @@ def tension_error(run: Any) -> float:
     -------
     error : float
     """
-    largest = float(run.segment_tension.max(initial=0.0))
+    largest = run.peak_tension()
     if largest <= 0.0:
         return 0.0
-    more = largest
-    if len(run.t) > 2:
-        sudden = sudden_load_tension(run, lowest_axial_mode)
-        more = max(float(look_at(run).most.max()), snap_tension(run), thrown_tension(run), sudden)
+    more = run.peak_at_most
+    if more is None:
+        hidden = hidden_peak(run)
+        more = most_of_states(run) if hidden is None else max(most_of_states(run), hidden.tension + _after_jump(run, hidden))
     lost = lost_share(run.energy) if run.energy.shape[1] > BY_METHOD else 0.0
     return max(1.0 - largest / max(more, largest), LOST * lost)
+
+
+def most_of_states(run: Any) -> float:
+    """What the largest tension of saved states may be [N], as far as these tell."""
+    if len(run.t) <= 2:
+        return float(run.segment_tension.max(initial=0.0))
+    sudden = sudden_load_tension(run, lowest_axial_mode)
+    return max(float(look_at(run).most.max()), snap_tension(run), thrown_tension(run), sudden)
+
+
+def _after_jump(run: Any, hidden: Hidden) -> float:
+    """What a tension that has jumped to a hidden peak may add to it [N], as far as steps do not resolve it."""
+    cable = run.scene.cables[hidden.cable]
+    lowest, highest = lowest_axial_mode(run.scene, cable), highest_axial_mode(cable)
+    return hidden.rise * max(lowest.overshoot * lowest.unresolved(run.dt), OF_SEGMENT * highest.unresolved(run.dt))
 
 
 def snap_tension(run: Any) -> float:

@@ -13,7 +13,7 @@ from numba import types
 from integrators.compile_once import compile_for
 from integrators.flat_view import flat
 from integrators.jit import internal, march_loop
-from integrators.states import NONE, SAVED, SCRATCH, TWO, copy, copy_state, save, worst_node
+from integrators.states import NONE, SAVED, SCRATCH, TWO, clear, copy, copy_state, save, worst_node
 from integrators.step_ends import evaluate_start
 from integrators.system import (
     DONE,
@@ -137,7 +137,9 @@ def adaptive_steps(stepper, times, order, state, scratch, saved, stop):
     system_address, data_address, counts = stepper.system_address, stepper.data_address, stepper.counts
     system, t0, t_end, atol, rtol = system_at(system_address), times.t0, times.t_end, times.atol, times.rtol
     evaluate_start(system_address, data_address, t0, state, counts)
-    rows = save(system_address, data_address, NONE, t0, 0.0, state, saved)
+    noticed = scratch.noticed
+    clear(noticed)
+    rows = save(system_address, data_address, NONE, t0, 0.0, state, noticed, saved)
     start, whole, balance_saved, observed_a = scratch.start, scratch.q, scratch.balance, scratch.observed_a
     observed_b = scratch.observed_b
     copy(saved.observed[0], observed_b)
@@ -183,11 +185,13 @@ def adaptive_steps(stepper, times, order, state, scratch, saved, stop):
             for i in range(observed_a.shape[0]):  # in place of what a state says that no step has reached
                 saved.observed[rows, i] = (1.0 - theta) * observed_a[i] + theta * observed_b[i]
             saved.error[rows] = total_error
+            copy(noticed[: saved.noticed.shape[1]], saved.noticed[rows])
             rows += 1
         t = end
+        system.notice(t, state.q, state.v, data_address, observed_a, noticed)
         if status == EVENT:
             if saved.t[rows - 1] < t:
-                rows = save(system_address, data_address, rows, t, total_error, state, saved)
+                rows = save(system_address, data_address, rows, t, total_error, state, noticed, saved)
             return EVENT, rows, t, -1, total_error
         h = max(h * growth(error, error_before, order + 1.0, MOST_GROWTH), h_wanted if h < h_wanted and error < 0.5 else 0.0)
         error_before, rejections = error, 0

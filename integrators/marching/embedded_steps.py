@@ -8,7 +8,7 @@ from numba import types
 from integrators.compile_once import compile_for
 from integrators.jit import internal, march_loop
 from integrators.schemes.embedded_pair import dense_output, judge_step, prepare_dense_output
-from integrators.states import NONE, ONE, SAVED, SCRATCH, copy, copy_state, save, worst_node
+from integrators.states import NONE, ONE, SAVED, SCRATCH, clear, copy, copy_state, save, worst_node
 from integrators.step_ends import evaluate_start
 from integrators.system import (
     DIVERGED,
@@ -90,6 +90,7 @@ def save_within(stepper, t, h, end, total_error, scratch, state, rows, saved):
     """
     system, data_address = system_at(stepper.system_address), stepper.data_address
     memory, parameters, prepared, start, balance = state.memory, stepper.parameters, False, scratch.start, scratch.balance
+    noticed = scratch.noticed
     while rows < saved.t.shape[0] and saved.t[rows] <= end:
         t_saved, state_saved = saved.t[rows], StepState(saved.q[rows], saved.v[rows], memory[:0], balance)
         copy_state(state, state_saved)
@@ -105,6 +106,7 @@ def save_within(stepper, t, h, end, total_error, scratch, state, rows, saved):
         system.observe(t_saved, state_saved.q, state_saved.v, data_address, saved.observed[rows], balance)
         copy(balance[:ENERGIES], saved.energy[rows])
         saved.error[rows] = total_error
+        copy(noticed[: saved.noticed.shape[1]], saved.noticed[rows])
         rows += 1
     return rows
 
@@ -135,7 +137,8 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
     system_address, data_address, counts = stepper.system_address, stepper.data_address, stepper.counts
     system, t0, t_end, corners = system_at(system_address), times.t0, times.t_end, times.corners
     evaluate_start(system_address, data_address, t0, state, counts)
-    rows = save(system_address, data_address, NONE, t0, 0.0, state, saved)
+    clear(scratch.noticed)
+    rows = save(system_address, data_address, NONE, t0, 0.0, state, scratch.noticed, saved)
     t, h, total_error, error_before, rejections, tried = t0, times.first, 0.0, 1.0, 0, 0
     start, stiffness = scratch.start, Stiffness(NONE, 0.0, NONE, NONE, 0.0)
     corner = next_corner(corners, NONE, t, 1e-12 * (t_end - t0))
@@ -179,6 +182,7 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
             if margin > 0.0:
                 h = locate(stepper, t, h, ONE, margin_before, margin, start, state)
                 end, status = t + h, EVENT
+        system.notice(end, state.q, state.v, data_address, scratch.observed_a, scratch.noticed)
         rows = save_within(stepper, t, h, end, total_error, scratch, state, rows, saved)
         t = end
         if status == EVENT:
@@ -191,7 +195,7 @@ def embedded_steps(stepper, times, pair, state, scratch, saved, stop):
         error_before, rejections = error, 0
     if status != DONE and saved.t[rows - 1] < t and rows < saved.t.shape[0]:  # the state that was reached
         system.prescribe(t, data_address, state.q, state.v)
-        rows = save(system_address, data_address, rows, t, total_error, state, saved)
+        rows = save(system_address, data_address, rows, t, total_error, state, scratch.noticed, saved)
     return status, rows, t, node if status == DIVERGED else -1, total_error, stiffness.held, stiffness.held_for
 
 

@@ -7,7 +7,7 @@ from numba import types
 
 from integrators.compile_once import compile_for
 from integrators.jit import march_loop
-from integrators.states import NONE, SAVED, SCRATCH, save, worst_node
+from integrators.states import NONE, SAVED, SCRATCH, clear, save, worst_node
 from integrators.step_ends import evaluate_start
 from integrators.system import (
     DIVERGED,
@@ -38,6 +38,8 @@ class FixedSteps(NamedTuple):
     origin : float [s], at most t0
     stride : int
         Every stride-th state after ``origin`` is saved, and the first and the last one.
+    look_every : int
+        Of the states that are not saved, every look_every-th is looked at, see `System.notice`; 0 looks at none.
     """
 
     t0: float
@@ -45,9 +47,10 @@ class FixedSteps(NamedTuple):
     dt: float
     origin: float
     stride: int
+    look_every: int = 0
 
 
-FIXED_STEPS = types.NamedTuple((types.float64,) * 4 + (types.int64,), FixedSteps)
+FIXED_STEPS = types.NamedTuple((types.float64,) * 4 + (types.int64,) * 2, FixedSteps)
 
 
 @march_loop
@@ -74,7 +77,9 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
     system = system_at(system_address)
     n_free, largest = system.n_free, system.largest
     evaluate_start(system_address, data_address, t, state, counts)
-    rows = save(system_address, data_address, NONE, t, 0.0, state, saved)
+    noticed = scratch.noticed
+    clear(noticed)
+    rows = save(system_address, data_address, NONE, t, 0.0, state, noticed, saved)
     steps, weight, error, error_is_current = begin(growth, state.v, n_free), 1.0, 0.0, True
     start, margin = scratch.start, -1.0 if margin_of(stepper, state) > NO_EVENTS else NO_EVENTS
     last = max(1, int(np.ceil((times.t_end - times.origin) / times.dt - SAME_TIME))) - 1
@@ -83,7 +88,7 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
         length = goal - t
         status, t_reached, margin = one_step(stepper, t, length, step_error.needs_copied_start, margin, start, state)
         if status != DONE:
-            rows = save(system_address, data_address, rows, t_reached, largest_error(growth, n_free), state, saved)
+            rows = save(system_address, data_address, rows, t_reached, largest_error(growth, n_free), state, noticed, saved)
             return status, rows, t_reached, -1
         t = goal
         if steps < WAITS:  # not worth a call, where a step of a small system costs no more than one
@@ -100,7 +105,9 @@ def fixed_steps(stepper, times, step_error, state, scratch, growth, saved, stop)
         if is_saved:
             if not error_is_current:
                 error, error_is_current = largest_error(growth, n_free), True
-            rows = save(system_address, data_address, rows, t, error, state, saved)
+            rows = save(system_address, data_address, rows, t, error, state, noticed, saved)
+        elif times.look_every > 0 and (s + 1) % times.look_every == 0:
+            system.notice(t, state.q, state.v, data_address, scratch.observed_a, noticed)
         if stop[0] != 0:
             return INTERRUPTED, rows, t, -1
     return DONE, rows, t, -1

@@ -88,7 +88,8 @@ class March:
         self.scheme, self.system, self.times, self.words = scheme, system, times, words_in_memory(system)
         self.adaptive, (times_or_rows, observed) = isinstance(times, AdaptiveSteps), saves
         t = np.array(times_or_rows, float) if self.adaptive else np.empty(times_or_rows)
-        self.saved = _rows(t, n, observed)
+        looks = self.adaptive or times.look_every > 0
+        self.saved = _rows(t, n, observed, system.notices if looks else 0)
         self.rooms = [self.saved]
         self.state = StepState(np.empty((n, 3)), np.empty((n, 3)), np.zeros((scheme.memory_rows, n, 3)), np.zeros(BALANCE))
         self.counts = np.zeros(COUNTS, np.int64)
@@ -104,7 +105,7 @@ class March:
             loop = compiled_fixed_steps()
             steps = (times.t_end - times.origin) / times.dt
             loop_argument = step_error(scheme, steps)
-        self.scratch = scratch_for(self.state, scheme.carried_rows, observed)
+        self.scratch = scratch_for(self.state, scheme.carried_rows, observed, system.notices)
         room = () if self.adaptive else (Growth(np.empty((n, 3)), np.zeros((n, 3))),)
         self.loop, self.short = entry_point(loop), not self.adaptive and steps * n < SHORT
         self.given = stepper, times, loop_argument, self.state, self.scratch, *room, self.saved
@@ -119,7 +120,8 @@ class March:
             Number of the arrays in which the next march saves; what the last march saved in these is overwritten.
         """
         while len(self.rooms) <= room:
-            self.rooms.append(_rows(np.empty_like(self.saved.t), self.saved.q.shape[1], self.saved.observed.shape[1]))
+            shapes = self.saved.q.shape[1], self.saved.observed.shape[1], self.saved.noticed.shape[1]
+            self.rooms.append(_rows(np.empty_like(self.saved.t), *shapes))
         self.times, self.saved = times, self.rooms[room]
         stepper, _, *others, _ = self.given
         self.given = stepper, times, *others, self.saved
@@ -156,7 +158,7 @@ def march(
     return March(scheme, system, data_address, times, len(q), saves, parameters).march(q, v)
 
 
-def _rows(t, n, observed) -> Saved:
+def _rows(t, n, observed, notices) -> Saved:
     """Room for the rows of a march of n nodes at times ``t`` (k,)."""
     q, v, energy = np.empty((len(t), n, 3)), np.empty((len(t), n, 3)), np.zeros((len(t), ENERGIES))
-    return Saved(t, q, v, energy, np.empty((len(t), observed)), np.full(len(t), np.nan))
+    return Saved(t, q, v, energy, np.empty((len(t), observed)), np.full(len(t), np.nan), np.empty((len(t), notices)))

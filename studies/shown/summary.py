@@ -52,7 +52,7 @@ def run_summary(run) -> dict:
                 "cable": cable.name,
                 "end_stretch": run.length(cable.name)[-1] / cable.length - 1,
                 "peak_stretch": run.length(cable.name).max() / cable.length - 1,
-                "peak_tension": run.tension(cable.name).max(),
+                "peak_tension": run.peak_tension(cable.name),
                 "peak_start_tension": _peak_at(run, cable, cable.start),
                 "peak_end_tension": _peak_at(run, cable, cable.end),
             }

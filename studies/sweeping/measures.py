@@ -242,6 +242,9 @@ MEASURES = {
     "end_stretch": Measure(_end_stretch, Source.RUN, Target.CABLE, "-", "stretched length / length - 1 at the end"),
     "peak_stretch": _over_time(_peak(_stretch), Target.CABLE, "-", "largest stretched length / length - 1"),
     **_statistics(),
+    "peak_tension": _over_time(
+        over_time.peak_tension, Target.CABLE_OR_POINT, "N", "largest tension in all steps; at a point, at a saved time"
+    ),
     "rainflow_tension": _over_time(
         partial(over_time.statistic, values=over_time.tension, of=over_time.rainflow),
         Target.CABLE_OR_POINT,

@@ -35,7 +35,11 @@ def window(run, since):
         raise WindowError(f"A run must have two saved times from t={since:g} s on, but it ends at t={run.t[-1]:g} s.")
     of_states = "t", "q", "v", "energy", "segment_tension", "error_growth", "q_near", "crept", "T_max", "shedding"
     arrays = {name: getattr(run, name) for name in of_states}
-    return replace(run, **{name: array[rows] for name, array in arrays.items() if array is not None})
+    later = {name: array[rows] for name, array in arrays.items() if array is not None}
+    if run.largest_tension is not None:  # of peaks between saved times, those count that are higher than all before
+        so_far = run.largest_tension[rows]
+        later["largest_tension"] = np.where(so_far > so_far[0], so_far, 0.0)
+    return replace(run, **later, peak_at_most=None)
 
 
 def _rows(run, since):
@@ -92,6 +96,14 @@ def tension(run, target):
     if ends:
         return np.stack(ends, axis=1)
     return np.concatenate([run.tension(cable.name) for cable in cables if target in (None, cable.name)], axis=1)
+
+
+def peak_tension(run, target, since):
+    """Largest tension of a cable, or of all, in all steps [N]; of the ends of cables at a point, at a saved time."""
+    run = window(run, since)
+    if target in (None, *(cable.name for cable in run.scene.cables)):
+        return run.peak_tension(target)
+    return float(tension(run, target).max())
 
 
 def coordinate(run, target, axis):

@@ -199,6 +199,13 @@ def average(address, share, h):
 
 
 @njit(cache=True, error_model="numpy")
+def notice(t, q, v, address, row, noticed):
+    """How far node 1 is from node 0 at most, along x; and how many states were looked at."""
+    noticed[0] = max(noticed[0], q[1, 0] - q[0, 0])
+    noticed[1] += 1.0
+
+
+@njit(cache=True, error_model="numpy")
 def observe(t, q, v, address, row, e):
     data = data_at(address)
     row[0], row[1] = q[1, 0] - q[0, 0], data.shares[0]
@@ -237,6 +244,7 @@ _FUNCTIONS = {
     "remember": (remember, (_i8, _i8)),
     "average": (average, (_i8, _f8, _f8)),
     "observe": (observe, (_f8, _f2, _f2, _i8, _f1, _f1)),
+    "notice": (notice, (_f8, _f2, _f2, _i8, _f1, _f1)),
     "margin": (margin, (_f2, _f2, _i8)),
     "project": (project, (_f8, _i8, _f2, _f2)),
 }
@@ -253,7 +261,7 @@ class Duffing:
         self.address = self.words.ctypes.data
         functions = {name: first_class(compile_for(*made)) for name, made in _FUNCTIONS.items()}
         per_mass = np.repeat([*1.0 / MASS, 0.0], 3).reshape(3, 3)
-        self.system = System(**functions, per_mass=per_mass, n_free=2, largest=1e6)
+        self.system = System(**functions, per_mass=per_mass, notices=1, n_free=2, largest=1e6)
 
     def rates(self, t, y):
         """dy/dt in numpy, for y = (q, v, work put in, dissipated) of the moving nodes."""

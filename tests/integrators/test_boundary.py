@@ -157,3 +157,19 @@ def test_what_a_march_is_given_is_not_changed():
     q, v = (x.copy() for x in START)
     run(Duffing(), "verlet", 0.01, 0.1, start=(q, v))
     np.testing.assert_array_equal([q, v], START)
+
+
+@pytest.mark.parametrize(("look_every", "looked"), [(0, 0), (1, 29), (4, 7)])
+def test_states_that_are_not_saved_are_looked_at(look_every, looked):
+    """What is noticed is the largest so far of the states between those that are saved, every one or some of them."""
+    duffing, scheme = Duffing(c=0.1, shake=0.2), schemes.scheme("verlet")
+    every, some = (
+        march(scheme, duffing.system, duffing.address, FixedSteps(0.0, 0.3, 0.01, 0.0, stride, look), *START, (40, 2))
+        for stride, look in ((1, 0), (30, look_every))
+    )
+    assert every.saved.noticed.shape == (31, 0) and some.saved.noticed.shape == (2, 1 if look_every else 0)
+    if look_every:
+        apart = (every.saved.q[:, 1, 0] - every.saved.q[:, 0, 0])[1:-1]
+        assert (
+            some.saved.noticed[-1, 0] == max(apart[look_every - 1 :: look_every].max(), 0.0) and looked == len(apart) // look_every
+        )

@@ -36,7 +36,8 @@ def test_points_and_cables_are_selected_by_name(run):
 def test_every_variable_has_a_unit(run, tmp_path):
     data = run.to_xarray()
     assert {name: data[name].attrs["units"] for name in ("t", *data.data_vars, "arc")} == {
-        "t": "s", "position": "m", "velocity": "m/s", "shape": "m", "tension": "N", "energy": "J", "arc": "m",
+        "t": "s", "position": "m", "velocity": "m/s", "shape": "m", "tension": "N", "largest_tension": "N", "energy": "J",
+        "arc": "m",
     }  # fmt: skip
     run.save(tmp_path / "run.nc")
     with xarray.open_dataset(tmp_path / "run.nc", engine="scipy") as file:

@@ -11,6 +11,7 @@ from anet_lumped.compiled.jit import internal, kernel
 from anet_lumped.effects.signatures import as_force
 from anet_lumped.mechanics.drive import evaluate_driven
 from anet_lumped.mechanics.effect_forces import add_masses, mobility_with_fluid, numbers_of
+from anet_lumped.mechanics.notice import take_in
 from anet_lumped.mechanics.observe import write_energies
 from anet_lumped.mechanics.optional import as_force_bodies, as_mobility_bodies, as_power_of_lengths, as_set_lengths
 from anet_lumped.mechanics.prescribe import prescribe
@@ -36,7 +37,7 @@ from anet_lumped.model.tables import (
     SLOT_FORCE,
 )
 from integrators.flat_view import flat
-from integrators.system import NO_EVENTS, OBSERVE
+from integrators.system import NO_EVENTS, NOTICE, OBSERVE
 
 from .elimination import factor, mobile, solve
 
@@ -222,6 +223,13 @@ def observe(t, q, v, net_address, tension, energy):
         if net.lengths.cable.shape[0] > 0:
             as_set_lengths(net.kernels[KERNEL_SET_LENGTHS])(net_address, t, t, t)
         write_energies(t, q, v, net_address, 0.0, energy)
+
+
+@kernel(NOTICE)
+def notice(t, q, v, net_address, row, noticed):
+    """Look at the tensions of a state whose force was asked for last, see `System.notice`."""
+    observe(t, q, v, net_address, row, noticed[:0])
+    take_in(view_net(net_address), row, noticed)
 
 
 @kernel(float64(_f2, _f2, int64))
