@@ -40,7 +40,7 @@ def test_energies_of_version_0_1_have_five_columns(run):
 def test_distances_at_the_times_that_both_have_saved(run):
     other = replace(
         run, t=run.t[::2], q=run.q[::2] + np.array([0.0, 3.0, 4.0]), v=run.v[::2], energy=run.energy[::2],
-        error_growth=run.error_growth[::2], segment_tension=run.segment_tension[::2],
+        error_growth=run.error_growth[::2], segment_tension=run.segment_tension[::2], largest_tension=None,
     )  # fmt: skip
     rows, other_rows, apart = distances(run, other)
     assert rows.tolist() == [0, 2, 4, 6, 8, 10] and other_rows.tolist() == [0, 1, 2, 3, 4, 5]

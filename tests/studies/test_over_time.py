@@ -88,7 +88,7 @@ def test_the_largest_displacement_is_from_where_it_started(run):
 def test_peaks_look_at_the_same_part(run):
     snap = max(run.snaps, key=lambda snap: snap.t)
     assert measured(run, "peak_tension:top-bob", since=snap.t + 0.1) == 0.0
-    assert measured(run, "peak_tension:top-bob") == run.tension("top-bob").max()
+    assert measured(run, "peak_tension:top-bob") == run.peak_tension() >= run.tension("top-bob").max()
 
 
 def raise_an_error(run):
