@@ -35,7 +35,7 @@ def of_bodies(model, net, q, tension, K):
     K : csc_array, with turns in lengths of the radius of gyration
     motions : csc_array, displacements of all moving nodes by the unknowns of K
     """
-    forces, bodies = _node_forces(model, net, q, tension), model.bodies
+    forces, bodies = node_forces(model, net, q, tension), model.bodies
     below = 3 * bodies.first
     joints = {row[JOINT_BODY]: row for row in bodies.joint}
     nodes_of = [bodies.node[bodies.node_at[b] : bodies.node_at[b + 1]] for b in range(len(bodies.pivot))]
@@ -88,7 +88,7 @@ def _with_whole_diagonal(K):
     return both
 
 
-def _node_forces(model, net, q, tension):
+def node_forces(model, net, q, tension):
     """Force on every node at rest (n, 3) [N]."""
     f, v = np.zeros_like(q), np.zeros_like(q)
     for e, effect in enumerate(model.forces):

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from anet_lumped.model.model import Model
-from anet_lumped.model.tables import AXIAL_PUSH_SHARE
+from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_PUSH_SHARE
 
 from .descent import descended
 from .failure_reasons import bends_but_does_not_push, impossible
@@ -20,6 +20,7 @@ from .held_bodies import keep_shapes
 from .relaxation import QUICK, SLOW, UNHINDERED, Pace, net_at_rest, relaxed
 from .stability import Curvature, curvature
 from .starts import obstacles, raised
+from .stiff_cables import are_stiff, at_rest_as_stiff, softened
 
 BALANCED = 1e-9  # of the load: largest out-of-balance force of a rest
 ROUGH = 1e-3  # of the load: from a smaller out-of-balance force the exact tangent may find the balance
@@ -82,6 +83,8 @@ class _Attempt(NamedTuple):
 def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, load: float, calm: Shape | None = None) -> Found:
     """The first stable rest that a start leads to; if none does, the shape whose forces balance best.
 
+    Cables that do not stretch begin from the rest of `softened` ones. So do stiff ones, whose own search has found no rest.
+
     Parameters
     ----------
     model : Model
@@ -96,6 +99,30 @@ def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, loa
     -------
     Found
     """
+    starts = hanging, given, load, calm
+    rigid, stiff = bool((net.axial[:, AXIAL_INEXTENSIBLE] > 0.0).any()), not model.has_bodies and bool(are_stiff(net, load).any())
+    found = _by_softer_cables(model, net, *starts) if stiff and rigid else None
+    if found is None or not (found.stable or found.asked_for):
+        found = _search(model, net, *starts)
+    if stiff and not (rigid or found.stable or found.asked_for):
+        other = _by_softer_cables(model, net, *starts)
+        found = other if other.stable else found
+    return found
+
+
+def _by_softer_cables(model, net, hanging, given, load, calm):
+    """`Found` next to the rest of `softened` cables."""
+    found = _search(model, softened(net, load), hanging, given, load, calm)
+    if not found.residual < ROUGH:
+        return found
+    q, tension = found.shape.q.copy(), found.shape.tension.copy()
+    residual = at_rest_as_stiff(model, net, q, tension, load)
+    exact = Found(Shape(q, tension), residual, curvature(model, net, q, tension, load) if residual <= BALANCED else None)
+    return exact._replace(asked_for=found.asked_for and exact.balanced)
+
+
+def _search(model, net, hanging, given, load, calm):
+    """`stable_rest` of cables as they are in the net."""
     points = model.n_free - model.n_interior
     large, vast = points >= LARGE, points >= VAST
     best, leaves = None, FEW_LEAVES if large else LEAVES

@@ -127,15 +127,22 @@ def segments(model: Model, net: Any, q: np.ndarray) -> Segments:
     return Segments(l, d / l[:, None], tension, slope)
 
 
-def tangent(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, effects: Any = None) -> csc_array:
-    """Sparse K of the module for the moving nodes, (3 n_free, 3 n_free) [N/m]; ``effects`` are what `_of_effects` gives."""
+def tangent(
+    model: Model, net: Any, q: np.ndarray, tension: np.ndarray, effects: Any = None, slope: np.ndarray | None = None
+) -> csc_array:
+    """Sparse K of the module for the moving nodes, (3 n_free, 3 n_free) [N/m].
+
+    ``effects`` are what `_of_effects` gives, and ``slope`` (n_segments,) [N/m] is taken in place of that of the law.
+    """
     n, (a, b) = model.n_free, model.ends.T
     rows, columns, blocks = _of_effects(model, net, q) if effects is None else effects
-    l, unit, _, slope = segments(model, net, q)
+    l, unit, _, slope_by_law = segments(model, net, q)
     across, rigid = tension / l, net.axial[model.cable_of, AXIAL_INEXTENSIBLE] > 0.0
-    if rigid.any():
-        others = max(np.abs(across).max(), np.abs(slope).max(), np.abs(blocks).max(initial=0.0))
-        slope = np.where(rigid, np.where(tension != 0.0, RIGID * others, 0.0), slope)
+    if slope is None:
+        slope = slope_by_law
+        if rigid.any():
+            others = max(np.abs(across).max(), np.abs(slope).max(), np.abs(blocks).max(initial=0.0))
+            slope = np.where(rigid, np.where(tension != 0.0, RIGID * others, 0.0), slope)
     G = (slope - across)[:, None, None] * unit[:, :, None] * unit[:, None, :] + across[:, None, None] * np.eye(3)
     rows, columns = np.concatenate([rows, a, b, a, b]), np.concatenate([columns, a, b, b, a])
     blocks = np.concatenate([blocks, G, G, -G, -G])

@@ -63,3 +63,42 @@ def test_a_session_that_drives_an_end_too_far_says_so():
         session.drive("b", (1.01, 0, 0), (0.99, 0, 0))
         with pytest.raises(SessionError, match=r'cable "a-b" is 1 m long, and points "a" and "b" are 1.01 m apart at t=0.11 s'):
             session.step()
+
+
+def laid(seed, EA):
+    """A cable from an anchor on the ground, or from a little above the ground, to a fairlead; a third or more of it lies."""
+    draw = np.random.default_rng(seed)
+    length, slack, segments = draw.uniform(50.0, 500.0), draw.uniform(0.02, 0.3), int(draw.integers(20, 101))
+    chord, up = length / (1.0 + slack), 0.0 if seed % 2 else 0.05 * length * slack
+    h = chord * draw.uniform(0.1, 0.3)
+    points = [Fixed("anchor", (0, 0, up)), Fixed("fairlead", (math.sqrt(chord**2 - h**2), 0, up + h))]
+    cable = Cable("anchor", "fairlead", length=length, mass_per_length=0.2, EA=EA, segments=segments, diameter=0.02)
+    return Scene(points, [cable], [Gravity(G), Ground()])
+
+
+@pytest.mark.parametrize("seed", [0, 2, 3, 5, 8, 9])
+def test_a_cable_that_lies_on_the_ground_keeps_its_length(seed):
+    """Against a cable of EA = 1e9 N, whose strains of 1e-6 change the tensions by no more than 1e-5."""
+    rest, like = equilibrium(laid(seed, math.inf)), equilibrium(laid(seed, 1e9))
+    cable, shape, tension = rest.scene.cables[0], rest.shape("anchor-fairlead"), rest.tension("anchor-fairlead")
+    lengths = np.linalg.norm(np.diff(shape, axis=0), axis=1)
+    lies = shape[:, 2] <= 0.0
+    assert rest.residual < 1e-11 and lies[1:].any()
+    assert lengths[tension > 0.0] == pytest.approx(cable.L0, rel=1e-12)
+    assert (lengths <= cable.L0 * (1.0 + 1e-12)).all()
+    assert tension == pytest.approx(like.tension("anchor-fairlead"), abs=1e-5 * tension.max())
+
+
+def test_a_cable_on_the_ground_has_the_tension_of_the_catenary():
+    """The part that hangs from (0, 0) is z = a (cosh(x/a) - 1) with a = H/w, and the part that lies has the tension H.
+
+    A fairlead at a height h with a hanging length s has a = (s^2 - h^2)/2h, and is a asinh(s/a) beyond the touchdown. The error of
+    200 segments is of the square of their length over a, (1.25/105)^2.
+    """
+    s, h, lying, w = 150.0, 75.0, 100.0, 0.2 * G
+    a = (s * s - h * h) / (2.0 * h)
+    points = [Fixed("anchor", (0, 0, 0)), Fixed("fairlead", (lying + a * math.asinh(s / a), 0, h))]
+    cable = Cable("anchor", "fairlead", length=s + lying, mass_per_length=0.2, EA=math.inf, segments=200, diameter=0.02)
+    tension = equilibrium(Scene(points, [cable], [Gravity(G), Ground(stiffness=3e8)])).tension("anchor-fairlead")
+    assert tension[0] == pytest.approx(w * a, rel=3e-4)
+    assert tension[-1] == pytest.approx(w * (a + h), rel=1e-2)
