@@ -28,6 +28,7 @@ from anet_lumped.scene.scene import Fixed, Scene, check_scene
 
 from .equilibrium_error import EquilibriumError, NoRestError
 from .starts import Start, start_state
+from .strains import warn_of_strain
 
 TOLERANCE = 1e-12  # of the positions of cable ends, over the cables' lengths
 SLACK = 1e-9  # of the load: a smaller tension of a segment is none
@@ -66,11 +67,22 @@ def equilibrium(scene: Scene, tolerance: float = TOLERANCE, start: Start | None 
         No convergence; or no rest that is stable. A NoRestError is one, too.
     InputError
         A start that is not one of these.
+
+    Warns
+    -----
+    UserWarning
+        A cable is stretched to more than three times its length, which no stiffness that is meant leads to.
     """
     check_scene(scene)
-    tolerance = check_number("tolerance", tolerance, "", "`equilibrium`", sign="positive")
+    rest = _equilibrium(scene, check_number("tolerance", tolerance, "", "`equilibrium`", sign="positive"), start)
+    warn_of_strain(rest, 3)  # the caller of the decorated function
+    return rest
+
+
+def _equilibrium(scene: Scene, tolerance: float, start: Start | None) -> State:
+    """`equilibrium` of a scene near its origin."""
     if scene.releases:
-        return spread(scene, lambda held: equilibrium(held, tolerance, start))
+        return spread(scene, lambda held: _equilibrium(held, tolerance, start))
     effects = tuple(effect.at_rest() for effect in scene.effects if not effect.no_force_at_rest)
     if effects == scene.effects:
         return _rest(scene, tolerance, start)

@@ -1,13 +1,14 @@
 """Statics: balance and law recomputed from what is shown, closed forms, and what has no rest."""
 
 import math
+import warnings
 
 import numpy as np
 import pytest
 from hanging import CORNERS, ENDS, EPS, MU, STIFFNESSES, G, assorted, cable, check, held_net, hung, mesh, three_supports
 from scipy.optimize import brentq
 
-from anet_lumped import Driven, EquilibriumError, Fixed, Free, NoRestError, Scene, equilibrium
+from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, NoRestError, Scene, equilibrium
 from anet_lumped.effects import Gravity, ViscousDamping
 from anet_lumped.prescribed import paths
 
@@ -163,3 +164,19 @@ def test_a_tolerance_below_rounding_is_not_reached():
     ) as caught:
         equilibrium(hung((0.8, 0.1, 0)), tolerance=1e-30)
     assert caught.type is EquilibriumError  # a search that failed speaks of no wrong input
+
+
+def test_a_stiffness_that_cannot_be_meant_is_said():
+    """A weight of 1 kg stretches 1 m of a cable of EA = 1 N by 9.81 m, and one of 10 N by 0.981 m."""
+
+    def stretched(EA):
+        cord = Cable("top", "end", length=1.0, mass_per_length=1e-6, EA=EA, segments=2)
+        return Scene([Fixed("top", (0, 0, 0)), Free("end", mass=1.0)], [cord], [Gravity(9.81)])
+
+    words = r'cable "top-end" stretches by 9.81 of its length: its EA is 1 N, and its tension 9.81 N; check EA'
+    with pytest.warns(UserWarning, match=words) as told:
+        equilibrium(stretched(1.0))
+    assert told[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        equilibrium(stretched(10.0))
