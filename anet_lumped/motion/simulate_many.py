@@ -18,6 +18,7 @@ from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.scene.varied import SETTINGS, Varied
 from anet_lumped.statics.starts import Start
+from integrators.ctrl_c import ctrl_c_later
 
 from .plan import Asked, check_arguments
 from .quick_switches import quick_switches
@@ -128,7 +129,7 @@ def each_run(
 
     Raises
     ------
-    KeyboardInterrupt : Ctrl-C, once every thread has ended its run
+    KeyboardInterrupt : Ctrl-C, once every thread has ended its run; so what else the handler of a signal raises
     """
     others = {name: value for name, value in settings.items() if name in ("error", "tension_error") and value is not None}
     asked = Asked(t_end, *(settings[name] for name in ("method", "dt", "save_every", "rtol", "atol")))
@@ -177,17 +178,11 @@ def each_run(
             stopped.set()
 
     threads = [threading.Thread(target=run, daemon=True) for _ in range(workers)]
-    try:
-        with quick_switches() if workers > 1 else nullcontext():
-            for thread in threads:
-                thread.start()
-            for thread in threads:
-                thread.join()
-    finally:
-        stopped.set()
-        for thread in threads:  # after Ctrl-C each ends the run at which it is, and nothing is written any more
-            if thread.is_alive():
-                thread.join()
+    with quick_switches() if workers > 1 else nullcontext(), ctrl_c_later(stopped.set):  # then each ends the run at which it is
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
     if raised:
         raise raised[0]
 

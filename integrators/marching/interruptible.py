@@ -1,6 +1,7 @@
 """A compiled march that Ctrl-C or a deadline can end: the march runs in a thread of its own while the main thread waits."""
 
 import _thread
+import contextlib
 import threading
 import time
 
@@ -17,6 +18,8 @@ def interruptible(march, *arguments, tell=lambda: None, short=False):
 
     Python handles Ctrl-C in its main thread, between two lines of Python; a compiled march is one line. Therefore the march runs in
     another thread. Called from any other thread than the main one, it runs in that thread. A `deadline` ends it in any thread.
+    Whatever is raised meanwhile, by `tell` or the handler of a signal, is raised once the march has ended: it works on arrays by
+    their addresses, which nobody may let go before.
 
     Parameters
     ----------
@@ -37,7 +40,7 @@ def interruptible(march, *arguments, tell=lambda: None, short=False):
     left = time_left()
     if threading.current_thread() is not threading.main_thread():
         return _in_this_thread(march, arguments, stop, left)
-    outcome, ended = [], _thread.allocate_lock()
+    outcome, over, ended = [], [], _thread.allocate_lock()
     if short and left is None:
         try:
             with ctrl_c_later():
@@ -53,6 +56,7 @@ def interruptible(march, *arguments, tell=lambda: None, short=False):
         try:
             outcome.append(march(*arguments, stop))
         finally:
+            over.append(True)
             ended.release()
 
     def end():
@@ -62,19 +66,29 @@ def interruptible(march, *arguments, tell=lambda: None, short=False):
         with ctrl_c_later(end):
             ended.acquire()
             _thread.start_new_thread(run, ())  # what `threading` adds to it costs as much as a hundred steps
-            while not ended.acquire(timeout=TOLD_EVERY if due is None else min(TOLD_EVERY, max(0.0, due - time.monotonic()))):
-                if due is not None and time.monotonic() >= due:
-                    end()
-                    due = None
-                else:
-                    tell()
+            try:
+                while not ended.acquire(timeout=TOLD_EVERY if due is None else min(TOLD_EVERY, max(0.0, due - time.monotonic()))):
+                    if due is not None and time.monotonic() >= due:
+                        end()
+                        due = None
+                    else:
+                        tell()
+            except BaseException:
+                end()
+                _wait(over)
+                raise
         return outcome[0], bool(stop[0])
     except KeyboardInterrupt:
         if not outcome:  # it came before the march began
             raise
         return outcome[0], True
-    finally:
-        end()  # whatever was raised, no march goes on without anyone who waits for it
+
+
+def _wait(over):
+    """Wait until the list holds something, whatever is raised meanwhile: what was raised first is what is told."""
+    while not over:
+        with contextlib.suppress(BaseException):
+            time.sleep(0.001)
 
 
 def _in_this_thread(march, arguments, stop, left):
