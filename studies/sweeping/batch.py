@@ -11,7 +11,7 @@ from typing import Any
 
 from anet_lumped.checks import check_number
 from anet_lumped.results.run import RunInterrupt
-from integrators.deadline import deadline
+from integrators.deadline import deadline, time_left
 
 OVER_BUDGET = "over budget"
 _USED = threading.Event()  # whether this process has run a row
@@ -44,10 +44,12 @@ def run_row(function: Callable[[dict], dict], budget: float | None, row: dict) -
     """
     try:
         with deadline(budget):
-            return dict(function(row))
-    except RunInterrupt as stopped:
-        if budget is None:
-            raise
+            try:
+                return dict(function(row))
+            except RunInterrupt as error:
+                if budget is None or time_left():  # Ctrl-C, and not the budget
+                    raise
+                stopped = error
         if not _USED.is_set():
             _USED.set()
             return run_row(function, budget, row)

@@ -274,18 +274,18 @@ class PartTask:
                 if there:
                     return there, seconds
         log = PartLog(self.out, self.shard)
-        results, size = [], 1
-        while len(results) < len(rows) and time.perf_counter() - log.began < PART_SECONDS:
-            batch = rows[len(results) : len(results) + size]
-            inputs = [without_number(row) for row in batch]
-            found_now, seconds = self.run(inputs)
-            for row, result, given in zip(batch, found_now, inputs, strict=True):
+        results = []
+        try:
+            for row in rows:
+                given = without_number(row)
+                (result,), _ = self.run([given])
                 log.lines.append({NUMBER: row[NUMBER], **line_of(given, result)})
-            results += found_now
-            size = max(1, min(2 * size, int(0.25 * PART_SECONDS * len(batch) / max(seconds, 1e-9))))
-        seconds = time.perf_counter() - log.began
-        log.force()
-        return results, seconds
+                results.append(result)
+                if time.perf_counter() - log.began > PART_SECONDS:
+                    break
+            return results, time.perf_counter() - log.began
+        finally:  # also on Ctrl-C in this worker
+            log.force()
 
 
 class NumberedRows(dict):

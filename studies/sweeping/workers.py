@@ -5,6 +5,7 @@ Rows are numbered: what waits, and what is given back, is the number of a row. W
 the first of them, and the others are given out again.
 """
 
+import logging
 import math
 import multiprocessing
 import os
@@ -13,7 +14,7 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, ProcessPoolExecutor, wait
 from importlib.util import find_spec
 from multiprocessing.process import BaseProcess
 from numbers import Integral
@@ -25,6 +26,7 @@ from integrators.compiling import NOTICE, NOTICED_AFTER, call_when_compiling
 from studies.sweeping.batch import failed
 from studies.sweeping.processes import held_back, prepare_process, script_untouched, without_script
 
+LOG = logging.getLogger(__name__)
 CRASHED = {
     "status": "crashed",
     "reason": "the worker process died: killed by the system, out of memory, or a fault in compiled code",
@@ -33,6 +35,7 @@ BROKEN = {"status": "crashed", "reason": "the executor broke before this row cam
 MOST_WORKERS = 32  # on any machine; on one of many cores, four for each
 MOST_ELSEWHERE = 1_000_000  # of an executor
 PRELOADED = "studies.sweeping.preloaded"  # imported once, by the process that workers are forked from
+LOOKED_EVERY, TOLD_AFTER = 1.0, 60.0  # [s]: for futures that are done unheard, and a word on what is waited for
 BATCH_SECONDS, LARGEST_BATCH = 0.1, 64  # of work that a worker is given at a time, so that short rows need not travel one by one
 
 
@@ -69,7 +72,7 @@ def through_executor(
 
     Raises
     ------
-    WorkerError : the executor broke, or a worker cannot do what it is given (if `strict`)
+    WorkerError : the executor takes no rows or cancels them; it broke, or a worker cannot do what it is given (if `strict`)
     """
     queue = deque(range(len(rows)) if numbers is None else numbers)
     window = 2 * pace.workers if pace else len(queue)
@@ -224,6 +227,26 @@ class Pace:
         return max(1, min(self.largest, fair, int(self.batch_seconds / max(self.seconds, 1e-6))))
 
 
+class Waiting:
+    """Says what is waited for where an executor gives nothing back, after TOLD_AFTER and each time after twice as long."""
+
+    def __init__(self):
+        self.began, self.tell_after = time.monotonic(), TOLD_AFTER
+
+    def look(self, done: int, pending: Mapping, rows: Sequence[dict] | Mapping[int, dict]) -> None:
+        """Take note of how many batches were done, of the `pending` ones."""
+        silent = time.monotonic() - self.began
+        if done:
+            self.__init__()
+        elif silent > self.tell_after and pending:
+            self.tell_after *= 2.0
+            first = next(iter(pending.values()))[0]
+            LOG.warning(
+                "no row has come back for %.0f s: %d batches are waited for, the first of row %d, %s; Ctrl-C keeps what is done",
+                silent, len(pending), first, shown(rows[first]),
+            )  # fmt: skip
+
+
 def _results(executor, run, rows, queue, window, pace=None, strict=False):
     """Yield (number, result) of the rows in the queue; of a broken executor (number, None) for those in flight, then stop.
 
@@ -233,8 +256,8 @@ def _results(executor, run, rows, queue, window, pace=None, strict=False):
     pace : Pace; rows go one by one without
     strict : as of `through_executor`
     """
-    pending = {}
-    broken = False
+    pending: dict = {}
+    broken, waiting = False, Waiting()
     try:
         while pending or (queue and not broken):
             most = window() if callable(window) else window
@@ -242,11 +265,18 @@ def _results(executor, run, rows, queue, window, pace=None, strict=False):
                 batch = [queue.popleft() for _ in range(pace.batch(len(queue)) if pace else 1)]
                 try:
                     pending[executor.submit(run, [rows[number] for number in batch])] = batch
-                except BrokenExecutor:
+                except BrokenExecutor as error:
+                    if strict:
+                        raise WorkerError(f"The executor broke while rows were to do: {error}") from None
                     queue.extendleft(reversed(batch))
                     broken = True
-            timeout = 0.5 * NOTICED_AFTER if callable(window) else None
-            for future in wait(pending, timeout, return_when=FIRST_COMPLETED).done:
+                except Exception as error:
+                    raise WorkerError(f"The executor must take rows, but it raised {type(error).__name__}: {error}") from None
+            wait(pending, 0.5 * NOTICED_AFTER if callable(window) else LOOKED_EVERY, return_when=FIRST_COMPLETED)
+            # one that is cancelled may never be told to `wait`, as those of a pool of threads that is shut down
+            done = [future for future in pending if future.done()]
+            waiting.look(len(done), pending, rows)
+            for future in done:
                 batch = pending.pop(future)
                 try:
                     results, seconds = future.result()
@@ -255,6 +285,8 @@ def _results(executor, run, rows, queue, window, pace=None, strict=False):
                         raise WorkerError(f"The executor broke while rows were to do: {error}") from None
                     broken = True
                     results = [None] * len(batch)
+                except CancelledError:
+                    raise WorkerError(f"The executor must do its rows, but it cancelled {len(batch)} of them.") from None
                 except Exception as error:  # a row or its result could not be sent, or kills its worker again and again
                     if strict and not _death(error):
                         raise WorkerError(f"A worker could not do its rows: {type(error).__name__}: {error}") from None

@@ -4,9 +4,10 @@ import os
 import signal
 import threading
 import time
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import pandas
 import pytest
@@ -14,7 +15,9 @@ import pytest
 from anet_lumped.checks import InputError
 from anet_lumped.files.scene_file import load_scene
 from anet_lumped.motion.simulate import simulate
-from studies.sweeping import parts
+from anet_lumped.results.run import RunInterrupt
+from studies.sweeping import parts, workers
+from studies.sweeping.batch import BatchRunner
 from studies.sweeping.parts import NUMBER, PartTask, Shard, VersionError, read_part, read_shard
 from studies.sweeping.row_log import RowsError
 from studies.sweeping.rows import gather, run_rows
@@ -275,3 +278,81 @@ def test_the_first_row_of_a_process_is_not_over_its_budget_by_its_imports():
 def test_a_budget_is_a_time():
     with pytest.raises(InputError, match="Argument `budget` must be positive and finite"):
         run_rows(square, ROWS, budget=0.0)
+
+
+class Refusing(Executor):
+    """Takes some rows and raises, or cancels, or never does them."""
+
+    def __init__(self, how):
+        self.how = how
+
+    def submit(self, function, /, *arguments):
+        future = Future()
+        if arguments[0][0][NUMBER] == 0:
+            future.set_result(function(arguments[0][:1]))
+        elif self.how == "raises":
+            raise OSError("no licence")
+        elif self.how == "breaks":
+            raise BrokenExecutor("all nodes are gone")
+        elif self.how == "cancels":
+            future.cancel()
+        return future
+
+
+@pytest.mark.parametrize(
+    ("how", "told"),
+    [
+        ("raises", "The executor must take rows, but it raised OSError: no licence"),
+        ("breaks", "The executor broke while rows were to do: all nodes are gone"),
+        ("cancels", "The executor must do its rows, but it cancelled"),
+    ],
+)
+def test_an_executor_that_fails_says_how_and_what_is_done_is_kept(tmp_path, one_process, how, told):
+    with pytest.raises(WorkerError, match=told):
+        run_rows(square, ROWS, executor=Refusing(how), workers=1, out=tmp_path, shard=Shard(), **SETTINGS)
+    assert 0 in gather(tmp_path)[0]["x"].tolist()
+    assert is_table(run_rows(square, ROWS, workers=1, out=tmp_path, shard=Shard(), **SETTINGS), one_process)
+
+
+def test_an_executor_that_gives_nothing_back_is_told(monkeypatch, caplog):
+    executor = Refusing("never")
+    monkeypatch.setattr(workers, "LOOKED_EVERY", 0.01)
+    monkeypatch.setattr(workers, "TOLD_AFTER", 0.02)
+
+    class Told(Exception):
+        pass
+
+    def told(*given):
+        raise Told(given[0] % given[1:])
+
+    monkeypatch.setattr(workers.LOG, "warning", told)
+    rows = {1: {NUMBER: 1, "x": 2}}
+    with pytest.raises(Told, match=r"no row has come back for .* the first of row 1, .*Ctrl-C keeps what is done"):
+        list(workers.through_executor(executor, square, rows, [1]))
+
+
+def interrupted(row, folder):
+    if row["x"] == 5 and not (folder / "was").exists():
+        (folder / "was").touch()
+        raise KeyboardInterrupt
+    return square(row)
+
+
+def test_ctrl_c_in_a_worker_keeps_what_it_has_done(tmp_path, one_process):
+    out = tmp_path / "out"
+    function = partial(interrupted, folder=tmp_path)
+    with ThreadPoolExecutor(1) as executor:
+        run = partial(run_rows, function, ROWS, executor=executor, workers=1, out=out, shard=Shard(), **SETTINGS)
+        with pytest.raises(KeyboardInterrupt, match="Stopped after"):
+            run()
+        assert gather(out)[0]["x"].tolist()[:5] == [0, 1, 2, 3, 4]
+        assert is_table(run(), one_process)
+
+
+def pressed(row):
+    raise RunInterrupt(SimpleNamespace(message="stopped"))
+
+
+def test_ctrl_c_within_a_budget_is_no_budget_that_is_over():
+    with pytest.raises(RunInterrupt):
+        BatchRunner(pressed, 60.0)([{}])
