@@ -25,6 +25,7 @@ from typing import NamedTuple
 from anet_lumped.checks import InputError, shown
 from anet_lumped.regular_files import whole_file
 from studies.sweeping.batch import BatchRunner
+from studies.sweeping.part_stamp import check_stamp, stamp_of
 from studies.sweeping.provenance import library, provenance
 from studies.sweeping.row_log import PARTS, RowsError, check_identity, line_of, line_of_text, read_meta
 from studies.sweeping.workers import CRASHED, WorkerError
@@ -71,10 +72,10 @@ def part_file(folder: Path, shard: Shard, number: int) -> Path:
     return folder / PARTS / str(shard) / f"{number:09d}{ENDING}"
 
 
-def write_part(path: Path, lines: Sequence[dict], seconds: float) -> None:
-    """Write a part, which took so many seconds [s]; it is there whole, and on the disk, or not at all."""
+def write_part(path: Path, lines: Sequence[dict], seconds: float, stamp: dict[str, str] | None = None) -> None:
+    """Write a part of the sweep of a stamp, which took so many seconds [s]; it is there whole, and on the disk, or not at all."""
     body = "".join(json.dumps(line) + "\n" for line in lines).encode()
-    end = json.dumps({"part": {"rows": len(lines), "crc32": zlib.crc32(body), "seconds": seconds}}) + "\n"
+    end = json.dumps({"part": {"rows": len(lines), "crc32": zlib.crc32(body), "seconds": seconds, "of": stamp}}) + "\n"
     path.parent.mkdir(parents=True, exist_ok=True)
     with whole_file(path, "A part") as half, half.open("wb") as file:
         file.write(body + end.encode())
@@ -82,12 +83,15 @@ def write_part(path: Path, lines: Sequence[dict], seconds: float) -> None:
         os.fsync(file.fileno())
 
 
-def read_part(path: Path, names: Iterable[str] = (), columns: Iterable[str] = ()) -> tuple[list[dict], float]:
-    """Lines of a part, and the time that it took [s].
+def read_part(
+    path: Path, names: Iterable[str] = (), columns: Iterable[str] = (), stamp: dict[str, str] | None = None
+) -> tuple[list[dict], float]:
+    """Lines of a part, and the time that it took [s]; with a stamp it must be of that sweep.
 
     Raises
     ------
     PartError : it is torn or damaged
+    RowsError : it is of another sweep
     """
     *texts, last = path.read_bytes().splitlines(keepends=True) or [b""]
     try:
@@ -98,6 +102,8 @@ def read_part(path: Path, names: Iterable[str] = (), columns: Iterable[str] = ()
         whole = False
     if not whole:
         raise PartError(f"The part {path} is torn or damaged.")
+    if stamp is not None:
+        check_stamp(path, end.get("of"), stamp)
     try:
         return [line_of_text(text, [*names, NUMBER], columns) for text in texts], seconds
     except ValueError as error:
@@ -133,15 +139,16 @@ def open_parts(
         raise RowsError(f"{meta} is not of these rows: choose another folder.")
     check_library(before.get("library"), f"the rows of {out}")
     lines: dict[int, dict] = {}
+    stamp = stamp_of(before)
     for folder in _shard_folders(out, shard):
-        found, torn = lines_of_parts(folder, names, columns)
+        found, torn = lines_of_parts(folder, names, columns, stamp)
         lines |= found
         for path in torn:
             warnings.warn(f"The part {path} was torn: its rows are done again.", stacklevel=2)
             path.unlink(missing_ok=True)
     own = shard.numbers(rows)
     kept = {number: without_number(line) for number, line in lines.items() if number in own and line["status"] != "crashed"}
-    return kept, PartLog(out, shard)
+    return kept, PartLog(out, shard, stamp)
 
 
 def without_number(line: dict) -> dict:
@@ -156,7 +163,9 @@ def _shard_folders(out, shard):
     return sorted(path for path in folders if path.name not in same_count)
 
 
-def lines_of_parts(folder: Path, names: Iterable[str], columns: Iterable[str]) -> tuple[dict[int, dict], list[Path]]:
+def lines_of_parts(
+    folder: Path, names: Iterable[str], columns: Iterable[str], stamp: dict[str, str]
+) -> tuple[dict[int, dict], list[Path]]:
     """Lines of all parts of a shard's folder by their numbers, and the parts that are torn; one of a crash counts last."""
     lines: dict[int, dict] = {}
     torn = []
@@ -164,7 +173,7 @@ def lines_of_parts(folder: Path, names: Iterable[str], columns: Iterable[str]) -
         if path.name.startswith("."):
             continue
         try:
-            found, _ = read_part(path, names, columns)
+            found, _ = read_part(path, names, columns, stamp)
         except PartError:
             torn.append(path)
             continue
@@ -211,7 +220,8 @@ class VersionError(RowsError):
 class PartLog:
     """Where a process collects the lines of its shard, and writes them as a part every PART_SECONDS and at the end."""
 
-    def __init__(self, out: Path, shard: Shard):
+    def __init__(self, out: Path, shard: Shard, stamp: dict[str, str] | None = None):
+        self.stamp = stamp
         self.path, self.out, self.shard = out / PARTS / str(shard), out, shard
         self.lines: list[dict] = []
         self.began = time.perf_counter()
@@ -230,7 +240,7 @@ class PartLog:
             while path.exists():  # its first row crashed, and was done again
                 again += 1
                 path = path.with_name(f"{self.lines[0][NUMBER]:09d}-{again}{ENDING}")
-            write_part(path, self.lines, time.perf_counter() - self.began)
+            write_part(path, self.lines, time.perf_counter() - self.began, self.stamp)
         self.lines, self.began = [], time.perf_counter()
 
     def __enter__(self) -> "PartLog":
@@ -252,12 +262,14 @@ class PartTask:
     out : folder, which every worker must see
     shard : that the rows are of
     made_with : `library()` of the process that gives out the rows
+    stamp : of the sweep
     """
 
     run: BatchRunner
     out: Path
     shard: Shard
     made_with: dict
+    stamp: dict[str, str] | None = None
 
     def __call__(self, rows: Sequence[dict]) -> tuple[list[dict], float]:
         """Results of the first rows, each with its number as `NUMBER`, and their time [s]."""
@@ -267,13 +279,13 @@ class PartTask:
         path = part_file(self.out, self.shard, rows[0][NUMBER])
         if path.exists():
             with contextlib.suppress(PartError):
-                lines, seconds = read_part(path)
+                lines, seconds = read_part(path, stamp=self.stamp)
                 found = {line[NUMBER]: line for line in lines if line["status"] != CRASHED["status"]}
                 known = takewhile(lambda row: row[NUMBER] in found, rows)
                 there = [without_number(found[row[NUMBER]]) for row in known]
                 if there:
                     return there, seconds
-        log = PartLog(self.out, self.shard)
+        log = PartLog(self.out, self.shard, self.stamp)
         results = []
         try:
             for row in rows:
@@ -300,15 +312,16 @@ def gathered(out: Path) -> tuple[list[dict], list[str], list[int], list[Path]]:
 
     Raises
     ------
-    RowsError : the folder holds no parts, or something that is none of theirs
+    RowsError : the folder holds no parts, parts of another sweep, or something that is none of theirs
     """
     kept = read_meta(out / "meta.json")
     if not (isinstance(kept, dict) and isinstance(kept.get("rows"), int) and (out / PARTS).is_dir()):
         raise RowsError(f"A folder to gather must hold the parts of a sweep, but {out} holds none.")
     lines: dict[int, dict] = {}
     torn: list[Path] = []
+    stamp = stamp_of(kept)
     for folder in sorted(path for path in (out / PARTS).iterdir() if path.is_dir()):
-        found, damaged = lines_of_parts(folder, kept["names"], ())
+        found, damaged = lines_of_parts(folder, kept["names"], (), stamp)
         torn += damaged
         for number, line in found.items():
             if number not in lines or lines[number]["status"] == "crashed":

@@ -100,7 +100,7 @@ def run_rows(
         with log or contextlib.nullcontext(), contextlib.ExitStack() as stack:
             if in_parts:
                 pace = Pace(workers or slots(executor), PART_SECONDS, LARGEST_PART, guess=0.0)  # workers end a part in time
-                task = PartTask(run, out, shard, library())
+                task = PartTask(run, out, shard, library(), log.stamp)
                 results = through_executor(executor, task, NumberedRows(rows), todo, pace, strict=True)
             elif executor:
                 results = through_executor(executor, run, rows, todo)

@@ -207,6 +207,24 @@ def test_what_is_mixed_is_refused(tmp_path):
         gather(tmp_path / "parts-first")
 
 
+@pytest.mark.parametrize("through", [None, 1000])
+def test_parts_of_another_sweep_are_refused_and_what_differs_is_named(tmp_path, through):
+    """A folder whose meta.json was replaced, or into which parts of another one were copied."""
+    other = {"identity": {"scene": {"cables": "x" * 100, "g": 9.81}, "settings": {"t_end": 2.0}}, "columns": ["square"]}
+    mine = {"identity": {"scene": {"cables": "y" * 100, "g": 9.81}, "settings": {"t_end": 4.0}}, "columns": ["square"]}
+    told = r"must be of one sweep, but .* is of another: scene.cables differs, settings.t_end was 2.0 and is 4.0;"
+    with ThreadPoolExecutor(1) as executor:
+        given = (
+            {"workers": 1, "shard": Shard()} if through is None else {"workers": through, "shard": Shard(), "executor": executor}
+        )
+        run_rows(square, ROWS, out=tmp_path, **given, **other)
+        (tmp_path / "meta.json").unlink()
+        with pytest.raises(RowsError, match=told):
+            run_rows(square, ROWS, out=tmp_path, **given, **mine)
+    with pytest.raises(RowsError, match=told):
+        gather(tmp_path)
+
+
 def test_a_shard_is_done_by_one_process_at_a_time(tmp_path):
     inside = []
 
