@@ -79,8 +79,8 @@ def equilibrium(scene: Scene, tolerance: float = TOLERANCE, start: Start | None 
     return rest
 
 
-def _equilibrium(scene: Scene, tolerance: float, start: Start | None) -> State:
-    """`equilibrium` of a scene near its origin."""
+def _equilibrium(scene: Scene, tolerance: float = TOLERANCE, start: Start | None = None) -> State:
+    """`equilibrium` of a scene near its origin, which warns of nothing."""
     if scene.releases:
         return spread(scene, lambda held: _equilibrium(held, tolerance, start))
     effects = tuple(effect.at_rest() for effect in scene.effects if not effect.no_force_at_rest)
@@ -203,7 +203,7 @@ def _rest_of(model: Model, tolerance: float, start: Start | None, net: Any = Non
             kind = NoRestError if law else EquilibriumError
             raise kind(f"{law}No equilibrium was found: {error}") from None if law else error
         if not (found.stable or found.asked_for):
-            _refuse(model, found, q)
+            _refuse(model, net, found, q)
         (q, tension), balance, stable = found.shape, found.residual, found.stable
         _check_lengths_kept(model, q)
         sum_of_all = math.nan
@@ -216,6 +216,10 @@ def _rest_of(model: Model, tolerance: float, start: Start | None, net: Any = Non
             "scene differ by more than numbers can hold."
         )
     return State(model, 0.0, q, np.zeros(q.shape), tension, residual=balance, stable=stable)
+
+
+rest_on_the_way = computed_near_origin(_equilibrium)
+"""`equilibrium` of a scene that is tried on the way to another one: it warns of nothing."""
 
 
 def calm(scene: Scene) -> Scene:
@@ -275,13 +279,13 @@ def _rest_of_bodies(model: Model, tolerance: float, given: State | None) -> Stat
     except RuntimeError as error:  # a tangent that is not finite cannot be judged
         raise EquilibriumError(f"No equilibrium was found: {error}") from error
     if not (found.stable or found.asked_for):
-        _refuse(model, found, q)
+        _refuse(model, net, found, q)
     (q, tension), balance = found.shape, found.residual
     _check_lengths_kept(model, q)
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance, stable=found.stable)
 
 
-def _refuse(model: Model, found: Any, hanging: np.ndarray) -> None:
+def _refuse(model: Model, net: Any, found: Any, hanging: np.ndarray) -> None:
     """Raise an `EquilibriumError` that says why the shape that was found is not returned."""
     from .failure_reasons import impossible, reason
 
@@ -294,6 +298,14 @@ def _refuse(model: Model, found: Any, hanging: np.ndarray) -> None:
         )
     down = found.down.directions_down
     state = State(model, 0.0, q, np.zeros_like(q), tension, residual=found.residual, stable=False)
+    if found.caught:
+        from .caught import where_caught
+
+        raise EquilibriumError(
+            f"A rest must not be caught between an obstacle and what is under it, but that with {effects} is at "
+            f"{where_caught(model, net, q)}; begin from a `start` of `equilibrium` that lies over the obstacle.",
+            state,
+        )
     raise (NoRestError if impossible(model, q) else EquilibriumError)(
         f"A rest must be stable, but from that with {effects} {down} direction{'s lead' if down > 1 else ' leads'} down, "
         f"and leaving it led to no other; {why}.",

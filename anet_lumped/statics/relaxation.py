@@ -31,6 +31,7 @@ SETTLING, HOPELESS = 3, 65.0
 # So is one where the line search cuts a Newton step to so much and it still leaves so much of the force out of balance: slack and
 # taut segments take turns from there on.
 CUT, GAINLESS = 1 / 8, 0.9
+THROUGH = 0.5  # of half the smallest width of an obstacle: the farthest that a node goes in a pseudo-step, and not through it
 STIFF = 1e-9  # of the load: force that rounding of lengths leaves, from which on a rest is ended with one Newton step more
 
 
@@ -93,7 +94,7 @@ def _without_bending(model, effects):
     )
 
 
-def relaxed(model, net, q, load, pace=QUICK):
+def relaxed(model, net, q, load, pace=QUICK, steps=STEPS):
     """Bring a shape to rest; overwrites q and the tensions of the net.
 
     Parameters
@@ -106,6 +107,7 @@ def relaxed(model, net, q, load, pace=QUICK):
     load : float [N]
         Load that tolerances are relative to.
     pace : Pace
+    steps : int, largest number of pseudo-steps
 
     Returns
     -------
@@ -113,21 +115,23 @@ def relaxed(model, net, q, load, pace=QUICK):
         Largest out-of-balance force over the load.
     """
     length, moving = model.scene.longest, max(model.n_free, 1)
+    farthest = THROUGH * min((effect.narrowest for effect in model.forces), default=math.inf)
     usual = SHORT * math.sqrt(length)
     first = tau = min(usual, pace.first)
     longest = LONGEST * usual
     best, unbalanced, growth, at_end = math.inf, math.inf, pace.growth, False
-    for _ in range(STEPS):
+    for _ in range(steps):
         before, tension = q.copy(), net.tension.copy()
         at_end = at_end or tau >= longest
         left, iterations = _step(net, q, tau, load, AT_END if at_end else ON_THE_WAY)
-        if left > ON_THE_WAY * load or not np.isfinite(q).all():
+        moved = float(np.abs(q - before).max())
+        if left > ON_THE_WAY * load or not np.isfinite(moved) or moved > farthest:
             q[:], net.tension[:] = before, tension
             tau, growth = 0.25 * tau, 1.0 + 0.25 * (growth - 1.0)  # a shorter step, and slower growth after it
+            at_end = False
             if tau < 1e-6 * first:
                 break
             continue
-        moved = float(np.abs(q - before).max())
         best = moved / (moving * tau**2)  # inertial force of the last step, which its forces balance, over the load
         still = best <= 1e-13 or (at_end and moved <= 1e-14 * length)
         if still or at_end:

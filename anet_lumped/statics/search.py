@@ -14,10 +14,12 @@ import numpy as np
 from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_PUSH_SHARE
 
+from .caught import is_caught
 from .descent import descended
 from .failure_reasons import bends_but_does_not_push, impossible
 from .held_bodies import keep_shapes
 from .relaxation import QUICK, SLOW, UNHINDERED, Pace, net_at_rest, relaxed
+from .soft_contacts import DEPTHS, solids, with_soft_solids
 from .stability import Curvature, curvature
 from .starts import obstacles, raised
 from .stiff_cables import are_stiff, at_rest_as_stiff, softened
@@ -27,6 +29,7 @@ ROUGH = 1e-3  # of the load: from a smaller out-of-balance force the exact tange
 LEAVES, FEW_LEAVES = 6, 2  # how often the search from one start leaves a rest that is not stable; and that of a large net
 LARGE = 300  # free points, from which on a net is large: an attempt may take half a minute
 VAST = 2000  # free points, from which on an attempt may take minutes: long ones are left out, which found none of the nets tried
+LAID_STEPS = 3000  # pseudo-steps in which cables are let down onto solids: none of them goes through one
 NUDGE = 0.05  # of the shortest segment, or of a body without cables: displacement with which it leaves the first time
 
 
@@ -47,12 +50,14 @@ class Found(NamedTuple):
     down : Curvature of the shape; None if its forces do not balance
     asked_for : bool
         Whether this is the rest next to the guess of the user, and the surroundings make it unstable.
+    caught : bool, whether the forces balance because nodes are caught between contacts, see `caught`
     """
 
     shape: Shape
     residual: float
     down: Curvature | None
     asked_for: bool = False
+    caught: bool = False
 
     @property
     def balanced(self) -> bool:
@@ -62,17 +67,21 @@ class Found(NamedTuple):
     @property
     def stable(self) -> bool:
         """Whether the forces balance, and the energy falls along no direction."""
-        return self.down is not None and self.down.directions_down == 0
+        return self.down is not None and self.down.directions_down == 0 and not self.caught
 
 
 class _Attempt(NamedTuple):
-    """A start and how the search goes on from it: first eased, at which pace, by a descent first, and whether a user gave it."""
+    """A start and how the search goes on from it.
+
+    First eased, at which pace, by a descent first, whether a user gave it, and whether it is let down onto solids.
+    """
 
     shape: Shape
     eased: bool = False
     pace: Pace = QUICK
     descends: bool = False
     of_user: bool = False
+    laid: bool = False
 
     @property
     def long(self) -> bool:
@@ -113,11 +122,11 @@ def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, loa
 def _by_softer_cables(model, net, hanging, given, load, calm):
     """`Found` next to the rest of `softened` cables."""
     found = _search(model, softened(net, load), hanging, given, load, calm)
-    if not found.residual < ROUGH:
+    if not found.residual < ROUGH or found.caught:
         return found
     q, tension = found.shape.q.copy(), found.shape.tension.copy()
     residual = at_rest_as_stiff(model, net, q, tension, load)
-    exact = Found(Shape(q, tension), residual, curvature(model, net, q, tension, load) if residual <= BALANCED else None)
+    exact = _judged(model, net, Shape(q, tension), residual, load)
     return exact._replace(asked_for=found.asked_for and exact.balanced)
 
 
@@ -133,10 +142,15 @@ def _search(model, net, hanging, given, load, calm):
         leaves = min(leaves, 1) if found.balanced else leaves
         if found.stable or found.asked_for:
             return found
-        if best is None or (found.balanced, -found.residual) > (best.balanced, -best.residual):
+        if best is None or _rank(found) > _rank(best):
             best = found
     assert best is not None
     return best
+
+
+def _rank(found):
+    """The larger, the nearer to a rest."""
+    return found.balanced and not found.caught, found.balanced, -found.residual
 
 
 def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None, calm: Shape | None) -> Iterator[_Attempt]:
@@ -150,7 +164,7 @@ def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None, calm:
         yield _Attempt(calm)
     met = obstacles(model, net, hanging.q)
     if met.above is not None:
-        yield _Attempt(_loose(model, met.above), eased=eases)
+        yield _Attempt(_loose(model, met.above), eased=eases, laid=bool(solids(model)))
     if eases and not met.any_met:
         yield _Attempt(hanging)
     yield _Attempt(hanging, eased=eases, pace=QUICK if eases or met.any_met else UNHINDERED)
@@ -174,21 +188,29 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
     """Relax a start, and go on from rests that are not stable."""
     q, whole = attempt.shape.q.copy(), net_at_rest(model, net, load)
     whole.tension[:] = attempt.shape.tension
-    if attempt.eased:
+    if attempt.laid:
+        for eased in (True, False) if attempt.eased else (False,):
+            for share in DEPTHS:
+                soft = net_at_rest(model, with_soft_solids(model, net, load, share), load, eased=eased)
+                soft.tension[:] = whole.tension
+                relaxed(model, soft, q, load, attempt.pace, LAID_STEPS)
+                whole.tension[:] = soft.tension
+    elif attempt.eased:
         eased = net_at_rest(model, net, load, eased=True)
-        eased.tension[:] = attempt.shape.tension
+        eased.tension[:] = whole.tension
         relaxed(model, eased, q, load, attempt.pace)
         whole.tension[:] = eased.tension
     if attempt.descends:
         whole.tension[:] = descended(model, net, q, load)[0]
     residual = _balanced(model, net, whole, q, load, attempt.pace)
-    found = _judged(model, net, whole, q, residual, load)
+    found = _judged(model, net, Shape(q, whole.tension), residual, load)
     nudge = NUDGE * min((cable.L0 for cable in model.scene.cables), default=model.scene.longest)
-    if attempt.of_user and found.balanced and not found.stable and found.shape.tension.min(initial=0.0) >= -BALANCED * load:
+    pulls = found.shape.tension.min(initial=0.0) >= -BALANCED * load
+    if attempt.of_user and found.balanced and pulls and not (found.stable or found.caught):
         return found._replace(asked_for=True)
     lost = 0
     for _ in range(leaves):
-        if found.stable or not found.balanced or lost == 2 or bends_but_does_not_push(model, found.shape.q):
+        if found.stable or found.caught or not found.balanced or lost == 2 or bends_but_does_not_push(model, found.shape.q):
             break
         other = _beside(model, net, whole, found, nudge, load, attempt.pace)
         if other.stable or (other.balanced and other.down.directions_down < found.down.directions_down):
@@ -206,13 +228,14 @@ def _beside(model, net, whole, found, nudge, load, pace):
     if not found.down.has_energy:
         q = beside.copy()
         whole.tension[:] = found.shape.tension
-        other = _judged(model, net, whole, q, relaxed(model, whole, q, load, pace), load)
+        residual = relaxed(model, whole, q, load, pace)
+        other = _judged(model, net, Shape(q, whole.tension), residual, load)
         if other.stable:
             return other
     if _descends(model):
         whole.tension[:] = descended(model, net, beside, load)[0]
     residual = _balanced(model, net, whole, beside, load, pace)
-    return _judged(model, net, whole, beside, residual, load)
+    return _judged(model, net, Shape(beside, whole.tension), residual, load)
 
 
 def _balanced(model, net, whole, q, load, pace):
@@ -226,7 +249,9 @@ def _balanced(model, net, whole, q, load, pace):
     return residual
 
 
-def _judged(model, net, whole, q, residual, load):
-    """`Found` of a shape."""
-    shape = Shape(q.copy(), whole.tension.copy())
-    return Found(shape, residual, curvature(model, net, q, shape.tension, load) if residual <= BALANCED else None)
+def _judged(model, net, shape, residual, load):
+    """`Found` of a `Shape`, with copies of its arrays."""
+    q, tension = shape.q.copy(), shape.tension.copy()
+    if not residual <= BALANCED:
+        return Found(Shape(q, tension), residual, None)
+    return Found(Shape(q, tension), residual, curvature(model, net, q, tension, load), caught=is_caught(model, net, q, load))

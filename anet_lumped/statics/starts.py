@@ -249,8 +249,8 @@ class Obstacles(NamedTuple):
     any_met : bool
         Whether an effect exerts a much larger force on the hanging cables than on cables that are laid above it.
     above : (n, 3) float64 [m] or None
-        Shape from which cables are let down onto obstacles that may push a cable to either side, such as a ball; None if there is
-        no such obstacle. A flat ground is none.
+        Shape from which cables are let down onto obstacles that may push a cable to either side, such as a ball, and onto solids if
+        cables meet a ground; None if there is no such obstacle. A flat ground is none.
     """
 
     any_met: bool
@@ -275,7 +275,7 @@ def obstacles(model: Model, net: Any, hanging: np.ndarray) -> Obstacles:
     ]
     if not kinds:
         return Obstacles(False, None)
-    between, any_met, above = raised(model, hanging), False, None
+    between, any_met, above, solids = raised(model, hanging), False, None, []
     arch = 2.0 * between - hanging
     for e, effect in kinds:
         on_hanging, on_straight, on_arch = (_largest_force(model, net, e, effect, q) for q in (hanging, between, arch))
@@ -283,6 +283,10 @@ def obstacles(model: Model, net: Any, hanging: np.ndarray) -> Obstacles:
             any_met = True
             if _may_push_either_way(model, net, e, effect, hanging):
                 above = arch if above is arch or on_straight > on_arch else between
+        if np.isfinite(effect.narrowest):
+            solids.append(arch if on_straight > on_arch else between)
+    if above is None and any_met and solids:  # a ground would lift the hanging cables into solids from below
+        above = arch if any(shape is arch for shape in solids) else between
     return Obstacles(any_met, above)
 
 

@@ -16,7 +16,7 @@ from anet_lumped.results.sag import sag as sag_of
 from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Scene, check_scene
 
-from .equilibrium import equilibrium
+from .equilibrium import rest_on_the_way
 from .equilibrium_error import EquilibriumError, NoRestError
 
 FIRST_STEP, GROWTH = 1e-3, 2.0  # of a length: the first step of the search, and by how much each next one is longer
@@ -84,7 +84,7 @@ def tensioned(
     def tightness(length: float) -> float:
         """Positive where the cable is too short, and zero where it is as wanted."""
         try:
-            return measures[what](equilibrium(with_length(length)))
+            return measures[what](rest_on_the_way(with_length(length)))
         except NoRestError:
             if own.inextensible and length < own.length:
                 return TIGHT  # it does not reach

@@ -1,0 +1,63 @@
+"""Cables that are laid down over solids on a ground lie on them, and are not caught under them."""
+
+import math
+
+import numpy as np
+import pytest
+
+from anet_lumped import Cable, EquilibriumError, Fixed, Scene, equilibrium
+from anet_lumped.effects import Gravity, Ground, Obstacles
+from anet_lumped.effects.shapes import Cylinder
+from anet_lumped.statics import search
+
+G, WEIGHT = 9.81, 5.0  # [m/s2], [kg/m]
+
+
+def over_a_pipe(EA, sunk=0.0, height=0.0, length=26.0, radius=1.5):
+    """A cable of 20 m from one support on the ground to the other, across a pipe whose axis is ``sunk`` radii under the ground."""
+    cable = Cable("a", "b", length=length, mass_per_length=WEIGHT, EA=EA, segments=52, diameter=0.05)
+    pipe = Cylinder((8.0, 0.0, -sunk * radius), radius, (0.0, 1.0, 0.0))
+    ends = [Fixed("a", (0.0, 0.0, 0.0)), Fixed("b", (20.0, 0.0, height))]
+    return Scene(ends, [cable], [Gravity(G), Ground(), Obstacles(pipe)])
+
+
+def check_over(rest, axis_height, radius=1.5):
+    """A node is above the pipe, no contact carries more than the load, and T - w z is constant: no surface rubs, by Bernoulli."""
+    q, load = rest.shape("a-b"), WEIGHT * G * rest.scene.cables[0].length
+    near = np.abs(q[:, 0] - 8.0) < 0.5 * radius
+    assert near.any() and (q[near, 2] > axis_height).all()
+    assert all(np.linalg.norm(effect.force_on(rest), axis=1).max() < load for effect in rest.scene.effects[1:])
+    constant = rest.tension("a-b") - WEIGHT * G * 0.5 * (q[1:, 2] + q[:-1, 2])
+    assert np.ptp(constant) < 0.02 * load  # what the turns between segments of half a metre leave
+
+
+@pytest.mark.parametrize("EA", [1e7, math.inf])
+@pytest.mark.parametrize(("sunk", "height"), [(0.0, 0.0), (0.5, 0.0), (-0.6, 3.0), (0.3, 6.0)])
+def test_a_cable_lies_over_a_pipe_on_a_bed(EA, sunk, height):
+    """It was under the pipe, between it and the bed, and carried up to 700 kN in place of 140 N."""
+    rest = equilibrium(over_a_pipe(EA, sunk, height))
+    assert rest.stable
+    check_over(rest, -sunk * 1.5)
+
+
+def test_a_start_under_the_pipe_does_not_stay_there():
+    scene = over_a_pipe(1e7)
+    x = np.linspace(0.0, 20.0, 53)
+    under = np.stack([x, 0.0 * x, -3.0 * np.sin(np.pi * x / 20.0)], axis=1)
+    check_over(equilibrium(scene, start={"a-b": under}), 0.0)
+
+
+def test_a_cable_that_hangs_free_under_a_pipe_stays_there():
+    """No ground lifts it: the pipe above it is not met."""
+    scene = over_a_pipe(1e7, sunk=2.0, height=0.0)
+    hanging = equilibrium(Scene(scene.points, scene.cables, [Gravity(G)]))
+    above = Obstacles(Cylinder((10.0, 0.0, -1.5), 1.0, (0.0, 1.0, 0.0)))
+    rest = equilibrium(Scene(scene.points, scene.cables, [Gravity(G), above]))
+    np.testing.assert_allclose(rest.q, hanging.q, atol=1e-9)
+
+
+def test_a_rest_that_is_caught_is_refused(monkeypatch):
+    """Where no other start is tried: with the place, and with how hard it is pressed."""
+    monkeypatch.setattr(search, "_attempts", lambda model, net, hanging, *others: iter([search._Attempt(hanging)]))
+    with pytest.raises(EquilibriumError, match=r"must not be caught .* node \d+ of 52 of cable \"a-b\" at \(.*pressed by \d"):
+        equilibrium(over_a_pipe(1e7))
