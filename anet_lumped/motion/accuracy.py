@@ -7,8 +7,9 @@ the finer one tells. Where it is many times as much, the motion has multiplied e
 error, and the run says from when on. Nodes of a loose cable fly until it is taut again, and where they are then changes at once
 with the step: two runs whose steps are far apart say little of how the error falls, and a third one between them is asked; so it is
 of a node that one segment catches, where the error is kept by what a coarser run says of it alone. Nor is
-the error of such a motion kept by the word of one run: where the pilot chose steps several times shorter, a run with four of them
-in one is beside it.
+the error of such a motion kept by the word of one run: one with four of its steps in one is beside it, and a third one where that
+is off by more than is allowed. Links that go slack and are taut at a blow are off by when the blow falls, and two runs may agree
+by chance: there no comparison takes anything off what a run tells. All runs have the saved states of the coarser ones.
 
 A motion that asks for far shorter steps than those it began with would take minutes or hours. What all runs cost is counted in
 Newton iterations times moving nodes, which are the same on every machine. Where the next run would cost more than the budget, the
@@ -27,13 +28,14 @@ import numpy as np
 from anet_lumped.limits import STEPS, most_of
 from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.distances import distances
-from anet_lumped.results.free_flight import MULTIPLIED, goes_loose, loose
+from anet_lumped.results.free_flight import goes_loose, loose
 from anet_lumped.results.run import Run
 from integrators import schemes
 
 from .choice import EXPLICIT_COST, IMPLICIT_COST, Choice
 from .first_step import thrown
 from .run_warnings import ALLOWED_LOSS
+from .times import SAVES
 from .verdict import least_steps
 
 LOG = logging.getLogger(__name__)
@@ -43,7 +45,9 @@ SMALLEST_ERROR = 1e-6  # of the longest cable: a motion that is smaller than its
 TENSION_ERROR = 0.02  # of the largest tension: what the default keeps
 PILOT = 0.125  # of the time of a run; the pilot's cost is that share of the first run's
 FEWEST_STEPS = 400  # a shorter run costs so little that it is its own pilot
-BESIDE = 4  # steps in one of a run beside which a motion that goes loose is judged, where its pilot alone chose the step
+BESIDE = 4  # steps in one of a run beside which a motion that goes loose is judged, where no other one is
+BETWEEN = 2  # the same of a third run, where that one is off by more than is allowed: it shows whether errors fall
+STABLE = 0.9  # of the limit of an explicit step, at most that of such a run
 AIM = 0.5  # of the error asked for, by an estimate that may be half of the truth; of tensions, where no second run corrects it, too
 MOST_AT_ONCE = 8  # steps that one is replaced by
 MOST_FOR_PLACES, MOST_FOR_TENSIONS = 512, 32  # steps in all that one of the first choice is replaced by; beyond, the run says so
@@ -138,7 +142,7 @@ def cost(run: Run) -> float:
 
 
 def keep_error(
-    march: Callable[[Choice, float], Run],
+    march: Callable[..., Run],
     choice: Choice,
     wanted: Wanted,
     duration: float,
@@ -150,7 +154,7 @@ def keep_error(
 
     Parameters
     ----------
-    march : callable(choice, duration) -> Run, from the start of the motion
+    march : callable(choice, duration) -> Run, from the start of the motion; with a time between saved states, if that is given
     choice : Choice
         Method and first step.
     wanted : Wanted
@@ -194,13 +198,17 @@ def keep_error(
         for_places, for_tensions = _parts(run, wanted, known, 1.0, choice.dt / first, in_vain)
         wishes = min(for_places, most), min(for_tensions, most)
         if max(wishes) < 2:
-            longer = _longer(choice, first, span)
-            if longer is None or known.apart < math.inf or not _may_multiply(run, known, wanted):
+            longer = _longer(choice, duration, least)
+            if longer is None or known.apart < math.inf or not _may_multiply(run):
                 break
-            coarser = budget.spend(march(longer, duration), longer.dt / first)
+            coarser = budget.spend(march(longer, duration, _beyond(run, longer)), longer.dt / first)
             if not coarser.ok or coarser.error is None:
                 break
             known = _beside(run, coarser, known, wanted)
+            nearer = replace(choice, dt=choice.dt * BETWEEN)
+            if known.apart > wanted.of_places(run) and nearer.dt < longer.dt and _kept(run, known, wanted):
+                coarser = budget.spend(march(nearer, duration, _beyond(run, nearer)), nearer.dt / first)
+                known = _beside(run, coarser, known, wanted) if coarser.ok and coarser.error is not None else known
             continue
         needs = _needed(run, wanted, known, 1.0)
         other = instead(run, needs[0]) if instead is not None and known.apart == math.inf else None
@@ -216,17 +224,18 @@ def keep_error(
         took = parts * run.wall_time
         LOG.info("with dt=%.3g s places are known to %.2g m, the largest tension to %.2g", run.dt, known.error, known.tension_error)
         LOG.info("again with dt=%.3g s, which takes about %.2g s", choice.dt, took)
-        run = budget.spend(march(choice, duration), choice.dt / first)
+        run = budget.spend(march(choice, duration, _within(coarser, choice, duration)), choice.dt / first)
         if not run.ok:
             return run
-        whips = goes_loose(run) or first_buckled(run) is not None  # then a coarser run that tells less knows less
+        whips = _may_multiply(run)  # then a coarser run that tells less knows less
         tells_more = (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0)
         if tells_more and run.tension_error > before.tension_error and not whips:
             return told(coarser, before, wanted, too_short=run.dt)
         known = _compared(run, coarser, wanted, before.apart)
         if parts > TRUSTED_PARTS and _kept(run, known, wanted) and (whips or _is_caught_and_corrected(run, known, wanted)):
             in_parts = (parts + 1) // 2 if whips else max((parts + 1) // MOST_BETWEEN, 2)
-            between = budget.spend(march(_finer(before_choice, in_parts, span), duration), 1.0)
+            third = _finer(before_choice, in_parts, span)
+            between = budget.spend(march(third, duration, _within(coarser, third, duration)), 1.0)
             if between.ok:
                 known = known._replace(error=max(known.error, _left_of(run, between)))
         # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
@@ -246,13 +255,32 @@ def _finer(choice: Choice, parts: int, span: float) -> Choice:
     return replace(choice, dt=span / (parts * round(span / choice.dt))) if parts > 1 else choice
 
 
-def _longer(choice: Choice, first: float, span: float) -> Choice | None:
-    """The choice with `BESIDE` steps in one or half of these, none longer than the ``first`` one [s]; None without such."""
-    steps = round(span / choice.dt)
+def _longer(choice: Choice, duration: float, least: int) -> Choice | None:
+    """The choice with `BESIDE` steps in one or half of these, stable and at ``least`` so many in all; None without such."""
     for together in (BESIDE, BESIDE // 2):
-        if steps % together == 0 and together * choice.dt < 1.001 * first:
-            return replace(choice, dt=span / (steps // together))
+        if together * choice.dt <= min(STABLE * choice.limit, duration / least):
+            return replace(choice, dt=together * choice.dt)
     return None
+
+
+def _within(run: Run, choice: Choice, duration: float) -> float:
+    """Time between saved states of another run with shorter steps, a part of that of ``run``: it has all states of that [s].
+
+    Runs that each save some `SAVES` states in their own rhythm may have two in common, at which they agree by chance.
+    """
+    steps, wished = round(_apart(run) / choice.dt), max(duration / choice.dt / SAVES, 1.0)
+    strides = (n for n in range(1, steps + 1) if steps % n == 0)
+    return min(strides, key=lambda n: abs(math.log(n / wished)), default=1) * choice.dt
+
+
+def _beyond(run: Run, longer: Choice) -> float:
+    """Time between saved states of a run with ``longer`` steps, all of which ``run`` has but the last [s]."""
+    return math.lcm(round(_apart(run) / run.dt), round(longer.dt / run.dt)) * run.dt
+
+
+def _apart(run: Run) -> float:
+    """Time between saved states of a run [s]: those of events come besides."""
+    return float(np.median(np.diff(run.t)))
 
 
 def _is_caught_and_corrected(run: Run, known: Known, wanted: Wanted) -> bool:
@@ -265,18 +293,31 @@ def _is_caught_and_corrected(run: Run, known: Known, wanted: Wanted) -> bool:
     return (tells_more or known.of_told > AMPLIFIED) and run.segment_tension.min(initial=1.0) <= 0.0 and bool(loose(run).any())
 
 
-def _may_multiply(run: Run, known: Known, wanted: Wanted) -> bool:
-    """Whether an error that is kept by the run's own word may be more than what is wanted, as the motion goes loose or buckles."""
-    whips = goes_loose(run) or first_buckled(run) is not None
-    return whips and MULTIPLIED * known.error > wanted.of_places(run)
+def _may_multiply(run: Run) -> bool:
+    """Whether a motion goes loose or buckles, so that the errors which a run tells by itself may be multiplied.
+
+    A body whose cables go slack tumbles until they catch it.
+    """
+    return goes_loose(run) or first_buckled(run) is not None or (run.model.has_bodies and _goes_slack(run))
+
+
+def _goes_slack(run: Run) -> bool:
+    """Whether a segment holds nothing at a saved time after the start."""
+    return bool((run.segment_tension[1:] <= 0.0).any())
+
+
+def _collides(run: Run) -> bool:
+    """Whether cables that do not stretch go slack: they are taut again at a blow, whose time no step resolves."""
+    return any(cable.inextensible for cable in run.scene.cables) and _goes_slack(run)
 
 
 def _beside(run: Run, coarser: Run, known: Known, wanted: Wanted) -> Known:
     """What is known of the errors of a run beside a coarser one, no less than the run tells by itself."""
-    seen = _compared(run, coarser, wanted, 0.0)
+    seen = _compared(run, coarser, wanted, known.apart if known.apart < math.inf else 0.0)
+    more = max(seen.tension_error, known.tension_error)
     if seen.error <= known.error:
-        return known._replace(apart=seen.apart)
-    return seen._replace(tension_error=max(seen.tension_error, known.tension_error))
+        return known._replace(apart=seen.apart, tension_error=more)
+    return seen._replace(tension_error=more)
 
 
 def _alone(run: Run) -> Known:
@@ -341,7 +382,8 @@ def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kn
     told, last = np.maximum(coarser.error[theirs], 1e-300), float(apart[-1])
     ratio = min(last / apart_before, 0.5) if apart_before > 0.0 else 0.0
     own_told = max(run.error_estimate or 0.0, 1e-300)
-    error = max(own_told * max(last / float(told[-1]), LEAST_OF_TOLD), last * ratio / (1.0 - ratio))
+    least = 1.0 if _collides(run) else LEAST_OF_TOLD
+    error = max(own_told * max(last / float(told[-1]), least), last * ratio / (1.0 - ratio))
     of_told = error / own_told
     beyond = apart > np.maximum(AMPLIFIED * told, wanted.of_places(run))
     since = float(run.t[own][np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf

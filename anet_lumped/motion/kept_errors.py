@@ -61,8 +61,9 @@ def errors_kept(motion: Motion, plan: Plan, wanted: Wanted, keeps: Keeps) -> tup
         found, stand_in = _by_links(motion, plan._replace(choice=choice), wanted, run, parts) or (None, motion)
         return found
 
-    def march(choice: Choice, until: float) -> Run:
-        some = motion._replace(duration=until, save_every=every)
+    def march(choice: Choice, until: float, apart: float | None = None) -> Run:
+        saved = every if apart is None else max(apart, every or 0.0)  # what is asked for is saved by all runs but a coarser one
+        some = motion._replace(duration=until, save_every=saved)
         return with_peak_judged(some.march(choice), some, choice)
 
     rigid = keeps.by_default and _links_may_stand_in(motion.scene)
