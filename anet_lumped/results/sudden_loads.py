@@ -101,7 +101,8 @@ def _with_vibrations(run: Any, mode_of: Any, put: _Put) -> float:
     for own, mode, rows, rest, change in found:
         slack = (own[1:] <= 0.0).any(axis=1)  # what hangs loose vibrates no more
         until = 1 + max(int(slack.argmax()), 1) if slack.any() else len(t)
-        left = mode.overshoot * np.exp(-np.minimum(mode.zeta * mode.omega * (t[1:until] - t[0]), FORGOTTEN)) * missing[1:until]
+        since = t[: until - 1] - t[0]  # largest right after the saved state before: the first swing may be over at the next one
+        left = mode.overshoot * np.exp(-np.minimum(mode.zeta * mode.omega * since, FORGOTTEN)) * missing[1:until]
         held = own[1:until].copy()
         held[:rows] = np.minimum(held[:rows], rest)  # where the run shows the vibration itself
         largest = max(largest, float((held + change * left[:, None]).max()))
