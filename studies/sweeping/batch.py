@@ -14,6 +14,7 @@ from anet_lumped.results.run import RunInterrupt
 from integrators.deadline import deadline, time_left
 
 OVER_BUDGET = "over budget"
+BUDGET = "row_budget"  # [s], of a row that was over it: in lines on the disk, and in no table
 _USED = threading.Event()  # whether this process has run a row
 
 
@@ -54,7 +55,7 @@ def run_row(function: Callable[[dict], dict], budget: float | None, row: dict) -
             _USED.set()
             return run_row(function, budget, row)
         reached = f"the run had reached t={stopped.run.t[-1]:.4g} s"
-        return {"status": OVER_BUDGET, "reason": f"It took longer than its budget of {budget:g} s: {reached}."}
+        return {"status": OVER_BUDGET, "reason": f"It took longer than its budget of {budget:g} s: {reached}.", BUDGET: budget}
     except Exception as error:
         return failed(error)
     finally:

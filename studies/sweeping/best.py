@@ -223,7 +223,7 @@ def best(
         stack.enter_context(locked(out))
         lines, log = {}, None
         if out is not None:
-            lines, log = open_log(out, names, None, resume=resume, identity=plain(identity), columns=columns)
+            lines, log = open_log(out, names, None, resume=resume, identity=plain(identity), columns=columns, budget=budget)
             stack.enter_context(log)
         do = partial(through_executor, executor, run) if executor else stack.enter_context(OwnPool(run, workers)).results
         rows = _AskedRows(inputs, lines, log, do)

@@ -27,8 +27,18 @@ from anet_lumped.regular_files import whole_file
 from studies.sweeping.batch import BatchRunner
 from studies.sweeping.part_stamp import check_stamp, stamp_of
 from studies.sweeping.provenance import library, provenance
-from studies.sweeping.row_log import PARTS, RowsError, check_identity, line_of, line_of_text, read_meta
-from studies.sweeping.workers import CRASHED, WorkerError
+from studies.sweeping.row_log import (
+    PARTS,
+    RowsError,
+    check_identity,
+    is_kept,
+    kept_lines,
+    line_of,
+    line_of_text,
+    read_meta,
+    take,
+)
+from studies.sweeping.workers import WorkerError
 
 NUMBER = "row_number"  # key of a line of a part
 PART_SECONDS = 20.0  # [s], after which a part is written; a kill loses no more than that of a worker
@@ -111,9 +121,9 @@ def read_part(
 
 
 def open_parts(
-    out: Path, shard: Shard, names: list[str], rows: int, *, identity: dict, columns: Iterable[str]
+    out: Path, shard: Shard, names: list[str], rows: int, *, identity: dict, columns: Iterable[str], budget: float | None = None
 ) -> tuple[dict[int, dict], "PartLog"]:
-    """Lines of a shard that are there, by their numbers, and where its further lines go. Torn parts are taken away, in a word.
+    """Lines of a shard that are kept, by their numbers, and where its further lines go. Torn parts are taken away, in a word.
 
     Parameters
     ----------
@@ -123,6 +133,7 @@ def open_parts(
     rows : how many there are
     identity : what else the results depend on, which must be that of the parts
     columns : names that a row which is done has
+    budget : float or None [s], that a row may take now (see `kept_lines`)
 
     Raises
     ------
@@ -142,13 +153,13 @@ def open_parts(
     stamp = stamp_of(before)
     for folder in _shard_folders(out, shard):
         found, torn = lines_of_parts(folder, names, columns, stamp)
-        lines |= found
+        take(lines, found)
         for path in torn:
             warnings.warn(f"The part {path} was torn: its rows are done again.", stacklevel=2)
             path.unlink(missing_ok=True)
     own = shard.numbers(rows)
-    kept = {number: without_number(line) for number, line in lines.items() if number in own and line["status"] != "crashed"}
-    return kept, PartLog(out, shard, stamp)
+    there = {number: without_number(line) for number, line in lines.items() if number in own}
+    return kept_lines(there, budget), PartLog(out, shard, stamp)
 
 
 def without_number(line: dict) -> dict:
@@ -166,7 +177,7 @@ def _shard_folders(out, shard):
 def lines_of_parts(
     folder: Path, names: Iterable[str], columns: Iterable[str], stamp: dict[str, str]
 ) -> tuple[dict[int, dict], list[Path]]:
-    """Lines of all parts of a shard's folder by their numbers, and the parts that are torn; one of a crash counts last."""
+    """Lines of all parts of a shard's folder by their numbers, and the parts that are torn."""
     lines: dict[int, dict] = {}
     torn = []
     for path in sorted(folder.glob(f"*{ENDING}")):
@@ -178,8 +189,7 @@ def lines_of_parts(
             torn.append(path)
             continue
         for line in found:
-            if line[NUMBER] not in lines or lines[line[NUMBER]]["status"] == "crashed":
-                lines[line[NUMBER]] = line
+            take(lines, {line[NUMBER]: line})
     return lines, torn
 
 
@@ -280,7 +290,7 @@ class PartTask:
         if path.exists():
             with contextlib.suppress(PartError):
                 lines, seconds = read_part(path, stamp=self.stamp)
-                found = {line[NUMBER]: line for line in lines if line["status"] != CRASHED["status"]}
+                found = {line[NUMBER]: line for line in lines if is_kept(line, self.run.budget)}
                 known = takewhile(lambda row: row[NUMBER] in found, rows)
                 there = [without_number(found[row[NUMBER]]) for row in known]
                 if there:
@@ -323,9 +333,7 @@ def gathered(out: Path) -> tuple[list[dict], list[str], list[int], list[Path]]:
     for folder in sorted(path for path in (out / PARTS).iterdir() if path.is_dir()):
         found, damaged = lines_of_parts(folder, kept["names"], (), stamp)
         torn += damaged
-        for number, line in found.items():
-            if number not in lines or lines[number]["status"] == "crashed":
-                lines[number] = line
+        take(lines, found)
     strange = next((number for number in lines if not (isinstance(number, int) and 0 <= number < kept["rows"])), None)
     if strange is not None:
         raise RowsError(f"{out / PARTS} holds a row of number {shown(strange)}, which this sweep of {kept['rows']} rows has not.")

@@ -5,6 +5,8 @@ file and line, so that no row that is good is lost.
 """
 
 import json
+import logging
+import math
 import os
 import time
 import warnings
@@ -15,8 +17,10 @@ from typing import Any
 
 from anet_lumped.checks import InputError, shown
 from anet_lumped.limits import BYTES, check_most
+from studies.sweeping.batch import BUDGET, OVER_BUDGET
 from studies.sweeping.provenance import provenance
 
+LOG = logging.getLogger(__name__)
 LARGE = "large"
 OF_JSON = (int, float, bool, type(None))  # which need no look at their characters
 PARTS = "parts"  # folder of the parts that many processes share, see `parts`
@@ -66,7 +70,14 @@ class RowLog:
 
 
 def open_log(
-    out: Path, names: list[str], asked: Container[str] | None, *, resume: bool, identity: dict, columns: Iterable[str]
+    out: Path,
+    names: list[str],
+    asked: Container[str] | None,
+    *,
+    resume: bool,
+    identity: dict,
+    columns: Iterable[str],
+    budget: float | None = None,
 ) -> tuple[dict[str, dict], RowLog]:
     """Lines of `out` that are kept, by their keys, and the log to which the others go.
 
@@ -75,9 +86,10 @@ def open_log(
     out : folder
     names : of the inputs
     asked : keys of the rows that are wanted; None for any
-    resume : whether lines that are there are kept (but for crashed ones); else there must be none
+    resume : whether lines that are there are kept (see `kept_lines`); else there must be none
     identity : what else the results depend on, which must be that of the lines
     columns : names that a row which is done has
+    budget : float or None [s], that a row may take now
 
     Raises
     ------
@@ -106,7 +118,9 @@ def open_log(
             warnings.warn(f"{log}, line {number}, was torn: its row is done again.", stacklevel=2)
             break
         if line is not None:
-            lines[key(line, names)] = number, line
+            _, before = lines.get(key(line, names), (number, line))
+            if standing(line) >= standing(before):
+                lines[key(line, names)] = number, line
         whole += len(text)
     _check_kinds(log, lines.values(), columns)
     strange = [(number, line) for one, (number, line) in lines.items() if asked is not None and one not in asked]
@@ -117,7 +131,35 @@ def open_log(
     opened = RowLog(log, whole)
     if data[:whole] and not data[:whole].endswith(b"\n"):  # a last line that only lacks its end
         opened.file.write(b"\n")
-    return {one: line for one, (_, line) in lines.items() if line["status"] != "crashed"}, opened
+    return kept_lines({one: line for one, (_, line) in lines.items()}, budget), opened
+
+
+def standing(line: dict) -> float:
+    """What lines of one row count by: least a crashed one, then one over its budget by that budget [s], most any other."""
+    if line["status"] == "crashed":
+        return -1.0
+    return line.get(BUDGET, 0.0) if line["status"] == OVER_BUDGET else math.inf
+
+
+def take(lines: dict[Any, dict], found: dict[Any, dict]) -> None:
+    """Add lines to `lines`; of two of one row that which stands higher counts."""
+    for one, line in found.items():
+        if one not in lines or standing(line) > standing(lines[one]):
+            lines[one] = line
+
+
+def is_kept(line: dict, budget: float | None) -> bool:
+    """Whether the row of a line is not done again, as one that crashed or was over a smaller budget [s] is."""
+    return standing(line) >= (budget or 0.0)
+
+
+def kept_lines(lines: dict[Any, dict], budget: float | None) -> dict[Any, dict]:
+    """Lines of rows that are not done again (see `is_kept`); how many were over a smaller budget is told."""
+    kept = {one: line for one, line in lines.items() if is_kept(line, budget)}
+    again = sum(line["status"] == OVER_BUDGET for one, line in lines.items() if one not in kept)
+    if again:
+        LOG.info("rows that were over a smaller budget and are done again: %d", again)
+    return kept
 
 
 def read_log(log: Path) -> list[dict]:
@@ -210,6 +252,8 @@ def line_of_text(text: bytes, names: Iterable[str], columns: Iterable[str]) -> d
     for name in ("status", "reason"):
         if not isinstance(line[name], str):
             raise ValueError(f"has {name}={shown(line[name])}, which is no text")
+    if not isinstance(line.get(BUDGET, 0.0), Real):
+        raise ValueError(f"has {BUDGET}={shown(line[BUDGET])}, which is no number")
     nested = next((name for name, value in line.items() if isinstance(value, dict)), None)
     if nested is not None:
         raise ValueError(f"has {shown(nested)}={shown(line[nested])}, which is no number and no text")

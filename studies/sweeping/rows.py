@@ -15,11 +15,11 @@ from pathlib import Path
 
 from anet_lumped.limits import ROWS, check_most
 from anet_lumped.regular_files import check_target
-from studies.sweeping.batch import BatchRunner, check_budget
+from studies.sweeping.batch import BUDGET, BatchRunner, check_budget
 from studies.sweeping.folder_lock import LOCK, locked
 from studies.sweeping.parts import LARGEST_PART, PART_SECONDS, NumberedRows, PartTask, Shard, gathered, open_parts
 from studies.sweeping.provenance import library
-from studies.sweeping.row_log import LARGE, RowsError, key, kind, line_of, open_log, plain, read_log, read_meta
+from studies.sweeping.row_log import LARGE, RowsError, key, kind, line_of, open_log, plain, read_log, read_meta, take
 from studies.sweeping.workers import CRASHED, OwnPool, Pace, check_workers, slots, through_executor
 
 LOG = logging.getLogger(__name__)
@@ -56,7 +56,7 @@ def run_rows(
     executor : where the rows run; by default a pool of processes, rebuilt when one of them dies
     workers : processes of that pool, by default one for each core that this process may use; or rows that the executor runs at once
     out : folder for `rows.jsonl` and `meta.json`, and at the end for `rows.parquet` and `rows.csv`
-    resume : keep the lines that `out` holds (but for crashed ones) and do the rest
+    resume : keep the lines that `out` holds (but for crashed ones, and those over a smaller `budget`) and do the rest
     identity : what else the results depend on (JSON values): rows with another identity are not resumed
     columns : names that the results of a row that is done have: a line without one of them is damaged and not resumed
     label : name of a progress bar on stderr; none by default
@@ -87,7 +87,7 @@ def run_rows(
     lock = LOCK if shard is None else f"{LOCK}-{shard}"
     with locked(out, lock):
         lines, log = {}, None
-        settings = {"identity": plain(identity or {}), "columns": columns}
+        settings = {"identity": plain(identity or {}), "columns": columns, "budget": budget}
         if shard is not None:
             out = out.resolve()
             lines, log = open_parts(out, shard, names, total, **settings)
@@ -169,7 +169,10 @@ def read_rows(out: str | Path):
     if not lines:
         raise RowsError(f"{out} holds no rows.")
     vary = [name for name in lines[0] if name in meta["identity"].get("vary", {})]
-    return table_of(lines, vary), meta, None
+    best: dict = {}  # lines of rows that were done again stand higher
+    for number, line in enumerate(lines):
+        take(best, {key(line, vary) if vary else number: line})
+    return table_of(list(best.values()), vary), meta, None
 
 
 def save_table(table, stem: Path, heads: dict[str, str] | None = None) -> None:
@@ -185,7 +188,7 @@ def table_of(lines: list[dict], names: list[str]):
     """DataFrame of lines: inputs by their names, results, status and reason."""
     import pandas
 
-    results = dict.fromkeys(name for line in lines for name in line if name not in (*names, "status", "reason"))
+    results = dict.fromkeys(name for line in lines for name in line if name not in (*names, "status", "reason", BUDGET))
     table = pandas.DataFrame(lines, columns=[*names, *results, "status", "reason"])
     for name in table:  # a column of numbers and words, such as 0.1 and "auto", has no type in a parquet file
         kinds = {kind(value) for value in table[name].dropna()}

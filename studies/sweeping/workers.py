@@ -300,6 +300,11 @@ def _results(executor, run, rows, queue, window, pace=None, strict=False):
                     if pace:
                         pace.heard(len(results), seconds)
                 yield from zip(batch, results, strict=False)
+    except KeyboardInterrupt:  # here or in a worker: what has come back is not lost
+        for future, batch in pending.items():
+            if future.done() and not (future.cancelled() or future.exception()):
+                yield from zip(batch, future.result()[0], strict=False)
+        raise
     finally:
         for future in pending:
             future.cancel()

@@ -1,5 +1,6 @@
 """Rows that many processes share: parts that are whole or not there, and a table that is that of one process."""
 
+import logging
 import os
 import signal
 import threading
@@ -16,11 +17,12 @@ from anet_lumped.checks import InputError
 from anet_lumped.files.scene_file import load_scene
 from anet_lumped.motion.simulate import simulate
 from anet_lumped.results.run import RunInterrupt
+from integrators.deadline import time_left
 from studies.sweeping import parts, workers
 from studies.sweeping.batch import BatchRunner
 from studies.sweeping.parts import NUMBER, PartTask, Shard, VersionError, read_part, read_shard
-from studies.sweeping.row_log import RowsError
-from studies.sweeping.rows import gather, run_rows
+from studies.sweeping.row_log import RowsError, read_log
+from studies.sweeping.rows import gather, read_rows, run_rows
 from studies.sweeping.workers import WorkerError
 
 ROWS = [{"x": x, "word": "a" if x % 3 else 0.5} for x in range(30)]
@@ -298,6 +300,82 @@ def test_a_budget_is_a_time():
         run_rows(square, ROWS, budget=0.0)
 
 
+def needs_a_minute(row, folder):
+    """Odd rows are over any budget of less than a minute, of which they use all."""
+    (Path(folder) / f"call-{row['x']}").touch()
+    left = time_left()
+    if row["x"] % 2 and left < 60.0:
+        time.sleep(left)
+        raise RunInterrupt(SimpleNamespace(message="stopped", t=[left]))
+    return {"square": row["x"] ** 2}
+
+
+def with_budget(how, folder, budget):
+    """Table of four rows, and which of them were done now."""
+    for path in folder.glob("call-*"):
+        path.unlink()
+    function, shared = (
+        partial(needs_a_minute, folder=folder),
+        {"budget": budget, "out": folder / "out", "identity": {"vary": {"x": [], "word": []}}},
+    )
+    with ThreadPoolExecutor(1) as executor:
+        given = {
+            "one process": {"executor": executor, "resume": True},
+            "a shard": {"workers": 1, "shard": Shard()},
+            "an executor": {"executor": executor, "workers": 1, "shard": Shard()},
+        }[how]
+        table = run_rows(function, ROWS[:4], **given, **shared)
+    assert "row_budget" not in table
+    shown = read_rows(folder / "out")[0].sort_values("x", ignore_index=True)
+    assert is_table(shown, table) and (how == "one process" or is_table(gather(folder / "out")[0], table))
+    return table, sorted(int(path.name.removeprefix("call-")) for path in folder.glob("call-*"))
+
+
+@pytest.mark.parametrize("how", ["one process", "a shard", "an executor"])
+def test_rows_over_a_budget_are_done_again_with_a_larger_one_alone(tmp_path, how, caplog):
+    caplog.set_level(logging.INFO, "studies")
+    for budget, now, told in [
+        (0.04, [0, 1, 2, 3], None),
+        (0.04, [], None),
+        (0.02, [], None),
+        (None, [], None),
+        (0.06, [1, 3], 0.06),
+    ]:
+        caplog.clear()
+        table, done = with_budget(how, tmp_path, budget)
+        assert done == now
+        assert table["status"].tolist() == ["done", "over budget"] * 2
+        assert all(f"budget of {told or 0.04} s" in reason for reason in table["reason"][1::2])
+        assert ("rows that were over a smaller budget and are done again: 2" in caplog.messages) == (told is not None)
+    table, done = with_budget(how, tmp_path, 1000.0)
+    assert done == [1, 3] and table["square"].tolist() == [0, 1, 4, 9] and set(table["status"]) == {"done"}
+    assert with_budget(how, tmp_path, 0.02)[1] == []
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_of_two_lines_of_a_row_that_with_the_larger_budget_counts_wherever_it_is(tmp_path, first):
+    """As two shells of different counts and budgets leave them."""
+    do_shard(tmp_path, 1, 30)
+    lines = [
+        {NUMBER: 1, **ROWS[1], "status": "crashed", "reason": ""},
+        {NUMBER: 1, **ROWS[1], "status": "over budget", "reason": "1 s", "row_budget": 1.0},
+        {NUMBER: 1, **ROWS[1], "status": "over budget", "reason": "2 s", "row_budget": 2.0},
+    ]
+    for k, line in enumerate(lines[first:] + lines[:first]):
+        parts.write_part(tmp_path / "parts" / f"1-of-{2 + k // 2}" / f"{k}.jsonl", [line], 1.0)
+    table, missing, _ = gather(tmp_path)
+    assert table["reason"].tolist() == ["", "2 s"] and missing == list(range(2, 30)) and "row_budget" not in table
+
+
+def test_a_task_whose_part_is_of_a_smaller_budget_does_it_again(tmp_path):
+    line = {NUMBER: 0, **ROWS[0], "status": "over budget", "reason": "", "row_budget": 1.0}
+    do_shard(tmp_path, 2, 2)
+    parts.write_part(parts.part_file(tmp_path, Shard(), 0), [line], 1.0)
+    for budget, status in [(1.0, "over budget"), (2.0, "done")]:
+        task = PartTask(BatchRunner(square, budget), tmp_path, Shard(), parts.library())
+        assert task([{NUMBER: 0, **ROWS[0]}])[0][0].get("status", "done") == status
+
+
 class Refusing(Executor):
     """Takes some rows and raises, or cancels, or never does them."""
 
@@ -365,6 +443,25 @@ def test_ctrl_c_in_a_worker_keeps_what_it_has_done(tmp_path, one_process):
             run()
         assert gather(out)[0]["x"].tolist()[:5] == [0, 1, 2, 3, 4]
         assert is_table(run(), one_process)
+
+
+class Together(Executor):
+    """Does all its rows before any of them is read; of one of them a worker's Ctrl-C comes back."""
+
+    def submit(self, function, /, *arguments):
+        future = Future()
+        try:
+            future.set_result(function(*arguments))
+        except KeyboardInterrupt as error:
+            future.set_exception(error)
+        return future
+
+
+def test_ctrl_c_in_a_worker_without_parts_keeps_the_rows_that_have_come_back(tmp_path):
+    run = partial(run_rows, partial(interrupted, folder=tmp_path), ROWS, out=tmp_path, **SETTINGS)
+    with pytest.raises(KeyboardInterrupt, match="Stopped after 29 of 30 rows"):
+        run(executor=Together())
+    assert sorted(line["x"] for line in read_log(tmp_path / "rows.jsonl")) == [x for x in range(30) if x != 5]
 
 
 def pressed(row):

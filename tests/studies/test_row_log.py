@@ -52,6 +52,10 @@ LINES = {
     "a status of numbers": (b'{"x": 1, "status": 3, "reason": ""}\n', "line 2, has status=3, which is no text"),
     "a reason of lists": (b'{"x": 1, "status": "failed", "reason": []}\n', r"line 2, has reason=\[\], which is no text"),
     "a dict": (b'{"x": {}, ' + DONE + b', "square": 1, "word": "a"}\n', "line 2, has 'x'={}, which is no number and no text"),
+    "a budget of words": (
+        b'{"x": 1, "status": "over budget", "reason": "", "row_budget": "1 s"}\n',
+        "line 2, has row_budget='1 s', which is no number",
+    ),
     "another type": (b'{"x": 1, ' + DONE + b', "square": "one", "word": "a"}\n', "has square=0 in line 1 and 'one' in line 2"),
     "a huge number": (b'{"x": 1, ' + DONE + b', "square": ' + b"9" * 30 + b', "word": "a"}\n', "has square=0 in line 1 and 999"),
     "another input": (
