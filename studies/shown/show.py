@@ -126,7 +126,7 @@ def _shortened(texts):
 def summed_up(rows: list[dict]) -> list[dict]:
     """A row for each column of a long table: the minimum, mean and maximum of its numbers, or how often which word."""
     names = list(dict.fromkeys(name for row in rows for name in row))
-    label = next((name for name in names if isinstance(rows[0].get(name), str)), None)
+    label = next((name for name in names if _tells_apart([row.get(name) for row in rows])), None)
     found = []
     for name in names:
         values = [row.get(name) for row in rows]
@@ -140,6 +140,11 @@ def summed_up(rows: list[dict]) -> list[dict]:
             counts = Counter(as_text(value) for value in values).most_common(MOST_WORDS)
             found.append({"": _head(name), "at": ", ".join(f"{word or 'none'} ({count})" for word, count in counts)})
     return found
+
+
+def _tells_apart(values):
+    """Whether values are words, each another one."""
+    return all(isinstance(value, str) for value in values) and len(set(values)) == len(values)
 
 
 def _is_number(value):

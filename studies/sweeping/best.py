@@ -230,7 +230,7 @@ def best(
         try:
             _search(question, rows, seed)
         except KeyboardInterrupt:
-            on_disk = f", which are in {log.path}" if log else ""
+            on_disk = f", which are in {log.path}" if log and lines else ""
             raise KeyboardInterrupt(f"Stopped after {len(lines)} rows{on_disk}.") from None
         table = table_of(rows.asked(), names)
         if out is not None:

@@ -39,6 +39,8 @@ def locked(folder: Path | None, name: str = LOCK) -> Iterator[None]:
                 file.seek(0)
                 holder = file.read(20).decode("ascii", "replace")
             by = f"process {holder}" if holder.isdigit() else "another process"
+            if name != LOCK:
+                raise FolderInUseError(f"One process must do a share of the rows, but this one of {folder} is in use by {by}.")
             raise FolderInUseError(f"Results must go to a folder of their own, but {folder} is in use by {by}; choose another one.")
         with contextlib.suppress(OSError):
             if os.path.samestat(path.stat(), os.fstat(file.fileno())):

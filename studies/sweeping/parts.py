@@ -121,7 +121,15 @@ def read_part(
 
 
 def open_parts(
-    out: Path, shard: Shard, names: list[str], rows: int, *, identity: dict, columns: Iterable[str], budget: float | None = None
+    out: Path,
+    shard: Shard,
+    names: list[str],
+    rows: int,
+    *,
+    identity: dict,
+    columns: Iterable[str],
+    budget: float | None = None,
+    heads: dict[str, str] | None = None,
 ) -> tuple[dict[int, dict], "PartLog"]:
     """Lines of a shard that are kept, by their numbers, and where its further lines go. Torn parts are taken away, in a word.
 
@@ -134,6 +142,7 @@ def open_parts(
     identity : what else the results depend on, which must be that of the parts
     columns : names that a row which is done has
     budget : float or None [s], that a row may take now (see `kept_lines`)
+    heads : names of columns in `rows.csv`, for `gather`
 
     Raises
     ------
@@ -142,7 +151,7 @@ def open_parts(
     meta = out / "meta.json"
     if (out / "rows.jsonl").exists():
         raise RowsError(f"{out} holds rows of a sweep in one process, {out / 'rows.jsonl'}: choose another folder.")
-    content = {"identity": identity, "rows": rows, "names": names, "library": library(), **provenance()}
+    content = {"identity": identity, "rows": rows, "names": names, "heads": heads or {}, "library": library(), **provenance()}
     if not (meta.exists() or _write_first(meta, json.dumps(content, indent=1))):
         raise RowsError(f"What rows are made with must be written, but {meta} cannot be.")
     before = check_identity(out / PARTS, meta, identity)
@@ -317,8 +326,8 @@ class NumberedRows(dict):
         return {NUMBER: number, **super().__getitem__(number)}
 
 
-def gathered(out: Path) -> tuple[list[dict], list[str], list[int], list[Path]]:
-    """Lines of all parts in the order of their rows, names of their inputs, numbers of the rows that lack, and parts that are torn.
+def gathered(out: Path) -> tuple[list[dict], dict, list[int], list[Path]]:
+    """Lines of all parts in the order of their rows, what `meta.json` holds, numbers of the rows that lack, and torn parts.
 
     Raises
     ------
@@ -338,4 +347,4 @@ def gathered(out: Path) -> tuple[list[dict], list[str], list[int], list[Path]]:
     if strange is not None:
         raise RowsError(f"{out / PARTS} holds a row of number {shown(strange)}, which this sweep of {kept['rows']} rows has not.")
     missing = [number for number in range(kept["rows"]) if number not in lines]
-    return [without_number(lines[number]) for number in sorted(lines)], kept["names"], missing, torn
+    return [without_number(lines[number]) for number in sorted(lines)], kept, missing, torn

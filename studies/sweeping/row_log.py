@@ -158,7 +158,7 @@ def kept_lines(lines: dict[Any, dict], budget: float | None) -> dict[Any, dict]:
     kept = {one: line for one, line in lines.items() if is_kept(line, budget)}
     again = sum(line["status"] == OVER_BUDGET for one, line in lines.items() if one not in kept)
     if again:
-        LOG.info("rows that were over a smaller budget and are done again: %d", again)
+        LOG.warning("rows that were over a smaller budget and are done again: %d", again)
     return kept
 
 

@@ -90,7 +90,7 @@ def run_rows(
         settings = {"identity": plain(identity or {}), "columns": columns, "budget": budget}
         if shard is not None:
             out = out.resolve()
-            lines, log = open_parts(out, shard, names, total, **settings)
+            lines, log = open_parts(out, shard, names, total, heads=heads, **settings)
         elif out is not None:
             kept, log = open_log(out, names, asked, resume=resume, **settings)
             lines = {asked[one]: line for one, line in kept.items()}
@@ -113,7 +113,7 @@ def run_rows(
                     if log and not (in_parts and line["status"] != CRASHED["status"]):  # those of parts are on the disk
                         log.append(number, line)
             except KeyboardInterrupt:
-                on_disk = f", which are in {log.path}" if log else ""
+                on_disk = f", which are in {log.path}" if log and lines else ""
                 raise KeyboardInterrupt(f"Stopped after {len(lines)} of {len(rows)} rows{on_disk}.") from None
         table = table_of([lines[number] for number in rows], names)
         if out is not None and len(rows) == total:
@@ -139,9 +139,9 @@ def gather(out: str | Path):
     RowsError : the folder holds no parts
     """
     out = Path(out)
-    lines, names, missing, torn = gathered(out)
-    table = table_of(lines, names)
-    save_table(table, out / "rows")
+    lines, meta, missing, torn = gathered(out)
+    table = table_of(lines, meta["names"])
+    save_table(table, out / "rows", meta.get("heads"))
     return table, missing, torn
 
 
@@ -163,8 +163,8 @@ def read_rows(out: str | Path):
     if not (isinstance(meta, dict) and isinstance(meta.get("identity"), dict)):
         raise RowsError(f"A folder of rows must hold meta.json, but {out} does not.")
     if "rows" in meta:
-        lines, names, _, _ = gathered(out)
-        return table_of(lines, names), meta, meta["rows"]
+        lines, meta, _, _ = gathered(out)
+        return table_of(lines, meta["names"]), meta, meta["rows"]
     lines = read_log(out / "rows.jsonl")
     if not lines:
         raise RowsError(f"{out} holds no rows.")

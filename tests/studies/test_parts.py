@@ -82,6 +82,16 @@ def test_two_shards_side_by_side_make_the_table_of_one_process(tmp_path, one_pro
     assert kept["square"].dropna().tolist() == one_process["square"].dropna().tolist()
 
 
+def test_the_gathered_file_has_units_as_that_of_one_process(tmp_path):
+    run = partial(run_rows, square, ROWS, workers=1, heads={"half": "half [m]"}, **SETTINGS)
+    run(out=tmp_path / "one")
+    for number in (1, 2):
+        run(out=tmp_path / "many", shard=Shard(number, 2))
+    gather(tmp_path / "many")
+    one, many = ((tmp_path / name / "rows.csv").read_text() for name in ("one", "many"))
+    assert one == many and "half [m]" in one.splitlines()[0]
+
+
 def test_threads_that_write_the_same_file_at_once_leave_it_whole(tmp_path):
     """They had one half-written file between them, which the quicker one took away: two shards in threads failed now and then."""
     barrier = threading.Barrier(4)
@@ -233,7 +243,9 @@ def test_a_shard_is_done_by_one_process_at_a_time(tmp_path):
     def second(row):
         if not inside:
             inside.append(row)
-            with pytest.raises(InputError, match="in use by process"):
+            with pytest.raises(
+                InputError, match=r"One process must do a share of the rows, but this one of .* is in use by process"
+            ):
                 do_shard(tmp_path, 1, 2)
             do_shard(tmp_path, 2, 2)
         return square(row)

@@ -91,6 +91,13 @@ def test_a_long_table_is_summed_up():
     assert segments["minimum"] == segments["maximum"] == 5 and slack["at"] == "none (98), 0-3 (2)"
 
 
+def test_rows_of_a_long_table_are_named_by_words_that_tell_them_apart():
+    """And not by a word that all of them have, as `done`."""
+    rows = [{"EA": 1e3 + k, "status": "done" if k else "failed"} for k in range(100)]
+    stiffness, status = summed_up(rows)
+    assert (stiffness["at"], stiffness["at "]) == ("row 1", "row 100") and status["at"] == "done (99), failed (1)"
+
+
 def test_all_of_a_long_table_is_printed_where_asked_for(capsys):
     rows = [{"cable": f"c{k}", "tension": k + 0.5} for k in range(61)]
     show({"cables": rows})
