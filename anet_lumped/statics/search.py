@@ -22,7 +22,7 @@ from .relaxation import QUICK, SLOW, UNHINDERED, Pace, net_at_rest, relaxed
 from .soft_contacts import DEPTHS, solids, with_soft_solids
 from .stability import Curvature, curvature
 from .starts import obstacles, raised
-from .stiff_cables import are_stiff, at_rest_as_stiff, softened
+from .stiff_cables import SOFT, SOFTER, are_stiff, at_rest_as_stiff, softened
 
 BALANCED = 1e-9  # of the load: largest out-of-balance force of a rest
 ROUGH = 1e-3  # of the load: from a smaller out-of-balance force the exact tangent may find the balance
@@ -110,18 +110,20 @@ def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, loa
     """
     starts = hanging, given, load, calm
     rigid, stiff = bool((net.axial[:, AXIAL_INEXTENSIBLE] > 0.0).any()), not model.has_bodies and bool(are_stiff(net, load).any())
-    found = _by_softer_cables(model, net, *starts) if stiff and rigid else None
+    found = _by_softer_cables(model, net, SOFT, *starts) if stiff and rigid else None
+    if found is not None and not (found.stable or found.asked_for) and solids(model):
+        found = _by_softer_cables(model, net, SOFTER, *starts)
     if found is None or not (found.stable or found.asked_for):
         found = _search(model, net, *starts)
     if stiff and not (rigid or found.stable or found.asked_for):
-        other = _by_softer_cables(model, net, *starts)
+        other = _by_softer_cables(model, net, SOFT, *starts)
         found = other if other.stable else found
     return found
 
 
-def _by_softer_cables(model, net, hanging, given, load, calm):
-    """`Found` next to the rest of `softened` cables."""
-    found = _search(model, softened(net, load), hanging, given, load, calm)
+def _by_softer_cables(model, net, EA, hanging, given, load, calm):
+    """`Found` next to the rest of `softened` cables, of an EA over the load."""
+    found = _search(model, softened(net, load, EA), hanging, given, load, calm)
     if not found.residual < ROUGH or found.caught:
         return found
     q, tension = found.shape.q.copy(), found.shape.tension.copy()

@@ -37,6 +37,7 @@ from .body_tangent import node_forces
 from .stability import EPS, Segments, segments, tangent
 
 SOFT = 1e5  # EA over the load, in place of a larger one and of one that is infinite: a strain of 1e-5 under the load
+SOFTER = 1e3  # likewise, where no rest is found with that: of cables over solids
 SOFTEST = 1e-9  # of the load over length: stiffness of all nodes together against moving
 STIFFEST = 1e13  # of the load over length: stiffness of a segment that does not stretch
 ITERATIONS = 30
@@ -73,10 +74,10 @@ def are_stiff(net: Any, load: float) -> np.ndarray:
     return (net.axial[:, AXIAL_INEXTENSIBLE] > 0.0) | (net.axial[:, AXIAL_STIFFNESS] * net.axial[:, AXIAL_L0] > SOFT * load)
 
 
-def softened(net: Any, load: float) -> Any:
-    """The net with cables of an EA of `SOFT` times the load [N] in place of stiffer ones, and of those that do not stretch."""
+def softened(net: Any, load: float, EA: float = SOFT) -> Any:
+    """The net with cables of an ``EA`` over the load [N] in place of stiff ones, and of those that do not stretch."""
     axial, stiff = net.axial.copy(), are_stiff(net, load)
-    axial[stiff, AXIAL_STIFFNESS] = SOFT * load / axial[stiff, AXIAL_L0]
+    axial[stiff, AXIAL_STIFFNESS] = EA * load / axial[stiff, AXIAL_L0]
     axial[stiff, AXIAL_INEXTENSIBLE] = 0.0
     return net._replace(axial=axial)
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from anet_lumped import Cable, EquilibriumError, Fixed, Scene, equilibrium
+from anet_lumped import Cable, EquilibriumError, Fixed, Scene, equilibrium, nets
 from anet_lumped.effects import Gravity, Ground, Obstacles
 from anet_lumped.effects.shapes import Cylinder
 from anet_lumped.statics import search
@@ -61,3 +61,19 @@ def test_a_rest_that_is_caught_is_refused(monkeypatch):
     monkeypatch.setattr(search, "_attempts", lambda model, net, hanging, *others: iter([search._Attempt(hanging)]))
     with pytest.raises(EquilibriumError, match=r"must not be caught .* node \d+ of 52 of cable \"a-b\" at \(.*pressed by \d"):
         equilibrium(over_a_pipe(1e7))
+
+
+@pytest.mark.parametrize("EA", [1e5, math.inf])
+def test_a_net_lies_over_a_pipe_on_a_bed(EA):
+    """A node is above the pipe wherever it crosses it, and the ground, the pipe and the corners carry the whole weight."""
+    own = {"mass_per_length": 0.3, "EA": EA, "segments": 3, "diameter": 0.02}
+    corners = ((0.0, 0.0, 0.0), (6.0, 0.0, 0.0), (6.0, 6.0, 0.0), (0.0, 6.0, 0.0))
+    parts = nets.grid((6, 6), corners, cable=own, slack=0.15, knot_mass=0.05)
+    pipe = Cylinder((3.1, 3.0, 0.2), 0.6, (0.0, 1.0, 0.0))
+    rest = equilibrium(Scene(parts.points, parts.cables, [Gravity(G), Ground(), Obstacles(pipe)]))
+    load = G * (sum(cable.mass_per_length * cable.length for cable in parts.cables) + 0.05 * 45)
+    near = np.abs(rest.q[:, 0] - 3.1) < 0.3
+    assert rest.stable and near.any() and (rest.q[near, 2] > 0.6).all()
+    carried = sum(effect.force_on(rest)[:, 2].sum() for effect in rest.scene.effects[1:])
+    carried += sum(rest.reaction(point.name)[2] for point in parts.points if isinstance(point, Fixed))
+    assert abs(carried) == pytest.approx(load, rel=0.05)
