@@ -29,6 +29,7 @@ ROUGH = 1e-3  # of the load: from a smaller out-of-balance force the exact tange
 LEAVES, FEW_LEAVES = 6, 2  # how often the search from one start leaves a rest that is not stable; and that of a large net
 LARGE = 300  # free points, from which on a net is large: an attempt may take half a minute
 VAST = 2000  # free points, from which on an attempt may take minutes: long ones are left out, which found none of the nets tried
+ASIDE = 1e-4  # of the longest cable: how far aside nodes are from which cables that bend or push are let down
 LAID_STEPS = 3000  # pseudo-steps in which cables are let down onto solids: none of them goes through one
 NUDGE = 0.05  # of the shortest segment, or of a body without cables: displacement with which it leaves the first time
 
@@ -166,7 +167,8 @@ def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None, calm:
         yield _Attempt(calm)
     met = obstacles(model, net, hanging.q)
     if met.above is not None:
-        yield _Attempt(_loose(model, met.above), eased=eases, laid=bool(solids(model)))
+        laid = bool(solids(model))
+        yield _Attempt(_loose(model, _aside(model, met.above) if laid and eases else met.above), eased=eases, laid=laid)
     if eases and not met.any_met:
         yield _Attempt(hanging)
     yield _Attempt(hanging, eased=eases, pace=QUICK if eases or met.any_met else UNHINDERED)
@@ -174,6 +176,14 @@ def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None, calm:
     yield _Attempt(_loose(model, above), eased=eases, pace=SLOW)
     if _descends(model):
         yield _Attempt(hanging, descends=True)
+
+
+def _aside(model, q):
+    """A shape with its nodes a little aside, each elsewhere: laid down in a plane, what bends or pushes rests in folds there."""
+    q = q.copy()
+    q[: model.n_free] += ASIDE * model.scene.longest * np.random.default_rng(1).normal(size=(model.n_free, 3))
+    keep_shapes(model, q)
+    return q
 
 
 def _descends(model):

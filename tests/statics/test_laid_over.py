@@ -1,12 +1,13 @@
 """Cables that are laid down over solids on a ground lie on them, and are not caught under them."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from anet_lumped import Cable, EquilibriumError, Fixed, Scene, equilibrium, nets
-from anet_lumped.effects import Gravity, Ground, Obstacles
+from anet_lumped.effects import Bending, Gravity, Ground, Obstacles
 from anet_lumped.effects.shapes import Cylinder
 from anet_lumped.statics import search
 
@@ -38,6 +39,18 @@ def test_a_cable_lies_over_a_pipe_on_a_bed(EA, sunk, height):
     rest = equilibrium(over_a_pipe(EA, sunk, height))
     assert rest.stable
     check_over(rest, -sunk * 1.5)
+
+
+@pytest.mark.parametrize("EA", [1e6, 1e7])
+def test_a_cable_that_bends_and_pushes_lies_over_a_pipe(EA):
+    """It lies down aside of the plane of its supports: in the plane it came to rest in folds, or under the pipe."""
+    scene = over_a_pipe(EA)
+    cable = replace(scene.cables[0], EI=300.0, compression="linear")
+    rest = equilibrium(replace(scene, cables=[cable], effects=[*scene.effects, Bending()]))
+    q, load = rest.shape("a-b"), WEIGHT * G * cable.length
+    near = np.abs(q[:, 0] - 8.0) < 0.75
+    assert rest.stable and near.any() and (q[near, 2] > 0.0).all()
+    assert all(np.linalg.norm(effect.force_on(rest), axis=1).max() < load for effect in rest.scene.effects[1:3])
 
 
 def test_a_start_under_the_pipe_does_not_stay_there():
