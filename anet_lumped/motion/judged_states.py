@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from anet_lumped.results.peaks import largest_so_far
-from anet_lumped.results.run import Run
+from anet_lumped.results.run import Run, with_states
 
 from .choice import Choice
 from .times import SAVES
@@ -42,11 +42,9 @@ def judged_every(choice: Choice, save_every: float | None, duration: float) -> t
 def as_asked(run: Run, save_every: float) -> Run:
     """The states of a run that were asked for, ``save_every`` [s] apart."""
     if run.largest_tension is None:  # it has saved every step
-        run = replace(run, largest_tension=largest_so_far(run))
+        run = replace(run, largest_tension=largest_so_far(run.model, run.segment_tension))
     run = replace(run, peak_at_most=run.peak_tension() / max(1.0 - run.tension_error, 1e-6))
     apart = (run.t - run.t[0]) / save_every
     rows = np.abs(apart - np.round(apart)) < 1e-6
     rows[-1] = True
-    names = ("t", "q", "v", "energy", "segment_tension", "error_growth", "largest_tension", "q_near", "crept", "T_max", "shedding")
-    some = {name: getattr(run, name)[rows] for name in names if getattr(run, name) is not None}
-    return replace(run, **some)
+    return with_states(run, rows)

@@ -18,7 +18,7 @@ from anet_lumped.model.remainder import Remainder, remainder
 from anet_lumped.model.tables import CABLE_FIRST_SEGMENT, CABLE_SEGMENTS
 from anet_lumped.results.energy_balance import BY_EFFECTS, POTENTIAL, WORK
 from anet_lumped.results.events import BREAK, PAYLOAD, RELEASE, Event, broken, released
-from anet_lumped.results.peaks import largest_of_cables
+from anet_lumped.results.peaks import largest_so_far
 from anet_lumped.results.run import STATUS, RunInterrupt, Work
 from anet_lumped.scene.payload_change import carried_from
 from integrators import schemes
@@ -413,8 +413,7 @@ class Legs:
         if all(run.largest_tension is None for run in self.runs):
             return None
         seen = [np.zeros((len(leg.t), len(self.peaks))) if leg.largest is None else leg.largest for leg in self.rows]
-        largest = np.maximum(np.concatenate(seen), largest_of_cables(self.model, tension))
-        return np.maximum.accumulate(largest, axis=0)
+        return largest_so_far(self.model, tension, np.concatenate(seen))
 
 
 def due_releases(scene, events, t):

@@ -4,7 +4,7 @@ import numpy as np
 
 from anet_lumped.mechanics.fresh_net import fresh_net
 from anet_lumped.results.energy_balance import book_remainder
-from anet_lumped.results.peaks import largest_of_cables
+from anet_lumped.results.peaks import largest_so_far
 from anet_lumped.results.run import STATUS, Run, RunInterrupt, Work
 from integrators import schemes
 from integrators.marching.adaptive_steps import AdaptiveSteps
@@ -123,13 +123,7 @@ def run_of(model, choice, out, settings):
         wall_time=out.wall_time,
         warnings=(*choice.warnings, *stiff),
         segment_tension=tensions,
-        largest_tension=_largest_so_far(model, tensions, out.saved.noticed) if out.saved.noticed.shape[1] else None,
+        largest_tension=largest_so_far(model, tensions, out.saved.noticed) if out.saved.noticed.shape[1] else None,
         **split_inner(model, np.stack(np.split(inner, 2, axis=1)) if model.creeps else None),
         shedding=shedding_of_rows(model, shed) if model.sheds else None,
     )  # fmt: skip
-
-
-def _largest_so_far(model, tensions, noticed):
-    """Largest tension of each cable up to each saved time (k, cables) [N], in the states that were saved or looked at."""
-    largest = np.maximum(largest_of_cables(model, tensions), noticed)
-    return np.maximum.accumulate(largest, axis=0, out=largest)

@@ -19,6 +19,7 @@ from integrators.linear_stability import NoLimit
 from integrators.marching.fixed_steps import FixedSteps
 from integrators.marching.march import March, Outcome
 
+from .choice import Choice
 from .legs import Settings
 from .own_methods import look_every, net_and_system, run_of
 from .plan import Asked, Plan, check_start, planned
@@ -54,7 +55,7 @@ class Repeated:
         self.last_model: tuple[Scene | None, Any] = None, None
         self.last_near: tuple[Scene | None, bool] = None, False
         self.last_points: tuple[Any, float] = None, 0.0  # points and bodies, and their largest coordinate [m]
-        self.last_steps: tuple[tuple[float, float], tuple[FixedSteps, int]] | None = None
+        self.last_steps: tuple[tuple[float, float, str], tuple[FixedSteps, int]] | None = None
         self.marches: dict[str, tuple[Any, March]] = {}  # a net, and a march of it, by the method
 
     def serves(self, scene: Scene) -> bool:
@@ -168,8 +169,7 @@ class Repeated:
     def march_of(self, begin: State, plan: Plan, room: int = 0) -> March | None:
         """A march that is ready for a scene; None if its arrays are of other shapes than those of the first one."""
         model, choice = begin.model, plan.choice
-        times, rows = self.steps(begin.t, choice.dt)
-        times = times._replace(look_every=look_every(model.scene, schemes.scheme(choice.method), times.stride))
+        times, rows = self.steps(begin, choice)
         if choice.method not in self.marches:
             self.marches[choice.method] = self._made(model, choice.method, times, rows)
         net, march = self.marches[choice.method]
@@ -181,12 +181,14 @@ class Repeated:
         march.renew(times, room)
         return march
 
-    def steps(self, begin: float, dt: float) -> tuple[FixedSteps, int]:
-        """Times of the steps of a run that begins at a time [s], and the largest number of states that it saves."""
-        if self.last_steps is None or self.last_steps[0] != (begin, dt):
-            leg = Leg(begin, begin + self.asked.t_end, begin, begin + self.asked.t_end, self.asked.save_every)
-            stride, rows = leg.stride(dt)
-            self.last_steps = (begin, dt), (FixedSteps(leg.begin, leg.end, dt, leg.run_begin, stride), rows)
+    def steps(self, begin: State, choice: Choice) -> tuple[FixedSteps, int]:
+        """Times of the steps of a run from a state, and the largest number of states that it saves."""
+        asked_now = begin.t, choice.dt, choice.method
+        if self.last_steps is None or self.last_steps[0] != asked_now:
+            leg = Leg(begin.t, begin.t + self.asked.t_end, begin.t, begin.t + self.asked.t_end, self.asked.save_every)
+            stride, rows = leg.stride(choice.dt)
+            looks = look_every(begin.scene, schemes.scheme(choice.method), stride)
+            self.last_steps = asked_now, (FixedSteps(leg.begin, leg.end, choice.dt, leg.run_begin, stride, looks), rows)
         return self.last_steps[1]
 
     def _made(self, model: Model, method: str, times: FixedSteps, rows: int) -> tuple[Any, March]:

@@ -30,6 +30,7 @@ def dataset(run: Any) -> Any:
     scene = run.scene
     points, cables = [point.name for point in scene.all_points], [cable.name for cable in scene.cables]
     most, rows = max((cable.segments for cable in scene.cables), default=0), len(run.t)
+    largest = largest_so_far(run.model, run.segment_tension) if run.largest_tension is None else run.largest_tension
     shape, tension = np.full((rows, len(cables), most + 1, 3), np.nan), np.full((rows, len(cables), most), np.nan)
     arc, middle = np.full((len(cables), most + 1), np.nan), np.full((len(cables), most), np.nan)
     for c, cable in enumerate(scene.cables):
@@ -43,7 +44,7 @@ def dataset(run: Any) -> Any:
             "velocity": (("t", "point", "axis"), run.v[:, nodes], {"units": "m/s"}),
             "shape": (("t", "cable", "node", "axis"), shape, {"units": "m", "long_name": "places of nodes"}),
             "tension": (("t", "cable", "segment"), tension, {"units": "N"}),
-            "largest_tension": (("t", "cable"), largest_so_far(run), {"units": "N", "long_name": "largest in all steps so far"}),
+            "largest_tension": (("t", "cable"), largest, {"units": "N", "long_name": "largest in all steps so far"}),
             "energy": (("t", "energy_of"), run.energy, {"units": "J"}),
         },
         coords={

@@ -39,11 +39,13 @@ def largest_of_cables(model: Model, tension: np.ndarray) -> np.ndarray:
     return np.maximum(largest, 0.0, out=largest)
 
 
-def largest_so_far(run: Any) -> np.ndarray:
-    """Largest tension of each cable up to each saved time (k, cables) [N], in all steps as far as the run knows them."""
-    if run.largest_tension is not None:
-        return np.asarray(run.largest_tension)
-    return np.maximum.accumulate(largest_of_cables(run.model, run.segment_tension), axis=0)
+def largest_so_far(model: Model, tension: np.ndarray, noticed: np.ndarray | float = 0.0) -> np.ndarray:
+    """Largest tension of each cable up to each of the rows of tensions (k, n_segments) [N], (k, cables) [N].
+
+    ``noticed`` (k, cables) [N] are those found so far in states between these.
+    """
+    largest = np.maximum(largest_of_cables(model, tension), noticed)
+    return np.maximum.accumulate(largest, axis=0, out=largest)
 
 
 def peak_tension(run: Any, cable: str | None = None) -> float:

@@ -1,6 +1,6 @@
 """A Run: the states of a motion, how it ended, and what it cost."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -33,6 +33,10 @@ STATUS = {
     EVENT: "event",  # of a leg that a break ended, never of a run
 }
 FINISHED = ("done", "energy gained", "audit failed")  # statuses of runs that reached their end
+OF_STATES = (
+    "t", "q", "v", "energy", "segment_tension", "largest_tension", "error_growth", "q_near", "crept", "T_max", "shedding",
+)  # fmt: skip
+"""Arrays of a run that have a row for each saved state."""
 STATUSES = (*(STATUS[k] for k in (UNCONVERGED, DIVERGED, INTERRUPTED, OUT_OF_STEPS)), *FINISHED)
 
 
@@ -349,6 +353,11 @@ class Run:
         from anet_lumped.views.show import view
 
         return view(self, path)
+
+
+def with_states(run: Run, rows: np.ndarray) -> Run:
+    """A run with some of its saved states, of which ``rows`` (k,) bool tells."""
+    return replace(run, **{name: array[rows] for name in OF_STATES if (array := getattr(run, name)) is not None})
 
 
 __all__ = ["Audit", "EnergyBalance", "Run", "Work"]

@@ -101,8 +101,9 @@ def tension_error(run: Any) -> float:
         return 0.0
     more = run.peak_at_most
     if more is None:
-        hidden = hidden_peak(run)
-        more = most_of_states(run) if hidden is None else max(most_of_states(run), hidden.tension + _after_jump(run, hidden))
+        more, hidden = most_of_states(run), hidden_peak(run)
+        if hidden is not None:
+            more = max(more, hidden.tension + _after_jump(run, hidden))
     lost = lost_share(run.energy) if run.energy.shape[1] > BY_METHOD else 0.0
     return max(1.0 - largest / max(more, largest), LOST * lost)
 

@@ -13,6 +13,8 @@ from scipy.sparse import block_diag, csc_array, eye_array, hstack, vstack
 
 from anet_lumped.model.tables import JOINT_BODY, JOINT_OTHER, JOINT_OTHER_NODE, JOINT_POSITION
 
+from .forces_at_rest import node_forces
+
 
 def _cross(x):
     """Matrix of the cross product."""
@@ -86,17 +88,3 @@ def _with_whole_diagonal(K):
     rows, columns = both.indices, np.repeat(np.arange(K.shape[0]), np.diff(both.indptr))
     both.data[:] = np.asarray(K.tocsr()[rows, columns]).ravel()
     return both
-
-
-def node_forces(model, net, q, tension):
-    """Force on every node at rest (n, 3) [N]."""
-    f, v = np.zeros_like(q), np.zeros_like(q)
-    for e, effect in enumerate(model.forces):
-        if not effect.no_force_at_rest:
-            effect.kernels()["force"](0.0, q, v, *net.effects.numbers(e), f)
-    a, b = model.ends.T
-    d = q[b] - q[a]
-    pull = tension[:, None] * d / np.maximum(np.linalg.norm(d, axis=1), 1e-300)[:, None]
-    np.add.at(f, a, pull)
-    np.add.at(f, b, -pull)
-    return f

@@ -11,6 +11,7 @@ import numpy as np
 
 from anet_lumped.model.model import Model
 
+from .forces_at_rest import force_of_effects
 from .soft_contacts import solids
 
 MOST = 1.0  # of the load: forces with which contacts may press against each other, of all nodes together
@@ -24,21 +25,13 @@ def is_caught(model: Model, net: Any, q: np.ndarray, load: float) -> bool:
     others = [
         e for e, effect in enumerate(model.forces) if e not in obstacles and not effect.dead_load and effect.coupled_neighbours == 0
     ]
-    pressed, rest = (_forces(model, net, q, some) for some in (obstacles, others))
+    pressed, rest = (force_of_effects(model, net, q, some)[: model.n_free] for some in (obstacles, others))
     against = [np.linalg.norm(f, axis=1) for f in (pressed, rest, pressed + rest)]
     return bool((against[0] + against[1] - against[2]).sum() > MOST * load)
 
 
 def where_caught(model: Model, net: Any, q: np.ndarray) -> str:
     """A clause: where obstacles press hardest, and by how much."""
-    force = np.linalg.norm(_forces(model, net, q, solids(model)), axis=1)
+    force = np.linalg.norm(force_of_effects(model, net, q, solids(model))[: model.n_free], axis=1)
     i = int(np.argmax(force))
     return f"{model.where(i)} at ({', '.join(f'{x:.4g}' for x in q[i])}), which is pressed by {force[i]:.3g} N from either side"
-
-
-def _forces(model, net, q, effects):
-    """Force of some effects on every moving node (n_free, 3) [N]."""
-    f = np.zeros_like(q)
-    for e in effects:
-        model.forces[e].kernels()["force"](0.0, q, np.zeros_like(q), *net.effects.numbers(e), f)
-    return f[: model.n_free]

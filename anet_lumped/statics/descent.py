@@ -14,6 +14,7 @@ import numpy as np
 from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_STIFFNESS
 
+from .forces_at_rest import force_of_effects
 from .stability import pivots_of, segments, symmetric_part, tangent
 
 STEPS, FEWEST_STEPS = 1000, 100  # and those of the largest nets
@@ -91,11 +92,7 @@ def _stretching(net, load):
 
 def _forces(model, net, q):
     """Force on every moving node at rest (n_free, 3) [N], and the tensions by the law."""
-    f, v = np.zeros_like(q), np.zeros_like(q)
-    for e, effect in enumerate(model.forces):
-        if not effect.no_force_at_rest:
-            effect.kernels()["force"](0.0, q, v, *net.effects.numbers(e), f)
-    (a, b), here = model.ends.T, segments(model, net, q)
+    f, (a, b), here = force_of_effects(model, net, q), model.ends.T, segments(model, net, q)
     pull = here.tension[:, None] * here.unit
     np.add.at(f, a, pull)
     np.add.at(f, b, -pull)

@@ -27,6 +27,7 @@ from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Fixed, Scene, check_scene
 
 from .equilibrium_error import EquilibriumError, NoRestError
+from .forces_at_rest import force_of_effects
 from .starts import Start, start_state
 from .strains import warn_of_strain
 
@@ -202,7 +203,7 @@ def _rest_of(model: Model, tolerance: float, start: Start | None, net: Any = Non
             law = name_law_that_is_not_finite(model, [(0.0, q, v)])
             kind = NoRestError if law else EquilibriumError
             raise kind(f"{law}No equilibrium was found: {error}") from None if law else error
-        if not (found.stable or found.asked_for):
+        if not found.ends_search:
             _refuse(model, net, found, q)
         (q, tension), balance, stable = found.shape, found.residual, found.stable
         _check_lengths_kept(model, q)
@@ -278,7 +279,7 @@ def _rest_of_bodies(model: Model, tolerance: float, given: State | None) -> Stat
         found = stable_rest(model, net, Shape(q.copy(), tension), guess, scale)
     except RuntimeError as error:  # a tangent that is not finite cannot be judged
         raise EquilibriumError(f"No equilibrium was found: {error}") from error
-    if not (found.stable or found.asked_for):
+    if not found.ends_search:
         _refuse(model, net, found, q)
     (q, tension), balance = found.shape, found.residual
     _check_lengths_kept(model, q)
@@ -315,11 +316,7 @@ def _refuse(model: Model, net: Any, found: Any, hanging: np.ndarray) -> None:
 
 def dead_load(model: Model, net: Any, q: np.ndarray) -> np.ndarray:
     """(n, 3) force of the dead loads among a model's effects [N]."""
-    load, v = np.zeros(q.shape), np.zeros(q.shape)
-    for e, effect in enumerate(model.forces):
-        if effect.dead_load:
-            effect.kernels()["force"](0.0, q, v, *net.effects.numbers(e), load)
-    return load
+    return force_of_effects(model, net, q, [e for e, effect in enumerate(model.forces) if effect.dead_load])
 
 
 def _settle_bars(model: Model, net: Any, q: np.ndarray, tension: np.ndarray) -> np.ndarray:

@@ -18,7 +18,7 @@ from .caught import is_caught
 from .descent import descended
 from .failure_reasons import bends_but_does_not_push, impossible
 from .held_bodies import keep_shapes
-from .relaxation import QUICK, SLOW, UNHINDERED, Pace, net_at_rest, relaxed
+from .relaxation import QUICK, SLOW, STEPS, UNHINDERED, Pace, net_at_rest, relaxed
 from .soft_contacts import DEPTHS, solids, with_soft_solids
 from .stability import Curvature, curvature
 from .starts import obstacles, raised
@@ -70,6 +70,11 @@ class Found(NamedTuple):
         """Whether the forces balance, and the energy falls along no direction."""
         return self.down is not None and self.down.directions_down == 0 and not self.caught
 
+    @property
+    def ends_search(self) -> bool:
+        """Whether no other start is tried."""
+        return self.stable or self.asked_for
+
 
 class _Attempt(NamedTuple):
     """A start and how the search goes on from it.
@@ -111,12 +116,13 @@ def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, loa
     """
     starts = hanging, given, load, calm
     rigid, stiff = bool((net.axial[:, AXIAL_INEXTENSIBLE] > 0.0).any()), not model.has_bodies and bool(are_stiff(net, load).any())
-    found = _by_softer_cables(model, net, SOFT, *starts) if stiff and rigid else None
-    if found is not None and not (found.stable or found.asked_for) and solids(model):
-        found = _by_softer_cables(model, net, SOFTER, *starts)
-    if found is None or not (found.stable or found.asked_for):
-        found = _search(model, net, *starts)
-    if stiff and not (rigid or found.stable or found.asked_for):
+    if stiff and rigid:
+        for EA in (SOFT, SOFTER) if solids(model) else (SOFT,):
+            found = _by_softer_cables(model, net, EA, *starts)
+            if found.ends_search:
+                return found
+    found = _search(model, net, *starts)
+    if stiff and not (rigid or found.ends_search):
         other = _by_softer_cables(model, net, SOFT, *starts)
         found = other if other.stable else found
     return found
@@ -143,7 +149,7 @@ def _search(model, net, hanging, given, load, calm):
             break
         found = _try(model, net, attempt, load, leaves)
         leaves = min(leaves, 1) if found.balanced else leaves
-        if found.stable or found.asked_for:
+        if found.ends_search:
             return found
         if best is None or _rank(found) > _rank(best):
             best = found
@@ -200,18 +206,11 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
     """Relax a start, and go on from rests that are not stable."""
     q, whole = attempt.shape.q.copy(), net_at_rest(model, net, load)
     whole.tension[:] = attempt.shape.tension
-    if attempt.laid:
-        for eased in (True, False) if attempt.eased else (False,):
-            for share in DEPTHS:
-                soft = net_at_rest(model, with_soft_solids(model, net, load, share), load, eased=eased)
-                soft.tension[:] = whole.tension
-                relaxed(model, soft, q, load, attempt.pace, LAID_STEPS)
-                whole.tension[:] = soft.tension
-    elif attempt.eased:
-        eased = net_at_rest(model, net, load, eased=True)
-        eased.tension[:] = whole.tension
-        relaxed(model, eased, q, load, attempt.pace)
-        whole.tension[:] = eased.tension
+    for easier, eased, steps in _easier(model, net, attempt, load):
+        first = net_at_rest(model, easier, load, eased=eased)
+        first.tension[:] = whole.tension
+        relaxed(model, first, q, load, attempt.pace, steps)
+        whole.tension[:] = first.tension
     if attempt.descends:
         whole.tension[:] = descended(model, net, q, load)[0]
     residual = _balanced(model, net, whole, q, load, attempt.pace)
@@ -230,6 +229,16 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
         lost = 0 if other.balanced else lost + 1
         nudge *= -2.0
     return found
+
+
+def _easier(model, net, attempt, load):
+    """Easier problems that are solved one after another before that of an attempt: a net, whether it is eased, and pseudo-steps."""
+    if attempt.laid:
+        for eased in (True, False) if attempt.eased else (False,):
+            for share in DEPTHS:
+                yield with_soft_solids(model, net, load, share), eased, LAID_STEPS
+    elif attempt.eased:
+        yield net, True, STEPS
 
 
 def _beside(model, net, whole, found, nudge, load, pace):

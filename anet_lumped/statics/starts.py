@@ -14,6 +14,9 @@ from anet_lumped.results.run import Run
 from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Driven, Fixed, Free, OnBody, SceneError
 
+from .forces_at_rest import force_of_effects
+from .soft_contacts import solids
+
 Start = str | State | Mapping[str, ArrayLike]
 GOLDEN_ANGLE = 2.399963229728653  # [rad]: multiples of it are never near each other on the circle
 CONVEX = 1e-9  # of the largest curvature of an effect's energy: a smaller negative one is rounding
@@ -275,18 +278,19 @@ def obstacles(model: Model, net: Any, hanging: np.ndarray) -> Obstacles:
     ]
     if not kinds:
         return Obstacles(False, None)
-    between, any_met, above, solids = raised(model, hanging), False, None, []
-    arch = 2.0 * between - hanging
+    between, any_met, above = raised(model, hanging), False, None
+    arch, of_solids = 2.0 * between - hanging, solids(model)
+    above_solids = between
     for e, effect in kinds:
-        on_hanging, on_straight, on_arch = (_largest_force(model, net, e, effect, q) for q in (hanging, between, arch))
+        on_hanging, on_straight, on_arch = (_largest_force(model, net, e, q) for q in (hanging, between, arch))
         if on_hanging > OBSTACLE * min(on_straight, on_arch):
             any_met = True
             if _may_push_either_way(model, net, e, effect, hanging):
                 above = arch if above is arch or on_straight > on_arch else between
-        if np.isfinite(effect.narrowest):
-            solids.append(arch if on_straight > on_arch else between)
-    if above is None and any_met and solids:  # a ground would lift the hanging cables into solids from below
-        above = arch if any(shape is arch for shape in solids) else between
+        if e in of_solids and on_straight > on_arch:
+            above_solids = arch
+    if above is None and any_met and of_solids:  # a ground would lift the hanging cables into solids from below
+        above = above_solids
     return Obstacles(any_met, above)
 
 
@@ -327,8 +331,7 @@ def raised(model: Model, hanging: np.ndarray) -> np.ndarray:
     return spread(model, at)
 
 
-def _largest_force(model, net, e, effect, q):
+def _largest_force(model, net, e, q):
     """Largest force of an effect on a moving node at rest in a shape [N]."""
-    f = np.zeros_like(q)
-    effect.kernels()["force"](0.0, q, np.zeros_like(q), *net.effects.numbers(e), f)
-    return float(np.linalg.norm(f[: model.n_free], axis=1).max(initial=0.0))
+    f = force_of_effects(model, net, q, [e])[: model.n_free]
+    return float(np.linalg.norm(f, axis=1).max(initial=0.0))

@@ -33,7 +33,7 @@ from anet_lumped.model.tables import (
     CABLE_CURVE_END,
 )
 
-from .body_tangent import node_forces
+from .forces_at_rest import node_forces
 from .stability import EPS, Segments, segments, tangent
 
 SOFT = 1e5  # EA over the load, in place of a larger one and of one that is infinite: a strain of 1e-5 under the load

@@ -11,6 +11,7 @@ import numpy as np
 
 from anet_lumped.checks import InputError
 from anet_lumped.results.rainflow import cycles
+from anet_lumped.results.run import with_states
 from anet_lumped.results.slack import is_slack
 
 ROUNDED = 1e-12  # of a time: what a saved time may lie before the one that it stands for
@@ -33,13 +34,12 @@ def window(run, since):
     rows = _rows(run, since)
     if np.count_nonzero(rows) < 2:
         raise WindowError(f"A run must have two saved times from t={since:g} s on, but it ends at t={run.t[-1]:g} s.")
-    of_states = "t", "q", "v", "energy", "segment_tension", "error_growth", "q_near", "crept", "T_max", "shedding"
-    arrays = {name: getattr(run, name) for name in of_states}
-    later = {name: array[rows] for name, array in arrays.items() if array is not None}
-    if run.largest_tension is not None:  # of peaks between saved times, those count that are higher than all before
-        so_far = run.largest_tension[rows]
-        later["largest_tension"] = np.where(so_far > so_far[0], so_far, 0.0)
-    return replace(run, **later, peak_at_most=None)
+    later = replace(with_states(run, rows), peak_at_most=None)
+    so_far = later.largest_tension
+    if so_far is None:
+        return later
+    # of peaks between saved times, those count that are higher than all before
+    return replace(later, largest_tension=np.where(so_far > so_far[0], so_far, 0.0))
 
 
 def _rows(run, since):

@@ -256,7 +256,7 @@ class PartLog:
         if self.lines:
             path = part_file(self.out, self.shard, self.lines[0][NUMBER])
             again = 1
-            while path.exists():  # its first row crashed, and was done again
+            while path.exists():  # its first row crashed or was over a smaller budget, and was done again
                 again += 1
                 path = path.with_name(f"{self.lines[0][NUMBER]:09d}-{again}{ENDING}")
             write_part(path, self.lines, time.perf_counter() - self.began, self.stamp)
