@@ -26,6 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anet_lumped.limits import STEPS, most_of
+from anet_lumped.results.amplification import is_hardly_seen
 from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.distances import distances
 from anet_lumped.results.free_flight import goes_loose, loose
@@ -294,11 +295,12 @@ def _is_caught_and_corrected(run: Run, known: Known, wanted: Wanted) -> bool:
 
 
 def _may_multiply(run: Run) -> bool:
-    """Whether a motion goes loose or buckles, so that the errors which a run tells by itself may be multiplied.
+    """Whether a motion goes loose or buckles, or may do so unseen, so that the errors which a run tells may be multiplied.
 
     A body whose cables go slack tumbles until they catch it.
     """
-    return goes_loose(run) or first_buckled(run) is not None or (run.model.has_bodies and _goes_slack(run))
+    known = goes_loose(run) or first_buckled(run) is not None or (run.model.has_bodies and _goes_slack(run))
+    return known or is_hardly_seen(run)
 
 
 def _goes_slack(run: Run) -> bool:

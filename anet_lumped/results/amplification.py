@@ -30,6 +30,9 @@ import numpy as np
 from .place_rows import ASIDE, MULTIPLIED, OFF, TOGETHER
 from .saved_motion import SavedMotion, look_at
 
+SWINGS = 0.1  # of the mean of tensions: by less than that they neither go slack nor pump
+HARDLY_SEEN = 0.3  # of distances from the mean: second differences where less than a dozen states show a turn
+
 
 def amplification(run: Any) -> np.ndarray:
     """Logarithm of the times by which the motion has multiplied its first errors up to each saved time, (k,), never falling.
@@ -49,6 +52,21 @@ def multiply(seen: SavedMotion) -> np.ndarray:
         seen.rows.of_nodes[ASIDE, :n_free] = _at_random(n_free)
         multiply_errors(seen.address)
     return seen.rows.columns[MULTIPLIED]
+
+
+def is_hardly_seen(run: Any) -> bool:
+    """Whether tensions swing, and saved states show so little of it that cables may be slack or pump between them.
+
+    The sum of second differences over that of distances from the mean is near to (2 pi/N)^2 of N states a turn. Tensions of stiff
+    cables alternate about their means, so those of two in a row count.
+    """
+    sums = run.segment_tension.sum(axis=1)
+    means = 0.5 * (sums[1:] + sums[:-1])
+    if len(means) < 3:
+        return False
+    apart = float(np.abs(means - means.mean()).mean())
+    bent = float(np.abs(means[2:] - means[1:-1] - (means[1:-1] - means[:-2])).mean())
+    return apart > SWINGS * abs(float(means.mean())) and bent > HARDLY_SEEN * apart
 
 
 @lru_cache(maxsize=16)

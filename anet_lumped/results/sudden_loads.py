@@ -90,23 +90,32 @@ def _with_vibrations(run: Any, mode_of: Any, put: _Put) -> float:
         rows = min(max(2, round(2.0 * math.pi / mode.omega / (t[2] - t[1]))), (len(t) - 1) // 2)
         mean, later = own[1 : 1 + rows].mean(axis=0), own[1 + rows : 1 + 2 * rows].mean(axis=0)
         rest = np.minimum(1.5 * mean - 0.5 * later, mean)
-        change = np.where(own[0] >= 0.0, np.maximum(rest - own[0], 0.0), 0.0)
+        change = np.maximum(rest - np.maximum(own[0], 0.0), 0.0)
         if change.max() > LEAST * own.max() and _comes_at_once(own[: 1 + max(1, round(rows / 4))], change):
             energy += float((change**2).sum() * cable.L0 / (2.0 * cable.EA_fast))
-            found.append((own, mode, rows, rest, change))
+            pushes = cable.compression == "linear"
+            found.append((own, mode, rows, rest, change, len(own) if pushes else max(_first_loose(own, rows), 2)))
     if not found:
         return 0.0
     missing = 1.0 - np.sqrt(1.0 - np.minimum(np.maximum.accumulate(np.maximum(taken, 0.0)) / energy, 1.0))
     largest = 0.0
-    for own, mode, rows, rest, change in found:
-        slack = (own[1:] <= 0.0).any(axis=1)  # what hangs loose vibrates no more
-        until = 1 + max(int(slack.argmax()), 1) if slack.any() else len(t)
+    for own, mode, rows, rest, change, until in found:
         since = t[: until - 1] - t[0]  # largest right after the saved state before: the first swing may be over at the next one
         left = mode.overshoot * np.exp(-np.minimum(mode.zeta * mode.omega * since, FORGOTTEN)) * missing[1:until]
         held = own[1:until].copy()
         held[:rows] = np.minimum(held[:rows], rest)  # where the run shows the vibration itself
         largest = max(largest, float((held + change * left[:, None]).max()))
     return largest
+
+
+def _first_loose(own: np.ndarray, rows: int) -> int:
+    """First saved state from which a segment of a cable holds nothing for a period of ``rows`` states; their number if none does.
+
+    What hangs loose vibrates no more. At the bottom of each swing about J, a tension that was none before is none again.
+    """
+    slack = np.cumsum(np.vstack([np.zeros((1, own.shape[1])), own <= 0.0]), axis=0)
+    loose = (slack[rows:] - slack[:-rows] == rows)[1:].any(axis=1)
+    return 1 + int(loose.argmax()) if loose.any() else len(own)
 
 
 def _comes_at_once(first: np.ndarray, change: np.ndarray) -> bool:

@@ -48,6 +48,7 @@ def rows(told, kept=True):
     )  # fmt: skip
     cases = runs.assign(told_m=told, true_m=1e-3, judged=[True, False, False])
     default = {"status": "done", "kept": kept, "judged": True, "true_m": 1e-3, "allowed_m": 2e-3}
+    default |= {"true_tension": 0.03, "tension_known_to": 1e-3}
     return {"runs": runs, "cases": cases, "defaults": pd.DataFrame([default, default | {"status": "unconverged"}])}
 
 
@@ -56,11 +57,12 @@ def test_the_answer():
     assert "Random motions, 2 runs of edmc at a given step: 100 % tell" in text and "and none tell less than a tenth" in text
     assert "The catalogue of hard cases, 1 run of edmc at a given step: 100 % tell" in text
     assert "1 of 1 runs say that they keep 0.1 % of the longest cable" in text and "100 % keep it" in text
+    assert "Of 1 largest tension that references know to 0.2 %, 0 % are kept, 100 % within a factor of two" in text
     assert "Left out: 3 runs " in text and "and 2 runs of which the same is true of the largest tension" in text
     assert "Of 1 error of the largest tension beyond 0.1 % of it, 100 % are told within that factor" in text
     text = error_estimate.answer(rows(5e-5, kept=False))
     assert "50 % tell their error" in text and "and 50 % tell less than a tenth" in text and "0 of 1 runs say" in text
-    assert "keep it" not in text
+    assert "keep it" not in text and "largest tension that" not in text
 
 
 def test_a_reference_is_known_to_the_sum_of_a_series():
