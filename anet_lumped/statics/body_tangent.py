@@ -22,7 +22,7 @@ def _cross(x):
 
 
 def of_bodies(model, net, q, tension, K):
-    """Tangent over the moving points and the bodies.
+    """Tangent over the moving points and the bodies; K itself where no body moves.
 
     Parameters
     ----------
@@ -37,6 +37,8 @@ def of_bodies(model, net, q, tension, K):
     K : csc_array, with turns in lengths of the radius of gyration
     motions : csc_array, displacements of all moving nodes by the unknowns of K
     """
+    if not model.has_bodies:
+        return K, eye_array(3 * model.n_free, format="csc")
     forces, bodies = node_forces(model, net, q, tension), model.bodies
     below = 3 * bodies.first
     joints = {row[JOINT_BODY]: row for row in bodies.joint}

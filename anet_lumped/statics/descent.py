@@ -3,8 +3,8 @@
 Each step d solves (K + m I) d = f, with the forces f and their exact tangent K. Where cables push or fold, K is not positive
 definite. The number m grows until K + m I is positive definite, and until the forces do the work over the step that the linearised
 forces predict. So the energy falls with every step, and the descent does not end at a rest that is not a minimum (the idea of
-Levenberg and Marquardt). The descent is slow for stiff cables that move far. It is used where pseudo-steps find no rest, and
-pseudo-steps bring the forces to balance after it.
+Levenberg and Marquardt). Bodies shift and turn, see `body_tangent`. The descent is slow for stiff cables that move far. It is used
+where pseudo-steps find no rest, and pseudo-steps bring the forces to balance after it.
 """
 
 from typing import Any
@@ -14,7 +14,9 @@ import numpy as np
 from anet_lumped.model.model import Model
 from anet_lumped.model.tables import AXIAL_INEXTENSIBLE, AXIAL_L0, AXIAL_STIFFNESS
 
+from .body_tangent import of_bodies
 from .forces_at_rest import force_of_effects
+from .held_bodies import keep_shapes
 from .stability import pivots_of, segments, symmetric_part, tangent
 
 STEPS, FEWEST_STEPS = 1000, 100  # and those of the largest nets
@@ -44,31 +46,32 @@ def descended(model: Model, net: Any, q: np.ndarray, load: float, near: float = 
     residual : float, largest force out of balance over the load
     """
     n, net = model.n_free, _stretching(net, load)
-    L0 = min(cable.L0 for cable in model.scene.cables)
+    L0 = min((cable.L0 for cable in model.scene.cables), default=model.scene.longest)
     force, tension = _forces(model, net, q)
     K, soft = None, 1e-3 * load / (n * L0)
     shift = soft
     for _ in range(max(FEWEST_STEPS, STEPS * MANY_POINTS // max(n - model.n_interior, MANY_POINTS))):
-        if np.abs(force).max(initial=0.0) <= near * load / n:
-            if K is None:
-                K = tangent(model, net, q, tension)
-            if not (pivots_of(symmetric_part(K), 1e-6 * soft)[0] < 0.0).any():
-                break
         if K is None:
-            K = tangent(model, net, q, tension)
+            K, motions = of_bodies(model, net, q, tension, tangent(model, net, q, tension))
+            pull = motions.T @ force.ravel()
+        near_rest = np.abs(pull).max(initial=0.0) <= near * load / n
+        if near_rest and not (pivots_of(symmetric_part(K), 1e-6 * soft)[0] < 0.0).any():
+            break
         pivots, factors = pivots_of(symmetric_part(K), shift)
         if (pivots < 0.0).any():
             shift *= 4.0
             continue
-        d = factors.solve(force.ravel())
-        largest = float(np.abs(d).max())
+        d = factors.solve(pull)
+        moved = motions @ d
+        largest = float(np.abs(moved).max())
         if largest > L0:
-            d *= L0 / largest
+            d, moved = d * (L0 / largest), moved * (L0 / largest)
         q_trial = q.copy()
-        q_trial[:n] += d.reshape(-1, 3)
+        q_trial[:n] += moved.reshape(-1, 3)
+        keep_shapes(model, q_trial)
         trial_force, trial_tension = _forces(model, net, q_trial)
-        predicted_work = float(d @ force.ravel() - 0.5 * d @ (K @ d))
-        work = 0.5 * float(d @ (force + trial_force).ravel())
+        predicted_work = float(d @ pull - 0.5 * d @ (K @ d))
+        work = 0.5 * float((q_trial - q)[:n].ravel() @ (force + trial_force).ravel())
         if np.isfinite(work) and work >= ENOUGH * predicted_work:
             q[:], force, tension, K = q_trial, trial_force, trial_tension, None
             shift = max(0.25 * shift, SOFTEST * soft) if work >= GOOD * predicted_work else shift
@@ -76,7 +79,8 @@ def descended(model: Model, net: Any, q: np.ndarray, load: float, near: float = 
             shift *= 4.0
         if not 0.0 < shift < 1e30:
             break
-    return tension, float(np.abs(force).max(initial=0.0)) / load
+    _, motions = of_bodies(model, net, q, tension, tangent(model, net, q, tension))
+    return tension, float(np.abs(motions.T @ force.ravel()).max(initial=0.0)) / load
 
 
 def _stretching(net, load):

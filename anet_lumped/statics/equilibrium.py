@@ -256,22 +256,17 @@ def _rest_of_bodies(model: Model, tolerance: float, given: State | None) -> Stat
     """Rest of a scene with bodies that move: from the rest with the bodies held, pseudo-steps move all together."""
     from anet_lumped.mechanics.required_kernels import require
 
-    from .descent import STIFFEST
-    from .held_bodies import first_shape, stretching, with_bodies_held
+    from .held_bodies import first_shape, with_bodies_held
     from .search import Shape, stable_rest
 
     scene = model.scene
     net = fresh_net(model, force=False, newton=False)
     total = float(np.linalg.norm(dead_load(model, net, np.zeros((model.n, 3)))[: model.n_free], axis=1).sum())
-    if any(cable.inextensible for cable in scene.cables) and total > 0:  # the shape of stiff cables is next to that of rigid ones
-        stiff = _rest(stretching(scene, STIFFEST * total), tolerance, given)
-        q, tension = stiff.q.copy(), stiff.segment_tension.copy()
-    else:
-        try:
-            held = _rest(with_bodies_held(scene), tolerance, None) if scene.cables else None
-        except EquilibriumError:
-            held = None
-        q, tension = first_shape(model, held)
+    try:
+        held = _rest(with_bodies_held(scene), tolerance, None) if scene.cables else None
+    except EquilibriumError:
+        held = None
+    q, tension = first_shape(model, held)
     scale = total if total > 0 else float(min([cable.EA for cable in scene.cables if not cable.inextensible], default=1.0))
     require(net, model, newton=True)
     guess = None if given is None else Shape(np.concatenate([given.q[: model.n_free], q[model.n_free :]]), given.segment_tension)

@@ -24,11 +24,6 @@ def with_bodies_held(scene: Scene) -> Scene:
     return replace(scene, points=(*scene.points, *held), bodies=driven, effects=left, events=())
 
 
-def stretching(scene: Scene, EA: float) -> Scene:
-    """The scene with an ``EA`` [N] in place of that of cables that do not stretch."""
-    return replace(scene, cables=[replace(cable, EA=EA) if cable.inextensible else cable for cable in scene.cables])
-
-
 def first_shape(model: Model, held: State | None) -> tuple[np.ndarray, np.ndarray]:
     """Places (n, 3) [m] and tensions (n_segments,) [N] with the bodies where they start, and cables at rest between them.
 

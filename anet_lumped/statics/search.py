@@ -115,7 +115,7 @@ def stable_rest(model: Model, net: Any, hanging: Shape, given: Shape | None, loa
     Found
     """
     starts = hanging, given, load, calm
-    rigid, stiff = bool((net.axial[:, AXIAL_INEXTENSIBLE] > 0.0).any()), not model.has_bodies and bool(are_stiff(net, load).any())
+    rigid, stiff = bool((net.axial[:, AXIAL_INEXTENSIBLE] > 0.0).any()), bool(are_stiff(net, load).any())
     if stiff and rigid:
         for EA in (SOFT, SOFTER) if solids(model) else (SOFT,):
             found = _by_softer_cables(model, net, EA, *starts)
@@ -180,8 +180,7 @@ def _attempts(model: Model, net: Any, hanging: Shape, given: Shape | None, calm:
     yield _Attempt(hanging, eased=eases, pace=QUICK if eases or met.any_met else UNHINDERED)
     above = raised(model, hanging.q) if met.above is None else met.above
     yield _Attempt(_loose(model, above), eased=eases, pace=SLOW)
-    if _descends(model):
-        yield _Attempt(hanging, descends=True)
+    yield _Attempt(hanging, descends=True)
 
 
 def _aside(model, q):
@@ -190,11 +189,6 @@ def _aside(model, q):
     q[: model.n_free] += ASIDE * model.scene.longest * np.random.default_rng(1).normal(size=(model.n_free, 3))
     keep_shapes(model, q)
     return q
-
-
-def _descends(model):
-    """Whether cables may descend; the steps of a descent do not know how bodies turn, and points alone need none."""
-    return not model.has_bodies and model.n_segments > 0
 
 
 def _loose(model, q):
@@ -253,8 +247,7 @@ def _beside(model, net, whole, found, nudge, load, pace):
         other = _judged(model, net, Shape(q, whole.tension), residual, load)
         if other.stable:
             return other
-    if _descends(model):
-        whole.tension[:] = descended(model, net, beside, load)[0]
+    whole.tension[:] = descended(model, net, beside, load)[0]
     residual = _balanced(model, net, whole, beside, load, pace)
     return _judged(model, net, Shape(beside, whole.tension), residual, load)
 
@@ -262,9 +255,12 @@ def _beside(model, net, whole, found, nudge, load, pace):
 def _balanced(model, net, whole, q, load, pace):
     """Relax a shape, in place; use the exact tangent if pseudo-steps come near the balance and not to it. Returns the residual."""
     residual = relaxed(model, whole, q, load, pace)
-    if BALANCED < residual < ROUGH and _descends(model):
-        other = q.copy()
-        tension, exact = descended(model, net, other, load, near=0.1 * BALANCED)
+    if BALANCED < residual < ROUGH:
+        other, tension = q.copy(), whole.tension.copy()
+        if model.has_bodies:
+            exact = at_rest_as_stiff(model, net, other, tension, load)
+        else:
+            tension, exact = descended(model, net, other, load, near=0.1 * BALANCED)
         if exact <= BALANCED:
             q[:], whole.tension[:], residual = other, tension, exact
     return residual

@@ -75,9 +75,7 @@ def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: 
     effects = _of_effects(model, net, q)
     if not model.has_bodies and _plainly_stable(model, tension, effects):
         return Curvature(0)
-    K, motions = tangent(model, net, q, tension, effects), None
-    if model.has_bodies:
-        K, motions = of_bodies(model, net, q, tension, K)
+    K, motions = of_bodies(model, net, q, tension, tangent(model, net, q, tension, effects))
     largest = float(np.abs(K.data).max(initial=0.0))
     length = model.scene.longest
     across = float(
@@ -95,7 +93,7 @@ def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: 
         down, direction = _unsymmetric(K, slope, direction)
         if down == 0:
             return Curvature(0)
-    direction = (direction if motions is None else motions @ direction).reshape(-1, 3)
+    direction = (motions @ direction).reshape(-1, 3)
     return Curvature(down, direction / np.linalg.norm(direction, axis=1).max(), min(slope, -flat), has_energy)
 
 

@@ -12,7 +12,8 @@ with the lengths' derivatives B, and with 1/k = 0 where a segment does not stret
 
 A small stiffness `SOFTEST` is added to K, and a small compliance 1/`STIFFEST` to 1/k. They change the steps and not their end.
 Without them, nothing resists nodes that lie on a flat ground between slack segments, and the tensions of cables that are straight
-between two supports are not unique. A stiff segment is taut while T + c (l - L0 - T/k) > 0, with a softer spring c.
+between two supports are not unique. A stiff segment is taut while T + c (l - L0 - T/k) > 0, with a softer spring c. In place of
+the places of a moving body's nodes, its shifts and turns are unknowns, see `body_tangent`.
 Source: Hintermüller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865, for the sets of taut and slack segments.
 """
 
@@ -33,7 +34,9 @@ from anet_lumped.model.tables import (
     CABLE_CURVE_END,
 )
 
+from .body_tangent import of_bodies
 from .forces_at_rest import node_forces
+from .held_bodies import keep_shapes
 from .stability import EPS, Segments, segments, tangent
 
 SOFT = 1e5  # EA over the load, in place of a larger one and of one that is infinite: a strain of 1e-5 under the load
@@ -87,7 +90,7 @@ def at_rest_as_stiff(model: Model, net: Any, q: np.ndarray, tension: np.ndarray,
 
     Parameters
     ----------
-    model : Model, without bodies that move
+    model : Model
     net : Net
     q : (n, 3) float64 [m]
     tension : (n_segments,) float64 [N]
@@ -106,25 +109,29 @@ def at_rest_as_stiff(model: Model, net: Any, q: np.ndarray, tension: np.ndarray,
     for _ in range(ITERATIONS):
         now = balance_of(q, tension)
         too_long = max(float(np.abs(now.gap[now.taut]).max(initial=0.0)) - rounded, 0.0)
-        left = max(float(np.abs(now.force).max()) / load, SOFT * too_long / length)
+        K = tangent(model, net, q, now.tension, slope=np.where(now.taut, 0.0, now.here.slope))
+        K, motions = of_bodies(model, net, q, now.pull, K)
+        force = motions.T @ now.force.ravel()
+        left = max(float(np.abs(force).max()) / load, SOFT * too_long / length)
         if left < residual:
             best, residual = (q.copy(), now.pull), left
         if left <= BALANCED or not np.isfinite(left):
             break
         at = np.flatnonzero(now.taut)
-        K = tangent(model, net, q, now.tension, slope=np.where(now.taut, 0.0, now.here.slope))
-        K = K + SOFTEST * load / (n * length) * eye_array(3 * n)
-        B = _length_derivatives(n, a[at], b[at], now.here.unit[at])
+        K = K + SOFTEST * load / (n * length) * eye_array(len(force))
+        B = _length_derivatives(n, a[at], b[at], now.here.unit[at]) @ motions
         C = diags_array(now.compliance[at] + L0[at] / (STIFFEST * load))
         try:
             factors = splu(block_array([[K, B.T], [B, -C]], format="csc"))
         except RuntimeError:  # singular: no rest is near
             break
-        step = factors.solve(np.concatenate([now.force.ravel(), -now.gap[at]]))
-        share = min(1.0, float(L0.min() / np.abs(step[: 3 * n]).max(initial=1e-300)))  # no node moves by more than a segment
-        q[:n] += share * step[: 3 * n].reshape(-1, 3)
+        step = factors.solve(np.concatenate([force, -now.gap[at]]))
+        moved = motions @ step[: len(force)]
+        share = min(1.0, float(L0.min(initial=length) / np.abs(moved).max(initial=1e-300)))  # no node by more than a segment
+        q[:n] += share * moved.reshape(-1, 3)
+        keep_shapes(model, q)
         tension[:] = now.tension
-        tension[at] += share * step[3 * n :]
+        tension[at] += share * step[len(force) :]
     q[:], tension[:] = best
     return residual
 
