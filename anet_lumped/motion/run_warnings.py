@@ -14,6 +14,7 @@ import numpy as np
 
 from anet_lumped.checks import quoted
 from anet_lumped.effects import REGISTRY
+from anet_lumped.results.amplification import is_hardly_seen
 from anet_lumped.results.audit import SHARE
 from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.energy_balance import error_of_steps
@@ -140,22 +141,27 @@ def _through_an_obstacle(run, step):
 
 
 def _multiplied_errors(run):
-    """Errors of a motion that goes loose or buckles, which may be beyond `SHARE` of the longest cable, and no second run has shown.
+    """Errors beyond `SHARE` of the longest cable that no second run has shown, of a motion that goes loose or buckles, or may do so.
 
     By what steps have left out: all that a run tells of its errors takes a tenth of the time of a short one.
     """
     if run.kept is not None or run.extrapolated or run.audit is not None or run.error_growth is None:
         return ""
-    if run.segment_tension.min(initial=1.0) > 0.0:
+    if run.segment_tension.min(initial=1.0) > 0.0 and not is_hardly_seen(run):
         return ""  # what stays taut neither goes loose nor buckles
     times, allowed = times_at_most(run), SHARE * run.scene.longest
     if times * run.error_growth[-1] <= allowed or float(np.abs(run.q - run.q[0]).max()) <= allowed:
         return ""
     begins = {"nodes of cables are loose": first_loose(run), "cables that push buckle": first_buckled(run)}
     what, since = min(begins.items(), key=lambda one: math.inf if one[1] is None else one[1])
-    if since is None:
+    if since is None and not is_hardly_seen(run):
         return ""
     most = f"up to {times:g} times what run.error_estimate tells" if times == MULTIPLIED else "as large as the way of a node"
+    if since is None:
+        return (
+            f"{run.method}: tensions swing faster than saved states show, and such a motion may multiply errors: those of places "
+            f"may be {most}; a smaller save_every shows it, and audit=True, or error=... without dt, compares two runs."
+        )
     return (
         f"{run.method}: {what} from t={since:.4g} s on, and such a motion may multiply errors: those of places "
         f"may be {most}; audit=True, or error=... without dt, compares two runs."
