@@ -9,7 +9,7 @@ import numpy as np
 from anet_lumped.checks import Vector, check_number
 from anet_lumped.compiled.jit import njit
 from anet_lumped.effects.flow.wind import Wind
-from anet_lumped.effects.flow.wind.base import check_winds, same_at_each_height, steady
+from anet_lumped.effects.flow.wind.base import as_winds, check_winds, same_at_each_height, steady
 from anet_lumped.effects.flow.wind.kernel import pack, wind_at
 from anet_lumped.effects.laws.diameters import check_diameters
 from anet_lumped.effects.laws.drag import (
@@ -63,6 +63,10 @@ class Air(Effect):
     def no_force_at_rest(self) -> bool:
         """Without wind."""
         return self.wind is None
+
+    @property
+    def sudden(self) -> tuple[tuple[float, float, float], ...]:
+        return tuple(times for wind in as_winds(self.wind) for times in wind.sudden)
 
     def steady(self) -> Effect:
         left = steady(self.wind)

@@ -116,6 +116,11 @@ class Effect:
         return ()
 
     @property
+    def sudden(self) -> tuple[tuple[float, float, float], ...]:
+        """Times in which its force may come and go while hardly anything moves: from, to, and the shortest time that takes [s]."""
+        return ()
+
+    @property
     def signals(self) -> "tuple[Signal, ...]":
         """Functions of time among its parameters, whose corners steps end on."""
         return ()

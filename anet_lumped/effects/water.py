@@ -104,6 +104,10 @@ class Water(Effect):
         highest = max((wave.highest_frequency for wave in self.all_waves), default=0.0)
         return (2.0 / highest,) if highest > 0.0 else ()
 
+    @property
+    def sudden(self) -> tuple[tuple[float, float, float], ...]:
+        return tuple(times for current in as_winds(self.current) for times in current.sudden)
+
     def steady(self) -> Effect:
         left = steady(self.current)
         still = left is self.current and not self.all_waves

@@ -16,7 +16,10 @@ way 2A, and so it is by its share of 2A where a weight flies as high as its ener
 as `edmc` does, lifts the weight W of all that moves by E_lost/W at most, less what the dampers of the cable would have taken, which
 act half of the time if it goes slack in between.
 
-All together is not more than the longest way that a node goes. How far this is from the truth, the study `error_estimate` shows.
+A force that comes and goes within a step leaves no trace in it; where one may be, it is looked for (`unseen_forces`).
+
+All else together is not more than the longest way that a node goes. How far this is from the truth, the study `error_estimate`
+shows.
 """
 
 from typing import Any
@@ -53,7 +56,17 @@ def place_errors(run: Any) -> np.ndarray:
     if run.events:
         told += break_errors(run, columns[LEFT])
     told *= run.error_factor
-    return np.minimum(np.maximum.accumulate(told), max(float(columns[WAYS].max()), float(run.error_growth[0])))
+    told = np.minimum(np.maximum.accumulate(told), max(float(columns[WAYS].max()), float(run.error_growth[0])))
+    return told + _unseen(run)  # which is a way that no node went
+
+
+def _unseen(run: Any) -> np.ndarray | float:
+    """Largest error up to each saved time by forces that steps did not see, (k,) [m]; 0 where there are none of that kind."""
+    if schemes.scheme(run.method).embedded or not any(effect.sudden for effect in run.model.forces):
+        return 0.0
+    from .unseen_forces import unseen_forces  # compiled on first use
+
+    return unseen_forces(run)
 
 
 def look_at_errors(run: Any) -> SavedMotion:

@@ -29,6 +29,7 @@ promised. Methods of diffrax do not take such effects.
 """
 
 import inspect
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, fields, make_dataclass, replace
 from typing import Any, ClassVar
@@ -85,6 +86,10 @@ class _Own(Effect):
         if isinstance(value, tuple | list | np.ndarray) and len(value):
             return tuple(check_number(name, x, "", self._called) for x in value)
         return check_number(name, value, "", self._called)
+
+    @property
+    def sudden(self) -> tuple[tuple[float, float, float], ...]:
+        return ((-math.inf, math.inf, 0.0),) if own_law.reads_time(self.law) else ()
 
     def kernels(self) -> Mapping[str, Callable[..., Any]]:
         return own_law.kernels(self.law, self._shapes)

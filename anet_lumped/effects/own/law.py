@@ -1,7 +1,9 @@
 """The law of a user's own effect: what it must look like, and how it is compiled."""
 
+import dis
 import inspect
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 from numba import float64, types
@@ -87,6 +89,13 @@ def read_law(function, kind, base):
     if taken is not None:
         raise SceneError(f"An argument of a law must not be called `{taken}`, as every effect has that, but `{name}` has it.")
     return law, arguments
+
+
+@lru_cache
+def reads_time(law):
+    """Whether a law reads its first argument, the time."""
+    read = (one.argval for one in dis.get_instructions(law.function) if one.opname.startswith(("LOAD_FAST", "LOAD_DEREF")))
+    return any("t" in (names if isinstance(names, tuple) else (names,)) for names in read)  # some load two at once
 
 
 @once

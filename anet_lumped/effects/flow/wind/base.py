@@ -22,6 +22,11 @@ class Wind(ABC):
     def numbers(self) -> np.ndarray:
         """Numbers that its compiled function reads, (k,) float64."""
 
+    @property
+    def sudden(self) -> tuple[tuple[float, float, float], ...]:
+        """Times in which it may come and go: from, to, and the shortest time that takes [s]."""
+        return ()
+
     def steady(self) -> "Wind | None":
         """The wind without its turbulence; None if nothing is left."""
         return self

@@ -45,6 +45,11 @@ class Gust(Wind):
         object.__setattr__(self, "rise", check_number("rise", self.rise, "s", owner, sign="positive"))
         check_flag("stays", self.stays, owner)
 
+    @property
+    def sudden(self) -> tuple[tuple[float, float, float], ...]:
+        lasts = self.rise if self.stays else 2.0 * self.rise
+        return ((self.start, self.start + lasts, lasts),)
+
     def numbers(self) -> np.ndarray:
         """Amplitude [m/s], start and rise [s], 1 if it stays."""
         return np.array([*self.amplitude, self.start, self.rise, float(self.stays)])

@@ -50,6 +50,10 @@ class Recorded(Wind):
         object.__setattr__(self, "t", table[:, 0].copy())
         object.__setattr__(self, "velocity", table[:, 1:].copy())
 
+    @property
+    def sudden(self) -> tuple[tuple[float, float, float], ...]:
+        return ((float(self.t[0]), float(self.t[-1]), 2.0 * float(np.diff(self.t).min())),)
+
     def numbers(self) -> np.ndarray:
         """Number of samples k, times (k,) [s], and the polynomials of the pieces that begin at them, (k, 4, 3) [m/s^(i+1)]."""
         t, velocity = self.t, self.velocity
