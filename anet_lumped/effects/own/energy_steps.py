@@ -172,8 +172,9 @@ def of_node_energy(law, numbers, first, each):
             a, b = position(base, i), position(q, i)
             E = law(t, seeded(b), *of)
             V_b, g = value_of(E), _gradient(E)
-            if V_b > 0.0 and law(t, a, *of) > 0.0:
-                mobility, v_b, d = _mobility(g, mass), position(v, i), _minus(b, a)
+            mobility = _mobility(g, mass)
+            if V_b > 0.0 and mobility > 0.0 and law(t, a, *of) > 0.0:  # the square of a slope may be too small
+                v_b, d = position(v, i), _minus(b, a)
                 rate = _dot(g, v_b)
                 p = (rate - settled_rate(damper, 0.125 * h * h * mobility / V_b, rate, _dot(g, d) / h)) / mobility
                 add(v, i, -p / mass * g[0], -p / mass * g[1], -p / mass * g[2])
