@@ -13,8 +13,8 @@ from anet_lumped.checks import check_number
 from anet_lumped.results.run import RunInterrupt
 from integrators.deadline import deadline, time_left
 
-OVER_BUDGET = "over budget"
-BUDGET = "row_budget"  # [s], of a row that was over it: in lines on the disk, and in no table
+OVER_BUDGET, CRASHED = "over budget", "crashed"  # statuses of rows that did not come to their end
+BUDGET = "row_budget"  # [s], that such a row had: in lines on the disk, and in no table
 _USED = threading.Event()  # whether this process has run a row
 
 

@@ -21,12 +21,12 @@ from anet_lumped.scene.scene import Scene
 from studies.quantities import amount
 from studies.sweeping.batch import BatchRunner, check_budget
 from studies.sweeping.folder_lock import locked
-from studies.sweeping.row_log import key, line_of, open_log, plain
-from studies.sweeping.rows import save_table, table_of
+from studies.sweeping.row_log import key, line_of, open_log, plain, rows_again, standing
+from studies.sweeping.rows import save_table, table_of, with_done
 from studies.sweeping.sampling import as_told, read_inputs
 from studies.sweeping.sweep import prepared
 from studies.sweeping.vary import sizes_of
-from studies.sweeping.workers import OwnPool, check_workers, through_executor
+from studies.sweeping.workers import OwnPool, WorkerError, check_workers, through_executor
 
 LOG = logging.getLogger(__name__)
 CONSTRAINT = re.compile(r"\s*(?P<measure>[^<>=\s]+)\s*(?P<sign><=|>=)\s*(?P<bound>\S+)\s*")
@@ -88,13 +88,17 @@ class _AskedRows:
     Parameters
     ----------
     inputs : name -> distribution of its values
-    lines : of rows that were done before, by their keys
+    lines : of rows that were done before, by their keys; those that are to be done again with this budget are not counted
+    budget : float or None [s], that a row may take
     log : where lines go that are done, or None
     do : callable(rows) -> iterator of the number of a row and its result
     """
 
-    def __init__(self, inputs: dict[str, Any], lines: dict[str, dict], log: Any, do: Callable[[list[dict]], Any]) -> None:
+    def __init__(
+        self, inputs: dict[str, Any], lines: dict[str, dict], budget: float | None, log: Any, do: Callable[[list[dict]], Any]
+    ) -> None:
         self.inputs, self.names, self.lines, self.log, self.do = inputs, list(inputs), lines, log, do
+        self.budget, self.earlier = budget, rows_again(lines, budget)
         self.order: dict[str, None] = {}
 
     def at(self, shares: np.ndarray) -> list[dict]:
@@ -107,10 +111,11 @@ class _AskedRows:
         todo = list({one: row for one, row in zip(keys, rows, strict=True) if one not in self.lines}.values())
         with contextlib.closing(self.do(todo)) as results:
             for number, result in results:
-                line = line_of(todo[number], result)
+                line = line_of(todo[number], result, self.budget)
                 if self.log:
                     self.log.append(number, line)
-                self.lines[key(line, self.names)] = line
+                one = key(line, self.names)
+                self.lines[one] = max(line, self.earlier.get(one, line), key=standing)
         return [self.lines[one] for one in keys]
 
     def asked(self) -> list[dict]:
@@ -223,15 +228,14 @@ def best(
         stack.enter_context(locked(out))
         lines, log = {}, None
         if out is not None:
-            lines, log = open_log(out, names, None, resume=resume, identity=plain(identity), columns=columns, budget=budget)
+            lines, log = open_log(out, names, None, resume=resume, identity=plain(identity), columns=columns)
             stack.enter_context(log)
         do = partial(through_executor, executor, run) if executor else stack.enter_context(OwnPool(run, workers)).results
-        rows = _AskedRows(inputs, lines, log, do)
+        rows = _AskedRows(inputs, lines, run.budget, log, do)
         try:
             _search(question, rows, seed)
-        except KeyboardInterrupt:
-            on_disk = f", which are in {log.path}" if log and lines else ""
-            raise KeyboardInterrupt(f"Stopped after {len(lines)} rows{on_disk}.") from None
+        except (KeyboardInterrupt, WorkerError) as stopped:
+            raise with_done(stopped, list(rows.lines.values()), names, log) from None
         table = table_of(rows.asked(), names)
         if out is not None:
             save_table(table, out / "rows")

@@ -32,7 +32,6 @@ from studies.sweeping.row_log import (
     RowsError,
     check_identity,
     is_kept,
-    kept_lines,
     line_of,
     line_of_text,
     read_meta,
@@ -128,10 +127,9 @@ def open_parts(
     *,
     identity: dict,
     columns: Iterable[str],
-    budget: float | None = None,
     heads: dict[str, str] | None = None,
 ) -> tuple[dict[int, dict], "PartLog"]:
-    """Lines of a shard that are kept, by their numbers, and where its further lines go. Torn parts are taken away, in a word.
+    """Lines of a shard by their numbers, and where its further lines go. Torn parts are taken away, in a word.
 
     Parameters
     ----------
@@ -141,7 +139,6 @@ def open_parts(
     rows : how many there are
     identity : what else the results depend on, which must be that of the parts
     columns : names that a row which is done has
-    budget : float or None [s], that a row may take now (see `kept_lines`)
     heads : names of columns in `rows.csv`, for `gather`
 
     Raises
@@ -167,8 +164,7 @@ def open_parts(
             warnings.warn(f"The part {path} was torn: its rows are done again.", stacklevel=2)
             path.unlink(missing_ok=True)
     own = shard.numbers(rows)
-    there = {number: without_number(line) for number, line in lines.items() if number in own}
-    return kept_lines(there, budget), PartLog(out, shard, stamp)
+    return {number: without_number(line) for number, line in lines.items() if number in own}, PartLog(out, shard, stamp)
 
 
 def without_number(line: dict) -> dict:

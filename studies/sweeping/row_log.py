@@ -6,7 +6,6 @@ file and line, so that no row that is good is lost.
 
 import json
 import logging
-import math
 import os
 import time
 import warnings
@@ -17,7 +16,7 @@ from typing import Any
 
 from anet_lumped.checks import InputError, shown
 from anet_lumped.limits import BYTES, check_most
-from studies.sweeping.batch import BUDGET, OVER_BUDGET
+from studies.sweeping.batch import BUDGET, CRASHED, OVER_BUDGET
 from studies.sweeping.provenance import provenance
 
 LOG = logging.getLogger(__name__)
@@ -77,19 +76,17 @@ def open_log(
     resume: bool,
     identity: dict,
     columns: Iterable[str],
-    budget: float | None = None,
 ) -> tuple[dict[str, dict], RowLog]:
-    """Lines of `out` that are kept, by their keys, and the log to which the others go.
+    """Lines of `out` by their keys, and the log to which further ones go.
 
     Parameters
     ----------
     out : folder
     names : of the inputs
     asked : keys of the rows that are wanted; None for any
-    resume : whether lines that are there are kept (see `kept_lines`); else there must be none
+    resume : whether there may be lines
     identity : what else the results depend on, which must be that of the lines
     columns : names that a row which is done has
-    budget : float or None [s], that a row may take now
 
     Raises
     ------
@@ -131,14 +128,13 @@ def open_log(
     opened = RowLog(log, whole)
     if data[:whole] and not data[:whole].endswith(b"\n"):  # a last line that only lacks its end
         opened.file.write(b"\n")
-    return kept_lines({one: line for one, (_, line) in lines.items()}, budget), opened
+    return {one: line for one, (_, line) in lines.items()}, opened
 
 
-def standing(line: dict) -> float:
-    """What lines of one row count by: least a crashed one, then one over its budget by that budget [s], most any other."""
-    if line["status"] == "crashed":
-        return -1.0
-    return line.get(BUDGET, 0.0) if line["status"] == OVER_BUDGET else math.inf
+def standing(line: dict) -> tuple[bool, float, bool]:
+    """What lines of one row count by: that of a row that came to its end most, else that with the larger budget [s]; a crash of a
+    row that had none counts least."""
+    return line["status"] not in (OVER_BUDGET, CRASHED), line.get(BUDGET, 0.0), line["status"] == OVER_BUDGET
 
 
 def take(lines: dict[Any, dict], found: dict[Any, dict]) -> None:
@@ -150,16 +146,19 @@ def take(lines: dict[Any, dict], found: dict[Any, dict]) -> None:
 
 def is_kept(line: dict, budget: float | None) -> bool:
     """Whether the row of a line is not done again, as one that crashed or was over a smaller budget [s] is."""
-    return standing(line) >= (budget or 0.0)
+    return line["status"] != CRASHED and (line["status"] != OVER_BUDGET or line.get(BUDGET, 0.0) >= (budget or 0.0))
 
 
-def kept_lines(lines: dict[Any, dict], budget: float | None) -> dict[Any, dict]:
-    """Lines of rows that are not done again (see `is_kept`); how many were over a smaller budget is told."""
-    kept = {one: line for one, line in lines.items() if is_kept(line, budget)}
-    again = sum(line["status"] == OVER_BUDGET for one, line in lines.items() if one not in kept)
-    if again:
-        LOG.warning("rows that were over a smaller budget and are done again: %d", again)
-    return kept
+def rows_again(lines: dict[Any, dict], budget: float | None) -> dict[Any, dict]:
+    """Take the lines of rows that are to be done again (see `is_kept`) out of `lines`, and give them; the number of those over a
+    smaller budget is told."""
+    again = {one: line for one, line in lines.items() if not is_kept(line, budget)}
+    for one in again:
+        del lines[one]
+    over = sum(line["status"] == OVER_BUDGET for line in again.values())
+    if over:
+        LOG.warning("rows that were over a smaller budget and are done again: %d", over)
+    return again
 
 
 def read_log(log: Path) -> list[dict]:
@@ -225,9 +224,10 @@ def _parsed(text):
         raise ValueError(f"cannot be read: {error}") from None
 
 
-def line_of(row: dict, result: dict) -> dict:
-    """The line of a row: its inputs, its result, status and reason."""
-    return plain({"status": "done", "reason": ""} | result | row)
+def line_of(row: dict, result: dict, budget: float | None = None) -> dict:
+    """The line of a row: its inputs, its result, status and reason; of one that crashed the budget [s] that it had, if any."""
+    line = plain({"status": "done", "reason": ""} | result | row)
+    return line | {BUDGET: budget} if budget and line["status"] == CRASHED else line
 
 
 def line_of_text(text: bytes, names: Iterable[str], columns: Iterable[str]) -> dict | None:

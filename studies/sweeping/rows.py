@@ -12,20 +12,42 @@ import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from pathlib import Path
+from typing import Any
 
 from anet_lumped.limits import ROWS, check_most
 from anet_lumped.regular_files import check_target
-from studies.sweeping.batch import BUDGET, BatchRunner, check_budget
+from studies.sweeping.batch import BUDGET, CRASHED, BatchRunner, check_budget
 from studies.sweeping.folder_lock import LOCK, locked
 from studies.sweeping.parts import LARGEST_PART, PART_SECONDS, NumberedRows, PartTask, Shard, gathered, open_parts
 from studies.sweeping.provenance import library
-from studies.sweeping.row_log import LARGE, RowsError, key, kind, line_of, open_log, plain, read_log, read_meta, take
-from studies.sweeping.workers import CRASHED, OwnPool, Pace, check_workers, slots, through_executor
+from studies.sweeping.row_log import (
+    LARGE,
+    RowsError,
+    key,
+    kind,
+    line_of,
+    open_log,
+    plain,
+    read_log,
+    read_meta,
+    rows_again,
+    standing,
+    take,
+)
+from studies.sweeping.workers import OwnPool, Pace, WorkerError, check_workers, slots, through_executor
 
 LOG = logging.getLogger(__name__)
 TOLD_EVERY = 5.0  # [s], between two words on how far the rows are
 REDRAWN = 2.0  # times a second, of the progress bar: ten times would take a twelfth of a core that runs rows
 __all__ = ["RowsError", "gather", "read_rows", "run_rows", "save_table"]
+
+
+class RowsInterrupt(KeyboardInterrupt):
+    """Ctrl-C while rows were done; ``found`` is the table of those that were."""
+
+    def __init__(self, message: str, found: Any) -> None:
+        super().__init__(message)
+        self.found = found
 
 
 def run_rows(
@@ -74,8 +96,9 @@ def run_rows(
     RowsError : two rows are equal, or `out` holds rows that are not resumed, belong to something else or are damaged
     FolderInUseError : another run writes to `out`
     InputError : more rows than `limits.ROWS`, or workers or a budget that cannot be
-    WorkerError : workers that do not come up or, with parts, cannot do what they are given
-    KeyboardInterrupt : on Ctrl-C, its message says how many rows are kept and where
+    WorkerError : workers that do not come up or, with parts, cannot do what they are given; an executor that breaks
+    RowsInterrupt : Ctrl-C
+        Both say how many rows are done, and where they are; the table of these is their `found`.
     """
     check_workers(workers, elsewhere=executor is not None)
     run = BatchRunner(function, check_budget(budget))
@@ -87,19 +110,20 @@ def run_rows(
     lock = LOCK if shard is None else f"{LOCK}-{shard}"
     with locked(out, lock):
         lines, log = {}, None
-        settings = {"identity": plain(identity or {}), "columns": columns, "budget": budget}
+        settings = {"identity": plain(identity or {}), "columns": columns}
         if shard is not None:
             out = out.resolve()
             lines, log = open_parts(out, shard, names, total, heads=heads, **settings)
         elif out is not None:
             kept, log = open_log(out, names, asked, resume=resume, **settings)
             lines = {asked[one]: line for one, line in kept.items()}
+        earlier = rows_again(lines, budget)
         todo = [number for number in rows if number not in lines]
         threading.Thread(target=importlib.import_module, args=("pandas",), daemon=True).start()  # while the workers start
         in_parts = shard is not None and executor is not None
         with log or contextlib.nullcontext(), contextlib.ExitStack() as stack:
             if in_parts:
-                pace = Pace(workers or slots(executor), PART_SECONDS, LARGEST_PART, guess=0.0)  # workers end a part in time
+                pace = Pace(workers or slots(executor), PART_SECONDS, LARGEST_PART)
                 task = PartTask(run, out, shard, library(), log.stamp)
                 results = through_executor(executor, task, NumberedRows(rows), todo, pace, strict=True)
             elif executor:
@@ -109,16 +133,28 @@ def run_rows(
             stack.callback(results.close)
             try:
                 for number, result in _with_progress(results, len(todo), label):
-                    lines[number] = line = line_of(rows[number], result)
-                    if log and not (in_parts and line["status"] != CRASHED["status"]):  # those of parts are on the disk
+                    line = line_of(rows[number], result, budget)
+                    if log and not (in_parts and line["status"] != CRASHED):  # those of parts are on the disk
                         log.append(number, line)
-            except KeyboardInterrupt:
-                on_disk = f", which are in {log.path}" if log and lines else ""
-                raise KeyboardInterrupt(f"Stopped after {len(lines)} of {len(rows)} rows{on_disk}.") from None
+                    lines[number] = max(line, earlier.get(number, line), key=standing)  # as whoever reads the folder
+            except (KeyboardInterrupt, WorkerError) as stopped:
+                raise with_done(stopped, [lines[number] for number in rows if number in lines], names, log, len(rows)) from None
         table = table_of([lines[number] for number in rows], names)
         if out is not None and len(rows) == total:
             save_table(table, out / "rows", heads)
         return table
+
+
+def with_done(
+    stopped: BaseException, lines: list[dict], names: list[str], log: Any, asked: int | None = None
+) -> RowsInterrupt | WorkerError:
+    """What ended rows, with the table of those that are done, how many they are of those asked for, and where they are kept."""
+    of, table = "" if asked is None else f" of {asked}", table_of(lines, names)
+    on_disk = f", which are in {log.path}" if log and lines else ""
+    if not isinstance(stopped, WorkerError):
+        return RowsInterrupt(f"Stopped after {len(lines)}{of} rows{on_disk}.", table)
+    on_disk = on_disk or ", which are in the `found` of this error"
+    return WorkerError(f"{str(stopped).rstrip('.')}; {len(lines)}{of} rows are done{on_disk}." if lines else str(stopped), table)
 
 
 def gather(out: str | Path):

@@ -19,19 +19,18 @@ from importlib.util import find_spec
 from multiprocessing.process import BaseProcess
 from numbers import Integral
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from anet_lumped.checks import InputError, shown
 from integrators.compiling import NOTICE, NOTICED_AFTER, call_when_compiling
-from studies.sweeping.batch import failed
+from studies.sweeping.batch import CRASHED, failed
 from studies.sweeping.processes import held_back, prepare_process, script_untouched, without_script
 
 LOG = logging.getLogger(__name__)
-CRASHED = {
-    "status": "crashed",
+DIED = {
+    "status": CRASHED,
     "reason": "the worker process died: killed by the system, out of memory, or a fault in compiled code",
 }
-BROKEN = {"status": "crashed", "reason": "the executor broke before this row came back"}
 MOST_WORKERS = 32  # on any machine; on one of many cores, four for each
 MOST_ELSEWHERE = 1_000_000  # of an executor
 PRELOADED = "studies.sweeping.preloaded"  # imported once, by the process that workers are forked from
@@ -40,7 +39,25 @@ BATCH_SECONDS, LARGEST_BATCH = 0.1, 64  # of work that a worker is given at a ti
 
 
 class WorkerError(RuntimeError):
-    """Worker processes that do not come up, or cannot do what they are given."""
+    """Worker processes that do not come up, or cannot do what they are given.
+
+    Parameters
+    ----------
+    message : str
+    found : DataFrame of the rows that were done before, or None
+    """
+
+    def __init__(self, message: str, found: Any = None) -> None:
+        super().__init__(message)
+        self.found = found
+
+
+class ExecutorBrokeError(WorkerError):
+    """An executor whose worker died; `lost` are the numbers of the rows that it had been given and did not give back."""
+
+    def __init__(self, error: BrokenExecutor, lost: list[int]) -> None:
+        super().__init__(f"The executor broke while rows were to do: {error}")
+        self.lost = lost
 
 
 class Pool(NamedTuple):
@@ -59,7 +76,7 @@ def through_executor(
     pace: "Pace | None" = None,
     strict: bool = False,
 ) -> Iterator[tuple[int, dict]]:
-    """Yield (number, result) as they finish; once the executor breaks, the rows that it still held are crashed ones.
+    """Yield (number, result) as they finish.
 
     Parameters
     ----------
@@ -72,14 +89,12 @@ def through_executor(
 
     Raises
     ------
-    WorkerError : the executor takes no rows or cancels them; it broke, or a worker cannot do what it is given (if `strict`)
+    WorkerError : the executor broke, takes no rows or cancels them, once what it has done is given back; or, if `strict`, at once
+        where a worker cannot do what it is given
     """
     queue = deque(range(len(rows)) if numbers is None else numbers)
     window = 2 * pace.workers if pace else len(queue)
-    for number, result in _results(executor, run, rows, queue, window=window, pace=pace, strict=strict):
-        yield number, BROKEN if result is None else result
-    for number in queue:
-        yield number, BROKEN
+    return _results(executor, run, rows, queue, window=window, pace=pace, strict=strict)
 
 
 class OwnPool:
@@ -117,19 +132,20 @@ class OwnPool:
         while queue:
             if self.pool is None:
                 self.pool = _start_pool(min(self.workers, len(queue)), self.run, self.started)
-            lost: deque[int] = deque()
-            for number, result in _results_of_pool(self.pool, self.run, rows, queue):
-                if result is None:
-                    lost.append(number)
-                else:
-                    yield number, result
-            broke = bool(lost or queue)
-            while lost:
-                self._start_anew(1)
-                for number, result in _results(self.pool.executor, self.run, rows, lost, window=1):
-                    yield number, CRASHED if result is None else result
-            if broke:
+            try:
+                yield from _results_of_pool(self.pool, self.run, rows, queue)
+            except ExecutorBrokeError as broke:
+                yield from self._one_by_one(rows, deque(broke.lost))
                 self._start_anew(None)
+
+    def _one_by_one(self, rows, lost):
+        """`results` of rows one of which has killed its worker."""
+        while lost:
+            self._start_anew(1)
+            try:
+                yield from _results(self.pool.executor, self.run, rows, lost, window=1)
+            except ExecutorBrokeError as broke:
+                yield from ((number, DIED) for number in broke.lost)
 
     def _start_anew(self, workers):
         _terminate(self.started)  # one that started as the pool broke would be waited for for ever
@@ -203,18 +219,19 @@ def _results_of_pool(pool, run, rows, queue):
 
 
 class Pace:
-    """How many rows a worker is given at a time, by the time that the last ones took.
+    """How many rows a worker is given at a time, by the time that the last ones took: one, and once some are done for half the time
+    so far, so that the first come back soon.
 
     Parameters
     ----------
     workers : that share the rows
-    seconds : [s], what a batch should take
+    seconds : [s], what a batch should take at most
     largest : rows of a batch
-    guess : [s], what a row takes, until one is done
     """
 
-    def __init__(self, workers: int, seconds: float = BATCH_SECONDS, largest: int = LARGEST_BATCH, guess: float = math.inf):
-        self.workers, self.rows, self.seconds, self.batch_seconds, self.largest = workers, 0, guess, seconds, largest
+    def __init__(self, workers: int, seconds: float = BATCH_SECONDS, largest: int = LARGEST_BATCH):
+        self.workers, self.rows, self.batch_seconds, self.largest = workers, 0, seconds, largest
+        self.seconds, self.began = math.inf, time.perf_counter()  # of a row, as far as one is done
 
     def heard(self, rows: int, seconds: float) -> None:
         """Take note of rows that are done, and of their time [s]."""
@@ -224,7 +241,8 @@ class Pace:
     def batch(self, remaining: int) -> int:
         """Rows of the next batch."""
         fair = math.ceil(remaining / (2 * self.workers))
-        return max(1, min(self.largest, fair, int(self.batch_seconds / max(self.seconds, 1e-6))))
+        seconds = min(self.batch_seconds, 0.5 * (time.perf_counter() - self.began))
+        return max(1, min(self.largest, fair, int(seconds / max(self.seconds, 1e-6))))
 
 
 class Waiting:
@@ -248,7 +266,7 @@ class Waiting:
 
 
 def _results(executor, run, rows, queue, window, pace=None, strict=False):
-    """Yield (number, result) of the rows in the queue; of a broken executor (number, None) for those in flight, then stop.
+    """Yield (number, result) of the rows in the queue; those that an executor which breaks was not given yet stay there.
 
     Parameters
     ----------
@@ -257,21 +275,21 @@ def _results(executor, run, rows, queue, window, pace=None, strict=False):
     strict : as of `through_executor`
     """
     pending: dict = {}
-    broken, waiting = False, Waiting()
+    lost: list[int] = []
+    ended: WorkerError | None = None  # raised once nothing is pending: what is done comes first
+    waiting = Waiting()
     try:
-        while pending or (queue and not broken):
+        while pending or (queue and not ended):
             most = window() if callable(window) else window
-            while queue and len(pending) < most and not broken:
+            while queue and len(pending) < most and not ended:
                 batch = [queue.popleft() for _ in range(pace.batch(len(queue)) if pace else 1)]
                 try:
                     pending[executor.submit(run, [rows[number] for number in batch])] = batch
-                except BrokenExecutor as error:
-                    if strict:
-                        raise WorkerError(f"The executor broke while rows were to do: {error}") from None
-                    queue.extendleft(reversed(batch))
-                    broken = True
                 except Exception as error:
-                    raise WorkerError(f"The executor must take rows, but it raised {type(error).__name__}: {error}") from None
+                    queue.extendleft(reversed(batch))
+                    broke = isinstance(error, BrokenExecutor)
+                    took_none = f"The executor must take rows, but it raised {type(error).__name__}: {error}"
+                    ended = ExecutorBrokeError(error, lost) if broke else WorkerError(took_none)
             wait(pending, 0.5 * NOTICED_AFTER if callable(window) else LOOKED_EVERY, return_when=FIRST_COMPLETED)
             # one that is cancelled may never be told to `wait`, as those of a pool of threads that is shut down
             done = [future for future in pending if future.done()]
@@ -281,12 +299,12 @@ def _results(executor, run, rows, queue, window, pace=None, strict=False):
                 try:
                     results, seconds = future.result()
                 except BrokenExecutor as error:
-                    if strict:
-                        raise WorkerError(f"The executor broke while rows were to do: {error}") from None
-                    broken = True
-                    results = [None] * len(batch)
+                    lost += batch
+                    ended = ExecutorBrokeError(error, lost)
+                    continue
                 except CancelledError:
-                    raise WorkerError(f"The executor must do its rows, but it cancelled {len(batch)} of them.") from None
+                    ended = ended or WorkerError("The executor must do its rows, but it cancelled some of them.")
+                    continue
                 except Exception as error:  # a row or its result could not be sent, or kills its worker again and again
                     if strict and not _death(error):
                         raise WorkerError(f"A worker could not do its rows: {type(error).__name__}: {error}") from None
@@ -300,6 +318,8 @@ def _results(executor, run, rows, queue, window, pace=None, strict=False):
                     if pace:
                         pace.heard(len(results), seconds)
                 yield from zip(batch, results, strict=False)
+        if ended:
+            raise ended
     except KeyboardInterrupt:  # here or in a worker: what has come back is not lost
         for future, batch in pending.items():
             if future.done() and not (future.cancelled() or future.exception()):
@@ -313,7 +333,7 @@ def _results(executor, run, rows, queue, window, pace=None, strict=False):
 def _death(error):
     """The result of a row whose worker died as often as a cluster of Dask allows; None for another error."""
     distributed = sys.modules.get("distributed")
-    return CRASHED if distributed and isinstance(error, distributed.KilledWorker) else None
+    return DIED if distributed and isinstance(error, distributed.KilledWorker) else None
 
 
 def _start_method():

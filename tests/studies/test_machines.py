@@ -89,6 +89,37 @@ def test_two_ranks_of_mpi_make_the_table_of_one_process(tmp_path):
     assert is_table(*(pandas.read_parquet(tmp_path / name / "rows.parquet") for name in ("mpi", "one")))
 
 
+KILLING = """
+import os, pathlib, signal
+def height(run):
+    if run.scene.cables[0].EA > 9e4 and not pathlib.Path("killed").exists():
+        pathlib.Path("killed").touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return float(run.position("p0")[-1, 2])
+"""
+
+
+@pytest.mark.slow
+def test_a_rank_of_mpi_that_is_killed_ends_all_and_the_same_command_does_the_rest(tmp_path):
+    """What was done is there, no row is done twice, and the table is that of one process."""
+    (tmp_path / "killing.py").write_text(KILLING)
+    asked = ["sweep", "net_carried", "--vary", "EA=1e3:1e5:30log", "--t-end", "1s", "--dt", "8ms", "--measure", "killing:height"]
+    here = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]), "HYDRA_LAUNCHER": "fork"}
+    begun = {"cwd": tmp_path, "env": here, "capture_output": True, "text": True, "timeout": 300}
+    call = [*mpiexec(), *asked, "--out", "mpi", "--on", "mpi"]
+    killed = subprocess.run(call, **begun)
+    assert killed.returncode != 0 and (tmp_path / "killed").exists(), killed.stderr
+    kept = {path: path.read_bytes() for path in (tmp_path / "mpi" / "parts").rglob("*.jsonl")}
+    assert kept
+    done = subprocess.run(call, **begun)
+    assert done.returncode == 0, done.stderr
+    assert all(path.read_bytes() == whole for path, whole in kept.items())
+    texts = [path.read_bytes().splitlines() for path in (tmp_path / "mpi" / "parts").rglob("*.jsonl")]
+    assert sum(len(lines) - 1 for lines in texts) == 30  # the last line of a part only ends it
+    subprocess.run([*call[3:6], *asked, "--out", "one", "--workers", "1"], **begun, check=True)
+    assert is_table(*(pandas.read_parquet(tmp_path / name / "rows.parquet") for name in ("mpi", "one")))
+
+
 def share(folder, fails=False, **given):
     if fails and given["shard"].number == 2:
         raise ValueError("no such thing")

@@ -13,7 +13,9 @@ import numpy as np
 import pandas
 import pytest
 
-from studies.sweeping.rows import RowsError, run_rows
+from studies.sweeping.rows import RowsError, RowsInterrupt, run_rows
+from studies.sweeping.same_process import SameProcess
+from studies.sweeping.workers import WorkerError
 
 
 def square(row):
@@ -79,13 +81,27 @@ def test_any_executor_will_do(pool):
     assert table["square"].tolist() == [0, 1, 4, 9, 16]
 
 
-def test_rows_of_a_given_executor_that_breaks_are_crashed_ones(tmp_path):
-    with ProcessPoolExecutor(1) as executor:
-        table = run_rows(odd, rows_of(6), executor=executor, out=tmp_path)
-    assert table["status"].tolist()[:3] == ["done", "failed", "diverged"]
-    assert set(table["status"][3:]) == {"crashed"}
+def test_an_executor_that_breaks_is_an_error_that_says_what_is_done_and_holds_it(tmp_path):
+    """Rows that it was never given are no crashed ones."""
+    told = "The executor broke while rows were to do: .*; 3 of 6 rows are done, which are in "
+    for out, where in ((None, "the `found` of this error"), (tmp_path, "rows.jsonl")):
+        with ProcessPoolExecutor(1) as executor, pytest.raises(WorkerError, match=f"{told}.*{where}") as raised:
+            run_rows(odd, rows_of(6), executor=executor, out=out)
+        assert raised.value.found["status"].tolist() == ["done", "failed", "diverged"]
     again = run_rows(square, rows_of(6), out=tmp_path, resume=True, workers=1)
     assert again["status"].tolist() == ["done", "failed", "diverged", "done", "done", "done"]
+
+
+def stopped_at_3(row):
+    if row["x"] == 3:
+        raise KeyboardInterrupt
+    return square(row)
+
+
+def test_ctrl_c_without_a_folder_holds_what_is_done():
+    with pytest.raises(RowsInterrupt, match="Stopped after 3 of 6 rows") as raised:
+        run_rows(stopped_at_3, rows_of(6), executor=SameProcess())
+    assert raised.value.found["square"].tolist() == [0, 1, 4]
 
 
 def test_resume_does_the_rest_and_forgets_a_torn_line(tmp_path):
