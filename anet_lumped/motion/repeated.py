@@ -1,6 +1,6 @@
 """Runs of scenes that differ in their numbers alone, on arrays that are made once: what a run takes beside its march is little."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from anet_lumped.results.run import Run, RunInterrupt
 from anet_lumped.results.state import State
 from anet_lumped.scene.origin import FAR, largest_distance, near_origin, places_given
 from anet_lumped.scene.scene import Scene
-from anet_lumped.statics.equilibrium import equilibrium, rest_on
+from anet_lumped.statics.equilibrium import calm, equilibrium, rest_on
 from anet_lumped.statics.starts import Start, start_state
 from integrators import schemes
 from integrators.linear_stability import NoLimit
@@ -61,7 +61,8 @@ class Repeated:
     def serves(self, scene: Scene) -> bool:
         """Whether runs of a scene can be made here, as far as it alone tells: fixed steps to its end, without events."""
         given = self.asked.dt is not None and self.asked.rtol is None and self.asked.atol is None
-        able = self.asked.method is None or schemes.scheme(self.asked.method).own
+        scheme = None if self.asked.method is None else schemes.scheme(self.asked.method)
+        able = scheme is None or (scheme.own and not scheme.keeps_constraints)
         return given and able and not scene.events and self._is_near(scene) and can_be_renewed(self._model(scene))
 
     def _model(self, scene: Scene) -> Model:
@@ -150,9 +151,11 @@ class Repeated:
         return self.planned[1]
 
     def begin(self, scene: Scene) -> State:
-        """State that a run of a scene starts from."""
+        """State that a run of a scene starts from, as `first_state` gives it."""
         if isinstance(self.start, str) and self.start == "equilibrium":
             return self.rest(scene)
+        if isinstance(self.start, str) and self.start == "calm":
+            return replace(self.rest(calm(scene)), model=self._model(scene), residual=None, stable=None)
         return start_state(self._model(scene), self.start)
 
     def rest(self, scene: Scene) -> State:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from functools import partial
 from itertools import islice
+from numbers import Integral
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from anet_lumped.results.run_table import KEPT, NOT_RUN, RunTable
 from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Scene, check_scene
 from anet_lumped.scene.varied import SETTINGS, Varied
-from anet_lumped.statics.starts import Start
+from anet_lumped.statics.starts import Start, check_start_kind
 from integrators.ctrl_c import ctrl_c_later
 
 from .plan import Asked, check_arguments
@@ -94,6 +95,7 @@ def simulate_many(
     RunsInterrupt : Ctrl-C; with the runs that were done in its ``found``
     """
     check_arguments(t_end, method, dt, save_every, rtol, atol, rho_inf, False, error, tension_error)
+    check_start_kind(start)
     given = _given(scenes, vary)
     workers = _threads(workers, given.count)
     t_end, dt, save_every, rtol, atol, rho_inf, error, tension_error = (
@@ -267,6 +269,8 @@ def _values(name: str, given: Any) -> list[Any]:
         values = np.array(None)
     if values.ndim == 0:
         raise InputError(f"What varies must have values in a sequence, one for each run, but `{name}` has {shown(given)}.")
+    if isinstance(given, list | tuple):  # numbers beside words stay numbers
+        return [value.tolist() if hasattr(value, "tolist") else value for value in given]
     return list(values.tolist())
 
 
@@ -280,6 +284,6 @@ def _threads(workers: Any, count: int) -> int:
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if workers is None:
         return min(cores, count)
-    if isinstance(workers, bool) or not isinstance(workers, int) or not 1 <= workers <= 4 * max(cores, 8):
+    if isinstance(workers, bool) or not isinstance(workers, Integral) or not 1 <= workers <= 4 * max(cores, 8):
         raise InputError(f"Argument `workers` must be an integer from 1 to {4 * max(cores, 8)}, but it is {shown(workers)}.")
-    return min(workers, count)
+    return min(int(workers), count)

@@ -1,6 +1,6 @@
 """What is kept of many runs of scenes with the same points and cables, as one Dataset of xarray over the runs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -65,10 +65,8 @@ class RunTable:
     """
 
     def __init__(self, scene: Scene, count: int, t: np.ndarray, keep: Sequence[str] = KEPT) -> None:
-        if isinstance(keep, str):
-            raise InputError(
-                f"Argument `keep` must be a list of what is kept of a run, as [{shown(keep)}], but it is {shown(keep)}."
-            )
+        if isinstance(keep, str) or not isinstance(keep, Iterable):
+            raise InputError(f'Argument `keep` must be a list of what is kept of a run, as ["position"], but it is {shown(keep)}.')
         for name in keep:
             if name not in KNOWN and name not in ERRORS:
                 known = (*KNOWN, *ERRORS)
@@ -168,5 +166,6 @@ class RunTable:
             values[name] = ("run", column.astype(str) if column.dtype == object else column, about)
         for name, of_name in varied.items():
             unit = unit_of_field(scene, name)
-            coordinates[name] = ("run", of_name, {"units": unit} if unit else {})
+            entries = (f"{name}.{i}" for i in range(1, of_name.ndim))  # of places and other lists of numbers
+            coordinates[name] = (("run", *entries), of_name, {"units": unit} if unit else {})
         return xr.Dataset(values, coordinates)

@@ -4,10 +4,11 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, replace
 from functools import lru_cache
+from itertools import permutations
 from threading import Lock
 from typing import Any, NamedTuple
 
-from anet_lumped.checks import InputError, nearest
+from anet_lumped.checks import InputError, nearest, shown
 from anet_lumped.scene.as_dict import part_from_dict, scene_to_dict
 from anet_lumped.scene.scene import Cable, Scene
 
@@ -42,6 +43,8 @@ class Field(NamedTuple):
 class Varied:
     """Copies of a scene with other values of some fields. Only the parts that hold them are made anew.
 
+    A field of two names has the value of that which fewer fields have: of `EA` and `s0-p0.EA` the latter.
+
     Parameters
     ----------
     scene : Scene
@@ -49,7 +52,7 @@ class Varied:
 
     Raises
     ------
-    VaryError : an unknown name (with the nearest known one)
+    VaryError : an unknown name (with the nearest known one), or two of the same number
     """
 
     def __init__(self, scene: Scene, names: Iterable[str]) -> None:
@@ -60,6 +63,9 @@ class Varied:
         for name, of_name in self.found.items():
             if not of_name:
                 raise VaryError(f"Nothing called `{name}` can be varied here{hint(name, known, scene)}")
+        self.found = dict(sorted(self.found.items(), key=lambda item: -len(item[1])))
+        for one, other in permutations(self.found, 2):
+            _check_apart(one, self.found[one], other, self.found[other])
         touched: dict[tuple[str, Any], list[tuple[str, Field]]] = {}
         for name, of_name in self.found.items():
             for field in of_name:
@@ -175,8 +181,24 @@ def known_fields(entries: dict[str, Any]) -> dict[str, list[Field]]:
     return known
 
 
+def _check_apart(one: str, fields: list[Field], other: str, of_other: list[Field]) -> None:
+    """Two names must not be of the same number, nor one within the other."""
+    if [(id(field.container), field.key) for field in fields] == [(id(field.container), field.key) for field in of_other]:
+        raise VaryError(f"What varies must be given once, but `{one}` and `{other}` are the same in this scene.")
+    if any(_is_within(inner.container, field.value) for field in fields for inner in of_other):
+        raise VaryError(f"What varies must be given once, but `{other}` is a part of `{one}`, which varies too.")
+
+
+def _is_within(container: Any, value: Any) -> bool:
+    """Whether a table or list is another one, or a part of it."""
+    parts = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return container is value or any(_is_within(container, part) for part in parts if isinstance(part, dict | list))
+
+
 def found(known: Mapping[str, list[Field]], name: str) -> list[Field]:
     """The values that have a name, as fields or as entries of lists that are fields; none where nothing has it."""
+    if not isinstance(name, str):
+        raise VaryError(f"What varies must be named by a text, but the name is {shown(name)}.")
     indices: list[int] = []
     while name not in known:
         numbered = NUMBERED.fullmatch(name)

@@ -17,6 +17,7 @@ from anet_lumped.scene.scene import Driven, Fixed, Free, OnBody, SceneError
 from .forces_at_rest import force_of_effects
 from .soft_contacts import solids
 
+WORDS = ("equilibrium", "calm", "straight")
 Start = str | State | Mapping[str, ArrayLike]
 GOLDEN_ANGLE = 2.399963229728653  # [rad]: multiples of it are never near each other on the circle
 CONVEX = 1e-9  # of the largest curvature of an effect's energy: a smaller negative one is rounding
@@ -49,6 +50,26 @@ def start_state(model: Model, start: Start, straight_between: bool = False) -> S
     return state
 
 
+def check_start_kind(start: Any) -> None:
+    """Refuse what is no start of any scene.
+
+    Raises
+    ------
+    InputError
+    """
+    if not (isinstance(start, State | Mapping) or (isinstance(start, str) and start in WORDS)):
+        raise _no_start(start)
+
+
+def _no_start(start):
+    other = (
+        "a Run has States, run.final and run.state(k)"
+        if isinstance(start, Run)
+        else "the shape of each cable by its name will do, too"
+    )
+    return InputError(f'Argument `start` must be "equilibrium", "calm", "straight" or a State, but it is {shown(start)}; {other}.')
+
+
 def _at_rest(model, start):
     """State of a word or of shapes."""
     if isinstance(start, Mapping):
@@ -56,11 +77,7 @@ def _at_rest(model, start):
     elif isinstance(start, str) and start == "straight":
         q = straight(model)
     else:
-        a_run = isinstance(start, Run)
-        other = "a Run has States, run.final and run.state(k)" if a_run else "the shape of each cable by its name will do, too"
-        raise InputError(
-            f'Argument `start` must be "equilibrium", "calm", "straight" or a State, but it is {shown(start)}; {other}.'
-        )
+        raise _no_start(start)
     still = np.zeros_like(q)
     return State(model, 0.0, q, still, np.zeros(model.n_segments))
 

@@ -9,9 +9,8 @@ from functools import lru_cache
 
 from anet_lumped.checks import shown
 from anet_lumped.limits import ROWS, check_most
-from anet_lumped.scene.as_dict import scene_to_dict
 from anet_lumped.scene.scene import Scene
-from anet_lumped.scene.varied import SETTINGS, Varied, VaryError, found, hint, known_fields
+from anet_lumped.scene.varied import SETTINGS, Varied, VaryError
 from studies.quantities import SIZES, amount
 from studies.sweeping.units import unit_of
 
@@ -104,14 +103,8 @@ def whole_inputs(scene: Scene, vary: Mapping) -> dict[str, bool]:
     """
     if not isinstance(vary, Mapping):
         raise VaryError(f"What is varied must be a dict from names to values, but it is {shown(vary)}.")
-    fields = known_fields(scene_to_dict(scene))
-    whole = {}
-    for name in vary:
-        of_name = found(fields, name)
-        if not of_name and name not in SETTINGS:
-            raise VaryError(f"Nothing called `{name}` can be varied here{hint(name, fields, scene)}")
-        whole[name] = bool(of_name) and all(type(field.value) is int for field in of_name)
-    return whole
+    fields = Varied(scene, vary).found
+    return {name: name in fields and all(type(field.value) is int for field in fields[name]) for name in vary}
 
 
 def grid(values: dict[str, list]) -> Iterator[dict]:

@@ -7,6 +7,7 @@ import pytest
 from hanging import CORNERS, cable, held_net
 
 from anet_lumped import (
+    Cable,
     CableCut,
     Driven,
     Fixed,
@@ -121,6 +122,38 @@ def test_runs_from_a_state_and_from_shapes_start_where_it_is():
             assert_same(found, k, simulate(scene, T_END, method="edmc", dt=DT, start=start))
 
 
+def test_runs_start_from_the_calm():
+    """They were refused, here and in sweeps with a step, as if "calm" were no start."""
+    turbulent = replace(net(mass=0.2), effects=[Gravity(), Air(wind=wind.Dryden(2.0, 5.0, (3.0, 0.0, 0.0), seed=1, modes=20))])
+    scenes = [turbulent, replace(turbulent, cables=[replace(one, EA=2e4) for one in turbulent.cables])]
+    found = simulate_many(scenes, T_END, method="edmc", dt=DT, start="calm", keep=KEEP)
+    for k, scene in enumerate(scenes):
+        assert_same(found, k, simulate(scene, T_END, method="edmc", dt=DT, start="calm"))
+
+
+def test_straight_cables_that_do_not_stretch_move_as_in_simulate():
+    """A method that keeps lengths lets them be straight between held points, which was refused here."""
+    cables = [Cable("a", "b", length=1.0, mass_per_length=0.1, EA=np.inf, segments=4)]
+    scene = Scene([Fixed("a", (0, 0, 0)), Fixed("b", (0, 0, -1.0))], cables, WEIGHT)
+    found = simulate_many([scene], 0.1, method="links", dt=1e-3, start="straight", keep=KEEP)
+    assert found.status.values[0] == "done"
+    assert_same(found, 0, simulate(scene, 0.1, method="links", dt=1e-3, start="straight"))
+
+
+def test_numbers_beside_words_stay_numbers():
+    """The first run was refused EA='1000.0'."""
+    found = simulate_many(net(), T_END, vary={"EA": [1e3, "many"]}, method="edmc", dt=DT)
+    assert list(found.status.values) == ["done", "failed"] and "it is 'many'" in found.reason.values[1]
+
+
+def test_places_vary_and_are_coordinates():
+    """All runs were lost as the table was made of them."""
+    at = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.1]]
+    found = simulate_many(net(driven=False), T_END, vary={"s0.at": at}, method="edmc", dt=DT)
+    assert found["s0.at"].values.tolist() == at and found["s0.at"].attrs["units"] == "m"
+    assert found.position.sel(point="s0").isel(t=0).values.tolist() == at
+
+
 def test_one_scene_with_other_numbers_is_the_scene_made_with_them():
     scene = net(effects=[Gravity(), blown(1.0)])
     EA, mass, g, speed = [1e3, 1e4], [0.02, 0.05], [9.81, 1.6], [0.1, 0.4]
@@ -179,7 +212,10 @@ def test_a_scene_without_a_rest_has_a_reason():
         (net(), {"vary": {"segments": [5, 10]}}, "the same segments, which `segments` changes; a sweep may vary them"),
         (net(), {"vary": {"s0-p0.segments": [5, 10]}}, "the same segments, which `s0-p0.segments` changes"),
         ("net_held", {"vary": {"EA": [1.0]}}, "A scene must be a Scene, but it is 'net_held'"),
-        ([net()], {"keep": "position"}, r"`keep` must be a list .*, as \['position'\], but it is 'position'"),
+        ([net()], {"keep": "position"}, r"`keep` must be a list .*, as .*position.*, but it is 'position'"),
+        ([net()], {"keep": 3}, r"`keep` must be a list .* but it is 3"),
+        ([net()], {"start": "rest"}, '`start` must be "equilibrium", "calm", "straight" or a State, but it is \'rest\''),
+        (net(), {"vary": {5: [1.0]}}, "must be named by a text, but the name is 5"),
         ([net()], {"keep": ("tensions",)}, "did you mean `tension`|has 'tensions'|tension"),
         ([net()], {"dt": None}, "neither `save_every` nor `dt` is given"),
         ([net()], {"save_every": 0.015}, "`save_every` must be a multiple of the step"),

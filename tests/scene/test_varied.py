@@ -103,3 +103,26 @@ def test_threads_get_what_they_ask_for():
 def test_a_name_that_nothing_has_is_refused_with_the_nearest():
     with pytest.raises(VaryError, match="Nothing called `massper_length` can be varied here, did you mean `mass_per_length`"):
         Varied(held_net(), ["massper_length"])
+
+
+def test_of_two_names_of_a_number_that_of_fewer_numbers_counts_whatever_their_order():
+    """The later one counted, so that a table told a value that its run had not."""
+    scene = load_scene("net_held")
+    for names in (("EA", "s0-p0.EA"), ("s0-p0.EA", "EA")):
+        made = Varied(scene, names).with_values({"EA": 1e3, "s0-p0.EA": 2e3})
+        assert [one.EA for one in made.cables] == [2e3, 1e3, 1e3, 1e3]
+
+
+@pytest.mark.parametrize(
+    ("names", "told"),
+    [
+        (("s0.at", "s0.at.z"), "`s0.at.z` is a part of `s0.at`"),
+        (("s0.at.z", "s0.at"), "`s0.at.z` is a part of `s0.at`"),
+        (("s0.at", "at.z"), "`at.z` is a part of `s0.at`"),
+        (("p0.mass", "mass"), "`p0.mass` and `mass` are the same in this scene"),
+        (("s0.at.z", "s0.at.2"), "`s0.at.z` and `s0.at.2` are the same in this scene"),
+    ],
+)
+def test_a_number_that_varies_twice_is_refused(names, told):
+    with pytest.raises(VaryError, match=f"What varies must be given once, but {told}"):
+        Varied(load_scene("net_held"), names)

@@ -431,3 +431,9 @@ def test_sag_is_the_depth_below_the_chord():
     scene = Scene([Fixed("a", (0.0, 0.0, 0.0)), Fixed("b", (1.6, 0.0, 0.0))], [cable], [Gravity(9.81)])
     found = sweep(scene, {"a-b.EA": [1e9]}, ["sag"])
     assert found["sag"].to_numpy() == pytest.approx([0.6], rel=1e-6)
+
+
+def test_a_sweep_starts_from_the_calm(hanging):
+    """Each row with a step was refused its start."""
+    table = sweep(hanging, {"EA": [1e3, 1e4]}, ["steps"], t_end=0.02, dt=0.01, method="edmc", start="calm", workers=1)
+    assert table["status"].tolist() == ["done", "done"], table["reason"].tolist()
