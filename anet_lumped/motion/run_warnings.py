@@ -141,7 +141,7 @@ def _through_an_obstacle(run, step):
 
 
 def _multiplied_errors(run):
-    """Errors beyond `SHARE` of the longest cable, of a motion that goes loose or buckles, or may do so, which no second run has shown.
+    """Errors of a motion that may multiply them, beyond `SHARE` of the longest cable, which no second run has shown.
 
     By what steps have left out: all that a run tells of its errors takes a tenth of the time of a short one.
     """
