@@ -40,11 +40,13 @@ def judged_every(choice: Choice, save_every: float | None, duration: float) -> t
 
 
 def as_asked(run: Run, save_every: float) -> Run:
-    """The states of a run that were asked for, ``save_every`` [s] apart."""
+    """The states of a run that were asked for, ``save_every`` [s] apart; its error is told as those that were judged tell it."""
     if run.largest_tension is None:  # it has saved every step
         run = replace(run, largest_tension=largest_so_far(run.model, run.segment_tension))
     run = replace(run, peak_at_most=run.peak_tension() / max(1.0 - run.tension_error, 1e-6))
     apart = (run.t - run.t[0]) / save_every
     rows = np.abs(apart - np.round(apart)) < 1e-6
     rows[-1] = True
-    return with_states(run, rows)
+    fewer = with_states(run, rows)
+    told = fewer.error_estimate
+    return replace(fewer, error_factor=fewer.error_factor * run.error_estimate / told) if told and run.error_estimate else fewer

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from anet_lumped.checks import InputError, number, quoted, shown
+from anet_lumped.checks import SMALLEST, InputError, number, quoted, shown
 from anet_lumped.model import rest_lengths
 from anet_lumped.model.remainder import lightest
 from anet_lumped.results.events import released
@@ -176,6 +176,15 @@ def check_arguments(
         if (value is not None or name in ("t_end", "audit")) and not (0 < number(value) < math.inf):
             unit = "" if name in ("rtol", "tension_error") else " [m]" if name in ("atol", "audit", "error") else " [s]"
             raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {shown(value)}.")
+    if number(t_end) < SMALLEST:  # the square of a step would be less than a float holds
+        raise InputError(f"Argument `t_end` must be {SMALLEST:g} s or more, but it is {shown(t_end)}.")
     if dt is not None and number(dt) > number(t_end) * (1 + 1e-9):
         raise InputError(f"Argument `dt` must not exceed t_end={number(t_end):g} s, but it is {number(dt):g} s.")
     check_method(method, rho_inf)
+
+
+def check_flags(**flags: Any) -> None:
+    """Refuse arguments that are to be True or False and are something else, such as a string."""
+    for name, value in flags.items():
+        if not isinstance(value, bool | np.bool_):
+            raise InputError(f"Argument `{name}` must be True or False, but it is {shown(value)}.")

@@ -20,7 +20,7 @@ from .extrapolation import extrapolated, method_to_extrapolate
 from .kept_errors import Keeps, check_keeps_error, errors_kept
 from .legs import Settings
 from .motion import Motion
-from .plan import Asked, check_arguments, planned
+from .plan import Asked, check_arguments, check_flags, planned
 from .verdict import judged
 
 MEANT_STRAIN = 0.2  # of a straight start: cords break before
@@ -98,6 +98,7 @@ def simulate(
     """
     check_scene(scene)
     check_arguments(t_end, method, dt, save_every, rtol, atol, rho_inf, audit, error, tension_error)
+    check_flags(extrapolate=extrapolate, check=check)
     t_end, audit = number(t_end), audit if isinstance(audit, bool) else number(audit)
     dt, save_every, rtol, atol, rho_inf, error, tension_error = (
         None if value is None else number(value) for value in (dt, save_every, rtol, atol, rho_inf, error, tension_error)
