@@ -92,7 +92,7 @@ def simulate_many(
     Raises
     ------
     InputError : an argument that no run can have; scenes of other points or cables; a name that nothing has; more than memory holds
-    RunsInterrupt : Ctrl-C; with the runs that were done in its ``found``
+    RunsInterrupt : Ctrl-C; with the runs that were done in its ``found``, which has also what else a signal's handler raises
     """
     check_arguments(t_end, method, dt, save_every, rtol, atol, rho_inf, False, error, tension_error)
     check_start_kind(start)
@@ -108,9 +108,14 @@ def simulate_many(
     settings |= {"rho_inf": rho_inf, "error": error, "tension_error": tension_error}
     try:
         each_run(given, t_end, settings, table.take, table.fail, workers)
-    except KeyboardInterrupt as stopped:
-        done = given.count - int(np.count_nonzero(table.status == NOT_RUN))
-        raise RunsInterrupt(f"Stopped after {done} of {given.count} runs.", table.dataset(given.varied)) from stopped
+    except BaseException as stopped:
+        done, found = given.count - int(np.count_nonzero(table.status == NOT_RUN)), table.dataset(given.varied)
+        message = f"Stopped after {done} of {given.count} runs."
+        if isinstance(stopped, KeyboardInterrupt):
+            raise RunsInterrupt(message, found) from stopped
+        stopped.found = found  # type: ignore[attr-defined]
+        stopped.add_note(f"{message} The `found` of this exception has those that were done.")
+        raise
     return table.dataset(given.varied)
 
 

@@ -1,5 +1,7 @@
 """`simulate_many` gives what `simulate` gives, to the last bit, whatever the scenes have; a run that fails, fails alone."""
 
+import os
+import signal
 from dataclasses import replace
 
 import numpy as np
@@ -281,3 +283,28 @@ def test_ctrl_c_leaves_the_runs_that_were_done(monkeypatch):
     alone = simulate(scenes[1], T_END, method="edmc", dt=DT)
     assert np.array_equal(found.position.sel(run=1, point="p0"), alone.position("p0"))
     assert np.isnan(found.position.sel(run=2)).all()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGUSR1"), reason="the system has no such signal")
+def test_what_a_handler_raises_leaves_the_runs_that_were_done_too(monkeypatch):
+    """As the alarm by which a program limits its time."""
+    take = RunTable.take
+
+    def signalled(table, k, run):
+        take(table, k, run)
+        if k == 0:
+            os.kill(os.getpid(), signal.SIGUSR1)
+
+    def late(*given):
+        raise TimeoutError("late")
+
+    monkeypatch.setattr(RunTable, "take", signalled)
+    before = signal.signal(signal.SIGUSR1, late)
+    try:
+        with pytest.raises(TimeoutError, match="late") as caught:
+            simulate_many([net(EA) for EA in (1e3, 2e3, 3e3)], T_END, method="edmc", dt=DT, workers=1)
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+    alone = simulate(net(1e3), T_END, method="edmc", dt=DT)
+    assert np.array_equal(caught.value.found.position.sel(run=0, point="p0"), alone.position("p0"))
+    assert "of 3 runs. The `found` of this exception has those that were done" in caught.value.__notes__[0]
