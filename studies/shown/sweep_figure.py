@@ -1,13 +1,17 @@
-"""A sweep as a picture: each measure over the input with most values, a curve for each value of the others; seeds: a histogram."""
+"""A sweep as a picture: each measure over the input with most values, a curve for each value of the others; seeds: a histogram.
+
+Of a sample, in which every row has other values of all inputs: marks over the input that each measure goes with most.
+"""
 
 import numpy as np
 
 from anet_lumped.views.palette import BLACK, BLUE, VERMILION, look
+from studies.sweeping.sampling import MATRIX, POINT
 
 PANELS, CURVES = 6, 8  # that a figure shows at most
 EVEN = 0.05  # of the mean: how much steps between the logarithms of values may differ for a logarithmic axis
 BINS = 20
-WITHOUT = ("status", "reason")
+WITHOUT = ("status", "reason", POINT, MATRIX)
 
 
 def plot_sweep(table, inputs, heads=None):
@@ -41,9 +45,13 @@ def plot_sweep(table, inputs, heads=None):
             _histogram(panel, done[name].dropna())
             panel.set(xlabel=_words(heads.get(name, name)), ylabel="rows")
         else:
-            _curves(panel, done, name, along, [other for other in inputs if other != along])
-            panel.set(xlabel=_words(heads.get(along, along)), ylabel=_words(heads.get(name, name)))
-            panel.set_xscale("log" if _is_logarithmic(table[along]) else "linear")
+            over = _goes_with(done, name, varied) if POINT in table else along
+            if POINT in table:
+                panel.plot(done[over], done[name], ".", color=BLUE)
+            else:
+                _curves(panel, done, name, along, [other for other in inputs if other != along])
+            panel.set(xlabel=_words(heads.get(over, over)), ylabel=_words(heads.get(name, name)))
+            panel.set_xscale("log" if _is_logarithmic(table[over]) else "linear")
         panel.spines[["top", "right"]].set_visible(False)
     handles, labels = panels[0].get_legend_handles_labels()
     if handles:
@@ -93,6 +101,13 @@ def _curves(panel, done, name, along, others):
     if len(groups) > CURVES:
         words, place = f"{CURVES} of {len(groups)} curves", {"xycoords": "axes fraction", "ha": "right", "va": "bottom"}
         panel.annotate(words, (0.99, 0.01), fontsize=7, color="0.4", **place)
+
+
+def _goes_with(done, name, inputs):
+    """The input with which a measure goes up or down most, by the correlation of their ranks."""
+    ranks = done[[*inputs, name]].rank()
+    with np.errstate(invalid="ignore"):  # of a measure that is the same in all rows
+        return max(inputs, key=lambda one: np.nan_to_num(abs(ranks[one].corr(ranks[name]))))
 
 
 def _short(value):

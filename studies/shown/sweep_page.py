@@ -118,7 +118,8 @@ def _about(table, identity, folder, kind):
     ]
     settings = ", ".join(f"{name} = {value}" for name, value in identity["settings"].items())
     runs = f"Runs with {settings}." if settings else "Shapes at rest."
-    return f"{how} of {counted(len(table), 'row')} in {folder.resolve().name}, {bad or 'none'} of them not done. {runs}"
+    which = f"{bad} of them not" if bad else "all of them"
+    return f"{how} of {counted(len(table), 'row')} in {folder.resolve().name}, {which} done. {runs}"
 
 
 def _of_inputs(table, identity, columns):

@@ -138,3 +138,14 @@ def test_the_equivalent_range_of_a_sinusoid_is_its_range():
     assert cycles(t, np.full(len(t), 2.0)).equivalent() == 0.0
     with pytest.raises(ValueError, match=r"`exponent` must be positive"):
         found.equivalent(0.0)
+
+
+def test_a_sample_is_marks_over_the_input_that_a_measure_goes_with_and_its_numbering_is_no_measure():
+    """Curves of two points each were drawn, and the number of a point in the sample as if it were measured."""
+    shares = np.random.default_rng(0).permutation(64) / 64.0
+    rows = {"EA": 10.0 ** (3.0 + shares), "mass": np.arange(64) / 64.0, "sample": np.arange(64), "matrix": "A"}
+    drawn = pandas.DataFrame(rows | {"sag": -rows["mass"], "tension": rows["EA"], "status": "done", "reason": ""})
+    figure = plot_sweep(drawn, ["EA", "mass"])
+    assert [(panel.get_xlabel(), panel.get_ylabel()) for panel in figure.axes] == [("mass", "sag"), ("EA", "tension")]
+    np.testing.assert_array_equal(figure.axes[0].lines[0].get_xydata(), drawn[["mass", "sag"]].to_numpy())
+    assert not figure.legends
