@@ -41,6 +41,7 @@ def plot_sweep(table, inputs, heads=None):
     for panel in panels[len(shown) :]:
         panel.set_visible(False)
     for panel, name in zip(panels, shown, strict=False):
+        panel.ticklabel_format(useOffset=False)
         if along is None or along.rpartition(".")[2] == "seed":
             _histogram(panel, done[name].dropna())
             panel.set(xlabel=_words(heads.get(name, name)), ylabel="rows")

@@ -79,15 +79,16 @@ def _panels(count, width=4.2, height=3.4, across=3):
     axes = figure.subplots(down, min(count, across), squeeze=False).ravel()
     for panel in axes:
         panel.spines[["top", "right"]].set_visible(False)
+        panel.ticklabel_format(useOffset=False)  # 1.1815, and not 0.0005 with +1.181 in a corner
     for panel in axes[count:]:
         panel.remove()
     return figure, axes[:count]
 
 
 def _is_wide(values):
-    """Whether numbers want a logarithmic axis: all positive, over two powers of ten or more."""
+    """Whether numbers want a logarithmic axis: all positive, over nearly two powers of ten, as samples of two are, or more."""
     values = np.asarray(values, float)
-    return bool(values.min() > 0 and values.max() >= 100 * values.min())
+    return bool(values.min() > 0 and values.max() >= 50 * values.min())
 
 
 def _scale(axis_of, values):
