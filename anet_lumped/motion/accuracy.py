@@ -57,7 +57,6 @@ MOST_BETWEEN = 4  # steps in one of a third run beside one whose nodes are caugh
 AMPLIFIED = 4.0  # times the error that a run tells of itself: from there on the motion has multiplied it
 NEARER, NEARER_TENSION = 0.7, 0.8  # of an error of places, and of a tension: what shorter steps must leave at most, or are in vain
 LEAST_OF_TOLD = 0.05  # of the error that a run tells of itself, which is left of it by a comparison
-LEAST_OF_TENSION = 0.5  # the same of the largest tension, of which two runs may agree by chance
 BUDGET = 5e7  # Newton iterations times moving nodes of all runs: some 15 s on one core, a minute in waves; or, if that is more,
 BUDGET_OF_FIRST = 8.0  # times those of a run with the steps of the first choice
 ASKED = 10.0  # times that budget, for an error that is asked for
@@ -377,7 +376,8 @@ def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kn
 
     Where two runs are hardly nearer to each other than the two before them, which were ``apart_before`` [m], nothing says that the
     next will be: what a run differs by from its predecessor is then its error, else what is left of a geometric series. The error
-    of the largest tension is what the run tells, times what the largest tensions differ by over what the coarser run told.
+    of the largest tension is what the run tells, times what the largest tensions differ by over what the coarser run told, if that
+    is more: two runs from which the method took the same vibration agree.
     """
     own, theirs, by_node = distances(run, coarser)
     apart = np.maximum.accumulate(by_node.max(axis=1))
@@ -391,7 +391,7 @@ def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kn
     since = float(run.t[own][np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf
     peak, peak_of_coarser = run.peak_tension(), coarser.peak_tension()
     changed = abs(peak - peak_of_coarser) / max(peak, peak_of_coarser, 1e-300)
-    tension_error = run.tension_error * max(changed / max(coarser.tension_error, 1e-300), LEAST_OF_TENSION)
+    tension_error = run.tension_error * max(changed / max(coarser.tension_error, 1e-300), 1.0)
     return Known(error, min(tension_error, 1.0), of_told, since, last)
 
 
