@@ -290,7 +290,8 @@ def _refuse(model: Model, net: Any, found: Any, hanging: np.ndarray) -> None:
     if not found.balanced:
         law = name_law_that_is_not_finite(model, [(0.0, shape, np.zeros_like(q)) for shape in (hanging, q)])
         raise (NoRestError if law or impossible(model, q) else EquilibriumError)(
-            f"{law}No equilibrium was found with {effects}: imbalance {found.residual:.1e} of the load, tolerance 1e-9; {why}."
+            f"{law}No equilibrium was found with {effects}: imbalance {found.residual:.1e} of the load, tolerance "
+            f"{found.tolerance:.0e}; {why}."
         )
     down = found.down.directions_down
     state = State(model, 0.0, q, np.zeros_like(q), tension, residual=found.residual, stable=False)

@@ -20,11 +20,12 @@ from .failure_reasons import bends_but_does_not_push, impossible
 from .held_bodies import keep_shapes
 from .relaxation import QUICK, SLOW, STEPS, UNHINDERED, Pace, net_at_rest, relaxed
 from .soft_contacts import DEPTHS, solids, with_soft_solids
-from .stability import Curvature, curvature
+from .stability import EPS, Curvature, curvature, of_effects
 from .starts import obstacles, raised
 from .stiff_cables import SOFT, SOFTER, are_stiff, at_rest_as_stiff, softened
 
 BALANCED = 1e-9  # of the load: largest out-of-balance force of a rest
+ROUNDED, MOST_ROUNDED = 4.0 * EPS, 1e-6  # of the coordinates: rounding of a place; and of the load: the most that its force counts
 ROUGH = 1e-3  # of the load: from a smaller out-of-balance force the exact tangent may find the balance
 LEAVES, FEW_LEAVES = 6, 2  # how often the search from one start leaves a rest that is not stable; and that of a large net
 LARGE = 300  # free points, from which on a net is large: an attempt may take half a minute
@@ -49,6 +50,7 @@ class Found(NamedTuple):
     shape : Shape
     residual : float, largest out-of-balance force over the load
     down : Curvature of the shape; None if its forces do not balance
+    tolerance : float, residual up to which the forces count as balanced
     asked_for : bool
         Whether this is the rest next to the guess of the user, and the surroundings make it unstable.
     caught : bool, whether the forces balance because nodes are caught between contacts, see `caught`
@@ -57,13 +59,14 @@ class Found(NamedTuple):
     shape: Shape
     residual: float
     down: Curvature | None
+    tolerance: float = BALANCED
     asked_for: bool = False
     caught: bool = False
 
     @property
     def balanced(self) -> bool:
         """Whether the forces balance."""
-        return self.residual <= BALANCED
+        return self.residual <= self.tolerance
 
     @property
     def stable(self) -> bool:
@@ -261,7 +264,7 @@ def _balanced(model, net, whole, q, load, pace):
             exact = at_rest_as_stiff(model, net, other, tension, load)
         else:
             tension, exact = descended(model, net, other, load, near=0.1 * BALANCED)
-        if exact <= BALANCED:
+        if exact < residual:
             q[:], whole.tension[:], residual = other, tension, exact
     return residual
 
@@ -269,6 +272,14 @@ def _balanced(model, net, whole, q, load, pace):
 def _judged(model, net, shape, residual, load):
     """`Found` of a `Shape`, with copies of its arrays."""
     q, tension = shape.q.copy(), shape.tension.copy()
-    if not residual <= BALANCED:
-        return Found(Shape(q, tension), residual, None)
-    return Found(Shape(q, tension), residual, curvature(model, net, q, tension, load), caught=is_caught(model, net, q, load))
+    tolerance = BALANCED if residual <= BALANCED else _rounded(model, net, q, load)
+    if not residual <= tolerance:
+        return Found(Shape(q, tension), residual, None, tolerance)
+    down = curvature(model, net, q, tension, load)
+    return Found(Shape(q, tension), residual, down, tolerance, caught=is_caught(model, net, q, load))
+
+
+def _rounded(model, net, q, load):
+    """`BALANCED`, or more where contacts are so stiff that rounding of a place leaves more of the load in their forces."""
+    stiffest = float(np.abs(of_effects(model, net, q)[2]).max(initial=0.0))
+    return max(BALANCED, min(MOST_ROUNDED, ROUNDED * float(np.abs(q).max()) * stiffest / load))

@@ -72,7 +72,7 @@ def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: 
     """
     if model.n_free == 0:
         return Curvature(0)
-    effects = _of_effects(model, net, q)
+    effects = of_effects(model, net, q)
     if not model.has_bodies and _plainly_stable(model, tension, effects):
         return Curvature(0)
     K, motions = of_bodies(model, net, q, tension, tangent(model, net, q, tension, effects))
@@ -130,10 +130,10 @@ def tangent(
 ) -> csc_array:
     """Sparse K of the module for the moving nodes, (3 n_free, 3 n_free) [N/m].
 
-    ``effects`` are what `_of_effects` gives, and ``slope`` (n_segments,) [N/m] is taken in place of that of the law.
+    ``effects`` are what `of_effects` gives, and ``slope`` (n_segments,) [N/m] is taken in place of that of the law.
     """
     n, (a, b) = model.n_free, model.ends.T
-    rows, columns, blocks = _of_effects(model, net, q) if effects is None else effects
+    rows, columns, blocks = of_effects(model, net, q) if effects is None else effects
     l, unit, _, slope_by_law = segments(model, net, q)
     across, rigid = tension / l, net.axial[model.cable_of, AXIAL_INEXTENSIBLE] > 0.0
     if slope is None:
@@ -170,8 +170,8 @@ def _plainly_stable(model, tension, effects):
     return not np.any(own) or bool(np.linalg.eigvalsh(own).min() >= 0.0)
 
 
-def _of_effects(model, net, q):
-    """Rows, columns and blocks (3, 3) [N/m] that the effects' forces add to K."""
+def of_effects(model: Model, net: Any, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows, columns and blocks (., 3, 3) [N/m] that the effects' forces add to K."""
     n, segments, reach = model.n_free, model.n_segments, model.coupled_neighbours
     own, v = np.zeros((n, 3, 3)), np.zeros_like(q)
     near, far = np.zeros((model.near_rows if reach > 0 else 0, 2, 3, 3)), np.zeros((segments if reach > 1 else 0, 2, 3, 3))
