@@ -220,7 +220,8 @@ def _try(model: Model, net: Any, attempt: _Attempt, load: float, leaves: int) ->
     for _ in range(leaves):
         if found.stable or found.caught or not found.balanced or lost == 2 or bends_but_does_not_push(model, found.shape.q):
             break
-        other = _beside(model, net, whole, found, nudge, load, attempt.pace)
+        softer = [easier for easier, eased, _ in _easier(model, net, attempt, load) if not eased]
+        other = _beside(model, net, whole, found, nudge, load, attempt.pace, softer)
         if other.stable or (other.balanced and other.down.directions_down < found.down.directions_down):
             found = other
         lost = 0 if other.balanced else lost + 1
@@ -238,8 +239,11 @@ def _easier(model, net, attempt, load):
         yield net, True, STEPS
 
 
-def _beside(model, net, whole, found, nudge, load, pace):
-    """`Found` from beside a rest that is not stable: by pseudo-steps alone where forces have no energy, else after a descent."""
+def _beside(model, net, whole, found, nudge, load, pace, softer):
+    """`Found` from beside a rest that is not stable: by pseudo-steps alone where forces have no energy, else after a descent.
+
+    Where cables were let down onto solids, they descend on the softest of these, and are let down from there: ``softer`` nets.
+    """
     beside = found.shape.q.copy()
     beside[: model.n_free] += nudge * found.down.direction
     keep_shapes(model, beside)
@@ -250,7 +254,12 @@ def _beside(model, net, whole, found, nudge, load, pace):
         other = _judged(model, net, Shape(q, whole.tension), residual, load)
         if other.stable:
             return other
-    whole.tension[:] = descended(model, net, beside, load)[0]
+    whole.tension[:] = descended(model, softer[0] if softer else net, beside, load)[0]
+    for one in softer:
+        first = net_at_rest(model, one, load)
+        first.tension[:] = whole.tension
+        relaxed(model, first, beside, load, pace, LAID_STEPS)
+        whole.tension[:] = first.tension
     residual = _balanced(model, net, whole, beside, load, pace)
     return _judged(model, net, Shape(beside, whole.tension), residual, load)
 

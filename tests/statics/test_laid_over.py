@@ -8,7 +8,7 @@ import pytest
 
 from anet_lumped import Cable, EquilibriumError, Fixed, Scene, equilibrium, nets
 from anet_lumped.effects import Bending, Gravity, Ground, Obstacles
-from anet_lumped.effects.shapes import Cylinder
+from anet_lumped.effects.shapes import Cylinder, Sphere
 from anet_lumped.statics import search
 
 G, WEIGHT = 9.81, 5.0  # [m/s2], [kg/m]
@@ -105,4 +105,18 @@ def test_a_thread_over_a_stiff_pipe_is_balanced_to_rounding(EA):
     constant = rest.tension("a-b") - 1e-3 * G * 0.5 * (q[1:, 2] + q[:-1, 2])
     assert np.ptp(constant) < 0.002 * load  # of segments that turn by 0.04
     carried = rest.reaction("a")[2] + rest.reaction("b")[2] - pipe.force_on(rest)[:, 2].sum()
+    assert abs(carried) == pytest.approx(load, rel=1e-6)
+
+
+def test_a_rope_laid_across_a_ball_on_a_bed_slips_off_it():
+    """On top of the ball it would slip to either side; leaving that rest on stiff contacts led to no other, and it was refused."""
+    rope = Cable("a", "b", length=8.1, mass_per_length=0.18, EA=4.4e4, segments=95, diameter=0.0047)
+    ends = [Fixed("a", (0.0, 0.0, 0.0)), Fixed("b", (4.7, 0.0, 0.4))]
+    ball, bed = Obstacles(Sphere((3.2, 0.0, -0.66), 0.79)), Ground(height=-0.005)
+    rest = equilibrium(Scene(ends, [rope], [Gravity(G), bed, ball]))
+    assert rest.stable and rest.residual < 1e-9
+    q, load = rest.shape("a-b"), 0.18 * G * 8.1
+    assert np.linalg.norm(q - (3.2, 0.0, -0.66), axis=1).min() > 0.79 - 1e-4 and q[:, 2].min() > -0.006
+    assert 0.42 < np.abs(q[:, 1]).max() < 0.79  # beside the circle of 0.44 m in which the ball comes out of the bed
+    carried = sum(rest.reaction(name)[2] for name in "ab") - sum(one.force_on(rest)[:, 2].sum() for one in (bed, ball))
     assert abs(carried) == pytest.approx(load, rel=1e-6)
