@@ -60,6 +60,8 @@ def convert(
     from anet_lumped.files.scene_file import MOORDYN, save_scene
     from anet_lumped.files.twin_file import ENDINGS, save_twin
 
+    if out.exists() and Path(scene).exists() and out.samefile(scene):
+        raise InputError(f"OUT must be another file than SCENE, of which it would keep no comment, but both are {out}.")
     if scene.lower().endswith(ENDING):
         if change or effect:
             raise InputError(f"A saved run is written as it is; --set and --effect change a scene, but {scene} is a run.")

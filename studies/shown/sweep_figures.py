@@ -118,12 +118,22 @@ def _heat_maps(table, columns, measures, x, y):
     figure, axes = _panels(len(measures), 4.6, 3.6)
     for panel, measure in zip(axes, measures, strict=True):
         grid = table.pivot_table(index=y, columns=x, values=measure)
-        image = panel.pcolormesh(grid.columns, grid.index, grid.to_numpy(), cmap=SCALE, shading="nearest")
+        image = panel.pcolormesh(_edges(grid.columns), _edges(grid.index), grid.to_numpy(), cmap=SCALE)
         _scale(panel.set_xscale, grid.columns)
         _scale(panel.set_yscale, grid.index)
         panel.set(xlabel=columns.label(x), ylabel=columns.label(y))
         figure.colorbar(image, ax=panel, label=columns.label(measure))
     return SweepFigure(figure, f"{_sentence(measures)} over {x} and {y}. White: no run that is done.")
+
+
+def _edges(values):
+    """Edges of cells (n + 1,) about n values, half way between them on the axis that `_scale` gives."""
+    values = values.to_numpy(float)
+    wide = _is_wide(values)
+    at = np.log(values) if wide else values
+    steps = np.diff(at) if len(at) > 1 else np.ones(1)
+    edges = np.concatenate([[at[0] - 0.5 * steps[0]], at[:-1] + 0.5 * np.diff(at), [at[-1] + 0.5 * steps[-1]]])
+    return np.exp(edges) if wide else edges
 
 
 def _clouds(table, columns, measures, x, y):

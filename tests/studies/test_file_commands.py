@@ -99,6 +99,15 @@ def test_all_that_is_refused_of_a_mooring_file_is_told_line_by_line(tmp_path, ca
     assert second.startswith('anet-lumped: rode.dat, line 18, "bottom.txt SeafloorFile": a seafloor must be in a readable file')
 
 
+def test_convert_does_not_write_over_what_it_reads(tmp_path, capsys):
+    file = tmp_path / "net.toml"
+    assert call("convert", "net_held", file) == 0
+    text = "# of mine\n" + file.read_text()
+    file.write_text(text)
+    assert call("convert", file, tmp_path / "." / "net.toml") == 2 and file.read_text() == text
+    assert "OUT must be another file than SCENE" in capsys.readouterr().err
+
+
 def test_convert_refuses_an_ending_it_does_not_know(tmp_path, capsys):
     assert call("convert", "net_held", tmp_path / "net.yaml") == 2
     assert "OUT must end in .toml, .txt, .dat, .moordyn, .xml, .sdf, but is" in capsys.readouterr().err

@@ -129,6 +129,9 @@ def test_a_heat_map_has_each_value_where_its_inputs_are():
     mesh = panel.collections[0].get_array()
     np.testing.assert_array_equal(mesh, np.outer([1.0, 2.0, 3.0, 4.0], [1.0, 10.0, 100.0]))
     assert (panel.get_xscale(), panel.get_yscale()) == ("log", "linear")
+    edges = panel.collections[0].get_coordinates()  # half way between the inputs, as the axes have them
+    np.testing.assert_allclose(np.log10(edges[0, :, 0]), [-0.5, 0.5, 1.5, 2.5])
+    np.testing.assert_allclose(edges[:, 0, 1], [0.5, 1.5, 2.5, 3.5, 4.5])
     assert (panel.get_xlabel(), bar.get_ylabel()) == ("a", "m [N]")
 
 
