@@ -117,6 +117,7 @@ class StepState(NamedTuple):
     balance: np.ndarray
 
 
+@once
 def entry_point(function):
     """The entry that Python may call of a function compiled for one signature, with arguments of exactly these types.
 
