@@ -139,6 +139,10 @@ class Effect:
         """Highest circular frequency of the motions that it brings to a scene [rad/s]; 0 if it brings none."""
         return 0.0
 
+    def highest_damping_rate(self, scene: Any) -> float:
+        """Largest rate c/m of the dampers that it brings to a scene, over the mass that they act on [1/s]; 0 if it brings none."""
+        return 0.0
+
     @property
     def narrowest(self) -> float:
         """Half of the smallest width of what nodes may not go through [m]; infinite if there is no such thing."""

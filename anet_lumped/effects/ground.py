@@ -82,6 +82,9 @@ class Ground(Effect):
         """Of the mass of a segment on the springs under it, sqrt(k d/mu), or of a body on those at one of its points."""
         return max(frequencies_of_contact(scene, self.stiffness))
 
+    def highest_damping_rate(self, scene: Any) -> float:
+        return max(frequencies_of_contact(scene, self.damping)) ** 2
+
     def at_rest(self) -> Effect:
         return replace(self, friction=0.0)
 

@@ -87,6 +87,9 @@ class GroundMap(Effect):
         """That of `Ground`, on the steepest slope."""
         return max(frequencies_of_contact(scene, self.stiffness)) * math.hypot(1.0, self.steepest)
 
+    def highest_damping_rate(self, scene: Any) -> float:
+        return max(frequencies_of_contact(scene, self.damping)) ** 2 * (1.0 + self.steepest**2)
+
     def at_rest(self) -> Effect:
         return replace(self, friction=0.0)
 

@@ -73,6 +73,9 @@ class MoordynBottom(Effect):
         """Of the mass of a segment on the springs under it."""
         return max(frequencies(scene.cables, self.stiffness))
 
+    def highest_damping_rate(self, scene: Any) -> float:
+        return max(frequencies(scene.cables, self.damping)) ** 2
+
     def at_rest(self) -> Effect:
         return replace(self, friction=0.0)
 

@@ -82,6 +82,9 @@ class Obstacles(Effect):
         """Of the mass of a segment on the springs under it, sqrt(k d/mu), or of a body on those at one of its points."""
         return max(frequencies_of_contact(scene, self.stiffness))
 
+    def highest_damping_rate(self, scene: Any) -> float:
+        return max(frequencies_of_contact(scene, self.damping)) ** 2
+
     @property
     def narrowest(self) -> float:
         return min(shape.half_width for shape in self.all_shapes)

@@ -150,9 +150,9 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
 
     An explicit step is cheap but tied to the top axial frequency; an implicit one is tied to the motion. Whichever needs less
     time for a second of motion is taken; a step that is given decides by its stability. An effect that is ``stiff``, so that
-    axial frequencies do not tell the limit, asks for the implicit one. At the start each cable is drawn by ``tension`` [N] or more,
-    no transverse vibration is faster than ``transverse`` [rad/s], which bounds the explicit steps of links, and nodes differ
-    by ``speed`` [m/s].
+    axial frequencies do not tell the limit, asks for the implicit one; so does one whose own motions need shorter explicit steps.
+    At the start each cable is drawn by ``tension`` [N] or more, no transverse vibration is faster than ``transverse`` [rad/s],
+    which bounds the explicit steps of links, and nodes differ by ``speed`` [m/s].
 
     Returns
     -------
@@ -194,7 +194,9 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
     undamped_slack_cable = next(
         (c.name for c in scene.cables if c.compression != "linear" and c.damping_ratio < CALM_DAMPING_RATIO), None
     )
-    stiff_effect = next((type(effect).__name__ for effect in scene.effects if effect.stiff), None)
+    stiff_effect = next(
+        (type(effect).__name__ for effect in scene.effects if effect.stiff or _stable_step(effect, scene) < explicit_step), None
+    )
     needs_implicit = undamped_slack_cable is not None or stiff_effect is not None
     if chosen_by_user:
         why = "asked for"
@@ -225,7 +227,7 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
     if undamped_slack_cable is not None and not by_need:
         why += f"; cable {quoted(undamped_slack_cable)} may go slack undamped, where an explicit step gains energy"
     if stiff_effect is not None and not by_need:
-        why += f"; no limit of an explicit step is known before the run for the forces of {stiff_effect}"
+        why += f"; an explicit step may be unstable by the forces of {stiff_effect}"
     scheme, limit = schemes.scheme(method), limits[method]
     if scheme.keeps_constraints:
         return _of_links(scheme, dt, motion, adaptive, transverse)
@@ -238,6 +240,12 @@ def choose(scene, method=None, dt=None, adaptive=False, tension=0.0, transverse=
         why += f"; dt={dt:.3g} s from the time scale of the motion"
     warning = "" if adaptive or dt <= limit else _predict(scene, (method,)).warning(method, dt)
     return Choice(method, dt, f"{method}: {why}", limit, (warning,) if warning else ())
+
+
+def _stable_step(effect, scene):
+    """Largest stable step of the explicit method for the motions that an effect brings to a scene, such as a contact [s]."""
+    omega, rate = effect.highest_frequency(scene), effect.highest_damping_rate(scene)
+    return float(stability.step_limit(DEFAULT_EXPLICIT, omega, 0.0, rate))
 
 
 def _cheaper(method, costs):
