@@ -9,7 +9,9 @@ with the step: two runs whose steps are far apart say little of how the error fa
 of a node that one segment catches, where the error is kept by what a coarser run says of it alone. Nor is
 the error of such a motion kept by the word of one run: one with four of its steps in one is beside it, and a third one where that
 is off by more than is allowed. Links that go slack and are taut at a blow are off by when the blow falls, and two runs may agree
-by chance: there no comparison takes anything off what a run tells. All runs have the saved states of the coarser ones.
+by chance: there no comparison takes anything off what a run tells. Where the method took vibrations along cables that could move
+their nodes by more than is allowed (`lost_vibrations`), two of its runs agree, too: one from which it takes nothing is beside it.
+All runs have the saved states of the coarser ones.
 
 A motion that asks for far shorter steps than those it began with would take minutes or hours. What all runs cost is counted in
 Newton iterations times moving nodes, which are the same on every machine. Where the next run would cost more than the budget, the
@@ -21,29 +23,22 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from anet_lumped.limits import STEPS, most_of
-from anet_lumped.results.amplification import is_hardly_seen
-from anet_lumped.results.buckling import first_buckled
-from anet_lumped.results.distances import distances
-from anet_lumped.results.free_flight import goes_loose, loose
+from anet_lumped.results.lost_vibrations import lost_sway
 from anet_lumped.results.run import Run
 from integrators import schemes
 
 from .choice import EXPLICIT_COST, IMPLICIT_COST, Choice
-from .first_step import thrown
+from .known_errors import Known, Wanted, alone, at_least, beside, compared, is_caught_and_corrected, left_of, may_multiply
 from .run_warnings import ALLOWED_LOSS
 from .times import SAVES
+from .told_errors import ASKED, Beyond, told
 from .verdict import least_steps
 
 LOG = logging.getLogger(__name__)
-ERROR_OF_LENGTH = 1e-3  # of the longest cable, and
-ERROR_OF_MOTION = 0.05  # of the largest way that a node goes: errors of places that the default keeps
-SMALLEST_ERROR = 1e-6  # of the longest cable: a motion that is smaller than its error is at rest
-TENSION_ERROR = 0.02  # of the largest tension: what the default keeps
 PILOT = 0.125  # of the time of a run; the pilot's cost is that share of the first run's
 FEWEST_STEPS = 400  # a shorter run costs so little that it is its own pilot
 BESIDE = 4  # steps in one of a run beside which a motion that goes loose is judged, where no other one is
@@ -54,52 +49,9 @@ MOST_AT_ONCE = 8  # steps that one is replaced by
 MOST_FOR_PLACES, MOST_FOR_TENSIONS = 512, 32  # steps in all that one of the first choice is replaced by; beyond, the run says so
 TRUSTED_PARTS = 2  # steps in one: beyond, the error of a motion that goes loose need not have fallen as its order says
 MOST_BETWEEN = 4  # steps in one of a third run beside one whose nodes are caught: it costs up to a quarter more
-AMPLIFIED = 4.0  # times the error that a run tells of itself: from there on the motion has multiplied it
 NEARER, NEARER_TENSION = 0.7, 0.8  # of an error of places, and of a tension: what shorter steps must leave at most, or are in vain
-LEAST_OF_TOLD = 0.05  # of the error that a run tells of itself, which is left of it by a comparison
 BUDGET = 5e7  # Newton iterations times moving nodes of all runs: some 15 s on one core, a minute in waves; or, if that is more,
 BUDGET_OF_FIRST = 8.0  # times those of a run with the steps of the first choice
-ASKED = 10.0  # times that budget, for an error that is asked for
-
-
-class Wanted(NamedTuple):
-    """Errors to keep.
-
-    Parameters
-    ----------
-    error : float or None [m], of places; None for the default's, see the module
-    tension_error : float, of the largest tension, over it
-    """
-
-    error: float | None
-    tension_error: float
-
-    def of_places(self, run: Run) -> float:
-        """Error of places to keep in a run [m]."""
-        if self.error is not None:
-            return self.error
-        length = run.scene.longest
-        way = float(np.abs(run.q - run.q[0]).max())
-        return max(min(ERROR_OF_LENGTH * length, ERROR_OF_MOTION * way), SMALLEST_ERROR * length)
-
-
-class Known(NamedTuple):
-    """What is known of the errors of a run.
-
-    Parameters
-    ----------
-    error : float [m], of places
-    tension_error : float, of the largest tension, over it
-    of_told : float, the error of places over that which the run tells of itself: more than one where the motion multiplies errors
-    since : float [s], from when on they are multiplied; infinite if they are not
-    apart : float [m], what its places and those of a coarser run differ by; infinite without one
-    """
-
-    error: float
-    tension_error: float
-    of_told: float = 1.0
-    since: float = math.inf
-    apart: float = math.inf
 
 
 class Budget:
@@ -124,17 +76,6 @@ class Budget:
         return max(min(wished, math.floor(min(more if asked and needed <= more else left, 1e9))), 1)
 
 
-class Beyond(NamedTuple):
-    """Steps that the budget does not allow: the ``parts`` in which they take those of the last run, and the ``budget``.
-
-    ``asked`` tells whether the error that is not kept was asked for.
-    """
-
-    parts: int
-    budget: float
-    asked: bool
-
-
 def cost(run: Run) -> float:
     """Newton iterations of a run times its moving nodes; a step of an explicit method counts as much less as it costs less."""
     work = run.work.newton_iterations or run.work.steps * EXPLICIT_COST / IMPLICIT_COST
@@ -154,7 +95,8 @@ def keep_error(
 
     Parameters
     ----------
-    march : callable(choice, duration) -> Run, from the start of the motion; with a time between saved states, if that is given
+    march : callable(choice, duration) -> Run, from the start of the motion; with a time between saved states, if that is given, and
+        without what the method takes, if it is told so by ``undamped``
     choice : Choice
         Method and first step.
     wanted : Wanted
@@ -181,34 +123,42 @@ def keep_error(
         needs = _needed(run, wanted, known, share)
         return max(budget.parts(run, wish, needed, share, one) for wish, needed, one in zip(wishes, needs, asked, strict=True))
 
+    def marches_beside(run: Run, other: Choice) -> Run:
+        return budget.spend(march(other, duration, _beyond(run, other), undamped=True), other.dt / first)
+
     if duration > FEWEST_STEPS * first:
         pilot = march(choice, span * max(1.0, math.floor(PILOT * duration / span)) if span < duration else PILOT * duration)
         if pilot.ok:
             share = (pilot.t[-1] - pilot.t[0]) / duration
-            known = _alone(pilot)
+            known = alone(pilot)
             other = instead(pilot, _needed(pilot, wanted, known, share)[0]) if instead is not None else None
             if other is not None:
                 return other
             budget.spend(pilot, 1.0, share)
             choice = _finer(choice, affordable(pilot, _parts(pilot, wanted, known, share), known, share), span)
     run, in_vain, as_far_before = budget.spend(march(choice, duration), choice.dt / first), (False, False), False
-    known = _alone(run)
+    known, is_whole, lossy = alone(run), False, False
     while run.ok:
         most = int(most_of(STEPS) * choice.dt / duration)
         for_places, for_tensions = _parts(run, wanted, known, 1.0, choice.dt / first, in_vain)
         wishes = min(for_places, most), min(for_tensions, most)
         if max(wishes) < 2:
+            if not is_whole and lost_sway(run) > max(known.error, wanted.of_places(run)):
+                before, known, is_whole = known, _without_loss(run, choice, known, wanted, marches_beside), True
+                lossy = known.error > before.error
+                in_vain = in_vain[0] and not lossy, in_vain[1]  # of errors that had not been seen
+                continue
             longer = _longer(choice, duration, least)
-            if longer is None or known.apart < math.inf or not _may_multiply(run):
+            if longer is None or known.apart < math.inf or not may_multiply(run):
                 break
             coarser = budget.spend(march(longer, duration, _beyond(run, longer)), longer.dt / first)
             if not coarser.ok or coarser.error is None:
                 break
-            known = _beside(run, coarser, known, wanted)
+            known = beside(run, coarser, known, wanted)
             nearer = replace(choice, dt=choice.dt * BETWEEN)
-            if known.apart > wanted.of_places(run) and nearer.dt < longer.dt and _kept(run, known, wanted):
+            if known.apart > wanted.of_places(run) >= known.error and nearer.dt < longer.dt:
                 coarser = budget.spend(march(nearer, duration, _beyond(run, nearer)), nearer.dt / first)
-                known = _beside(run, coarser, known, wanted) if coarser.ok and coarser.error is not None else known
+                known = beside(run, coarser, known, wanted) if coarser.ok and coarser.error is not None else known
             continue
         needs = _needed(run, wanted, known, 1.0)
         other = instead(run, needs[0]) if instead is not None and known.apart == math.inf else None
@@ -220,24 +170,25 @@ def keep_error(
             one = asked[first_unkept]
             next_parts = math.ceil(needs[first_unkept]) if one else max(wishes)
             return told(run, known, wanted, beyond=Beyond(next_parts, budget.most * (ASKED if one else 1.0), one))
-        coarser, before, before_choice, choice = run, known, choice, _finer(choice, parts, span)
+        coarser, before, before_choice, choice, is_whole = run, known, choice, _finer(choice, parts, span), False
         took = parts * run.wall_time
         LOG.info("with dt=%.3g s places are known to %.2g m, the largest tension to %.2g", run.dt, known.error, known.tension_error)
         LOG.info("again with dt=%.3g s, which takes about %.2g s", choice.dt, took)
         run = budget.spend(march(choice, duration, _within(coarser, choice, duration)), choice.dt / first)
         if not run.ok:
             return run
-        whips = _may_multiply(run)  # then a coarser run that tells less knows less
+        whips = may_multiply(run)  # then a coarser run that tells less knows less
         tells_more = (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0)
         if tells_more and run.tension_error > before.tension_error and not whips:
             return told(coarser, before, wanted, too_short=run.dt)
-        known = _compared(run, coarser, wanted, before.apart)
-        if parts > TRUSTED_PARTS and _kept(run, known, wanted) and (whips or _is_caught_and_corrected(run, known, wanted)):
+        known, lossy = compared(run, coarser, wanted, 0.0 if lossy else before.apart), False
+        seems_kept = known.error <= wanted.of_places(run)
+        if parts > TRUSTED_PARTS and seems_kept and (whips or is_caught_and_corrected(run, known, wanted)):
             in_parts = (parts + 1) // 2 if whips else max((parts + 1) // MOST_BETWEEN, 2)
             third = _finer(before_choice, in_parts, span)
             between = budget.spend(march(third, duration, _within(coarser, third, duration)), 1.0)
             if between.ok:
-                known = known._replace(error=max(known.error, _left_of(run, between)))
+                known = at_least(left_of(run, between), known, run)
         # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
         loses = run.energy_balance.lost_to_method > ALLOWED_LOSS * run.energy_balance.in_play
         as_far = known.tension_error > NEARER_TENSION * before.tension_error
@@ -283,50 +234,18 @@ def _apart(run: Run) -> float:
     return float(np.median(np.diff(run.t)))
 
 
-def _is_caught_and_corrected(run: Run, known: Known, wanted: Wanted) -> bool:
-    """Whether a run keeps an error of places that it tells to be larger, or that grows, as a coarser one says, and nodes fly in it.
-
-    When a node is caught, a coarse step moves the time of that by much of itself: what the coarse run told may be many times too
-    large, or its places near to those of the finer one by chance.
-    """
-    tells_more = (run.error_estimate or 0.0) > wanted.of_places(run)
-    return (tells_more or known.of_told > AMPLIFIED) and run.segment_tension.min(initial=1.0) <= 0.0 and bool(loose(run).any())
-
-
-def _may_multiply(run: Run) -> bool:
-    """Whether a motion goes loose or buckles, or may do so unseen, so that the errors which a run tells may be multiplied.
-
-    A body whose cables go slack tumbles until they catch it.
-    """
-    known = goes_loose(run) or first_buckled(run) is not None or (run.model.has_bodies and _goes_slack(run))
-    return known or is_hardly_seen(run)
-
-
-def _goes_slack(run: Run) -> bool:
-    """Whether a segment holds nothing at a saved time after the start."""
-    return bool((run.segment_tension[1:] <= 0.0).any())
-
-
-def _collides(run: Run) -> bool:
-    """Whether cables that do not stretch go slack: they are taut again at a blow, whose time no step resolves."""
-    return any(cable.inextensible for cable in run.scene.cables) and _goes_slack(run)
-
-
-def _beside(run: Run, coarser: Run, known: Known, wanted: Wanted) -> Known:
-    """What is known of the errors of a run beside a coarser one, no less than the run tells by itself."""
-    seen = _compared(run, coarser, wanted, known.apart if known.apart < math.inf else 0.0)
-    more = max(seen.tension_error, known.tension_error)
-    if seen.error <= known.error:
-        return known._replace(apart=seen.apart, tension_error=more)
-    return seen._replace(tension_error=more)
-
-
-def _alone(run: Run) -> Known:
-    """Errors of a run as it tells them by itself; where its first step throws nodes off, all of their way may be wrong."""
-    error = run.error_estimate or 0.0
-    if thrown(run) is not None:
-        error = max(error, float(np.abs(run.q - run.q[0]).max()))
-    return Known(error, run.tension_error)
+def _without_loss(run: Run, choice: Choice, known: Known, wanted: Wanted, march: Callable[[Run, Choice], Run]) -> Known:
+    """What is known of a run beside one from which the method takes nothing, with longer steps if those are enough."""
+    for together in (BETWEEN, 1):
+        undamped = march(run, replace(choice, dt=together * choice.dt))
+        if not undamped.ok or undamped.error is None:
+            continue
+        seen = compared(run, undamped, wanted, 0.0)
+        if seen.apart <= wanted.of_places(run):
+            return known
+        if together == 1:
+            return seen._replace(tension_error=known.tension_error, apart=known.apart)
+    return at_least(lost_sway(run), known, run)
 
 
 def _parts(
@@ -369,89 +288,3 @@ def _parts_as_it_falls(known: Known, before: Known, parts: int, allowed: float) 
         return math.inf
     order_seen = math.log(before.error / known.error) / math.log(parts)
     return math.exp(min(math.log(known.error / allowed) / order_seen, 700.0))
-
-
-def _compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Known:
-    """Errors of a run, as it tells them and as a coarser one before it shows them.
-
-    Where two runs are hardly nearer to each other than the two before them, which were ``apart_before`` [m], nothing says that the
-    next will be: what a run differs by from its predecessor is then its error, else what is left of a geometric series. The error
-    of the largest tension is what the run tells, times what the largest tensions differ by over what the coarser run told, if that
-    is more: two runs from which the method took the same vibration agree.
-    """
-    own, theirs, by_node = distances(run, coarser)
-    apart = np.maximum.accumulate(by_node.max(axis=1))
-    told, last = np.maximum(coarser.error[theirs], 1e-300), float(apart[-1])
-    ratio = min(last / apart_before, 0.5) if apart_before > 0.0 else 0.0
-    own_told = max(run.error_estimate or 0.0, 1e-300)
-    least = 1.0 if _collides(run) else LEAST_OF_TOLD
-    error = max(own_told * max(last / float(told[-1]), least), last * ratio / (1.0 - ratio))
-    of_told = error / own_told
-    beyond = apart > np.maximum(AMPLIFIED * told, wanted.of_places(run))
-    since = float(run.t[own][np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf
-    peak, peak_of_coarser = run.peak_tension(), coarser.peak_tension()
-    changed = abs(peak - peak_of_coarser) / max(peak, peak_of_coarser, 1e-300)
-    tension_error = run.tension_error * max(changed / max(coarser.tension_error, 1e-300), 1.0)
-    return Known(error, min(tension_error, 1.0), of_told, since, last)
-
-
-def _left_of(run: Run, coarser: Run) -> float:
-    """Error of a run that falls with the order of its method from that of a coarser one [m]."""
-    scheme = schemes.scheme(run.method)
-    order = scheme.error_order or scheme.order or 1
-    return float(distances(run, coarser).apart.max()) / ((coarser.dt / run.dt) ** order - 1.0)
-
-
-def _kept(run: Run, known: Known, wanted: Wanted) -> bool:
-    return known.error <= wanted.of_places(run) and known.tension_error <= wanted.tension_error
-
-
-def _or_are_saved(run: Run) -> str:
-    """What hides jumps of a tension besides the steps: saved states that are farther apart than those."""
-    farther = float(np.diff(run.t).max(initial=0.0)) > 1.5 * run.dt
-    return ", or its peak is between saved states, of which a smaller save_every has more" if farther else ""
-
-
-def told(
-    run: Run, known: Known, wanted: Wanted, how: str = "", too_short: float | None = None, beyond: Beyond | None = None
-) -> Run:
-    """The run with what was kept in its reason, and what was not in its warnings.
-
-    ``how`` says with which step or tolerance. Steps of ``too_short`` [s] have told larger errors than those of the run. What it
-    does not keep may take steps ``beyond`` the budget.
-    """
-    how = how or f"dt={run.dt:.3g} s"
-    allowed = wanted.of_places(run)
-    if run.error is not None:
-        run = replace(run, error_factor=run.error_factor * known.of_told)
-    reason = (
-        f"{run.reason}; {how} keeps places to {allowed:.2g} m (estimated {known.error:.2g} m) "
-        f"and peak tensions to {wanted.tension_error:.2g} (estimated {known.tension_error:.2g})"
-    )
-    if _kept(run, known, wanted):
-        return replace(run, reason=reason, kept=True)
-    found = []
-    if known.error > allowed:
-        until = float(run.t[np.argmax(run.error > allowed)])
-        why = f", because the motion multiplies errors {known.of_told:.2g} times from t={known.since:.4g} s on"
-        found.append(
-            f"places are known to {allowed:.2g} m until t={until:.4g} s, to {known.error:.2g} m at the end"
-            f"{why if known.since < math.inf else ''}"
-        )
-    if known.tension_error > wanted.tension_error:
-        found.append(
-            f"the largest tension is known to {known.tension_error:.1%} where {wanted.tension_error:.1%} are wanted: "
-            f"it jumps faster than the steps resolve{_or_are_saved(run)}"
-        )
-    if too_short is not None:
-        found.append(f"dt={too_short:.3g} s was tried too, and told larger errors, of rounding or of vibrations that it shows")
-    if beyond is not None:
-        wish = f"error={allowed:.2g}" if known.error > allowed else f"tension_error={wanted.tension_error:.2g}"
-        more = "" if beyond.asked else f"{wish} has {ASKED:g} times that, and "
-        found.append(
-            f"shorter steps may keep it, beyond the budget of {beyond.budget:.2g} Newton iterations times nodes; {more}"
-            f"dt={run.dt / beyond.parts:.2g} s is next, which takes about {beyond.parts} times this run's time"
-        )
-    said = "; ".join(found)
-    text = f"{run.method} with {how}: {said}."
-    return replace(run, reason=f"{run.reason}; with {how} {said}", warnings=(*run.warnings, text), kept=False)

@@ -15,9 +15,10 @@ from integrators import schemes
 from integrators.schemes.record import Scheme
 
 from .about_peak import with_peak_judged
-from .accuracy import Wanted, keep_error
+from .accuracy import keep_error
 from .choice import Choice, by_links, links_are_cheaper, shedding_cable
 from .judged_states import as_asked, judged_every
+from .known_errors import Wanted
 from .legs import Settings
 from .link_legs import SLACK_ALLOWED, slack_time
 from .motion import Motion
@@ -61,9 +62,10 @@ def errors_kept(motion: Motion, plan: Plan, wanted: Wanted, keeps: Keeps) -> tup
         found, stand_in = _by_links(motion, plan._replace(choice=choice), wanted, run, parts) or (None, motion)
         return found
 
-    def march(choice: Choice, until: float, apart: float | None = None) -> Run:
+    def march(choice: Choice, until: float, apart: float | None = None, undamped: bool = False) -> Run:
         saved = every if apart is None else max(apart, every or 0.0)  # what is asked for is saved by all runs but a coarser one
-        some = motion._replace(duration=until, save_every=saved)
+        settings = motion.settings._replace(rho_inf=1.0) if undamped else motion.settings
+        some = motion._replace(duration=until, save_every=saved, settings=settings)
         return with_peak_judged(some.march(choice), some, choice)
 
     rigid = keeps.by_default and _links_may_stand_in(motion.scene)

@@ -19,6 +19,7 @@ from anet_lumped.results.audit import SHARE
 from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.results.free_flight import MULTIPLIED, first_loose, times_at_most
+from anet_lumped.results.lost_vibrations import lost_sway
 from anet_lumped.results.peaks import hidden_peak
 from anet_lumped.results.tension_error import lowest_axial_mode
 from anet_lumped.scene.platform import driven_from_outside
@@ -48,6 +49,7 @@ class Finding(Enum):
     STOOD_STILL = "points that are driven from outside, which nothing has moved"
     THROUGH_AN_OBSTACLE = "cables that may have gone through an obstacle"
     MULTIPLIED_ERRORS = "errors that the motion may have multiplied"
+    LOST_VIBRATIONS = "vibrations which the method took, that could move nodes"
     THROWN_AT_START = "a start that the first step does not resolve"
     HIDDEN_PEAK = "a largest tension that passes between saved states"
     TAKEN_IN_PARTS = "steps whose equations were solved in many parts only"
@@ -75,11 +77,15 @@ def findings(run, adaptive=False):
         (Finding.STOOD_STILL, _stood_still(run)),
         (Finding.THROUGH_AN_OBSTACLE, _through_an_obstacle(run, step)),
         (Finding.MULTIPLIED_ERRORS, _multiplied_errors(run)),
+        (Finding.LOST_VIBRATIONS, _lost_vibrations(run, step)),
         (Finding.THROWN_AT_START, "" if adaptive or run.kept else _thrown_at_start(run, step)),
         (Finding.HIDDEN_PEAK, _hidden_peak(run)),
         (Finding.TAKEN_IN_PARTS, "" if adaptive or run.extrapolated else _taken_in_parts(run)),
     )
-    return {finding: text for finding, text in texts if text}
+    found = {finding: text for finding, text in texts if text}
+    if found.keys() & {Finding.TAKEN_BY_METHOD, Finding.MULTIPLIED_ERRORS}:  # which say as much
+        found.pop(Finding.LOST_VIBRATIONS, None)
+    return found
 
 
 def warnings_of(run, adaptive=False):
@@ -165,6 +171,19 @@ def _multiplied_errors(run):
     return (
         f"{run.method}: {what} from t={since:.4g} s on, and such a motion may multiply errors: those of places "
         f"may be {most}; audit=True, or error=... without dt, compares two runs."
+    )
+
+
+def _lost_vibrations(run, step):
+    """Vibrations along cables that the method took, where they could move nodes across by `SHARE` of the longest cable."""
+    if run.kept is not None or run.extrapolated or run.audit is not None:
+        return ""
+    sway = lost_sway(run)
+    if sway <= SHARE * run.scene.longest:
+        return ""
+    return (
+        f"{run.method}: its steps took vibrations along cables, {run.energy_balance.by_method:.2g} J, with which nodes could swing "
+        f"by {sway:.2g} m across them; run.error_estimate does not tell that. Take {step}, or rho_inf=1, and compare."
     )
 
 

@@ -15,9 +15,9 @@ from anet_lumped.statics.first_state import first_state
 from anet_lumped.statics.starts import Start, straight
 from integrators import schemes
 
-from .accuracy import TENSION_ERROR, Wanted
 from .extrapolation import extrapolated, method_to_extrapolate
 from .kept_errors import Keeps, check_keeps_error, errors_kept
+from .known_errors import TENSION_ERROR, Wanted
 from .legs import Settings
 from .motion import Motion
 from .plan import Asked, check_arguments, check_flags, planned

@@ -15,7 +15,8 @@ from anet_lumped.results.distances import distances
 from anet_lumped.results.events import SLACK
 from anet_lumped.results.run import Run
 
-from .accuracy import AMPLIFIED, ERROR_OF_LENGTH, Known, Wanted, told
+from .known_errors import AMPLIFIED, ERROR_OF_LENGTH, Known, Wanted
+from .told_errors import told
 
 LOG = logging.getLogger(__name__)
 FIRST = 0.1  # of the error wanted, the tolerance of the first run

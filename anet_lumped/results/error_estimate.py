@@ -57,7 +57,7 @@ def place_errors(run: Any) -> np.ndarray:
         told += break_errors(run, columns[LEFT])
     told *= run.error_factor
     told = np.minimum(np.maximum.accumulate(told), max(float(columns[WAYS].max()), float(run.error_growth[0])))
-    return told + _unseen(run)  # which is a way that no node went
+    return told + run.error_factor * _unseen(run)  # which is a way that no node went
 
 
 def _unseen(run: Any) -> np.ndarray | float:

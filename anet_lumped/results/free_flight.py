@@ -16,6 +16,7 @@ import numpy as np
 
 from .amplification import is_hardly_seen
 from .buckling import buckling_exponents, first_buckled
+from .lost_vibrations import lost_sway
 from .place_rows import FIRST_LOOSE, FLIGHT
 from .saved_motion import LARGEST_EXPONENT, look_at
 
@@ -48,10 +49,16 @@ def first_loose(run: Any) -> float | None:
 
 
 def multiplied(run: Any) -> float:
-    """Times the errors told of places that they may be, as far as nodes go: 1, or what looseness and buckling make of them."""
-    if not run.error_estimate or not (goes_loose(run) or first_buckled(run) is not None or is_hardly_seen(run)):
+    """Times the errors told of places that they may be, as far as nodes go: 1, or what looseness and buckling make of them.
+
+    And what vibrations would that the method took (`lost_vibrations`).
+    """
+    if not run.error_estimate:
         return 1.0
-    times = min(longest_way(run) / run.error_estimate, times_at_most(run))
+    times = lost_sway(run) / run.error_estimate
+    if goes_loose(run) or first_buckled(run) is not None or is_hardly_seen(run):
+        times = max(times, times_at_most(run))
+    times = min(longest_way(run) / run.error_estimate, times)
     return times if times > WITHIN else 1.0
 
 

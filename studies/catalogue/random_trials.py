@@ -15,7 +15,7 @@ import numpy as np
 from anet_lumped import Cable, Driven, EquilibriumError, Fixed, Free, InputError, Scene, SceneError, State, effects
 from anet_lumped.model.build import build
 from anet_lumped.model.tables import AXIAL_STIFFNESS
-from anet_lumped.motion.accuracy import TENSION_ERROR, Wanted
+from anet_lumped.motion.known_errors import TENSION_ERROR, Wanted
 from anet_lumped.motion.simulate import StabilityWarning, simulate, straight
 from anet_lumped.motion.stability import predict
 from anet_lumped.prescribed import paths

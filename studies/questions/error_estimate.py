@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from anet_lumped import EquilibriumError, simulate
-from anet_lumped.motion.accuracy import ERROR_OF_LENGTH, ERROR_OF_MOTION, TENSION_ERROR, Wanted
 from anet_lumped.motion.choice import SHARE_OF_TIME_SCALE, time_scale
+from anet_lumped.motion.known_errors import ERROR_OF_LENGTH, ERROR_OF_MOTION, TENSION_ERROR, Wanted
 from anet_lumped.views.palette import look
 from studies.catalogue.random_motions import random_motion
 from studies.shown.sentences import counted, percent

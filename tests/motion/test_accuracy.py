@@ -8,10 +8,11 @@ import pytest
 
 from anet_lumped import Cable, Driven, Fixed, Free, PayloadChange, Scene, State, equilibrium, paths, simulate
 from anet_lumped.effects import Gravity
-from anet_lumped.motion import accuracy
+from anet_lumped.motion import accuracy, told_errors
 from anet_lumped.motion import motion as motion_module
-from anet_lumped.motion.accuracy import ERROR_OF_LENGTH, PILOT, TENSION_ERROR, Budget, Wanted, _compared, cost, keep_error
+from anet_lumped.motion.accuracy import PILOT, Budget, cost, keep_error
 from anet_lumped.motion.choice import EXPLICIT_COST, IMPLICIT_COST, SHARE_OF_TIME_SCALE, Choice, time_scale
+from anet_lumped.motion.known_errors import ERROR_OF_LENGTH, TENSION_ERROR, Wanted, compared
 from anet_lumped.results.distances import distances
 from anet_lumped.results.energy_balance import BY_METHOD
 from studies.catalogue.random_motions import random_motion
@@ -198,7 +199,7 @@ def test_a_tension_that_is_not_kept_between_saved_states_asks_for_more_of_them()
     run = simulate(scene, 1.0, start="straight", save_every=0.01)
     assert run.kept is False
     assert "or its peak is between saved states, of which a smaller save_every has more" in run.reason
-    assert accuracy._or_are_saved(simulate(loose(), 0.1, start="straight", dt=0.01)) == ""
+    assert told_errors._or_are_saved(simulate(loose(), 0.1, start="straight", dt=0.01)) == ""
 
 
 def test_at_rest_nothing_is_refined():
@@ -243,7 +244,7 @@ def test_two_runs_correct_what_the_finer_one_tells_of_its_largest_tension(factor
     coarse, fine = (simulate(swing(), 1.0, start="straight", method="edmc", dt=dt, save_every=0.02) for dt in (0.02, 0.01))
     alike = replace(fine, segment_tension=factor * coarse.segment_tension)  # tells as much of itself, but for lost energy
     times = (1.0 - 1.0 / factor) / coarse.tension_error
-    known = _compared(alike, coarse, Wanted(None, 0.02), math.inf)
+    known = compared(alike, coarse, Wanted(None, 0.02), math.inf)
     assert known.tension_error == pytest.approx(min(alike.tension_error * max(times, 1.0), 1.0), rel=1e-12)
     assert (times > 1.0) == (factor > 1.0)
 

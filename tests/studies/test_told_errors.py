@@ -8,7 +8,7 @@ import pytest
 from slow import slow
 
 from anet_lumped import simulate
-from anet_lumped.motion.accuracy import Wanted
+from anet_lumped.motion.known_errors import Wanted
 from studies.catalogue.random_motions import KINDS, random_motion
 from studies.questions import error_estimate
 

@@ -12,8 +12,8 @@ from systems import four_cables, loose_cable
 from anet_lumped import Cable, Fixed, Free, InputError, Scene, State, simulate
 from anet_lumped.effects import Load
 from anet_lumped.model.build import build
-from anet_lumped.motion.accuracy import Wanted
 from anet_lumped.motion.choice import time_scale
+from anet_lumped.motion.known_errors import Wanted
 from anet_lumped.motion.simulate import StabilityWarning, straight
 from anet_lumped.motion.tolerance import keep_error_by_tolerance
 from anet_lumped.results.run import Run
