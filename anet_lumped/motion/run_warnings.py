@@ -162,7 +162,8 @@ def _multiplied_errors(run):
     what, since = min(begins.items(), key=lambda one: math.inf if one[1] is None else one[1])
     if since is None and not is_hardly_seen(run):
         return ""
-    most = f"up to {times:g} times what run.error_estimate tells" if times == MULTIPLIED else "as large as the way of a node"
+    told = times == MULTIPLIED and run.multiplies > 1.0
+    most = f"up to {run.multiplies:.2g} times what run.error_estimate tells" if told else "as large as the way of a node"
     if since is None:
         return (
             f"{run.method}: tensions swing faster than saved states show, and such a motion may multiply errors: those of places "
