@@ -53,6 +53,7 @@ class Known(NamedTuple):
     of_told : float, the error of places over that which the run tells of itself: more than one where the motion multiplies errors
     since : float [s], from when on they are multiplied; infinite if they are not
     apart : float [m], what its places and those of a coarser run differ by; infinite without one
+    until : float [s], from when on these differ by so much that the error which is left of it is not kept; infinite if they do not
     """
 
     error: float
@@ -60,6 +61,7 @@ class Known(NamedTuple):
     of_told: float = 1.0
     since: float = math.inf
     apart: float = math.inf
+    until: float = math.inf
 
 
 def is_kept(run: Run, known: Known, wanted: Wanted) -> bool:
@@ -90,12 +92,13 @@ def compared(run: Run, coarser: Run, wanted: Wanted, apart_before: float) -> Kno
     least = 1.0 if _collides(run) else LEAST_OF_TOLD
     error = max(own_told * max(last / float(told[-1]), least), last * ratio / (1.0 - ratio))
     of_told = error / own_told
-    beyond = apart > np.maximum(AMPLIFIED * told, wanted.of_places(run))
-    since = float(run.t[own][np.argmax(beyond)]) if of_told > AMPLIFIED and beyond.any() else math.inf
+    allowed = wanted.of_places(run)
+    since = _first(run.t[own], apart > np.maximum(AMPLIFIED * told, allowed)) if of_told > AMPLIFIED else math.inf
+    until = _first(run.t[own], apart * error > allowed * last)
     peak, peak_of_coarser = run.peak_tension(), coarser.peak_tension()
     changed = abs(peak - peak_of_coarser) / max(peak, peak_of_coarser, 1e-300)
     tension_error = run.tension_error * max(changed / max(coarser.tension_error, 1e-300), 1.0)
-    return Known(error, min(tension_error, 1.0), of_told, since, last)
+    return Known(error, min(tension_error, 1.0), of_told, since, last, until)
 
 
 def beside(run: Run, coarser: Run, known: Known, wanted: Wanted) -> Known:
@@ -110,6 +113,11 @@ def beside(run: Run, coarser: Run, known: Known, wanted: Wanted) -> Known:
 def at_least(error: float, known: Known, run: Run) -> Known:
     """What is known of a run with an error of places that is no less than ``error`` [m]."""
     return known if error <= known.error else known._replace(error=error, of_told=error / max(run.error_estimate or 0.0, 1e-300))
+
+
+def _first(t: np.ndarray, found: np.ndarray) -> float:
+    """First of some times [s] at which something was found; infinite if it never was."""
+    return float(t[np.argmax(found)]) if found.any() else math.inf
 
 
 def left_of(run: Run, coarser: Run) -> float:

@@ -45,7 +45,7 @@ def told(
     found = []
     if known.error > allowed:
         of_known = run.error[-1] / known.error if known.error < math.inf else 1.0  # no more than a node's way
-        until = float(run.t[np.argmax(run.error > allowed * of_known)])
+        until = min(float(run.t[np.argmax(run.error > allowed * of_known)]), known.until)
         why = f", because the motion multiplies errors {known.of_told:.2g} times from t={known.since:.4g} s on"
         found.append(
             f"places are known to {allowed:.2g} m until t={until:.4g} s, to {known.error:.2g} m at the end"

@@ -238,6 +238,19 @@ def test_messages(options, message):
         simulate(swing(), 0.1, start="straight", **options)
 
 
+def test_two_runs_show_until_when_places_are_known():
+    """From the first time on at which what they differ by, as far as it is left of the finer one, is more than is allowed."""
+    coarse, fine = (simulate(swing(), 1.0, start="straight", method="edmc", dt=dt, save_every=0.02) for dt in (0.02, 0.01))
+    error = compared(fine, coarse, Wanted(1.0, 0.02), 0.0).error
+    off = fine.q.copy()
+    off[30:, 0, 1] += 1.0  # what neither tells of itself
+    other = replace(fine, q=off)
+    known = compared(other, coarse, Wanted(2.0 * error, 0.02), 0.0)
+    assert known.error > 10.0 * error
+    assert known.until == pytest.approx(fine.t[30])
+    assert compared(other, coarse, Wanted(2.0 * known.error, 0.02), 0.0).until == math.inf
+
+
 @pytest.mark.parametrize("factor", [3.0, 1.0])
 def test_two_runs_correct_what_the_finer_one_tells_of_its_largest_tension(factor):
     """By what their largest tensions differ over what the coarser one told; where they agree, both may lack the same vibration."""
