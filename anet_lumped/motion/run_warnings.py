@@ -19,7 +19,7 @@ from anet_lumped.results.audit import SHARE
 from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.results.free_flight import MULTIPLIED, first_loose, times_at_most
-from anet_lumped.results.lost_vibrations import lost_sway
+from anet_lumped.results.lost_vibrations import said_sway
 from anet_lumped.results.peaks import hidden_peak
 from anet_lumped.results.tension_error import lowest_axial_mode
 from anet_lumped.scene.platform import driven_from_outside
@@ -151,7 +151,7 @@ def _multiplied_errors(run):
 
     By what steps have left out: all that a run tells of its errors takes a tenth of the time of a short one.
     """
-    if run.kept is not None or run.extrapolated or run.audit is not None or run.error_growth is None:
+    if run.was_compared or run.error_growth is None:
         return ""
     if run.segment_tension.min(initial=1.0) > 0.0 and not is_hardly_seen(run):
         return ""  # what stays taut neither goes loose nor buckles
@@ -176,11 +176,9 @@ def _multiplied_errors(run):
 
 
 def _lost_vibrations(run, step):
-    """Vibrations along cables that the method took, where they could move nodes across by `SHARE` of the longest cable."""
-    if run.kept is not None or run.extrapolated or run.audit is not None:
-        return ""
-    sway = lost_sway(run)
-    if sway <= SHARE * run.scene.longest:
+    """Vibrations along cables that the method took, where they could move nodes across them."""
+    sway = 0.0 if run.was_compared else said_sway(run)
+    if sway == 0.0:
         return ""
     return (
         f"{run.method}: its steps took vibrations along cables, {run.energy_balance.by_method:.2g} J, with which nodes could swing "

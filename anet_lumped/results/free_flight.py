@@ -16,7 +16,7 @@ import numpy as np
 
 from .amplification import is_hardly_seen
 from .buckling import buckling_exponents, first_buckled
-from .lost_vibrations import lost_sway
+from .lost_vibrations import said_sway
 from .place_rows import FIRST_LOOSE, FLIGHT
 from .saved_motion import LARGEST_EXPONENT, look_at
 
@@ -55,7 +55,7 @@ def multiplied(run: Any) -> float:
     """
     if not run.error_estimate:
         return 1.0
-    times = lost_sway(run) / run.error_estimate
+    times = said_sway(run) / run.error_estimate
     if goes_loose(run) or first_buckled(run) is not None or is_hardly_seen(run):
         times = max(times, times_at_most(run))
     times = min(longest_way(run) / run.error_estimate, times)

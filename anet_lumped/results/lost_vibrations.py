@@ -15,6 +15,7 @@ import numpy as np
 from integrators import schemes
 
 CONSIDERABLE = 0.2  # of the mean tensions: vibrations that change the waves across a cable
+SAID = 5e-3  # of the longest cable: what a run at a given step says of it
 
 
 def lost_sway(run: Any) -> float:
@@ -34,3 +35,9 @@ def lost_sway(run: Any) -> float:
     if stiffness_across <= 0.0 or vibration < CONSIDERABLE * sum(tensions):
         return 0.0
     return 2.0 / math.pi * math.sqrt(lost / stiffness_across)
+
+
+def said_sway(run: Any) -> float:
+    """`lost_sway`, 0 where that is less than `SAID` of the longest cable [m]."""
+    sway = lost_sway(run)
+    return sway if sway > SAID * run.scene.longest else 0.0

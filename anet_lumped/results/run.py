@@ -185,14 +185,18 @@ class Run:
         """Largest error of a place over the run [m], estimated; None if it is not known."""
         return None if self.error is None else float(self.error[-1])
 
+    @property
+    def was_compared(self) -> bool:
+        """Whether runs with two steps have been compared: it keeps errors, or does not, is a limit of two, or was audited."""
+        return self.kept is not None or self.extrapolated or self.audit is not None
+
     @cached_property
     def multiplies(self) -> float:
         """Times the errors told of places that they may be: 1, or more where it goes loose or buckles (`free_flight.multiplied`).
 
         1 where runs with two steps have been compared, which shows what the motion multiplies.
         """
-        compared = self.kept is not None or self.extrapolated or self.audit is not None
-        return 1.0 if compared else free_flight.multiplied(self)
+        return 1.0 if self.was_compared else free_flight.multiplied(self)
 
     @cached_property
     def tension_error(self) -> float:
