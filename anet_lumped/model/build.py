@@ -130,7 +130,7 @@ def refilled(known, scene):
     vars(model).update(effects=_effect_tables(model.forces, model, known))
     if rest_lengths.changes(scene) or len(known.lengths.cable):
         vars(model).pop("trails", None)
-        vars(model).update(lengths=rest_lengths.table(scene, model, _cut))
+        vars(model).update(lengths=rest_lengths.table(scene, model, _params_of))
     return model
 
 
@@ -180,7 +180,7 @@ def _cut(scene):
         lengths=None,
     )
     model = replace(model, effects=_effect_tables(model.forces, model))
-    return replace(model, lengths=rest_lengths.table(scene, model, _cut))
+    return replace(model, lengths=rest_lengths.table(scene, model, _params_of))
 
 
 def _numbers(scene, node_of, cable, n_free):
@@ -225,6 +225,13 @@ def _numbers(scene, node_of, cable, n_free):
     mass[first:] = ends
     table = np.array(axial).reshape(-1, AXIAL_COLUMNS)
     return mass, table
+
+
+def _params_of(model, scene):
+    """Numbers of the effects of a scene that differs from that of a model in lengths of cables alone."""
+    mass, axial = _numbers(scene, model.node_of, model.cable, model.n_free)
+    other = replace(model, scene=scene, mass=mass, axial=axial)
+    return _effect_tables(model.forces, other, model).params
 
 
 def _axial_row(one):

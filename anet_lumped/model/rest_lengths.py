@@ -12,9 +12,8 @@ from anet_lumped.prescribed.signals import Signal
 from anet_lumped.prescribed.smoothstep import smoothstep
 
 SHORTEST = 1e-3  # of a cable's length, what may be left of it
-
-
 LOOKS = 2000  # at the lengths over a run
+NO_SLOPES = np.zeros(0, np.int64), np.zeros(0)  # which numbers change with a length, and how
 
 
 def changes(scene):
@@ -63,14 +62,14 @@ def paths(scene):
     return [_path(terms) for pair in changes(scene).values() for terms in pair if terms]
 
 
-def table(scene, model, cut):
+def table(scene, model, params_of):
     """`Lengths` of a model, which is complete but for them.
 
     Parameters
     ----------
     scene : Scene
     model : Model
-    cut : callable Scene -> Model
+    params_of : callable (Model, Scene) -> numbers of the effects of a scene that differs from that of the model in lengths alone
 
     Raises
     ------
@@ -83,18 +82,21 @@ def table(scene, model, cut):
     if creeping is not None:
         raise SceneError(f"A cable that creeps keeps its rest length, but that of cable {quoted(creeping)} is to change in time.")
     names, material, nodes, masses, places, slopes = list(found), [], [], [], [], []
+    slopes_of = _slopes(scene, model, [name for name in names if found[name][PAID_OUT]], params_of)
     for name in names:
         cable = scene.cable(name)
         spring = 0.0 if cable.inextensible else cable.EA
         material.append([cable.length, spring, cable.dashpot, float(cable.BA is not None)])
-        if not found[name][PAID_OUT]:
-            of_mass, of_params = np.zeros(model.n), np.zeros(len(model.effects.params))
-        else:
-            of_mass, of_params = _slopes(scene, model, cable, cut)
-        nodes.append(np.flatnonzero(of_mass))
-        masses.append(of_mass[nodes[-1]])
-        places.append(np.flatnonzero(of_params))
-        slopes.append(of_params[places[-1]])
+        inside, share = np.zeros(0, np.int64), np.zeros(0)
+        if found[name][PAID_OUT]:
+            inside = model.nodes(name)
+            share = np.full(len(inside), cable.mass_per_length / cable.segments)
+            share[[0, -1]] *= 0.5
+        nodes.append(inside)
+        masses.append(share)
+        own_places, own_slopes = slopes_of.get(name, NO_SLOPES)
+        places.append(own_places)
+        slopes.append(own_slopes)
     rows = len(names)
     return Lengths(
         cable=np.array([scene.cable_numbers[name] for name in names], np.int64),
@@ -115,28 +117,81 @@ def table(scene, model, cut):
     )
 
 
-def _slopes(scene, model, cable, cut):
-    """How masses [kg/m] and the effects' numbers change with the length of a cable."""
+def _with_lengths(scene, by):
+    """The scene whose cables are longer by what a dict of their names says [m], without what has no forces, as a `LineChange`."""
+    cables = [dataclasses.replace(c, length=c.length + by[c.name]) if c.name in by else c for c in scene.cables]
+    return dataclasses.replace(scene, cables=cables, effects=[effect for effect in scene.effects if effect.kernels()])
 
-    def longer(by):
-        cables = [dataclasses.replace(c, length=c.length + by) if c.name == cable.name else c for c in scene.cables]
-        effects = [effect for effect in scene.effects if effect.kernels()]
-        other = cut(dataclasses.replace(scene, cables=cables, effects=effects))
-        return other.mass, other.effects.params
 
-    by = cable.length
-    (mass, params), (_, twice) = longer(by), longer(2.0 * by)
-    base = model.effects.params
+def _slopes(scene, model, names, params_of):
+    """How the effects' numbers change with the lengths of cables: for each that is named, which numbers do, and their slopes.
+
+    A number of a node or a segment changes with the cables that meet there. So cables that do not meet are lengthened together,
+    each by another share, which tells the cable that a number changes with. One cable at a time would take minutes in a net.
+    """
+    base, slopes = model.effects.params, {}
+    for group in _apart(scene, names):
+        found = _slopes_of_group(scene, model, group, params_of)
+        slopes |= found if found is not None else {name: _slopes_of_cable(scene, model, name, params_of) for name in group}
+    by = {name: (1.0 + k / len(names)) * scene.cable(name).length for k, name in enumerate(names)}
+    expected = base.copy()
+    for name, (at, own) in slopes.items():
+        expected[at] += by[name] * own
+    together = params_of(model, _with_lengths(scene, by)) if len(names) > 1 else expected
+    with np.errstate(invalid="ignore"):
+        if (np.abs(together - expected) > 1e-9 * (np.abs(together) + np.abs(base))).any():  # cables apart share a number
+            return {name: _slopes_of_cable(scene, model, name, params_of) for name in names}
+    return slopes
+
+
+def _apart(scene, names):
+    """The cables that are named, in groups of cables that meet at no point and at no body."""
+    groups, ends = [], []
+    for name in names:
+        own = {end.split(".")[0] for end in (scene.cable(name).start, scene.cable(name).end)}
+        k = next((k for k, taken in enumerate(ends) if not taken & own), len(groups))
+        if k == len(groups):
+            groups.append([])
+            ends.append(set())
+        groups[k].append(name)
+        ends[k] |= own
+    return groups
+
+
+def _slopes_of_group(scene, model, names, params_of):
+    """`_slopes` of cables that do not meet; None if a number changes with several of them, or not linearly."""
+    base, lengths = model.effects.params, np.array([scene.cable(name).length for name in names])
+    share = 1.0 + np.arange(1, len(names) + 1) / len(names)
+    by = [dict(zip(names, factor * lengths, strict=True)) for factor in (1.0, share)]
+    with np.errstate(invalid="ignore"):  # an infinite depth stays as it is
+        once, more = (params_of(model, _with_lengths(scene, longer)) - base for longer in by)
+        at = np.flatnonzero(np.abs(once) > 1e-12 * np.abs(base))
+    cable = np.clip(np.rint((more[at] / once[at] - 1.0) * len(names)).astype(np.int64) - 1, 0, len(names) - 1)
+    if (np.abs(more[at] - share[cable] * once[at]) > 1e-9 * (np.abs(more[at] + base[at]) + np.abs(base[at]))).any():
+        return None
+    slopes = once[at] / lengths[cable]
+    return {name: (at[cable == k], slopes[cable == k]) for k, name in enumerate(names)}
+
+
+def _slopes_of_cable(scene, model, name, params_of):
+    """`_slopes` of one cable.
+
+    Raises
+    ------
+    SceneError : an effect whose numbers are not linear in the length
+    """
+    by, base = scene.cable(name).length, model.effects.params
+    params, twice = (params_of(model, _with_lengths(scene, {name: factor * by})) for factor in (1.0, 2.0))
     with np.errstate(invalid="ignore"):  # an infinite depth stays as it is
         bent = np.abs(twice - 2.0 * params + base) > 1e-9 * (np.abs(twice) + np.abs(base))
-        slopes = np.where(np.abs(params - base) > 1e-12 * np.abs(base), params - base, 0.0) / by
+        at = np.flatnonzero(np.abs(params - base) > 1e-12 * np.abs(base))
     if bent.any():
         e = int(np.searchsorted(model.effects.params_at, np.flatnonzero(bent)[0], side="right")) - 1
         raise SceneError(
             f"Effects beside LineChange must depend on lengths linearly, but {type(model.forces[e]).__name__} does not, of cable "
-            f"{quoted(cable.name)}."
+            f"{quoted(name)}."
         )
-    return (mass - model.mass) / by, slopes
+    return at, (params - base)[at] / by
 
 
 def _starts(rows):

@@ -280,41 +280,53 @@ class Legs:
                 self.release(event.point)
 
     def change_payloads(self, t):
-        """Change the payloads whose events are at t."""
-        for change in (event for event in self.scene.payload_changes if event.t == t):
-            node, potential = self.model.node_of[change.point], self.energies()[POTENTIAL]
-            more = change.mass - self.payloads.get(change.point, {}).get("mass", self.scene.point(change.point).mass)
-            V, body, lost, M, carried = self.v[node].copy(), np.array(change.velocity), 0.0, 0.0, np.zeros((3, 3))
-            if more > 0.0 or change.volume is not None:
-                M, carried = self._inertia(node)
+        """Change the payloads whose events are at t, all together: what is left is cut once for them."""
+        changes = [event for event in self.scene.payload_changes if event.t == t]
+        if not changes:
+            return
+        known = [self.payloads.get(c.point, {}).get("mass", self.scene.point(c.point).mass) for c in changes]
+        more = [change.mass - mass for change, mass in zip(changes, known, strict=True)]
+        weighs = any(change.volume is not None for change in changes) or max(more) > 0.0  # if not, no velocity changes
+        potential, before = self.energies()[POTENTIAL], self._inertias() if weighs else None
+        for change in changes:
             self._carry(change)
-            self._reduce()
-            more_fluid = 0.0 if change.volume is None else float((self._inertia(node)[1] - carried)[0, 0])  # that of a sphere
-            if more > 0.0 or more_fluid > 0.0:
-                kept, new, new_fluid = M + min(more, 0.0), max(more, 0.0), max(more_fluid, 0.0)
-                carried = carried + min(more_fluid, 0.0) * np.eye(3)
-                joint = np.linalg.solve(
-                    (kept + new) * np.eye(3) + (carried + new_fluid * np.eye(3)),
-                    (kept * np.eye(3) + carried) @ V + (new + new_fluid) * body,
-                )
-                lost = 0.5 * float(kept * (V @ V) + new * (body @ body) - (kept + new) * (joint @ joint))
-                self.v[node] = joint
-            brought = body if more > 0.0 else V
-            self.carried[POTENTIAL] += potential - self.energies()[POTENTIAL]
-            self.carried[WORK] += 0.5 * more * float(brought @ brought)
+        self._reduce()
+        after = self._inertias() if weighs else None
+        self.carried[POTENTIAL] += potential - self.energies()[POTENTIAL]
+        for change, gained in zip(changes, more, strict=True):
+            node = self.model.node_of[change.point]
+            V, body, lost = self.v[node].copy(), np.array(change.velocity), 0.0
+            if before is not None and after is not None and (gained > 0.0 or change.volume is not None):
+                M, carried = before(node)
+                more_fluid = 0.0 if change.volume is None else float((after(node)[1] - carried)[0, 0])  # that of a sphere
+                if gained > 0.0 or more_fluid > 0.0:
+                    kept, new, new_fluid = M + min(gained, 0.0), max(gained, 0.0), max(more_fluid, 0.0)
+                    carried = carried + min(more_fluid, 0.0) * np.eye(3)
+                    joint = np.linalg.solve(
+                        (kept + new) * np.eye(3) + (carried + new_fluid * np.eye(3)),
+                        (kept * np.eye(3) + carried) @ V + (new + new_fluid) * body,
+                    )
+                    lost = 0.5 * float(kept * (V @ V) + new * (body @ body) - (kept + new) * (joint @ joint))
+                    self.v[node] = joint
+            brought = body if gained > 0.0 else V
+            self.carried[WORK] += 0.5 * gained * float(brought @ brought)
             self.carried[BY_EFFECTS] += lost
             self.events.append(Event(self.t, PAYLOAD, change.point, lost, **carried_from(change)))
 
-    def _inertia(self, node):
-        """Mass of a moving node of the whole scene's model [kg], and what it carries along of a fluid, (3, 3) [kg]."""
+    def _inertias(self):
+        """Function of a moving node of the whole scene's model: its mass now [kg], and what it carries of a fluid, (3, 3) [kg]."""
         model, own = self.left.model, self.left.node
         added = np.zeros((model.n_free, 3, 3))
         for effect in model.scene.effects:
             if "inertia" in effect.kernels():
                 index, params = (np.asarray(x, kind) for x, kind in zip(effect.table(model), (np.int64, float), strict=True))
                 effect.kernels()["inertia"](self.t, self.q[own], index, params, added)
-        at = int(np.flatnonzero(own == node)[0])
-        return float(model.mass[at]), added[at]
+
+        def of_node(node):
+            at = int(np.flatnonzero(own == node)[0])
+            return float(model.mass[at]), added[at]
+
+        return of_node
 
     def overloaded(self, at_least=0):
         """Segments that must fail: of each cable left the one farthest beyond its strength, if any is.
