@@ -113,7 +113,7 @@ def audit_effects(
     tension : str or None
         The cable whose tension counts, in place of a place.
     t_end : float or None [s]
-        How long to simulate; None takes two swings after the last corner of a driven path.
+        How long to simulate; None takes two swings after the last corner of a driven path and the last event.
     start : "equilibrium", "calm", "straight" or State
     water_level : float or None [m]
         Height of still water, if it may matter.

@@ -27,6 +27,7 @@ from integrators import schemes
 
 LOG = logging.getLogger(__name__)
 SAVES, SAVES_OF_TENSION = 40, 160  # times at which places are compared, and tensions, which change sooner
+SAVES_OF_ALL = 4000  # the most of them, where two swings are a small part of a motion
 MOST_SEGMENTS = 3000  # of the longest cable
 PATIENCE = 20.0  # times as long as the implicit step may an explicit method take before it is left out
 ATTEMPTS = 5  # at meeting a share of the error
@@ -42,7 +43,9 @@ class Pilots:
         self, scene: Scene, points: tuple[str, ...], t_end: float, start: str, scale: float, tension: str | None = None
     ) -> None:
         self.scene, self.points, self.t_end, self.start, self.tension = scene, points, t_end, start, tension
-        self.unit, self.save = ("m", t_end / SAVES) if tension is None else ("N", t_end / SAVES_OF_TENSION)
+        self.unit, saves = ("m", SAVES) if tension is None else ("N", SAVES_OF_TENSION)
+        late = 1.0 if not scene.events else max(1.0, t_end / (4.0 * math.pi * scale))  # two swings may come after a long calm
+        self.save = t_end / min(math.ceil(saves * late), SAVES_OF_ALL)
         most = max(cable.segments for cable in scene.cables)
         self.shares = [cable.segments / most for cable in scene.cables]
         self.first_step = SHARE_OF_TIME_SCALE * scale
@@ -89,21 +92,32 @@ class Pilots:
         apart = self.values(one[0], **one[1]) - self.values(other[0], **other[1])
         return float(np.linalg.norm(apart, axis=2).max())
 
+    def way(self, count: int, best: Candidate) -> float:
+        """Largest change of what the error is of in the motion, from its first value [m] or [N]."""
+        values = self.values(self.divided(count), **best.stepping)
+        return float(np.linalg.norm(values - values[0], axis=2).max())
+
     def segments(self, share: float) -> tuple[int, float]:
         """Number of segments whose error is within a share, and that error [m]."""
-        count, stepping = 8, {"method": "edmc", "dt": self.step(0.5 * self.first_step)}
-        for _ in range(ATTEMPTS):
+        count, stepping, within = 8, {"method": "edmc", "dt": self.step(0.5 * self.first_step)}, []
+        for _ in range(2 * ATTEMPTS):
             scene = self.divided(count)
             error = self.apart((scene, stepping), (self.doubled(scene), stepping)) / DOUBLED
             enough = max(2, math.ceil(1.05 * count * math.sqrt(error / share)))
             if error <= share and enough > 0.8 * count:
                 return count, error
+            if error <= share:
+                within.append((count, error))
+            else:  # by a fifth at least: the corners of a plucked string make the error fall slower
+                enough = max(enough, math.ceil(1.2 * count))
             if enough > MOST_SEGMENTS:
                 raise RecommendError(
                     f"{share:.3g} {self.unit} of error would take {enough} segments in the finest cable, of which {MOST_SEGMENTS} "
                     "are the most that are tried; ask for a larger error or a shorter time."
                 )
             count = enough
+        if within:  # of errors that rise and fall with the number
+            return min(within)
         raise RecommendError(f"The error does not fall as the square of the segments: {error:.3g} {self.unit} at {count} of them.")
 
     def candidates(self, count: int, share: float) -> Iterator[Candidate]:
@@ -134,15 +148,19 @@ class Pilots:
         """The largest step of edmc whose error is within a share; None if extrapolation needs shorter ones than ``least`` [s]."""
         dt, edmc = self.step(self.first_step), schemes.scheme("edmc")
         order = cast(int, edmc.extrapolated_order if extrapolate else edmc.order)
-        options = {"extrapolate": True} if extrapolate else {}
+        options, within = {"extrapolate": True} if extrapolate else {}, []
         for _ in range(2 * ATTEMPTS):
             error = self.halves(scene, "edmc", dt, order, **options)
             enough = self.step(min(0.95 * dt * (share / error) ** (1.0 / order) if error > 0 else np.inf, self.save))
             if error <= share and enough < 1.2 * dt:
                 return self.candidate(scene, "edmc", error, dt=dt, **options)
+            within += [(dt, error)] if error <= share else []
             dt = enough if enough < dt or error <= share else 0.8 * dt
             if dt < least:
                 return None
+        if within:  # of errors that rise and fall with the step
+            dt, error = max(within)
+            return self.candidate(scene, "edmc", error, dt=dt, **options)
         if extrapolate:
             return None
         raise RecommendError(f"The error does not fall as the square of the step: {error:.3g} {self.unit} at {dt:.3g} s.")

@@ -43,7 +43,7 @@ def recommend(
     tension : str or None
         The cable whose tensions at its ends count, in place of a place.
     t_end : float or None [s]
-        How long to simulate; None takes two swings after the last corner of a driven path.
+        How long to simulate; None takes two swings after the last corner of a driven path and the last event.
     start : "equilibrium", "calm" or "straight"
     realtime : float or None
         How many times faster than real time it must run.
@@ -87,7 +87,7 @@ def recommend(
                 found = _as_far(pilots, count, segments_error, methods, error, realtime)
             assert found is not None  # the first method keeps its share, or there is an error
             checked = pilots.check(count, found.best)
-            found = replace(found, checked_error=checked)
+            found = replace(found, checked_error=checked, way=pilots.way(count, found.best))
             if checked <= error:
                 break
             share *= 0.7 * error / checked
@@ -137,5 +137,6 @@ def scale_of_motion(scene: Scene, start: str | State) -> float:
 
 
 def two_swings(scene: Scene, scale: float) -> float:
-    """Time of two swings after the last corner of a driven path [s]."""
-    return float(max(stops(scene).max(initial=0.0), 0.0) + 4.0 * math.pi * scale)
+    """Time of two swings after the last corner of a driven path, and the last event that has a time [s]."""
+    begins = [float(stops(scene).max(initial=0.0)), *(event.t for event in scene.events if event.t is not None)]
+    return max(*begins, 0.0) + 4.0 * math.pi * scale

@@ -59,6 +59,7 @@ class Recommendation:
         `links` for the same cables with EA = inf, where that changes places by less than the error allows and runs faster than the
         best.
     left_out : str, what Ctrl-C has left out, empty if nothing; errors that are not known are None then
+    way : float or None [m] or [N], how far what the error is of moves, or changes, in what was simulated
     """
 
     scene: Scene
@@ -76,6 +77,18 @@ class Recommendation:
     rigid: Candidate | None = None
     tension: str | None = None
     left_out: str = ""
+    way: float | None = None
+
+    @property
+    def note(self) -> str:
+        """What to know of the motion that was simulated: that it has less in it than the error asked for; or nothing."""
+        if self.way is None or self.way > self.error:
+            return ""
+        moves = "moves" if self.tension is None else "changes"
+        return (
+            f"what counts {moves} by {self.way:.2g} {self.unit} in {self.t_end:.4g} s from {self.start}, less than the error asked "
+            "for, so that any step would do; give another start, or a time in which more happens"
+        )
 
     @property
     def unit(self) -> str:
@@ -116,6 +129,7 @@ class Recommendation:
                 f"{self.segments_error:.3g} {unit}, of time {self.time_error:.3g} {unit}{checked}",
                 *([] if self.elasticity is None else [f"without stretch: {self.elasticity:.3g} {unit} away"]),
                 *([f"stopped before {self.left_out}"] if self.left_out else []),
+                *([self.note] if self.note else []),
                 f"simulated for {self.t_end:.4g} s from {self.start}" + ("" if self.fast_enough else "; slower than was asked for"),
             ]
         )

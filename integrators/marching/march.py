@@ -140,7 +140,10 @@ class March:
             if not self.adaptive and counts[STEPS]:
                 total, seconds = math.ceil((times.t_end - times.t0) / times.dt), time.perf_counter() - started
                 left = (total / counts[STEPS] - 1.0) * seconds
-                LOG.info("step %d of %d, %.0f s left if the others take as long", counts[STEPS], total, left)
+                if left > 0.0:
+                    LOG.info("step %d of %d, %.0f s left if the others take as long", counts[STEPS], total, left)
+                else:  # steps that did not converge were cut
+                    LOG.info("step %d, where %d were meant: steps that do not converge are cut", counts[STEPS], total)
 
         (status, rows, t, node, *more), interrupted = interruptible(self.loop, *self.given, tell=tell, short=self.short)
         wall_time = time.perf_counter() - started

@@ -121,6 +121,7 @@ def recommendation_summary(found, scene, change=(), added=()) -> dict:
             }
         ],
         **({"stopped_before": found.left_out} if found.left_out else {}),
+        **({"note": found.note} if found.note else {}),
         "simulated_for_s": found.t_end,
         "command": f"anet-lumped simulate {scene} --t-end {found.t_end:.4g} --method {best.method} {stepping} "
         f"{'' if found.start == 'equilibrium' else f'--start {found.start} '}{sets}",

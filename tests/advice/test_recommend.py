@@ -2,12 +2,13 @@
 
 import re
 import shlex
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from systems import four_cables, loose_cable
 
-from anet_lumped import Cable, Fixed, InputError, Scene, SceneError, simulate
+from anet_lumped import Cable, Fixed, Free, InputError, PayloadChange, Scene, SceneError, simulate
 from anet_lumped.advice.pilots import Pilots, halfway
 from anet_lumped.advice.recommend import recommend, scale_of_motion
 from anet_lumped.advice.recommendation import RecommendError
@@ -109,8 +110,6 @@ def test_scenes_without_free_points():
 
 
 def _between(scene):
-    from dataclasses import replace
-
     return replace(scene.cables[0], start="s0", end="s1", name="span", length=1.3)
 
 
@@ -171,3 +170,39 @@ def test_cables_that_creep_are_recommended_fixed_steps():
     scene = Scene([Fixed("a", (0.0, 0.0, 0.0)), Fixed("b", (9.0, 0.0, 0.0))], [cable], [Gravity(9.81)])
     found = recommend(scene, 0.01, t_end=2.0)
     assert found.checked_error < 0.01 and found.best.method == "edmc" and "dt" in found.best.stepping
+
+
+def plucked(*events, mass=0.5):
+    """A string of 1.2 m under 880 N, pulled down in the middle by 3.3 mm."""
+    kind = {"length": 0.5985, "mass_per_length": 6e-3, "EA": 3.5e5, "segments": 10}
+    points = [Fixed("a", (0, 0, 0)), Free("p", mass), Fixed("b", (1.2, 0, 0))]
+    return Scene(points, [Cable("a", "p", **kind), Cable("p", "b", **kind)], [Gravity(9.81)], events)
+
+
+def test_what_happens_late_is_simulated():
+    """The string is let go after half a second, a hundred times its period: 6.9 ms were simulated, in which it rests."""
+    found = recommend(plucked(PayloadChange("p", 0.5, 0.01)), 5e-4, at="p")
+    assert 0.5 < found.t_end < 0.6 and 2e-3 < found.way < 1e-2 and not found.note
+    best = simulate(found.scene, found.t_end, save_every=found.t_end / 200.0, **found.best.stepping)
+    fine = replace(found.scene, cables=[replace(cable, segments=4 * cable.segments) for cable in found.scene.cables])
+    exact = simulate(fine, found.t_end, method="edmc", dt=found.t_end / 2e4, save_every=found.t_end / 200.0)
+    assert np.linalg.norm(best.position("p") - exact.position("p"), axis=1).max() <= 5e-4
+
+
+def test_a_motion_in_which_nothing_happens_is_told(capsys):
+    """From the equilibrium the string rests: two segments and a step of any length were recommended without a word."""
+    found = recommend(plucked(), 1e-4, at="p")
+    assert found.way < 1e-9 and "less than the error asked for" in found.note and found.note in str(found)
+    with pytest.raises(SystemExit) as stopped:
+        main(["recommend", "net_carried", "--error", "9m", "--t-end", "0.1"])
+    assert stopped.value.code == 0
+    assert "less than the error asked for" in capsys.readouterr().out.replace("\n", " ")
+
+
+def test_errors_that_rise_and_fall_with_the_number_of_segments(monkeypatch):
+    """A number that keeps the error is not given up because those tried later are no nearer to it."""
+    search = Pilots(plucked(), ("p",), 1.0, "equilibrium", 0.3)
+    errors = {8: 1e-5, 2: 3e-3, 7: 1e-5}
+    monkeypatch.setattr(search, "apart", lambda one, _: 0.75 * errors.get(one[0].cables[0].segments, 2e-3))
+    count, error = search.segments(1e-3)
+    assert (count, error) in ((8, 1e-5), (7, 1e-5))

@@ -27,7 +27,7 @@ from anet_lumped import (
 from anet_lumped.effects import Gravity
 from anet_lumped.motion.simulate import StabilityWarning
 from integrators import schemes
-from integrators.marching import interruptible
+from integrators.marching import interruptible, march
 from integrators.schemes import record
 from integrators.schemes.record import Origin
 
@@ -165,6 +165,23 @@ def test_a_long_march_tells_where_it_is(monkeypatch, caplog):
     assert run.ok and told and all(told)
     steps = [int(found[1]) for found in told]
     assert steps == sorted(steps)
+
+
+def test_a_long_march_whose_steps_were_cut_tells_no_time_below_zero(monkeypatch, caplog):
+    """Cut steps count: a march that was meant to take 840 steps told at the 1258th that -12 s were left."""
+    real = march.interruptible
+
+    def later(loop, stepper, *given, tell, **options):
+        stepper.counts[march.STEPS] = 500
+        tell()
+        stepper.counts[march.STEPS] = 0
+        return real(loop, stepper, *given, tell=tell, **options)
+
+    monkeypatch.setattr(march, "interruptible", later)
+    caplog.set_level("INFO", logger="integrators")
+    assert simulate(LOOSE, 0.1, method="edmc", dt=1e-3, start="straight").ok
+    (told,) = (record.message for record in caplog.records)
+    assert told == "step 500, where 100 were meant: steps that do not converge are cut"
 
 
 def test_divergence_is_judged_by_the_size_of_a_scene():
