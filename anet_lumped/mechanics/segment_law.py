@@ -39,7 +39,7 @@ from anet_lumped.model.tables import (
     LINEARISED_NEXT_STEP,
     LINEARISED_SAME_STEP,
 )
-from integrators.stage import LAW_AT_END, LAW_BETWEEN
+from integrators.stage import LAW_AT_END, LAW_BACKWARD, LAW_BETWEEN
 
 PENALTY_PER_INERTIA = 1e7  # penalty of a cable that does not stretch, over the inertia W m of its nodes
 STRICTNESS = 300.0  # an error of a length that must not change counts as this many times the force that moves its node so far
@@ -342,7 +342,8 @@ def linearise(stage, law, start, end, base_start, base_end, predicted_tension, h
         turn = select(turns, damper / (slope * stage.tau * max(l, SHORTEST_TURNING * L0)), 0.0)
         along = stretch_before + law.L0_at_start
         gx, gy, gz = nx - turn * (ax - along * nx), ny - turn * (ay - along * ny), nz - turn * (az - along * nz)
-    geometric = max(predicted_tension, 0.0) * per_length_sum
+    pushes = stage.law == LAW_BACKWARD and two_way_damper > 0.0  # steps to a rest are long: only the exact tangent converges
+    geometric = (predicted_tension if pushes else max(predicted_tension, 0.0)) * per_length_sum
     stiffness, linearised_tension = reduced_slope(stage, slope, geometric), T
     if two_way_damper == 0.0:
         if law.inextensible > 0.0:

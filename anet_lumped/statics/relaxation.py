@@ -6,7 +6,8 @@ minimum of the potential energy plus
     m |q - q_k|^2/(2 tau^2) .
 
 tau grows from step to step, until inertia is negligible (pseudo-transient continuation; Kelley & Keyes, SIAM J. Numer. Anal. 35
-(1998) 508). Newton's method solves each step with the residual and the tangent of the motion.
+(1998) 508). Newton's method solves each step with the residual and the tangent of the motion. A cable that lies or bends slides far
+under little force: where a shape is balanced to the tolerance of a step, the next step has a finer one.
 """
 
 import math
@@ -18,11 +19,15 @@ from anet_lumped.mechanics import newton_step, residual
 from anet_lumped.model.tables import AXIAL_DAMPER, AXIAL_L0, AXIAL_L0_BEFORE, AXIAL_L0_RATE, AXIAL_PUSH_SHARE, AXIAL_TWO_WAY_DAMPER
 from integrators.stage import LAW_BACKWARD, Stage
 
+from .forces_at_rest import node_forces
+
 SHORT = 0.1  # first tau over sqrt(L/g)
 GROWTH, LARGE_GROWTH = 4.0, 30.0  # of tau from one pseudo-step to the next; and where nothing is in the way
 LONGEST = 1e4  # last tau over the first one
 ON_THE_WAY, AT_END = 1e-6, 1e-14  # of the load: out-of-balance force with which a pseudo-step ends, before tau is longest and then
 SHORTER = 1 / 16  # of tau: a last step that Newton's method does not solve, as of slack cables that lie on a ground
+FINER = 1e-2  # of `ON_THE_WAY`, after a step that this force did not move: soft cables lie far from rest by then
+SEEN = 1e-8  # of the longest cable: a step that moves nodes by less is not judged by its work, which is rounding
 AT_REST = 1e-10  # of the load: out-of-balance force from which longer pseudo-steps gain nothing
 STEPS, ITERATIONS = 400, 20  # largest number of pseudo-steps, and of Newton iterations in each
 # A pseudo-step is too long whose force out of balance, after so many Newton iterations, is so many times that before it, or the
@@ -119,25 +124,29 @@ def relaxed(model, net, q, load, pace=QUICK, steps=STEPS):
     usual = SHORT * math.sqrt(length)
     first = tau = min(usual, pace.first)
     longest = LONGEST * usual
-    best, unbalanced, growth, at_end = math.inf, math.inf, pace.growth, False
+    best, unbalanced, growth, at_end, enough = math.inf, math.inf, pace.growth, False, ON_THE_WAY
     for _ in range(steps):
         before, tension = q.copy(), net.tension.copy()
         at_end = at_end or tau >= longest
-        left, iterations = _step(net, q, tau, load, AT_END if at_end else ON_THE_WAY)
+        left, iterations = _step(net, q, tau, load, AT_END if at_end else enough)
         moved = float(np.abs(q - before).max())
-        if left > ON_THE_WAY * load or not np.isfinite(moved) or moved > farthest:
+        solved = left <= (ON_THE_WAY if at_end else enough) * load and np.isfinite(moved)
+        if not solved or moved > farthest or (moved > SEEN * length and _uphill(model, net, before, tension, q, tau)):
             q[:], net.tension[:] = before, tension
             tau, growth = 0.25 * tau, 1.0 + 0.25 * (growth - 1.0)  # a shorter step, and slower growth after it
-            at_end = False
+            at_end, unbalanced = False, math.inf
             if tau < 1e-6 * first:
                 break
             continue
+        if iterations == 0:
+            enough = max(FINER * enough, AT_REST)
         best = moved / (moving * tau**2)  # inertial force of the last step, which its forces balance, over the load
         still = best <= 1e-13 or (at_end and moved <= 1e-14 * length)
         if still or at_end:
-            last, unbalanced = unbalanced, max(_unbalanced(net, q), best * load)  # dampers of contacts may hold it, and not inertia
-            if (still and unbalanced <= AT_REST * load) or (at_end and unbalanced > 0.9 * last):
+            now = max(_unbalanced(net, q), best * load)  # dampers of contacts may hold it, and not inertia
+            if (still and now <= AT_REST * load) or (at_end and now > 0.9 * unbalanced):
                 break
+            unbalanced = now if at_end else math.inf
         if at_end and iterations == ITERATIONS:
             tau *= SHORTER
         elif tau < longest:
@@ -145,6 +154,24 @@ def relaxed(model, net, q, load, pace=QUICK, steps=STEPS):
             growth = min(pace.growth, 1.2 * growth)
     _polish(net, q, min(tau, longest), load)
     return max(best, _unbalanced(net, q) / load)
+
+
+def _uphill(model, net, before, tension, q, tau):
+    """Whether a pseudo-step ended at a saddle in place of the minimum that it was to find: the forces have worked against it.
+
+    Of cables that push, Newton's method finds either. A shorter step has no saddle.
+
+    Parameters
+    ----------
+    before, q : (n, 3) float64 [m], shapes before and after the step
+    tension : (n_segments,) float64 [N], before the step
+    tau : float [s]
+    """
+    if not (net.axial[:, AXIAL_PUSH_SHARE] > 0.0).any():
+        return False
+    d = (q - before)[: model.n_free]
+    force = node_forces(model, net, before, tension)[: model.n_free]  # that after the step is inertia, m d/tau^2
+    return float((force * d).sum() + (net.mass[: model.n_free, None] * d * d).sum() / tau**2) < 0.0
 
 
 def _polish(net, q, tau, load):

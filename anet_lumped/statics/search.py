@@ -240,20 +240,19 @@ def _easier(model, net, attempt, load):
 
 
 def _beside(model, net, whole, found, nudge, load, pace, softer):
-    """`Found` from beside a rest that is not stable: by pseudo-steps alone where forces have no energy, else after a descent.
+    """`Found` from beside a rest that is not stable: by pseudo-steps, or after a descent if these find no stable one.
 
     Where cables were let down onto solids, they descend on the softest of these, and are let down from there: ``softer`` nets.
     """
     beside = found.shape.q.copy()
     beside[: model.n_free] += nudge * found.down.direction
     keep_shapes(model, beside)
-    if not found.down.has_energy:
-        q = beside.copy()
-        whole.tension[:] = found.shape.tension
-        residual = relaxed(model, whole, q, load, pace)
-        other = _judged(model, net, Shape(q, whole.tension), residual, load)
-        if other.stable:
-            return other
+    q = beside.copy()
+    whole.tension[:] = found.shape.tension
+    residual = relaxed(model, whole, q, load, pace)
+    other = _judged(model, net, Shape(q, whole.tension), residual, load)
+    if other.stable:
+        return other
     whole.tension[:] = descended(model, softer[0] if softer else net, beside, load)[0]
     for one in softer:
         first = net_at_rest(model, one, load)

@@ -43,14 +43,11 @@ class Curvature(NamedTuple):
         One of these directions, scaled so that the largest displacement of a node is 1.
     stiffness : float [N/m]
         Negative stiffness along it; 0 for a stable rest.
-    has_energy : bool
-        Whether K is symmetric, so that forces beside a rest that is not stable have an energy, which falls along the direction.
     """
 
     directions_down: int
     direction: np.ndarray | None = None
     stiffness: float = 0.0
-    has_energy: bool = True
 
 
 def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: float) -> Curvature:
@@ -88,13 +85,12 @@ def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: 
     if down == 0:
         return Curvature(0)
     slope, direction = _steepest(symmetric, _direction(pivots, factors))
-    has_energy = bool(abs(K - K.T).max() <= SYMMETRIC * largest)
-    if not has_energy:
+    if abs(K - K.T).max() > SYMMETRIC * largest:
         down, direction = _unsymmetric(K, slope, direction)
         if down == 0:
             return Curvature(0)
     direction = (motions @ direction).reshape(-1, 3)
-    return Curvature(down, direction / np.linalg.norm(direction, axis=1).max(), min(slope, -flat), has_energy)
+    return Curvature(down, direction / np.linalg.norm(direction, axis=1).max(), min(slope, -flat))
 
 
 class Segments(NamedTuple):

@@ -53,6 +53,27 @@ def test_a_cable_that_bends_and_pushes_lies_over_a_pipe(EA):
     assert all(np.linalg.norm(effect.force_on(rest), axis=1).max() < load for effect in rest.scene.effects[1:3])
 
 
+@pytest.mark.parametrize(
+    ("length", "weight", "segments", "span", "axis", "radius"),
+    [(78.8, 1.19, 165, 61.4, (26.4, 0.44), 1.07), (74.6, 12.5, 187, 57.2, (17.6, 0.46), 0.89)],
+)
+def test_a_long_cable_that_bends_slides_to_its_rest(length, weight, segments, span, axis, radius):
+    """A millionth of its load moves its loops on the bed by metres, and bends them out of the plane: such were refused."""
+    cable = Cable(
+        "a", "b", length=length, mass_per_length=weight, EA=1e6, EI=30.0, segments=segments, diameter=0.05, compression="linear"
+    )  # fmt: skip
+    pipe, bed = Obstacles(Cylinder((axis[0], 0.0, axis[1]), radius, (0.0, 1.0, 0.0))), Ground()
+    rest = equilibrium(
+        Scene([Fixed("a", (0.0, 0.0, 0.0)), Fixed("b", (span, 0.0, 0.0))], [cable], [Gravity(G), Bending(), bed, pipe])
+    )
+    q, load = rest.shape("a-b"), weight * G * length
+    near = np.abs(q[:, 0] - axis[0]) < 0.5 * radius
+    assert rest.stable and rest.residual < 1e-9
+    assert near.any() and (q[near, 2] > axis[1]).all() and q[:, 2].min() > -0.01
+    carried = sum(rest.reaction(name)[2] for name in "ab") - sum(one.force_on(rest)[:, 2].sum() for one in (bed, pipe))
+    assert abs(carried) == pytest.approx(load, rel=1e-6)
+
+
 def test_a_start_under_the_pipe_does_not_stay_there():
     scene = over_a_pipe(1e7)
     x = np.linspace(0.0, 20.0, 53)
