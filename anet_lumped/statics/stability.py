@@ -10,6 +10,7 @@ pivots. Where forces have no energy, K is not symmetric. Then a rest is stable i
 (Bendixson), or else if no eigenvalue of K has a negative real part.
 """
 
+from inspect import signature
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,6 +28,8 @@ FLAT = 1e-7  # of load over length: a smaller stiffness counts as zero, as that 
 PRESTRESSED = 1e-11  # of the largest T/l: stiffness that rounding leaves of tensions that balance
 RIGID = 1e9  # of the largest other stiffness: slope of a segment that does not stretch
 ROUNDED = 20  # shifts of the diagonal that are tried where a pivot is zero
+DENSE = 200  # coordinates, up to which all eigenvalues of K are computed
+SEEDED = {"rng": 0} if "rng" in signature(eigs).parameters else {}  # else SciPy 1.17 goes on at random where a shape is symmetric
 SYMMETRIC = 1e-9  # of the largest stiffness: a smaller difference of K and K^T is rounding
 
 _slopes = with_select(tension_slopes, np.where)
@@ -224,12 +227,15 @@ def _steepest(K, y):
 
     Once K + shift I has no negative pivot, no eigenvalue of K is below -shift, and the one next to -shift is the lowest.
     """
+    if K.shape[0] <= DENSE:
+        values, vectors = np.linalg.eigh(K.toarray())
+        return float(values[0]), vectors[:, 0]
     slope = float(y @ (K @ y))
     shift = 2.0 * abs(slope)
     while (pivots_of(K, shift)[0] < 0.0).any():
         shift *= 4.0
     try:
-        values, vectors = eigsh(K, k=1, sigma=-shift, v0=y, tol=1e-3)
+        values, vectors = eigsh(K, k=1, sigma=-shift, v0=y, tol=1e-3, **SEEDED)
     except (ArpackError, RuntimeError):
         return slope, y
     return float(values[0]), vectors[:, 0]
@@ -238,11 +244,11 @@ def _steepest(K, y):
 def _unsymmetric(K, slope, direction):
     """Eigenvalues of an unsymmetric K with a negative real part among those next to ``slope``, and a direction of one."""
     size = K.shape[0]
-    if size <= 60:
+    if size <= DENSE:
         values, vectors = np.linalg.eig(K.toarray())
     else:
         try:
-            values, vectors = eigs(K, k=6, sigma=slope)
+            values, vectors = eigs(K, k=6, sigma=slope, v0=direction, **SEEDED)
         except (ArpackError, RuntimeError):
             return 1, direction
     negative = np.flatnonzero(values.real < -1e-9 * abs(slope))

@@ -286,3 +286,17 @@ def test_reasons_name_what_is_wrong():
     assert 'finer than its segments, but cable "a-f" turns by 180 degrees at node 4' in reason(model, q)
     q[nodes] = np.linspace((-12.0, 0, 0), (0, 0, 0), model.n)
     assert reason(model, q) == 'try `simulate` from start="straight", or another `start` of `equilibrium`'
+
+
+@pytest.mark.parametrize("EA", [1e6, math.inf])
+def test_a_rest_is_the_same_each_time(EA):
+    """Of cables that push and may turn about the vertical all turns are rests: which one is found is no matter of chance."""
+    like = dict(mass_per_length=0.03, EA=EA, compression="linear", diameter=0.01)
+    points = [Free("p0", 1.0, at=(-1.0, 1.0, 0.0)), Free("p1", at=(0.0, 0.5, 1.0)), Fixed("p2", (-1.0, 0.0, 1.0))]
+    cables = [
+        Cable("p0", "p1", length=2.0, segments=2, **like), Cable("p0", "p2", length=1.485, segments=6, **like),
+        Cable("p1", "p2", length=2.0, segments=6, **like),
+    ]  # fmt: skip
+    scene = Scene(points, cables, [Gravity(G), Water(density=RHO, level=-2.0)])
+    first = equilibrium(scene)
+    assert all((equilibrium(scene).q == first.q).all() for _ in range(12))
