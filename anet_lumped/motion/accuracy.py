@@ -123,7 +123,7 @@ def keep_error(
         needs = _needed(run, wanted, known, share)
         return max(budget.parts(run, wish, needed, share, one) for wish, needed, one in zip(wishes, needs, asked, strict=True))
 
-    def marches_beside(run: Run, other: Choice) -> Run:
+    def march_undamped(run: Run, other: Choice) -> Run:
         return budget.spend(march(other, duration, _beyond(run, other), undamped=True), other.dt / first)
 
     if duration > FEWEST_STEPS * first:
@@ -137,16 +137,16 @@ def keep_error(
             budget.spend(pilot, 1.0, share)
             choice = _finer(choice, affordable(pilot, _parts(pilot, wanted, known, share), known, share), span)
     run, in_vain, as_far_before = budget.spend(march(choice, duration), choice.dt / first), (False, False), False
-    known, is_whole, lossy = alone(run), False, False
+    known, undamped_beside, lacked_vibrations = alone(run), False, False
     while run.ok:
         most = int(most_of(STEPS) * choice.dt / duration)
         for_places, for_tensions = _parts(run, wanted, known, 1.0, choice.dt / first, in_vain)
         wishes = min(for_places, most), min(for_tensions, most)
         if max(wishes) < 2:
-            if not is_whole and lost_sway(run) > max(known.error, wanted.of_places(run)):
-                before, known, is_whole = known, _without_loss(run, choice, known, wanted, marches_beside), True
-                lossy = known.error > before.error
-                in_vain = in_vain[0] and not lossy, in_vain[1]  # of errors that had not been seen
+            if not undamped_beside and lost_sway(run) > max(known.error, wanted.of_places(run)):
+                before, known, undamped_beside = known, _without_loss(run, choice, known, wanted, march_undamped), True
+                lacked_vibrations = known.error > before.error
+                in_vain = in_vain[0] and not lacked_vibrations, in_vain[1]  # the error had not been seen
                 continue
             longer = _longer(choice, duration, least)
             if longer is None or known.apart < math.inf or not may_multiply(run):
@@ -170,7 +170,7 @@ def keep_error(
             one = asked[first_unkept]
             next_parts = math.ceil(needs[first_unkept]) if one else max(wishes)
             return told(run, known, wanted, beyond=Beyond(next_parts, budget.most * (ASKED if one else 1.0), one))
-        coarser, before, before_choice, choice, is_whole = run, known, choice, _finer(choice, parts, span), False
+        coarser, before, before_choice, choice = run, known, choice, _finer(choice, parts, span)
         took = parts * run.wall_time
         LOG.info("with dt=%.3g s places are known to %.2g m, the largest tension to %.2g", run.dt, known.error, known.tension_error)
         LOG.info("again with dt=%.3g s, which takes about %.2g s", choice.dt, took)
@@ -181,7 +181,8 @@ def keep_error(
         tells_more = (run.error_estimate or 0.0) > 2.0 * (coarser.error_estimate or 0.0)
         if tells_more and run.tension_error > before.tension_error and not whips:
             return told(coarser, before, wanted, too_short=run.dt)
-        known, lossy = compared(run, coarser, wanted, 0.0 if lossy else before.apart), False
+        known = compared(run, coarser, wanted, 0.0 if lacked_vibrations else before.apart)
+        undamped_beside = lacked_vibrations = False
         seems_kept = known.error <= wanted.of_places(run)
         if parts > TRUSTED_PARTS and seems_kept and (whips or is_caught_and_corrected(run, known, wanted)):
             in_parts = (parts + 1) // 2 if whips else max((parts + 1) // MOST_BETWEEN, 2)

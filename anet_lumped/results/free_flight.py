@@ -51,7 +51,7 @@ def first_loose(run: Any) -> float | None:
 def multiplied(run: Any) -> float:
     """Times the errors told of places that they may be, as far as nodes go: 1, or what looseness and buckling make of them.
 
-    And what vibrations would that the method took (`lost_vibrations`).
+    Or what they are with the sway that nodes could have by vibrations which the method took (`lost_vibrations`), if that is more.
     """
     if not run.error_estimate:
         return 1.0

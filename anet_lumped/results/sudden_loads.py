@@ -115,7 +115,7 @@ def _first_loose(own: np.ndarray, rows: int) -> int:
     What hangs loose vibrates no more. At the bottom of each swing about J, a tension that was none before is none again.
     """
     slack = own <= 0.0
-    if not _in_a_row(np.any(slack, axis=1)[:, None], rows).any():  # which takes a fifth of the time of each segment
+    if not _in_a_row(np.any(slack, axis=1)[:, None], rows).any():  # in a fifth of the time that looking at each segment takes
         return len(own)
     loose = _in_a_row(slack, rows)[1:].any(axis=1)
     return 1 + int(loose.argmax()) if loose.any() else len(own)

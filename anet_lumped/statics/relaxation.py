@@ -141,7 +141,8 @@ def relaxed(model, net, q, load, pace=QUICK, steps=STEPS):
         if iterations == 0:
             enough = max(FINER * enough, AT_REST)
         best = moved / (moving * tau**2)  # inertial force of the last step, which its forces balance, over the load
-        still = (best <= 1e-13 and iterations > 0) or (at_end and moved <= 1e-14 * length)  # where none was taken, a finer one may
+        # a step without an iteration moved nothing, and one with a finer tolerance may
+        still = (best <= 1e-13 and iterations > 0) or (at_end and moved <= 1e-14 * length)
         if still or at_end:
             now = max(_unbalanced(net, q), best * load)  # dampers of contacts may hold it, and not inertia
             if (still and now <= AT_REST * load) or (at_end and now > 0.9 * unbalanced):

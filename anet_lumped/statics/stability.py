@@ -87,7 +87,7 @@ def curvature(model: Model, net: Any, q: np.ndarray, tension: np.ndarray, load: 
     down = int((pivots < 0.0).sum())
     if down == 0:
         return Curvature(0)
-    slope, direction = _steepest(symmetric, _direction(pivots, factors))
+    slope, direction = _steepest(symmetric, pivots, factors)
     if abs(K - K.T).max() > SYMMETRIC * largest:
         down, direction = _unsymmetric(K, slope, direction)
         if down == 0:
@@ -222,14 +222,15 @@ def _direction(pivots, factors):
     return y / np.linalg.norm(y)
 
 
-def _steepest(K, y):
-    """The lowest eigenvalue of K and its eigenvector, from a direction y with y^T K y < 0.
+def _steepest(K, pivots, factors):
+    """The lowest eigenvalue of K and its eigenvector, of a large K from its pivots and factors.
 
     Once K + shift I has no negative pivot, no eigenvalue of K is below -shift, and the one next to -shift is the lowest.
     """
     if K.shape[0] <= DENSE:
         values, vectors = np.linalg.eigh(K.toarray())
         return float(values[0]), vectors[:, 0]
+    y = _direction(pivots, factors)
     slope = float(y @ (K @ y))
     shift = 2.0 * abs(slope)
     while (pivots_of(K, shift)[0] < 0.0).any():
