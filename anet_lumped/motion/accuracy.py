@@ -28,6 +28,7 @@ import numpy as np
 
 from anet_lumped.limits import STEPS, most_of
 from anet_lumped.results.lost_vibrations import lost_sway
+from anet_lumped.results.rigid_blows import has_rigid_blows
 from anet_lumped.results.run import Run
 from integrators import schemes
 
@@ -190,8 +191,8 @@ def keep_error(
             between = budget.spend(march(third, duration, _within(coarser, third, duration)), 1.0)
             if between.ok:
                 known = at_least(left_of(run, between), known, run)
-        # where the method takes much, shorter steps bring the motion nearer, however little the last ones did
-        loses = run.energy_balance.lost_to_method > ALLOWED_LOSS * run.energy_balance.in_play
+        # where the method takes much, shorter steps bring the motion nearer, however little the last ones did; but for blows
+        loses = run.energy_balance.lost_to_method > ALLOWED_LOSS * run.energy_balance.in_play and not has_rigid_blows(run)
         as_far = known.tension_error > NEARER_TENSION * before.tension_error
         out_of_reach = _parts_as_it_falls(known, before, parts, wanted.of_places(run)) > MOST_FOR_PLACES * choice.dt / first
         in_vain = (
@@ -261,7 +262,8 @@ def _parts(
     needed, most = _needed(run, wanted, known, share), (MOST_FOR_PLACES * of_first, MOST_FOR_TENSIONS * of_first)
     if known.error / share > wanted.of_places(run) and not in_vain[0]:
         for_places = min(math.ceil(needed[0]), int(most[0]), MOST_AT_ONCE)
-    if known.tension_error > (AIM if known.apart == math.inf else 1.0) * wanted.tension_error and not in_vain[1]:
+    tensions_aimed_at = (AIM if known.apart == math.inf else 1.0) * wanted.tension_error
+    if known.tension_error > tensions_aimed_at and not in_vain[1] and not has_rigid_blows(run):
         for_tensions = min(math.ceil(needed[1]), int(most[1]), MOST_AT_ONCE)
     return max(for_places, 1), max(for_tensions, 1)
 

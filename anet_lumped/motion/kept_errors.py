@@ -85,7 +85,7 @@ def _by_tolerance(motion: Motion, choice: Choice, wanted: Wanted, most: float = 
     def march(tolerance: float) -> Run:
         nonlocal last
         last = motion._replace(settings=Settings(True, (0.0, tolerance), motion.settings.rho_inf))
-        return last.march(choice)
+        return with_peak_judged(last.march(choice), last, choice)
 
     return keep_error_by_tolerance(march, wanted, motion.scene.longest, most), last
 

@@ -17,7 +17,7 @@ from anet_lumped.model.reach import first_shortfall
 from anet_lumped.model.remainder import Remainder, remainder
 from anet_lumped.model.tables import CABLE_FIRST_SEGMENT, CABLE_SEGMENTS
 from anet_lumped.results.energy_balance import BY_EFFECTS, POTENTIAL, WORK
-from anet_lumped.results.events import BREAK, PAYLOAD, RELEASE, Event, broken, released
+from anet_lumped.results.events import BLOW, BREAK, PAYLOAD, RELEASE, Event, broken, released
 from anet_lumped.results.peaks import largest_so_far
 from anet_lumped.results.run import STATUS, RunInterrupt, Work
 from anet_lumped.scene.payload_change import carried_from
@@ -258,9 +258,10 @@ class Legs:
         if caught is not None:
             self.v[own.node] = caught.v
             self.book(caught.work, caught.lost)
+            self.tell(BLOW, "", caught.lost)
 
     def tell(self, kind, where, lost):
-        """Tell an event of cables that went slack or were taut again."""
+        """Tell an event of cables that do not stretch: they went slack, were taut again, or made velocities jump."""
         self.events.append(Event(self.t, kind, where, lost))
 
     def book(self, work, lost):

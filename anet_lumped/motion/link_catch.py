@@ -41,6 +41,7 @@ class Caught(NamedTuple):
     redundant : bool, whether lengths follow from other lengths
     blocked : int, a segment that no tension keeps at its length, as where a cable is straight between two held points and is pushed
         sideways; -1 for none
+    struck : bool, whether velocities changed by more than by roundings and what steps leave of the rates of lengths
     """
 
     q: np.ndarray
@@ -52,6 +53,7 @@ class Caught(NamedTuple):
     pushed: int = -1
     redundant: bool = False
     blocked: int = -1
+    struck: bool = False
 
 
 def catch(model, t, q, v):
@@ -87,7 +89,8 @@ def catch(model, t, q, v):
     rate = (np.diff(v_before[model.ends], axis=1)[:, 0] * d).sum(axis=1) - L * net.axial[model.cable_of, AXIAL_L0_RATE]
     own.force(t, q, v, net.address, f, power)
     energy = np.abs(np.where(slack & (impulse < 0.0), 0.5 * impulse * rate, 0.0))  # given or taken by a blow that pushes
-    if energy.max(initial=0.0) > BLOW * max(before, after) + ROUNDED * net.links.state[LINKS_FORCE] * L.max(initial=0.0):
+    considerable = BLOW * max(before, after) + ROUNDED * net.links.state[LINKS_FORCE] * L.max(initial=0.0)
+    if energy.max(initial=0.0) > considerable:
         return untaken._replace(pushed=int(energy.argmax()))
     lost = before + work - after
     pushed = -1
@@ -99,7 +102,7 @@ def catch(model, t, q, v):
     apart = np.abs(np.diff(a[model.ends], axis=1)).max(initial=0.0)
     moves_off = redundant and apart * heaviest > AT_REST * net.links.state[LINKS_FORCE]
     blocked = _blocked(model, t, q, v + AHEAD * a, own, net) if moves_off else -1
-    return Caught(q, v, tension, work, lost, off, pushed, redundant, blocked)
+    return Caught(q, v, tension, work, lost, off, pushed, redundant, blocked, _kinetic_energy(net, v - v_before) > considerable)
 
 
 def _blocked(model, t, q, v, own, net):

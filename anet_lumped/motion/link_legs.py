@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from anet_lumped.checks import InputError, quoted
-from anet_lumped.results.events import SLACK, TAUT
+from anet_lumped.results.events import BLOW, SLACK, TAUT
 
 from .choice import FIRST_CHOSEN
 from .link_catch import STRAIGHT, catch, first_jump
@@ -72,6 +72,8 @@ class Handover:
         if self.slack:
             legs.tell(TAUT, "", caught.lost)
             self.since = legs.t
+        elif caught.struck:
+            legs.tell(BLOW, "", caught.lost)
         self.slack = False
         legs.book(caught.work, caught.lost)
         if caught.redundant:

@@ -21,6 +21,7 @@ from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.results.free_flight import MULTIPLIED, first_loose, times_at_most
 from anet_lumped.results.lost_vibrations import said_sway
 from anet_lumped.results.peaks import hidden_peak
+from anet_lumped.results.rigid_blows import has_rigid_blows
 from anet_lumped.results.tension_error import lowest_axial_mode
 from anet_lumped.scene.platform import driven_from_outside
 from anet_lumped.scene.scene import Driven
@@ -53,6 +54,7 @@ class Finding(Enum):
     THROWN_AT_START = "a start that the first step does not resolve"
     HIDDEN_PEAK = "a largest tension that passes between saved states"
     TAKEN_IN_PARTS = "steps whose equations were solved in many parts only"
+    RIGID_BLOWS = "blows of cables that do not stretch"
 
 
 def findings(run, adaptive=False):
@@ -81,10 +83,14 @@ def findings(run, adaptive=False):
         (Finding.THROWN_AT_START, "" if adaptive or run.kept else _thrown_at_start(run, step)),
         (Finding.HIDDEN_PEAK, _hidden_peak(run)),
         (Finding.TAKEN_IN_PARTS, "" if adaptive or run.extrapolated else _taken_in_parts(run)),
+        (Finding.RIGID_BLOWS, _rigid_blows(run)),
     )
     found = {finding: text for finding, text in texts if text}
     if found.keys() & {Finding.TAKEN_BY_METHOD, Finding.MULTIPLIED_ERRORS}:  # which say as much
         found.pop(Finding.LOST_VIBRATIONS, None)
+    if Finding.RIGID_BLOWS in found:  # which says as much
+        for less in (Finding.TAKEN_BY_METHOD, Finding.HIDDEN_PEAK):
+            found.pop(less, None)
     return found
 
 
@@ -226,6 +232,18 @@ def _taken_in_parts(run):
     return (
         f"{run.method}: steps of dt={run.dt:.3g} s were solved in parts only, {work.steps} in place of {planned}, and "
         f"{work.halvings} times not at all: the motion changes far faster than that; take dt={duration / work.steps:.2g} s or less."
+    )
+
+
+def _rigid_blows(run):
+    """Blows of cables that do not stretch, whose tension has no value."""
+    if not has_rigid_blows(run):
+        return ""
+    took, in_play = run.energy_balance.by_method or 0.0, run.energy_balance.in_play
+    took_words = f", which took {took:.3g} J" if took > ALLOWED_LOSS * in_play else ""
+    return (
+        f"{run.method}: the largest tension has no value, because cables that do not stretch were caught in blows{took_words}: it "
+        "grows as steps get shorter. Give EA: a cable that catches a mass m at the speed v pulls with some v sqrt(m EA/length)."
     )
 
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from anet_lumped.results.rigid_blows import has_rigid_blows
 from anet_lumped.results.run import Run
 
 from .known_errors import Known, Wanted, is_kept
@@ -51,7 +52,9 @@ def told(
             f"places are known to {allowed:.2g} m until t={until:.4g} s, to {known.error:.2g} m at the end"
             f"{why if known.since < math.inf else ''}"
         )
-    if known.tension_error > wanted.tension_error:
+    if has_rigid_blows(run):
+        found.append("the largest tension has no value, because cables that do not stretch were caught in blows")
+    elif known.tension_error > wanted.tension_error:
         found.append(
             f"the largest tension is known to {known.tension_error:.1%} where {wanted.tension_error:.1%} are wanted: "
             f"it jumps faster than the steps resolve{_or_are_saved(run)}"

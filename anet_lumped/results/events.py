@@ -6,10 +6,8 @@ from dataclasses import dataclass
 from anet_lumped.checks import quoted
 
 PAYLOAD, BREAK, RELEASE = "payload changed", "broke", "released"
-SLACK, TAUT = (
-    "went slack",
-    "was taut again",
-)  # of cables that do not stretch, where `links` leaves them to `edmc` and takes them back
+# Of cables that do not stretch: where `links` leaves them to `edmc` and takes them back, and velocities that must jump at once.
+SLACK, TAUT, BLOW = "went slack", "was taut again", "blow"
 
 
 @dataclass(frozen=True)
@@ -19,8 +17,8 @@ class Event:
     Parameters
     ----------
     t : float [s]
-    kind : "payload changed", "broke", "released", "went slack" or "was taut again"
-    where : name of the point, or of the cable; "" where all cables are taut again
+    kind : "payload changed", "broke", "released", "went slack", "was taut again" or "blow"
+    where : name of the point, or of the cable; "" where all cables are taut again, and of a blow
     lost : float [J], energy that it dissipated
     mass : float or None [kg], of the payload from then on
     segment : int or None, that broke, counted from the cable's start as in ``Run.tension``
@@ -48,6 +46,8 @@ class Event:
             return f"t={self.t:.6g} s: cable {quoted(self.where)} went slack"
         if self.kind == TAUT:
             return f"t={self.t:.6g} s: all cables were taut again"
+        if self.kind == BLOW:
+            return f"t={self.t:.6g} s: cables that do not stretch made velocities jump"
         volume = "" if self.volume is None else f" of {self.volume:.4g} m³"
         return f"t={self.t:.6g} s: the payload at point {quoted(self.where)} became {self.mass:.4g} kg{volume}"
 

@@ -18,7 +18,7 @@ from integrators import schemes
 
 from . import run_file
 from .audit import Audit
-from .events import BREAK, PAYLOAD, RELEASE, SLACK, TAUT, Event
+from .events import BLOW, BREAK, PAYLOAD, RELEASE, SLACK, TAUT, Event
 from .run import FINISHED, STATUSES, Run, Work
 from .run_file import DamagedError
 
@@ -126,7 +126,7 @@ def _check_event(event: Event, scene: Scene) -> None:
     """An event is one of those that happen, and at a place that there is."""
     cables = [cable.name for cable in scene.cables]
     points, held = [point.name for point in scene.points], [event.point for event in scene.releases]
-    places = {PAYLOAD: points, RELEASE: held, BREAK: cables, SLACK: cables, TAUT: [""]}
+    places = {PAYLOAD: points, RELEASE: held, BREAK: cables, SLACK: cables, TAUT: [""], BLOW: [""]}
     right = event.where in places.get(event.kind, ()) and math.isfinite(event.t)
     if right and event.kind == BREAK:
         right = event.tension is not None and event.segment is not None and 0 <= event.segment < scene.cable(event.where).segments

@@ -51,6 +51,7 @@ from integrators.addresses import words_of
 from .events import BREAK, RELEASE
 from .free_flight import loose
 from .peaks import Hidden, hidden_peak
+from .rigid_blows import has_rigid_blows
 from .sudden_loads import sudden_load_tension
 
 OF_SEGMENT = 0.25  # of a jump, which the vibration of a segment that the steps do not resolve would add
@@ -90,7 +91,9 @@ class Mode(NamedTuple):
 
 
 def tension_error(run: Any) -> float:
-    """Error of the largest tension of a run, over what that tension may be; 0 where none is taut.
+    """Error of the largest tension of a run, over what that tension may be; 0 where none is taut, 1 where it has no value.
+
+    It has none where cables that do not stretch were caught, see `rigid_blows`.
 
     Returns
     -------
@@ -99,6 +102,8 @@ def tension_error(run: Any) -> float:
     largest = run.peak_tension()
     if largest <= 0.0:
         return 0.0
+    if has_rigid_blows(run):
+        return 1.0
     more = run.peak_at_most
     if more is None:
         more, hidden = most_of_states(run), hidden_peak(run)
