@@ -8,15 +8,19 @@ store 2 B (1 - c . t), over half of that length. With d the vector of a segment 
 
 Over a whole step from a to b,
 
-    change of t1 . t2 = (mean t1) . (change of t2) + (mean t2) . (change of t1) ,
+    change of |t2 - t1|^2/2 = (mean t2 - t1) . (change of t2 - t1) ,
     t_b - t_a = S (I - e e^T) (d_b - d_a) ,   S = (1/l_a + 1/l_b)/2 ,   e = (d_a + d_b)/(l_a + l_b) .
 
 Therefore these forces, in place of the derivatives above, do exactly the work by which the energy changes:
 
-    g1 = -B S1 (I - e1 e1^T) (mean t2 + alpha k) ,   g2 = -B S2 (I - e2 e2^T) (mean t1 - alpha k) ,   k = change of t2 - t1 ,
+    g1 = -B S1 (I - e1 e1^T) w ,   g2 = B S2 (I - e2 e2^T) w ,   w = (mean t2 - t1) + alpha k ,   k = change of t2 - t1 ,
 
-apart from the numerical damper alpha, which takes 2 alpha times the energy of the change k. It damps motion that a step does not
-resolve: alpha = `ALPHA` s^2/(1 + s^2), s = h omega/2, with the highest frequency omega = 4 sqrt(EI/mu)/L0^2.
+apart from the numerical damper alpha. Across t1 the mean of t2 - t1 is as good as that of t2. But e is shorter than one where a
+segment turns by an angle a: of t2 a pull B S a^2/4 along the segment would be left, which its tension would have to carry.
+
+The numerical damper takes 2 alpha times the energy of the change k. It damps motion that a step does not resolve: alpha =
+`ALPHA` s^2/(1 + s^2), s = h omega/2, with the highest frequency omega = 4 sqrt(EI/mu)/L0^2.
+
 A clamp may turn: its direction c is then that of a path. Over a step the mean c of both ends acts, and the damper takes the turn of
 the segment against the clamp. The work of the clamp, 2 B (-(mean t) . (change of c) - alpha (change of t - c) . (change of c)) over
 a step and -2 B t . dc/dt in a second, counts as negative dissipation.
@@ -48,6 +52,7 @@ from .laws.rod import (
     cross_block,
     damper_of_bending,
     dot,
+    mean_bend,
     own_block,
     own_step_block,
     projected,
@@ -270,8 +275,8 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         t1a, t1, l1a, l1, S1, e1, turn1 = step_of(base, q, i, j, L0)
         t2a, t2, l2a, l2, S2, e2, turn2 = step_of(base, q, j, k, L0)
         bend = combined(1.0, turn2, -1.0, turn1)
-        w1 = combined(1.0, combined(0.5, t2a, 0.5, t2), alpha, bend)
-        w2 = combined(1.0, combined(0.5, t1a, 0.5, t1), -alpha, bend)
+        w1 = mean_bend(t1a, t1, t2a, t2, alpha, bend)
+        w2 = combined(-1.0, w1, 0.0, w1)
         g1, g2 = projected(-B * S1, e1, w1), projected(-B * S2, e2, w2)
         add_row(f, i, g1, 1.0)
         add_row(f, j, g1, -1.0)
@@ -279,9 +284,9 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         add_row(f, k, g2, -1.0)
         by_method += alpha * B * dot(bend, bend)
         own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
-        add_turn_block(H11, alpha * B, S1, e1, t1, l1)
+        add_turn_block(H11, (0.5 + alpha) * B, S1, e1, t1, l1)
         own_step_block(H22, B, S2, e2, t2, l2a, l2, w2)
-        add_turn_block(H22, alpha * B, S2, e2, t2, l2)
+        add_turn_block(H22, (0.5 + alpha) * B, S2, e2, t2, l2)
         H12[:, :] = 0.0
         H21[:, :] = 0.0
         add_turn_block(H12, -(0.5 + alpha) * B, S1, e1, t2, l2)
@@ -295,14 +300,14 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         t1a, t1, l1a, l1, S1, e1, turn1 = step_of(base, q, i, j, L0)
         turned = combined(1.0, c_b, -1.0, c_a)
         bend = combined(1.0, turn1, -1.0, turned)
-        w1 = combined(1.0, combined(0.5, c_a, 0.5, c_b), -alpha, bend)
+        w1 = mean_bend(t1a, t1, c_a, c_b, -alpha, bend)
         g1 = projected(-B * S1, e1, w1)
         add_row(f, i, g1, 1.0)
         add_row(f, j, g1, -1.0)
         by_method += alpha * B * dot(bend, bend)
         dissipated += B * (0.5 * (dot(t1a, turned) + dot(t1, turned)) + alpha * dot(bend, turned))
         own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
-        add_turn_block(H11, alpha * B, S1, e1, t1, l1)
+        add_turn_block(H11, (0.5 + alpha) * B, S1, e1, t1, l1)
         add_clamp_block(1.0, j, H11, D)
         i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
     return dissipated, by_method

@@ -104,6 +104,12 @@ def step_of(base, q, i, j, L0):
 
 
 @inlined_law
+def mean_bend(t1_a, t1_b, t2_a, t2_b, alpha, change):
+    """The mean of t2 - t1 over a step, and alpha times what its numerical damper acts on."""
+    return combined(1.0, combined(0.5, combined(1.0, t2_a, -1.0, t1_a), 0.5, combined(1.0, t2_b, -1.0, t1_b)), alpha, change)
+
+
+@inlined_law
 def projected(S, e, w):
     """S (I - e e^T) w."""
     return combined(S, w, -S * dot(e, w), e)
