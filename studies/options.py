@@ -42,7 +42,10 @@ Changes = Annotated[
     typer.Option("--set", metavar="NAME=VALUE", help="Change the scene first: p0.mass=0.05, diameter=2mm, a.length=sag:1cm."),
 ]
 Move = Annotated[
-    list[str], typer.Option("--move", metavar="MOTION", help="Move the platform, as in surge=1sin0.1, pitch=3degsin0.1 or six.csv.")
+    list[str],
+    typer.Option(
+        "--move", metavar="MOTION", help="Move the platform: surge=1sin0.1ramp20 (m, Hz; grows in 20 s), pitch=3degsin0.1, six.csv."
+    ),
 ]
 Quick = Annotated[bool, typer.Option("--quick", help="A first look: the same from less work.")]
 Full = Annotated[

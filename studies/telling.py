@@ -4,6 +4,7 @@ import logging
 import sys
 import time
 
+SHORT = 200  # characters that are told as they are
 QUIET = 3.0  # seconds, after which a command says what it is doing
 FIRST_COMPILING = (
     dict.fromkeys(("equilibrium", "check", "mismatch", "convert", "view"), 7)
@@ -15,9 +16,12 @@ FIRST_COMPILING = (
 
 def tell(line):
     """Say something in one line of bounded length."""
-    from anet_lumped.checks import one_line
+    line = str(line)
+    if len(line) > SHORT or not line.isprintable():
+        from anet_lumped.checks import one_line  # only here: the library takes seconds to import
 
-    print(f"anet-lumped: {one_line(str(line))}", file=sys.stderr)
+        line = one_line(line)
+    print(f"anet-lumped: {line}", file=sys.stderr)
 
 
 def tell_lines(text):

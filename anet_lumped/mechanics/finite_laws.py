@@ -1,4 +1,7 @@
-"""Which effect of a scene has a force or an energy that is not finite. Asked after a failure, so that no loop has to check."""
+"""Which effect of a scene has a force, a slope of it or an energy that is not finite.
+
+Asked after a failure, so that no loop has to check.
+"""
 
 import numpy as np
 
@@ -7,7 +10,7 @@ FAST = 1e6  # [m/s], likewise
 
 
 def name_law_that_is_not_finite(model, states):
-    """Sentence that names the first effect whose force or energy is not finite in one of several states, and where.
+    """Sentence that names the first effect whose force, its slope or energy is not finite in one of several states, and where.
 
     Parameters
     ----------
@@ -35,4 +38,12 @@ def name_law_that_is_not_finite(model, states):
             energy = kernels["energy"](t, q, *numbers)
             if not np.isfinite(energy):
                 return f"The energy of effect {type(effect).__name__} is {energy:.3g} J at t={t:.4g} s. "
+            if "tangent" in kernels:  # none of a dead load
+                D = np.zeros((model.n_free, 3, 3))
+                near, far = np.zeros((max(model.near_rows, 1), 2, 3, 3)), np.zeros((max(model.n_segments, 1), 2, 3, 3))
+                kernels["tangent"](t, q, v, *numbers, -1.0, 0.0, D, near, far)
+                wrong = np.flatnonzero(~np.isfinite(D).all(axis=(1, 2)))
+                if len(wrong):
+                    where = f"t={t:.4g} s at {model.where(wrong[0])}"
+                    return f"The force of effect {type(effect).__name__} has a slope that is not finite at {where}. "
     return ""

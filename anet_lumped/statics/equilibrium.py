@@ -33,6 +33,7 @@ from .strains import warn_of_strain
 
 TOLERANCE = 1e-12  # of the positions of cable ends, over the cables' lengths
 SLACK = 1e-9  # of the load: a smaller tension of a segment is none
+NOT_JUDGED = (RuntimeError, np.linalg.LinAlgError)  # raised where a tangent that is not finite is factored
 UNSTRETCHED = 1e13  # EA over the load, in place of a cable that does not stretch: a strain of 1e-13
 
 __all__ = ["EquilibriumError", "NoRestError", "equilibrium"]
@@ -199,10 +200,8 @@ def _rest_of(model: Model, tolerance: float, start: Start | None, net: Any = Non
         )
         try:
             found = stable_rest(model, net, Shape(q.copy(), tension), guess, scale, _calm_shape(scene, tolerance))
-        except RuntimeError as error:  # a tangent that is not finite cannot be judged
-            law = name_law_that_is_not_finite(model, [(0.0, q, v)])
-            kind = NoRestError if law else EquilibriumError
-            raise kind(f"{law}No equilibrium was found: {error}") from None if law else error
+        except NOT_JUDGED as error:
+            raise _not_judged(model, q, error) from error
         if not found.ends_search:
             _refuse(model, net, found, q)
         (q, tension), balance, stable = found.shape, found.residual, found.stable
@@ -272,13 +271,19 @@ def _rest_of_bodies(model: Model, tolerance: float, given: State | None) -> Stat
     guess = None if given is None else Shape(np.concatenate([given.q[: model.n_free], q[model.n_free :]]), given.segment_tension)
     try:
         found = stable_rest(model, net, Shape(q.copy(), tension), guess, scale)
-    except RuntimeError as error:  # a tangent that is not finite cannot be judged
-        raise EquilibriumError(f"No equilibrium was found: {error}") from error
+    except NOT_JUDGED as error:
+        raise _not_judged(model, q, error) from error
     if not found.ends_search:
         _refuse(model, net, found, q)
     (q, tension), balance = found.shape, found.residual
     _check_lengths_kept(model, q)
     return State(model, 0.0, q, np.zeros_like(q), tension, residual=balance, stable=found.stable)
+
+
+def _not_judged(model: Model, q: np.ndarray, error: Exception) -> EquilibriumError:
+    """The `EquilibriumError` of a search that came to a tangent which is not finite, from the shape q (n, 3) [m] on."""
+    law = name_law_that_is_not_finite(model, [(0.0, q, np.zeros_like(q))])
+    return (NoRestError if law else EquilibriumError)(f"{law}No equilibrium was found: {error}")
 
 
 def _refuse(model: Model, net: Any, found: Any, hanging: np.ndarray) -> None:
@@ -289,9 +294,10 @@ def _refuse(model: Model, net: Any, found: Any, hanging: np.ndarray) -> None:
     effects, why = ", ".join(type(effect).__name__ for effect in model.scene.effects), reason(model, q)
     if not found.balanced:
         law = name_law_that_is_not_finite(model, [(0.0, shape, np.zeros_like(q)) for shape in (hanging, q)])
+        left = f"imbalance {found.residual:.1e} of the load, tolerance {found.tolerance:.0e}"
+        left = left if math.isfinite(found.residual) else "no step of the search could be solved"
         raise (NoRestError if law or impossible(model, q) else EquilibriumError)(
-            f"{law}No equilibrium was found with {effects}: imbalance {found.residual:.1e} of the load, tolerance "
-            f"{found.tolerance:.0e}; {why}."
+            f"{law}No equilibrium was found with {effects}: {left}; {why}."
         )
     down = found.down.directions_down
     state = State(model, 0.0, q, np.zeros_like(q), tension, residual=found.residual, stable=False)

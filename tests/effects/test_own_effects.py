@@ -395,6 +395,16 @@ def logarithm(t, q, depth):
 
 
 @node_force
+def root_of_depth(t, q, v, z0):
+    return 0.0, 0.0, max(z0 - q[2], 0.0) ** 0.5
+
+
+@node_force
+def root_of_distance(t, q, v, k):
+    return 0.0, 0.0, k * (q[0] ** 2 + q[1] ** 2) ** 0.5
+
+
+@node_force
 def until(t, q, v, t0):
     return 0.0, 0.0, 0.01 * math.sqrt(t0 - t)
 
@@ -409,9 +419,20 @@ def test_a_law_that_is_not_finite_is_named_by_statics():
         equilibrium(loose(root_of_height(-0.5)))
 
 
+@pytest.mark.parametrize("effect", [root_of_depth(-0.5), root_of_distance(1.0)])
+def test_a_slope_that_is_not_finite_is_named_by_statics(effect):
+    """Forces that are finite and rise as x**0.5 from 0 on: Newton's method needs their slope, inf or 0 * inf there."""
+    name = type(effect).__name__
+    with pytest.raises(
+        NoRestError, match=rf"^The force of effect {name} has a slope that is not finite at t=0 s at node 1 of 20 .* No"
+    ):
+        equilibrium(loose(effect))
+
+
 @pytest.mark.parametrize(
     ("effect", "settings", "message"),
     [
+        (root_of_depth(-0.5), {}, "The force of effect root_of_depth has a slope that is not finite at t=0 s .* edmc with"),
         (logarithm(0.3), {}, r"The energy of effect logarithm is nan J at t=0.0\d+ s\. edmc with .* did not converge"),
         *slow(
             (logarithm(0.3), {"method": "dop853"}, r"The energy of effect logarithm is nan J .* dop853 with rtol"),

@@ -52,11 +52,14 @@ def test_a_run_tells_what_speaks_against_it(capsys):
     assert "warning: backward_euler: 0.33 of the energy in play were lost in its steps" in capsys.readouterr().out
 
 
-def test_help_loads_nothing_heavy():
-    heavy = "numpy numba scipy pandas matplotlib jinja2 xarray pydantic jax anet_lumped integrators".split()
+@pytest.mark.parametrize(
+    "words, more", [(["--help"], ["pydantic", "integrators"]), (["simulate", "net_held", "--t-ende", "3"], [])]
+)
+def test_help_and_a_misspelt_option_load_nothing_heavy(words, more):
+    heavy = [*"numpy numba scipy pandas matplotlib jinja2 xarray jax anet_lumped".split(), *more]
     code = (
         "import sys; from studies.command_line import main\n"
-        "try: main(['--help'])\n"
+        f"try: main({words})\n"
         f"except SystemExit: print('LOADED', [name for name in {heavy} if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=Path(__file__).parents[2])
