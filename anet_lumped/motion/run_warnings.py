@@ -1,6 +1,6 @@
-"""Warnings attached to a completed run: energy lost or added by its steps, cables too long for their tension, no limit in sight,
-points that nothing has moved, wind under water, obstacles that were not seen, errors that may have been multiplied, starts and
-steps not resolved, largest tensions between saved states.
+"""Warnings attached to a completed run: energy lost or added by its steps, or given by forces that these do not resolve, cables too
+long for their tension, no limit in sight, points that nothing has moved, wind under water, obstacles that were not seen, errors
+that may have been multiplied, starts and steps not resolved, largest tensions between saved states.
 
 A run with a warning is done all the same: a method that damps the motion is asked for by name, and a rest may be right that
 was reached by wrong damping. But a reader of its swing or its stretch must know. On the catalogue of hard cases
@@ -29,6 +29,7 @@ from integrators import schemes
 
 from .energy_gain import ALLOWED_GAIN, rounding
 from .first_step import thrown, unresolved_start
+from .unresolved_forces import unresolved_force
 
 EXCESS_STRETCH = 0.1  # by which a cable may be stretched more than its tension stretches it, over the latter
 SHARE_OF_PATH = 0.05  # of the path of a node: error of the finer of two runs up to which they are extrapolated
@@ -44,6 +45,7 @@ class Finding(Enum):
 
     UNACCOUNTED_ENERGY = "energy that work and dissipation do not account for"
     TAKEN_BY_METHOD = "energy that the method took"
+    GIVEN_BY_FORCE = "energy that a force gave which steps do not resolve"
     EXCESS_LENGTH = "a cable longer than its tension can hold it"
     FAR_FROM_LIMIT = "two extrapolated runs that are far apart"
     WIND_UNDER_WATER = "air whose wind blows on what is under water"
@@ -73,6 +75,7 @@ def findings(run, adaptive=False):
     texts = (
         (Finding.UNACCOUNTED_ENERGY, _unaccounted_energy(run, step)),
         (Finding.TAKEN_BY_METHOD, _taken_by_method(run, step, adaptive)),
+        (Finding.GIVEN_BY_FORCE, _given_by_force(run, step)),
         (Finding.EXCESS_LENGTH, _excess_length(run, step)),
         (Finding.FAR_FROM_LIMIT, _far_from_limit(run, step)),
         (Finding.WIND_UNDER_WATER, _wind_under_water(run)),
@@ -128,6 +131,20 @@ def _taken_by_method(run, step, adaptive):
     return (
         f"{run.method}: its steps took {balance.lost_to_method:.3g} J, {balance.lost_to_method / balance.in_play:.1%} of the "
         f"energy in play, which no damper and no effect took; take {step}, or {other}."
+    )
+
+
+def _given_by_force(run, step):
+    """Energy that effects gave, more than `ALLOWED_GAIN` of the energy in play, where a force changes too fast for the steps."""
+    balance = run.energy_balance
+    given = -(balance.by_effects or 0.0)
+    if given <= ALLOWED_GAIN * (balance.in_play + rounding(run)):
+        return ""
+    name = unresolved_force(run)
+    return name and (
+        f"{run.method}: the motion gained {given:.3g} J from effects, {given / balance.in_play:.1%} of the energy in play, and the "
+        f"force of {name} changes faster than the steps resolve, which may have put that in; take {step}, or write its energy in "
+        "place of its force, which no step of edmc raises."
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 from systems import four_cables, loose_cable
 
 from anet_lumped import Cable, Fixed, Free, Scene, load_run, simulate, wind
-from anet_lumped.effects import Air, Bending, Gravity, ViscousDamping, Water
+from anet_lumped.effects import Air, Bending, Gravity, ViscousDamping, Water, node_energy, node_force
 from anet_lumped.motion.run_warnings import Finding, findings, warnings_of
 from anet_lumped.results.energy_balance import error_of_steps
 from studies.catalogue.swings import ANGLE, pendulum, released
@@ -136,3 +136,38 @@ def test_wind_that_blows_under_water_is_told():
     assert (
         "" == told(replace(blowing, surface=-0.5), water) == told(Air(), water) == told(blowing) == told(blowing, Water(level=-2.0))
     )
+
+
+@node_force
+def stiff_contact(t, q, v, k, height):
+    return 0.0, 0.0, k * max(height - q[2], 0.0)
+
+
+@node_energy
+def contact_energy(t, q, k, height):
+    return 0.5 * k * max(height - q[2], 0.0) ** 2
+
+
+@node_force
+def weight(t, q, v, g):
+    return 0.0, 0.0, -0.02 * g
+
+
+def test_energy_that_a_stiff_force_gave_is_called_gained():
+    """A cable falls on a contact that takes nothing: as a force it throws nodes higher than they fell, as an energy it cannot."""
+
+    def found(*effects):
+        cable = Cable("a", "b", length=1.2, mass_per_length=0.1, EA=1e4, segments=10)
+        scene = Scene([Fixed("a", (0, 0, 0)), Free("b", mass=0.5, at=(1, 0, 0))], [cable], [Gravity(9.81), *effects])
+        run = simulate(scene, 1.0, method="edmc", dt=2e-3, start="straight")
+        assert run.ok
+        return run, findings(run).get(Finding.GIVEN_BY_FORCE, "")
+
+    run, said = found(stiff_contact(k=1e8, height=-0.5))
+    given = -run.energy_balance.by_effects
+    assert given > 2.0 * 3.0  # the weight of 0.62 kg, 0.5 m above the contact, is worth 3.0 J
+    assert f"gained {given:.3g} J from effects" in said and "the force of stiff_contact changes faster" in said
+    assert said in run.warnings and "smaller step than dt=0.002 s, or write its energy" in said
+    assert found(contact_energy(k=1e8, height=-0.5))[1] == ""
+    falling, said = found(weight(g=9.81))  # it gives energy as it should
+    assert said == "" and falling.energy_balance.by_effects < -0.1
