@@ -3,6 +3,7 @@
 import logging
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from anet_lumped.scene.scene import Scene, check_scene
 from integrators.system import INTERRUPTED
 
 from .compiled_law import Wrench
+from .fall import fallen
 from .hovering import hovering
 from .pilot import Pilot
 from .quadrotor import THESIS_QUADROTOR, Quadrotor
@@ -82,17 +84,22 @@ def fly(
     Returns
     -------
     Run
-        Its status is not "done" if a step failed; it holds what was done by then.
+        Its status is not "done" if a step failed; it holds what was done by then. A warning says if the quadrotors fall.
 
     Raises
     ------
-    InputError : an argument out of its range
+    InputError : an argument out of its range, or no controller
     RunInterrupt : Ctrl-C; with what was flown as its ``run``
     """
     check_scene(scene)
     t_end, dt = (check_number(name, x, "s", "fly", sign="positive") for name, x in (("t_end", t_end), ("dt", dt)))
     if dt > t_end * (1.0 + 1e-9):
         raise InputError(f"Argument `dt` must not exceed t_end={t_end:g} s, but it is {dt:g} s.")
+    if not callable(controller):
+        raise InputError(
+            "Argument `controller` must be a callable from Seen to Wrench, such as `geometric` makes, but it is "
+            f"{shown(controller)}: without one nothing holds the quadrotors up."
+        )
     crew = quadrotors_of(scene, quadrotors)
     if "start" not in session:
         ready = hovering(scene)
@@ -134,6 +141,8 @@ def fly(
         T_max=None if rows[0][0].T_max is None else np.array([state.T_max for state, _ in rows]),
         shedding=None if rows[0][0].shedding is None else np.array([state.shedding for state, _ in rows]),
     )  # fmt: skip
+    said = fallen(run)
+    run = replace(run, warnings=(*run.warnings, said)) if said else run
     if status == STATUS[INTERRUPTED]:
         raise RunInterrupt(run)
     return run

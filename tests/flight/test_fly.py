@@ -22,7 +22,7 @@ from anet_lumped.flight.seen import Seen, Sensors
 
 CREW = [THESIS_QUADROTOR] * 4
 NET = load_scene("quadrotors_net")
-REST = np.array([0.0, 0.0, -0.629])  # of p0, near enough
+REST = np.array([0.0, 0.0, -0.693])  # of p0, where the quadrotors hover at their starts
 
 
 def journey(start):
@@ -194,6 +194,24 @@ def test_a_flight_that_is_stopped_gives_what_was_flown(monkeypatch, ctrl_c):
     assert np.array_equal(run.q[-1], finer.q[-1]) and np.array_equal(run.segment_tension[-1], finer.segment_tension[-1])
 
 
+@pytest.mark.parametrize(
+    ("scene", "thrust", "words"),
+    [
+        (NET, 0.0, "The quadrotors fall, at 9.81 m/s at t=1 s, by 100% of gravity from the start on: the controller gives no"),
+        (
+            replace(NET, points=[replace(NET.points[0], mass=30.0)]),
+            15.0,
+            "or less than what they and their load weigh, so that nothing holds them up.",
+        ),
+        (NET, 9.81 * (4 * 1.04 + 0.41) / 4, ""),
+    ],
+)
+def test_quadrotors_that_nothing_holds_up_are_told(scene, thrust, words):
+    run = fly(scene, lambda seen: Wrench(np.full(4, thrust), np.zeros((4, 3))), 1.0)
+    said = " ".join(run.warnings)
+    assert run.ok and (words in said if words else said == "")
+
+
 def test_names_and_numbers():
     controller = geometric(CREW, hold([body.at for body in NET.bodies]))
     with pytest.raises(InputError, match='name bodies that move freely, but it names "quat1", did you mean "quad1"'):
@@ -208,6 +226,10 @@ def test_names_and_numbers():
         fly(NET, controller, 0)
     with pytest.raises(InputError, match=r"`dt` must not exceed t_end=0\.001 s, but it is 0\.004 s"):
         fly(NET, controller, 0.001)
+    with pytest.raises(
+        InputError, match=r"`controller` must be a callable .* it is None: without one nothing holds the quadrotors up"
+    ):
+        fly(NET, None, 1.0)
     with pytest.raises(InputError, match="needs a body that moves freely, but the scene has none"):
         hovering(load_scene("net_held"))
     with pytest.raises(InputError, match='guided by a free point, but "quad0" is none'):
