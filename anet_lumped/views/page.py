@@ -21,7 +21,7 @@ from . import colours
 from .boxes import box_of, poses
 from .motion import Motion, kind_of, motion_of, thinned
 from .surroundings import Plane, Solid, Surroundings, surroundings
-from .verdict import as_length, verdict
+from .verdict import verdict
 
 MOST = 2_900_000  # bytes of a page
 SPARE = 100  # bytes, for counts that are longer than those of a page without states
@@ -83,7 +83,7 @@ def _rendered(run: Any, motion: Motion, content: dict[str, Any], title: str) -> 
         content=json.dumps(content, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
         title=printable(title),
         ok=run.ok,
-        verdict=_verdict(run),
+        verdict=printable(verdict(run)),
         warnings=[printable(warning) for warning in run.warnings],
         notes=_notes(run, motion, content["shown"]),
         broke=bool(np.isfinite(motion.broken_at).any()),
@@ -91,11 +91,6 @@ def _rendered(run: Any, motion: Motion, content: dict[str, Any], title: str) -> 
         bodies=len(run.scene.bodies),
         colours=colours,
     )
-
-
-def _verdict(run: Any) -> str:
-    told = run.audit is None and run.ok and run.error_estimate is not None
-    return printable(verdict(run) + (f", places to {as_length(run.error_estimate)} by its own estimate" if told else ""))
 
 
 def _notes(run: Any, motion: Motion, shown: int) -> list[str]:

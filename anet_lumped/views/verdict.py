@@ -4,16 +4,28 @@ from typing import Any
 
 
 def verdict(run: Any) -> str:
-    """How a run ended, in words: its estimated error and its energy if an audit passed, its message if it is not "done"."""
+    """How a run ended, in words: its errors, as an audit or the run itself estimates them, its message if it is not "done"."""
     ran = f"{run.method}, t = {run.t[0]:.4g} to {run.t[-1]:.4g} s"
     if not run.ok:
         return f"{run.status.upper()} ({ran}): {run.message.removeprefix('The audit failed: ')}"
     if run.audit is None:
-        return f"finished ({ran}); accuracy not checked (--audit)"
+        return f"finished ({ran}); {_estimated(run)}"
     audit = run.audit
     return (
         f"audit passed ({ran}): positions to {as_length(audit.error)} (estimate, at {audit.where}, t={audit.t:.3g} s; "
         f"{as_length(audit.allowed)} allowed), energy accounted for to {audit.imbalance:.1g}"
+    )
+
+
+def _estimated(run: Any) -> str:
+    """What a run without an audit tells of its errors, and where it has that from."""
+    if run.error_estimate is None:
+        return "its errors are not known (--audit estimates them)"
+    more = f", perhaps {run.multiplies:.2g} times that" if run.multiplies > 1.0 else ""
+    source = "two runs compared" if run.was_compared else "from its own steps, not audited"
+    return (
+        f"estimated errors: places {as_length(run.error_estimate)}{more}, largest tension {run.tension_error:.2%} "
+        f"({source}{', more than wanted' if run.kept is False else ''})"
     )
 
 

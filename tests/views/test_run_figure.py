@@ -1,5 +1,7 @@
 """The picture of a run: it says what became of the run, and whatever is wrong with it in red."""
 
+from dataclasses import replace
+
 import matplotlib.image
 import numpy as np
 import pytest
@@ -38,9 +40,21 @@ def test_a_passed_audit_gives_its_error_and_unit():
     said, red = words(plot_run(run))
     assert not red and said.startswith("audit passed (edmc") and f"positions to {as_length(run.audit.error)} (estimate" in said
     assert "5 mm allowed" in said and f"energy accounted for to {run.audit.imbalance:.1g}" in said
-    assert words(plot_run(simulate(four_cables(), 0.1, method="edmc", dt=0.01)))[0].startswith(
-        "finished (edmc, t = 0 to 0.1 s); accuracy not checked (--audit)"
+
+
+def test_a_run_without_an_audit_gives_what_it_estimates():
+    """The errors that the run tells, and whether two runs were compared for them; only where it tells none they are not known."""
+    run = simulate(four_cables(carried=True), 1.0, method="edmc", dt=0.01)
+    said = f"places {as_length(run.error_estimate)}, largest tension {run.tension_error:.2%} ("
+    assert run.error_estimate > 0.0 and verdict(run) == (
+        f"finished (edmc, t = 0 to 1 s); estimated errors: {said}from its own steps, not audited)"
     )
+    assert words(plot_run(run)) == (verdict(run), False)
+    assert verdict(replace(run, kept=True)).endswith(f"{said}two runs compared)")
+    assert verdict(replace(run, kept=False)).endswith("(two runs compared, more than wanted)")
+    assert verdict(replace(run, error_growth=None)).endswith("; its errors are not known (--audit estimates them)")
+    whip = simulate(loose_cable(1e4), 0.6, method="edmc", dt=0.005, start="straight")
+    assert f"places {as_length(whip.error_estimate)}, perhaps {whip.multiplies:.2g} times that" in verdict(whip)
 
 
 @pytest.mark.filterwarnings("ignore::anet_lumped.motion.simulate.StabilityWarning")
