@@ -44,9 +44,9 @@ def show(result: dict, whole: bool = False) -> None:
     for title, value in result.items():
         if isinstance(value, list) and value and isinstance(value[0], dict):
             short = len(value) > MOST_ROWS and not whole
-            console.print(
-                _table(f"{title}, {len(value)} rows; --all prints them", summed_up(value)) if short else _table(title, value)
-            )
+            named, rows = (f"{title}, {len(value)} rows; --all prints them", summed_up(value)) if short else (title, value)
+            for table in _tables(named, rows, console.width):
+                console.print(table)
         elif isinstance(value, list):
             lines = value if whole or len(value) <= MOST_ROWS else value[:MOST_WORDS]
             for line in lines:
@@ -153,26 +153,35 @@ def _is_number(value):
     return not isinstance(value, bool) and math.isfinite(value)
 
 
-def _table(title, rows):
+def _tables(title, rows, width):
+    """Tables of rich: one, or where a terminal is not wide enough, some below each other that have the first column each."""
     from rich import box
     from rich.table import Table
 
+    from .layout import fitted, least_and_natural, side_by_side
+
     names = list(dict.fromkeys(name for row in rows for name in row))
-    table = Table(title=_words(title), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
     of_one_kind = "minimum" not in names  # and not a summary, whose rows are of several quantities
     columns = [[row.get(name) for row in rows] for name in names]
     lines = list(zip(*(column_texts(own) if of_one_kind else [as_text(one) for one in own] for own in columns), strict=True))
     heads = [_head(name) for name in names]
-    on_its_side = len(names) > WIDE > len(rows)
-    if on_its_side:
-        heads, *lines = zip(heads, *lines, strict=True)
-    numbers = [all(isinstance(row.get(name), Real | None) for row in rows) for name in names]
-    for i, head in enumerate(heads):
-        right = i > 0 if on_its_side else numbers[i]
-        table.add_column(head, justify="right" if right else "left", overflow="fold")
-    for line in lines:
-        table.add_row(*line)
-    return table
+    right = [all(isinstance(row.get(name), Real | None) for row in rows) for name in names]
+    turned = [*zip(heads, *lines, strict=True)]
+    too_wide = len(side_by_side(least_and_natural(heads, lines)[0], width)) > 1
+    if len(names) > WIDE > len(rows) or (too_wide and len(side_by_side(least_and_natural(turned[0], turned[1:])[0], width)) == 1):
+        heads, *lines = turned
+        right = [i > 0 for i in range(len(heads))]
+    least, natural = least_and_natural(heads, lines)
+    for k, group in enumerate(side_by_side(least, width)):
+        table = Table(
+            title=_words(title) + (", continued" if k else ""), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD
+        )
+        widths = fitted([least[i] for i in group], [natural[i] for i in group], width)
+        for i, own in zip(group, widths, strict=True):
+            table.add_column(heads[i], justify="right" if right[i] else "left", overflow="fold", width=own)
+        for line in lines:
+            table.add_row(*(line[i] for i in group))
+        yield table
 
 
 def _words(name):

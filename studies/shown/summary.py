@@ -52,7 +52,7 @@ def run_summary(run) -> dict:
                 "cable": cable.name,
                 "end_stretch": run.length(cable.name)[-1] / cable.length - 1,
                 "peak_stretch": run.length(cable.name).max() / cable.length - 1,
-                "peak_tension": run.peak_tension(cable.name),
+                "peak_segment_tension": run.peak_tension(cable.name),
                 "peak_start_tension": _peak_at(run, cable, cable.start),
                 "peak_end_tension": _peak_at(run, cable, cable.end),
             }
@@ -264,7 +264,7 @@ def _at_rest(state):
             "sag": sag(state, cable.name),
             "start_tension": start,
             "end_tension": end,
-            "largest_tension": max(top, start, end),
+            "segment_tension": top,
             "slack_segments": _ranges(np.flatnonzero(state.tension(cable.name) <= 0.0)) if any_slack else "",
         }
         for cable, length, top, (start, end), any_slack in zip(
@@ -282,7 +282,7 @@ def _about_rest(row, cable):
     if row["stretch"] > SOFT:
         yield (
             f'Cable "{cable.name}" is {row["stretch"]:.2%} longer at rest than unstretched, more than {SOFT:.0%}: '
-            f"EA = {cable.EA:g} N carries {row['largest_tension']:.3g} N."
+            f"EA = {cable.EA:g} N carries {row['segment_tension']:.3g} N."
         )
 
 

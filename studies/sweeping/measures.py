@@ -227,7 +227,7 @@ MEASURES = {
     "stretch": Measure(_stretch, Source.REST, Target.CABLE, "-", "stretched length / length - 1 at rest"),
     "sag": Measure(_sag, Source.REST, Target.CABLE, "m", "largest distance below the chord, along gravity, at rest"),
     "tension": Measure(
-        _tension, Source.REST, Target.CABLE_OR_POINT, "N", "largest tension at rest, of segments, or of ends at a point"
+        _tension, Source.REST, Target.CABLE_OR_POINT, "N", "largest tension at rest: of segments; at a point, of ends of cables"
     ),
     "reaction": Measure(_reaction, Source.REST, Target.HOLDER, "N", "size of the force of a support or the ground at rest"),
     "slack": Measure(_slack, Source.REST, Target.CABLE, "-", "number of slack segments at rest"),
@@ -243,7 +243,10 @@ MEASURES = {
     "peak_stretch": _over_time(_peak(_stretch), Target.CABLE, "-", "largest stretched length / length - 1"),
     **_statistics(),
     "peak_tension": _over_time(
-        over_time.peak_tension, Target.CABLE_OR_POINT, "N", "largest tension in all steps; at a point, at a saved time"
+        over_time.peak_tension,
+        Target.CABLE_OR_POINT,
+        "N",
+        "largest tension of segments in all steps; at a point, of ends at a saved time",
     ),
     "rainflow_tension": _over_time(
         partial(over_time.statistic, values=over_time.tension, of=over_time.rainflow),

@@ -14,11 +14,12 @@ import pytest
 import typer
 from program import OLD_RUN, PROGRAM, call
 
-from anet_lumped import load_run
+from anet_lumped import equilibrium, load_run, load_scene, simulate
 from anet_lumped.files.scene_file import SCENES
 from integrators.compiling import NOTICE
 from studies import command_line
 from studies.quantities import metres, newtons, seconds
+from studies.sweeping.measures import MEASURES
 
 COMMANDS = [
     "equilibrium",
@@ -80,13 +81,27 @@ def test_equilibrium_loads_no_tables_and_no_plots(tmp_path):
 def test_equilibrium_prints_tables_and_writes_its_numbers(tmp_path, capsys):
     assert call("equilibrium", "net_held", "--out", tmp_path) == 0
     said = capsys.readouterr().out
-    assert "sag [m]" in said and "s0-p0" in said and "largest tension [N]" in said
+    assert "sag [m]" in said and "s0-p0" in said and "segment tension [N]" in said
     found = json.loads((tmp_path / "equilibrium.json").read_text())
     assert len(found["cables"]) == 4 and found["residual"] < 1e-9
     with (tmp_path / "nodes.csv").open() as file:
         nodes = list(csv.DictReader(file))
     assert len(nodes) == 4 * 21
     assert float(nodes[20]["z"]) == found["points"][0]["z"]
+
+
+def test_the_largest_tension_is_that_of_segments_in_tables_as_in_sweeps(capsys):
+    """At its start a cable pulls with half a segment more, which the table tells apart."""
+    assert call("equilibrium", "net_held", "--json") == 0
+    row = json.loads(capsys.readouterr().out)["cables"][0]
+    rest = equilibrium(load_scene("net_held"))
+    assert row["segment_tension"] == rest.tension("s0-p0").max() == MEASURES["tension"].function(rest, "s0-p0")
+    assert row["start_tension"] == pytest.approx(rest.end_tension("s0-p0", "s0"), rel=1e-12)
+    assert row["start_tension"] > row["segment_tension"]
+    assert call("simulate", "net_carried", "--t-end", 0.5, "--dt", 0.01, "--json") == 0
+    row = json.loads(capsys.readouterr().out)["cables"][0]
+    run = simulate(load_scene("net_carried"), 0.5, dt=0.01)
+    assert row["peak_segment_tension"] == run.peak_tension("s0-p0") < row["peak_start_tension"]
 
 
 def test_simulate_says_what_ran_and_saves_it(tmp_path, capsys):
