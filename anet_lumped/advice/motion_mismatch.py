@@ -70,6 +70,7 @@ class MotionMismatch:
     sure : bool, whether J is larger by a quarter or more at half of all shifts; else the motion tells little of the shift
     at_end : bool, whether J is least at an end of the shifts that are tried, so that the right one may lie beyond
     overlap : float [s], that both have
+    before, after : float [s], that were measured before the run begins and after it ends, and are not compared
     tensions, markers : channels
     curves : by channel, times of the run (k,) [s], what was measured and what the run has, (k, d)
     """
@@ -79,6 +80,8 @@ class MotionMismatch:
     sure: bool
     at_end: bool
     overlap: float
+    before: float
+    after: float
     tensions: list[ChannelMismatch]
     markers: list[ChannelMismatch]
     curves: dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]
@@ -128,7 +131,10 @@ def compare_motion(
     times = np.concatenate([t for t, _, _ in curves.values()])
     sure = shift is not None or (rise >= SURE and not all(_still(pair.measured) for pair in pairs))
     at_end = shift is None and _at_end(common, MOST_SHIFT * span)
-    return MotionMismatch(common, shift is None, sure, at_end, float(np.ptp(times)), found[:number], found[number:], curves)
+    overlap, before, after = float(np.ptp(times)), max(0.0, run.t[0] - common), max(0.0, common + span - run.t[-1])
+    return MotionMismatch(
+        common, shift is None, sure, at_end, overlap, float(before), float(after), found[:number], found[number:], curves
+    )
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from dataclasses import asdict
 
 FEWEST_STATES = 400  # that are saved, and more where more was measured
 MOST_STATES = 5000
+UNSEEN = 0.01  # of the measured time, up to which nothing is said where it is not compared
 FAR = 10.0  # lengths of the longest cable, which no marker is off by that is in metres and along the axes of the scene
 UNSURE = "What was measured hardly tells the shift of the clock: others are nearly as good. Give the right one by --shift."
 AT_END = (
@@ -63,6 +64,7 @@ def tables(run, found, left_out=()) -> dict:
             *run.warnings,
             *([] if found.sure else [UNSURE]),
             *([AT_END] if found.at_end and found.sure else []),
+            *_not_compared(run, found),
             *(
                 AWAY.format(one.name, one.rmse, one.rmse / run.scene.longest)
                 for one in found.markers
@@ -70,6 +72,18 @@ def tables(run, found, left_out=()) -> dict:
             ),
         ],
     }
+
+
+def _not_compared(run, found):
+    """What was measured before the run begins or after it ends, as sentences."""
+    least = UNSEEN * (found.overlap + found.before + found.after)
+    if found.before > least:
+        yield f"The first {found.before:.3g} s that were measured are before the run and are not compared: it begins at t = 0."
+    if found.after > least:
+        yield (
+            f"The last {found.after:.3g} s that were measured are after the run, which ends at t = {run.t[-1]:.4g} s, and are not "
+            f"compared; with --shift {found.shift:.4g} it runs so much longer."
+        )
 
 
 def _row(channel, unit):

@@ -30,6 +30,9 @@ def test_a_motion_is_compared_and_drawn(measured, capsys):
     found = json.loads((measured / "mismatch.json").read_text())
     assert found["status"] == "done" and found["shift_is"] == "found by least squares"
     assert found["shift_s"] == pytest.approx(FROM, abs=0.01)  # half of a sample's interval and the noise
+    (said,) = (text for text in found["warning"] if "measured" in text)
+    assert said.startswith(f"The last {found['shift_s']:.3g} s that were measured are after the run, which ends at t = 1.59 s, and")
+    assert found["compared_s"] == pytest.approx(1.59 - found["shift_s"], abs=0.01)  # of a sample's interval
     (tension,), (marker,) = found["tensions"], found["markers"]
     assert tension["name"] == "s0-p0" and 0.015 < tension["rmse_N"] < 0.035
     assert marker["rmse_m"] == pytest.approx(2e-3 * np.sqrt(3.0), rel=0.15)  # of three noises; 160 samples
@@ -65,7 +68,10 @@ def test_an_export_of_motive_over_time_and_of_one_shape(measured, capsys):
 
 def test_a_given_shift_and_one_without_a_motion(measured, capsys):
     assert call("mismatch", "net_carried", "--markers", measured / "track.npz", "--shift", "150ms") == 0
-    assert "shift is: given" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "shift is: given" in said and "not compared" not in said
+    assert call("mismatch", "net_carried", "--markers", measured / "track.npz", "--shift=-150ms") == 0
+    assert "The first 0.15 s that were measured are before the run and are not compared" in capsys.readouterr().out
     assert call("mismatch", "net_held", "--shift", "150ms") == 2
     assert "A --shift is for a motion, but neither tensions nor tracks over time are given." in capsys.readouterr().err
 
