@@ -197,7 +197,8 @@ def _of_node(what: str, run: Run, node: int) -> np.ndarray:
 def _line_columns(run: Run, cable: str, letters: str) -> dict[str, np.ndarray]:
     """Columns of a line, in the order of its letters."""
     found: dict[str, np.ndarray] = {}
-    L0 = run.scene.cable(cable).L0
+    whole = run.scene.cable(cable)
+    L0 = np.broadcast_to(run.rest_lengths.get(cable, whole.length), run.t.shape)[:, None] / whole.segments
     for letter in dict.fromkeys(letters):
         if letter in "pv":
             rows = run.shape(cable) if letter == "p" else run.v[:, run.model.nodes(cable)]

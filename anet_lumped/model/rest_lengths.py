@@ -209,10 +209,11 @@ def of_a_run(lengths):
 
 
 def at_time(scene, t):
-    """Lengths [m] at a time t [s] of the cables whose length changes, by name."""
+    """Lengths [m] at a time t [s], or at many (k,), of the cables whose length changes, by name."""
     lengths = {}
     for name, (paid, strain) in changes(scene).items():
-        paid_out, strained = (_path(terms).at(t)[0][0] for terms in (paid, strain))
+        paths_of = _path(paid), _path(strain)
+        paid_out, strained = (places(path, t)[:, 0] if np.ndim(t) else path.at(t)[0][0] for path in paths_of)
         lengths[name] = (scene.cable(name).length + paid_out) * (1.0 + strained)
     return lengths
 

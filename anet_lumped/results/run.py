@@ -11,6 +11,7 @@ import numpy as np
 from anet_lumped.checks import InputError, check_index
 from anet_lumped.model import body_rotation
 from anet_lumped.model.model import Model
+from anet_lumped.model.rest_lengths import at_time
 from anet_lumped.scene.scene import Scene
 from integrators import schemes
 from integrators.schemes.record import EnergyPromise
@@ -23,6 +24,7 @@ from .events import BREAK, RELEASE, Event
 from .rainflow import Cycles, cycles
 from .slack import SlackTime, Snap, slack_times, snaps
 from .state import State, segment_tensions
+from .stretch import stretch
 
 STATUS = {
     DONE: "done",
@@ -313,6 +315,15 @@ class Run:
     def length(self, cable: str) -> np.ndarray:
         """(k,) stretched length of a cable [m], without segments that broke."""
         return (np.linalg.norm(np.diff(self.shape(cable), axis=1), axis=2) * self.holds(cable)).sum(axis=1)
+
+    def stretch(self, cable: str) -> np.ndarray:
+        """(k,) stretched length of a cable over its length at rest at that time, less 1, without segments that broke."""
+        return stretch(self, cable)
+
+    @cached_property
+    def rest_lengths(self) -> dict[str, np.ndarray]:
+        """(k,) lengths at rest of the cables whose length changes in time, by name [m]."""
+        return at_time(self.scene, self.t)
 
     def holds(self, cable: str) -> np.ndarray:
         """(k, segments) bool: whether each segment of a cable, from its start to its end, has not broken."""

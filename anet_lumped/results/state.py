@@ -15,6 +15,7 @@ from anet_lumped.scene.scene import Scene
 from . import end_forces, own_state, touchdown
 from .events import Event, broken
 from .moved_body import moved
+from .stretch import stretch_of_state
 
 
 def segment_tensions(model: Model, q: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -181,12 +182,18 @@ class State:
 
     def touchdown_length(self, cable: str) -> float:
         """Unstretched length of a cable that lies on the ground [m], known to half a segment; see `results.touchdown`."""
-        holds = np.ones((1, self.scene.cable(cable).segments), bool)
-        holds[0, list(broken(self.events).get(cable, ()))] = False
-        return float(touchdown.touchdown_lengths(self.model, [end_forces.rows_of_state(self)], cable, holds)[0])
+        return float(touchdown.touchdown_lengths(self.model, [end_forces.rows_of_state(self)], cable, self.holds(cable)[None])[0])
 
     def length(self, cable: str) -> float:
         """Stretched length of a cable [m], without segments that broke."""
-        lengths = np.linalg.norm(np.diff(self.shape(cable), axis=0), axis=1)
-        gone = broken(self.events).get(cable)
-        return float((np.delete(lengths, gone) if gone else lengths).sum())
+        return float(np.linalg.norm(np.diff(self.shape(cable), axis=0), axis=1)[self.holds(cable)].sum())
+
+    def stretch(self, cable: str) -> float:
+        """Stretched length of a cable over its length at rest at this time, less 1, without segments that broke."""
+        return stretch_of_state(self, cable)
+
+    def holds(self, cable: str) -> np.ndarray:
+        """(segments,) bool: whether each segment of a cable, from its start to its end, has not broken."""
+        whole = np.ones(self.scene.cable(cable).segments, bool)
+        whole[list(broken(self.events).get(cable, ()))] = False
+        return whole

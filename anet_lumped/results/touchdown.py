@@ -44,7 +44,6 @@ def touchdown_lengths(model: Model, parts: Sequence[Rows], cable: str, holds: An
             if nodes[end] >= model.n_free and segments > 1:
                 along[:, end] = along[:, beside]
         found.append(0.5 * (along[:, :-1] + along[:, 1:].astype(float)))
-    lengths = [
-        rest_lengths.at_time(scene, t).get(cable, scene.cable(cable).length) for t in np.concatenate([now.t for now in parts])
-    ]
-    return (np.concatenate(found) * holds).sum(axis=1) * np.array(lengths) / segments
+    times = np.concatenate([now.t for now in parts])
+    lengths = rest_lengths.at_time(scene, times).get(cable, scene.cable(cable).length)
+    return (np.concatenate(found) * holds).sum(axis=1) * lengths / segments

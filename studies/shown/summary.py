@@ -6,6 +6,7 @@ from dataclasses import asdict
 
 import numpy as np
 
+from anet_lumped.model.rest_lengths import at_time
 from anet_lumped.model.tables import CABLE_SEGMENTS
 from anet_lumped.results.end_forces import GROUND, UnknownForceError, end_forces_at_rest, rows_of_state
 from anet_lumped.scene.scene import Free
@@ -50,8 +51,8 @@ def run_summary(run) -> dict:
         "cables": [
             {
                 "cable": cable.name,
-                "end_stretch": run.length(cable.name)[-1] / cable.length - 1,
-                "peak_stretch": run.length(cable.name).max() / cable.length - 1,
+                "end_stretch": run.stretch(cable.name)[-1],
+                "peak_stretch": run.stretch(cable.name).max(),
                 "peak_segment_tension": run.peak_tension(cable.name),
                 "peak_start_tension": _peak_at(run, cable, cable.start),
                 "peak_end_tension": _peak_at(run, cable, cable.end),
@@ -258,9 +259,10 @@ def _at_rest(state):
     np.maximum.at(largest, model.cable_of, tension)
     ends = np.linalg.norm(end_forces_at_rest(rows_of_state(state)), axis=2)
     slack = np.bincount(model.cable_of, tension <= 0.0) > 0
+    rest_lengths = at_time(state.scene, state.t)
     return [
         {
-            "stretch": length / cable.length - 1,
+            "stretch": length / rest_lengths.get(cable.name, cable.length) - 1,
             "sag": sag(state, cable.name),
             "start_tension": start,
             "end_tension": end,

@@ -122,11 +122,11 @@ def _cables(result, target):
 
 
 def _stretch(result, target):
-    return max(np.max(result.length(cable.name)) / cable.length - 1.0 for cable in _cables(result, target))
+    return max(np.max(result.stretch(cable.name)) for cable in _cables(result, target))
 
 
 def _end_stretch(run, target):
-    return max(run.length(cable.name)[-1] / cable.length - 1.0 for cable in _cables(run, target))
+    return max(run.stretch(cable.name)[-1] for cable in _cables(run, target))
 
 
 def _touchdown(state, target):
@@ -224,7 +224,7 @@ def _statistics():
 
 
 MEASURES = {
-    "stretch": Measure(_stretch, Source.REST, Target.CABLE, "-", "stretched length / length - 1 at rest"),
+    "stretch": Measure(_stretch, Source.REST, Target.CABLE, "-", "stretched length / length at rest - 1, at rest"),
     "sag": Measure(_sag, Source.REST, Target.CABLE, "m", "largest distance below the chord, along gravity, at rest"),
     "tension": Measure(
         _tension, Source.REST, Target.CABLE_OR_POINT, "N", "largest tension at rest: of segments; at a point, of ends of cables"
@@ -239,8 +239,8 @@ MEASURES = {
     "touchdown": Measure(
         _touchdown, Source.REST, Target.CABLE, "m", "length on the ground at rest, to half a segment", of_ground=True
     ),
-    "end_stretch": Measure(_end_stretch, Source.RUN, Target.CABLE, "-", "stretched length / length - 1 at the end"),
-    "peak_stretch": _over_time(_peak(_stretch), Target.CABLE, "-", "largest stretched length / length - 1"),
+    "end_stretch": Measure(_end_stretch, Source.RUN, Target.CABLE, "-", "stretched length / length at rest - 1, at the end"),
+    "peak_stretch": _over_time(_peak(_stretch), Target.CABLE, "-", "largest stretched length / length at rest - 1"),
     **_statistics(),
     "peak_tension": _over_time(
         over_time.peak_tension,

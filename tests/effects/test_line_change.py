@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from anet_lumped import Cable, Fixed, Free, Scene, SceneError, State, equilibrium, load_run, simulate
+from anet_lumped import Cable, CableCut, Fixed, Free, Scene, SceneError, State, equilibrium, load_run, simulate
 from anet_lumped.effects import Air, AxialDamping, Bending, Gravity, LineChange, ViscousDamping
 from anet_lumped.files.scene_file import load_scene, save_scene
 from anet_lumped.mechanics.changing_lengths import set_lengths
@@ -15,6 +15,8 @@ from anet_lumped.model.tables import AXIAL_L0, AXIAL_L0_BEFORE, AXIAL_L0_RATE
 from anet_lumped.prescribed import signals
 from anet_lumped.results.energy_balance import error_of_steps
 from integrators import schemes
+from studies.shown.summary import rest_summary, run_summary
+from studies.sweeping.measures import MEASURES
 
 G, MU, EA, LENGTH, MASS = 9.81, 0.05, 1e4, 2.0, 1.0
 STABLE = schemes.names(own=True, stable_undamped=True)
@@ -215,3 +217,35 @@ def test_files(tmp_path):
 def test_messages(make, message):
     with pytest.raises((SceneError, ValueError), match=message):
         make()
+
+
+def test_what_a_winch_reels_in_is_no_stretch(capsys):
+    """Half of the cable is reeled in slowly: it stretches by the mean tension over EA, in tables and measures, too."""
+    way = -0.5 * LENGTH
+    scene = hoist(signals.samples([0.0, 0.5, 3.5, 4.0, 5.0], [0.0, 0.02 * way, 0.98 * way, way, way]))
+    run = simulate(scene, 5.0, method="edmc", dt=5e-3)
+    assert run.length("a-b")[-1] == pytest.approx(LENGTH + way, rel=1e-2)
+    weight, hanging = MASS * G, 0.5 * MU * (LENGTH + way) * G  # and at the middle of the cable half of what is left of it
+    rings = 5e-3  # of the tension, after the winch has stopped
+    assert run.stretch("a-b")[-1] == pytest.approx((weight + hanging) / EA, rel=rings)
+    assert run.final.stretch("a-b") == pytest.approx(run.stretch("a-b")[-1], rel=1e-9)
+    row = run_summary(run)["cables"][0]
+    assert row["end_stretch"] == run.stretch("a-b")[-1] == MEASURES["end_stretch"].function(run, "a-b")
+    assert row["peak_stretch"] == run.stretch("a-b").max() == MEASURES["peak_stretch"].function(run, "a-b", None)
+    longer = hoist(signals.line(0.5, 0.0, 0.0))  # paid out from the start on
+    rest = equilibrium(longer)
+    assert rest_summary(rest)["cables"][0]["stretch"] == pytest.approx(rest.segment_tension.mean() / EA, rel=1e-6)
+
+
+def test_what_a_break_takes_away_is_no_stretch():
+    """One of ten segments is cut: what is left is slack and falls, and its stretch is over the nine that there are."""
+    scene = Scene(
+        [Fixed("a", (0, 0, 0)), Free("b", MASS)],
+        [Cable("a", "b", length=LENGTH, mass_per_length=MU, EA=EA, zeta=0.5, segments=10)],
+        [Gravity()],
+        events=[CableCut("a-b", t=0.1, segment=4)],
+    )
+    run = simulate(scene, 0.3, method="edmc", dt=1e-3)
+    np.testing.assert_allclose(run.stretch("a-b")[run.t > 0.1], run.length("a-b")[run.t > 0.1] / (0.9 * LENGTH) - 1.0, atol=1e-12)
+    assert run.stretch("a-b")[0] == pytest.approx(run.length("a-b")[0] / LENGTH - 1.0, abs=1e-12)
+    assert run.final.stretch("a-b") == pytest.approx(run.stretch("a-b")[-1], abs=1e-12)
