@@ -93,8 +93,10 @@ def fly(
     """
     check_scene(scene)
     t_end, dt = (check_number(name, x, "s", "fly", sign="positive") for name, x in (("t_end", t_end), ("dt", dt)))
-    if dt > t_end * (1.0 + 1e-9):
-        raise InputError(f"Argument `dt` must not exceed t_end={t_end:g} s, but it is {dt:g} s.")
+    save_every = None if save_every is None else check_number("save_every", save_every, "s", "fly", sign="positive")
+    for name, value in (("dt", dt), ("save_every", save_every)):
+        if value is not None and value > t_end * (1.0 + 1e-9):
+            raise InputError(f"Argument `{name}` must not exceed t_end={t_end:g} s, but it is {value:g} s.")
     if not callable(controller):
         raise InputError(
             "Argument `controller` must be a callable from Seen to Wrench, such as `geometric` makes, but it is "

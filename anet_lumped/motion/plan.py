@@ -178,8 +178,13 @@ def check_arguments(
             raise InputError(f"Argument `{name}` must be positive and finite{unit}, but it is {shown(value)}.")
     if number(t_end) < SMALLEST:  # the square of a step would be less than a float holds
         raise InputError(f"Argument `t_end` must be {SMALLEST:g} s or more, but it is {shown(t_end)}.")
-    if dt is not None and number(dt) > number(t_end) * (1 + 1e-9):
-        raise InputError(f"Argument `dt` must not exceed t_end={number(t_end):g} s, but it is {number(dt):g} s.")
+    for name, value in (("dt", dt), ("save_every", save_every)):
+        if value is not None and number(value) > number(t_end) * (1 + 1e-9):
+            raise InputError(f"Argument `{name}` must not exceed t_end={number(t_end):g} s, but it is {number(value):g} s.")
+    if errors[1] is not None and number(errors[1]) > 1.0:
+        raise InputError(
+            f"Argument `tension_error` must not exceed 1, all of the largest tension, but it is {number(errors[1]):g}; 0.02 is 2 %."
+        )
     check_method(method, rho_inf)
 
 

@@ -137,7 +137,8 @@ def _run_own(motion, method, t_end, setting):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StabilityWarning)
         try:
-            run = simulate(motion.scene, t_end, method=method, start=motion.start, save_every=motion.save_every, **setting)
+            every = min(motion.save_every, t_end)
+            run = simulate(motion.scene, t_end, method=method, start=motion.start, save_every=every, **setting)
         except (InputError, ImportError) as error:  # a scene that the method does not take, a package that is not there
             return Attempt(np.zeros((0, 3)), np.nan, np.nan, "refused", str(error))
     reason = run.message or (f"{run.method} at {1e3 * run.dt:.4g} ms" if method is None else "")

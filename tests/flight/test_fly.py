@@ -226,6 +226,10 @@ def test_names_and_numbers():
         fly(NET, controller, 0)
     with pytest.raises(InputError, match=r"`dt` must not exceed t_end=0\.001 s, but it is 0\.004 s"):
         fly(NET, controller, 0.001)
+    with pytest.raises(InputError, match=r"`save_every` must not exceed t_end=1 s, but it is 2 s"):
+        fly(NET, controller, 1.0, save_every=2.0)
+    with pytest.raises(InputError, match=r"`save_every` must be positive and finite \[s\], but fly has save_every=-1"):
+        fly(NET, controller, 1.0, save_every=-1)
     with pytest.raises(
         InputError, match=r"`controller` must be a callable .* it is None: without one nothing holds the quadrotors up"
     ):

@@ -339,5 +339,6 @@ def test_a_motion_that_goes_loose_at_its_first_step_is_judged_beside_a_coarser_r
         return marched[-1]
 
     monkeypatch.setattr(motion_module, "march_legs", counted)
-    run = simulate(loose(), 1.0, start="straight", error=1.0, tension_error=10.0)
+    monkeypatch.setattr(accuracy, "AIM", 1.0)  # so that any tension is good enough
+    run = simulate(loose(), 1.0, start="straight", error=1.0, tension_error=1.0)
     assert run.kept and run.multiplies == 1.0 and any(one.dt == pytest.approx(4.0 * run.dt) for one in marched)
