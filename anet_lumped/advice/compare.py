@@ -223,7 +223,7 @@ def _compare_cable(state: State, cable: Cable, catenary: Turned, up: np.ndarray)
 
 
 def _end_force_error(cable: Cable, nodes: np.ndarray, tension: np.ndarray, catenary: Turned, gravity: np.ndarray) -> float:
-    half = 0.5 * cable.mass_per_length * cable.L0 * gravity
+    half = cable.half_segment_mass * gravity
     forces = []
     for end, inner, pull in ((nodes[0], nodes[1], tension[0]), (nodes[-1], nodes[-2], tension[-1])):
         along = inner - end

@@ -56,7 +56,7 @@ def hovering(scene: Scene, heading: float = 0.0) -> Hovering:
         force, moment = np.zeros((len(free), 3)), np.zeros((len(free), 3))
         for cable in scene.cables:
             shape, tension = rest.shape(cable.name), rest.tension(cable.name)
-            half = 0.5 * cable.L0 * cable.mass_per_length * scene.gravity  # the half segment that ends there
+            half = cable.half_segment_mass * scene.gravity  # the half segment that ends there
             for name, T, d in ((cable.start, tension[0], shape[1] - shape[0]), (cable.end, tension[-1], shape[-2] - shape[-1])):
                 for b, body in enumerate(free):
                     if name in [point.name for point in body.points]:

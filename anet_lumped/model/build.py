@@ -200,7 +200,7 @@ def _numbers(scene, node_of, cable, n_free):
         numbers = (one.length, one.segments, one.mass_per_length, one.EA, one.zeta, one.BA, one.EA_dynamic, one.EA_compression)
         alike = (*numbers, one.compression, one.tension_strain, one.working_curve)
         if alike not in rows:
-            rows[alike] = _axial_row(one), 0.5 * one.mass_per_length * one.L0
+            rows[alike] = _axial_row(one), one.half_segment_mass
         row, half = rows[alike]
         axial.append(row.copy())
         inside.append(2.0 * half)

@@ -90,7 +90,7 @@ def table(scene, model, params_of):
         inside, share = np.zeros(0, np.int64), np.zeros(0)
         if found[name][PAID_OUT]:
             inside = model.nodes(name)
-            share = np.full(len(inside), cable.mass_per_length / cable.segments)
+            share = np.full(len(inside), 2.0 * cable.half_segment_mass / cable.length)  # of two segments; at an end of one
             share[[0, -1]] *= 0.5
         nodes.append(inside)
         masses.append(share)

@@ -202,7 +202,7 @@ def top_modes(scene: Scene) -> dict[str, TopMode]:
     elastic = [cable for cable in scene.cables if not cable.inextensible]
     for cable in scene.cables:
         for point in (cable.start, cable.end):
-            mass[point] += cable.mass_per_length * cable.L0 / 2.0
+            mass[point] += cable.half_segment_mass
             stiffness[point] += 0.0 if cable.inextensible else cable.stiffness
 
     share = {name: mass[name] / stiffness[name] for name in mass if stiffness[name]}

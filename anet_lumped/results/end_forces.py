@@ -133,7 +133,7 @@ def end_force(now: Rows, whole: Scene, cable: str, point: str, inertia: bool = T
         return np.zeros((len(now.t), 3))
     point = held.get(point, point)
     if not (inertia and now.moves) and _only_weighs(now.left.model):  # of a net with thousands of cables
-        return _pull_at(now, piece, point) + 0.5 * piece.mass_per_length * piece.L0 * now.left.model.scene.gravity
+        return _pull_at(now, piece, point) + piece.half_segment_mass * now.left.model.scene.gravity
     model, alone = _apart(now, [piece])
     node = model.nodes(piece.name)[0 if point == piece.start else -1]
     total = _pull_at(now, piece, point) + effect_forces(model, alone)[:, node]
@@ -152,7 +152,7 @@ def end_forces_at_rest(now: Rows) -> np.ndarray:
     total = np.stack([_pulls(now, first)[0], -_pulls(now, first + count - 1)[0]], axis=1)
     total[model.flipped] = total[model.flipped, ::-1]
     if _only_weighs(model):
-        half = np.array([0.5 * cable.mass_per_length * cable.L0 for cable in cables])
+        half = np.array([cable.half_segment_mass for cable in cables])
         return total + half[:, None, None] * model.scene.gravity
     apart, rows = _apart(now, cables)
     ends = apart.cable[:, [CABLE_START, CABLE_END]]

@@ -213,6 +213,11 @@ class Cable:
         return self.length / self.segments
 
     @property
+    def half_segment_mass(self) -> float:
+        """Half the mass of one segment, which either of its nodes carries [kg]."""
+        return 0.5 * self.mass_per_length * self.L0
+
+    @property
     def stiffness(self) -> float:
         """Spring of one segment, k = EA/L0 [N/m]; of a polyester rope the steepest slope of loads that are held."""
         if self.working_curve is not None:
