@@ -2,9 +2,24 @@
 
 from typing import Any
 
+import numpy as np
+
+from anet_lumped.results.hidden_swings import hides_swings
+
 
 def verdict(run: Any) -> str:
-    """How a run ended, in words: its errors, as an audit or the run itself estimates them, its message if it is not "done"."""
+    """How a run ended, in words: its errors, as an audit or the run itself estimates them, its message if it is not "done".
+
+    And that it swings between its saved states, where curves through these show another motion.
+    """
+    ended = _how_it_ended(run)
+    if not hides_swings(run):
+        return ended
+    apart = float(np.diff(run.t).max())
+    return f"{ended.rstrip('.')}; states are saved {apart:.3g} s apart and do not show its swings, a smaller save_every does"
+
+
+def _how_it_ended(run: Any) -> str:
     ran = f"{run.method}, t = {run.t[0]:.4g} to {run.t[-1]:.4g} s"
     if not run.ok:
         return f"{run.status.upper()} ({ran}): {run.message.removeprefix('The audit failed: ')}"

@@ -57,6 +57,17 @@ def test_a_run_without_an_audit_gives_what_it_estimates():
     assert f"places {as_length(whip.error_estimate)}, perhaps {whip.multiplies:.2g} times that" in verdict(whip)
 
 
+def test_swings_between_saved_states_are_told():
+    """The net swings in 1.3 s: states 0.1 s apart show that, those 3 s apart show a slow motion that is none."""
+    run = simulate(four_cables(carried=True), 30.0, method="edmc", dt=0.01, save_every=0.1)
+    seldom = simulate(four_cables(carried=True), 30.0, method="edmc", dt=0.01, save_every=3.0)
+    assert "saved" not in verdict(run)
+    assert verdict(seldom).endswith("; states are saved 3 s apart and do not show its swings, a smaller save_every does")
+    assert words(plot_run(seldom))[0] == verdict(seldom)
+    hanging = simulate(four_cables(), 30.0, method="edmc", dt=0.01, save_every=3.0)  # nothing moves but by rounding
+    assert "saved" not in verdict(hanging)
+
+
 @pytest.mark.filterwarnings("ignore::anet_lumped.motion.simulate.StabilityWarning")
 @pytest.mark.parametrize(("method", "dt", "word"), [("midpoint", 0.01, "ENERGY GAINED"), ("verlet", 1e-3, "DIVERGED")])
 def test_whatever_is_wrong_with_a_run_is_in_the_figure(method, dt, word):
