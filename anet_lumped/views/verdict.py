@@ -35,11 +35,12 @@ def _how_it_ended(run: Any) -> str:
 def _estimated(run: Any) -> str:
     """What a run without an audit tells of its errors, and where it has that from."""
     if run.error_estimate is None:
-        return "its errors are not known (--audit estimates them)"
-    more = f", perhaps {run.multiplies:.2g} times that" if run.multiplies > 1.0 else ""
+        places = f"not known ({'one with half the step tells' if run.pushed else '--audit tells'})"
+    else:
+        places = as_length(run.error_estimate) + (f", perhaps {run.multiplies:.2g} times that" if run.multiplies > 1.0 else "")
     source = "two runs compared" if run.was_compared else "from its own steps, not audited"
     return (
-        f"estimated errors: places {as_length(run.error_estimate)}{more}, largest tension {run.tension_error:.2%} "
+        f"estimated errors: places {places}, largest tension {run.tension_error:.2%} "
         f"({source}{', more than wanted' if run.kept is False else ''})"
     )
 
