@@ -162,12 +162,13 @@ def _set_box(axes: Any, motion: Motion) -> tuple[np.ndarray, Any]:
     box = box.mean(axis=0) + np.array([[-0.52], [0.52]]) * extent
     about = " - mean" if motion.drifts else ""
     for name in "xyz":
-        getattr(axes, f"set_{name}label")(f"{name}{about} [m]", labelpad=-2)
+        getattr(axes, f"set_{name}label")(f"{name}{about} [m]", labelpad=-2, fontsize=8)
     for axis, name, low, high in zip((axes.xaxis, axes.yaxis, axes.zaxis), "xyz", *box, strict=True):
         axis.set_major_locator(MaxNLocator(5 if high - low > 0.5 * widest else 2))
         axis.set_tick_params(labelsize=7, pad=-1)
         getattr(axes, f"set_{name}lim")(low, high)
-    axes.set_box_aspect(extent, zoom=0.9)
+    tall = extent[2] > 1.5 * extent[:2].max()  # then the labels of x and y are at the very bottom of the picture
+    axes.set_box_aspect(extent, zoom=0.8 if tall else 0.9)
     axes.view_init(elev=18, azim=-20 if extent[1] > 1.5 * extent[0] else -65)
     return box, origin
 
