@@ -40,7 +40,7 @@ def _estimated(run: Any) -> str:
         places = as_length(run.error_estimate) + (f", perhaps {run.multiplies:.2g} times that" if run.multiplies > 1.0 else "")
     source = "two runs compared" if run.was_compared else "from its own steps, not audited"
     return (
-        f"estimated errors: places {places}, largest tension {run.tension_error:.2%} "
+        f"estimated errors: places {places}, largest tension {100.0 * run.tension_error:.2g} % "
         f"({source}{', more than wanted' if run.kept is False else ''})"
     )
 

@@ -45,7 +45,7 @@ def test_a_passed_audit_gives_its_error_and_unit():
 def test_a_run_without_an_audit_gives_what_it_estimates():
     """The errors that the run tells, and whether two runs were compared for them; only where it tells none they are not known."""
     run = simulate(four_cables(carried=True), 1.0, method="edmc", dt=0.01)
-    said = f"places {as_length(run.error_estimate)}, largest tension {run.tension_error:.2%} ("
+    said = f"places {as_length(run.error_estimate)}, largest tension {100.0 * run.tension_error:.2g} % ("
     assert run.error_estimate > 0.0 and verdict(run) == (
         f"finished (edmc, t = 0 to 1 s); estimated errors: {said}from its own steps, not audited)"
     )
