@@ -181,6 +181,8 @@ def check_arguments(
     for name, value in (("dt", dt), ("save_every", save_every)):
         if value is not None and number(value) > number(t_end) * (1 + 1e-9):
             raise InputError(f"Argument `{name}` must not exceed t_end={number(t_end):g} s, but it is {number(value):g} s.")
+    if rtol is not None and number(rtol) > 1.0:
+        raise InputError(f"Argument `rtol` must not exceed 1, all of the largest coordinate, but it is {number(rtol):g}.")
     if errors[1] is not None and number(errors[1]) > 1.0:
         raise InputError(
             f"Argument `tension_error` must not exceed 1, all of the largest tension, but it is {number(errors[1]):g}; 0.02 is 2 %."

@@ -121,6 +121,7 @@ LOOSE = loose_cable()
         (dict(save_every=0.2), r"Argument `save_every` must not exceed t_end=0.1 s, but it is 0.2 s\."),
         (dict(tension_error=2), "Argument `tension_error` must not exceed 1, all of the largest tension, but it is 2; 0.02 is 2 %"),
         (dict(save_every=0.0), r"`save_every` must be positive and finite \[s\]"),
+        (dict(rtol=5), "Argument `rtol` must not exceed 1, all of the largest coordinate, but it is 5"),
         (dict(rtol=-1.0), "`rtol` must be positive and finite, but it is -1.0"),
         (dict(atol=0.0), r"`atol` must be positive and finite \[m\], but it is 0.0"),
         (dict(method="verlett"), "must be one of .*, but it is 'verlett', did you mean \"verlet\""),
