@@ -1,8 +1,9 @@
 """How much of a cable lies on the ground.
 
-Each node carries half of the segments beside it: a segment whose two nodes the ground presses lies on it, and one with one such
-node by half. So the length is known to half a segment. A support is not pressed; what it holds lies where the node beside it does.
-A segment that broke does not count.
+A segment lies on the ground whose two nodes the ground presses. Each node carries half of the segments beside it. Of the last one
+that is pressed the ground carries a part, none to all: so what lies ends between half a segment before that node and half a segment
+behind it, and is known to half a segment where it lifts off. A support is not pressed; what it holds lies where the node beside it
+does. A segment that broke does not count.
 """
 
 from collections.abc import Sequence
@@ -43,7 +44,7 @@ def touchdown_lengths(model: Model, parts: Sequence[Rows], cable: str, holds: An
         for end, beside in ((0, 1), (-1, -2)):
             if nodes[end] >= model.n_free and segments > 1:
                 along[:, end] = along[:, beside]
-        found.append(0.5 * (along[:, :-1] + along[:, 1:].astype(float)))
+        found.append(along[:, :-1] & along[:, 1:])
     times = np.concatenate([now.t for now in parts])
     lengths = rest_lengths.at_time(scene, times).get(cable, scene.cable(cable).length)
     return (np.concatenate(found) * holds).sum(axis=1) * lengths / segments
