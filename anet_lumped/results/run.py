@@ -89,6 +89,7 @@ class Run:
     wall_time : float [s], of the march alone
     warnings : tuple of str, from before the run (see `motion.choice`) and of the completed run (see `motion.run_warnings`)
     segment_tension : (k, n_segments) float64 [N]; None takes the law at every saved time
+        Where the steps do not resolve the stretching, the mean over the step that ends at the time: half a step late.
     largest_tension : (k, cables) float64 [N] or None
         Largest tension of each cable up to each saved time, in all steps; None where every step is saved, and of a solver of
         another package. See `peak_tension`.
