@@ -238,14 +238,14 @@ def catenary(
 
     if math.isinf(EA) and excess >= 0:
         raise InputError(
-            f"An inextensible cable must be longer than its chord: the length is {length:.17g} m, "
-            f"the chord {chord:.17g} m; give EA to let it stretch."
+            f"An inextensible cable must be longer than its chord: the length is {_shortest(length)} m, "
+            f"the chord {_shortest(chord)} m; give EA to let it stretch."
         )
     if weight_per_length == 0:
         if excess <= 0:
             raise InputError(
-                f"Without gravity only a stretched cable has a shape: the chord {chord:.17g} m must exceed "
-                f"the length {length:.17g} m."
+                f"Without gravity only a stretched cable has a shape: the chord {_shortest(chord)} m must exceed "
+                f"the length {_shortest(length)} m."
             )
         H, V1 = EA * excess * d / chord, EA * excess * h / chord
         return Catenary(p1, p2, length, EA, 0.0, H, V1, _direction(span, d))
@@ -310,6 +310,11 @@ def _direction(vector: np.ndarray, horizontal_length: float) -> np.ndarray:
     if horizontal_length:
         return vector[:-1] / horizontal_length
     return np.eye(len(vector) - 1)[0]
+
+
+def _shortest(x: float) -> str:
+    """All digits that a float has, and no more: "0.9", "5", where two are as good as equal."""
+    return repr(x).removesuffix(".0")
 
 
 def _vectors(**named: ArrayLike) -> list[np.ndarray]:

@@ -256,6 +256,7 @@ def test_sag_and_lowest_against_a_fine_sampling(EA):
     ("arguments", "options", "message"),
     [
         (((0, 0), (3, 4), 4.5), {}, r"longer than its chord: the length is 4\.5 m, the chord 5 m; give EA"),
+        (((0, 0), (1, 0), 0.9), {}, r"the length is 0\.9 m, the chord 1 m; give EA"),
         (((0, 0), (3, 4), 5.0), {}, r"the length is 5 m, the chord 5 m"),
         (((0, 0), (0, -2), 2.0), {}, r"the length is 2 m, the chord 2 m"),
         (((0, 0), (3, 4), 5.5), {"EA": 9.0, "gravity": 0}, r"chord 5 m must exceed the length 5\.5 m"),
