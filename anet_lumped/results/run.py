@@ -21,6 +21,7 @@ from . import end_forces, error_estimate, free_flight, labelled, peaks, run_file
 from .audit import Audit
 from .energy_balance import COLUMNS, UNDIVIDED, EnergyBalance
 from .events import BREAK, RELEASE, Event
+from .hidden_swings import hides_swings
 from .rainflow import Cycles, cycles
 from .slack import SlackTime, Snap, slack_times, snaps
 from .state import State, segment_tensions
@@ -215,6 +216,11 @@ class Run:
     def snaps(self) -> list[Snap]:
         """Peaks of tension with which slack cables were taut again, from the largest on; see `results.slack`."""
         return snaps(self)
+
+    @cached_property
+    def hides_swings(self) -> bool:
+        """Whether it swings between its saved states, so that curves through these show another motion; see `hidden_swings`."""
+        return hides_swings(self)
 
     @property
     def final(self) -> State:

@@ -4,16 +4,14 @@ from typing import Any
 
 import numpy as np
 
-from anet_lumped.results.hidden_swings import hides_swings
-
 
 def verdict(run: Any) -> str:
     """How a run ended, in words: its errors, as an audit or the run itself estimates them, its message if it is not "done".
 
-    And that it swings between its saved states, where curves through these show another motion.
+    And that it swings between its saved states, where curves through these show another motion; that of a failure is none.
     """
     ended = _how_it_ended(run)
-    if not hides_swings(run):
+    if not ((run.ok or run.status == "interrupted") and run.hides_swings):
         return ended
     apart = float(np.diff(run.t).max())
     return f"{ended.rstrip('.')}; states are saved {apart:.3g} s apart and do not show its swings, a smaller save_every does"
