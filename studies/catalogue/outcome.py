@@ -178,7 +178,7 @@ def _try_case(case, asked):
         return Outcome(HELD, "", promised, **about)
     found = findings(run, adaptive)
     if method is not None and found and all(s.kind in EXCUSED_BY_WARNING for s in broken):
-        return Outcome(REFUSED, " ".join(found.values()), promised, cause=CAUSE_OF_FINDING[next(iter(found))], **about)
+        return Outcome(REFUSED, " ".join(found.values()), promised, cause=CAUSE_OF_FINDING.get(next(iter(found)), OTHER), **about)
     audited, _ = _run(case, method, dt, audit=True, **options)
     return Outcome(FAILED, "; ".join(map(str, broken)), promised, audit=audited.status, **about)
 
