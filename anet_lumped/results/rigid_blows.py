@@ -23,9 +23,10 @@ def has_rigid_blows(run: Any) -> bool:
     cables = run.scene.cables
     if not cables or not all(cable.inextensible for cable in cables):
         return False
-    kinds = {event.kind for event in run.events if event.t >= run.t[0]}
+    events = [event for event in run.events if event.t >= run.t[0]]  # those before it are of the run that it goes on from
+    kinds = {event.kind for event in events}
     if BLOW in kinds:
         return True
-    taken = sum(event.lost for event in run.events if event.kind == TAUT) + (run.energy_balance.by_method or 0.0)
+    taken = sum(event.lost for event in events if event.kind == TAUT) + (run.energy_balance.by_method or 0.0)
     goes_slack = bool(kinds & {SLACK, TAUT}) or bool((run.segment_tension[1:] <= 0.0).any())
     return bool(taken > (CONSIDERABLE if goes_slack else OF_TAUT) * run.energy_balance.in_play)
