@@ -67,6 +67,19 @@ def test_cables_that_go_slack_and_catch_nothing_keep_their_largest_tension():
     assert run.peak_tension() == pytest.approx(M * G + M * speed**2 / L, rel=2e-3)
 
 
+@pytest.mark.parametrize("slack", [True, False])
+def test_a_rope_that_does_not_stretch_beside_one_that_does(slack):
+    """A weight on a rubber cord falls into a rope of 1.8 m; one of 1 m holds it from the start on."""
+    cord = Cable("a", "m", length=1.0, mass_per_length=0.02, EA=60.0, zeta=0.05, segments=4, compression="none")
+    rope = Cable("b", "m", length=1.8 if slack else 1.0, mass_per_length=0.02, EA=math.inf, segments=1, compression="none")
+    scene = Scene([Fixed("a", (0, 0, 0)), Fixed("b", (0.3, 0, 0)), Free("m", mass=5.0)], [cord, rope], [Gravity(G)])
+    at = (0.3 - 0.1 * math.sqrt(3), 0, -0.9 if slack else -math.sqrt(0.97))
+    start = State.of(scene, shapes={"a-m": [(0, 0, 0), at], "b-m": [(0.3, 0, 0), at]})
+    for dt in (1e-3, 1e-4):
+        run = simulate(scene, 0.8, start=start, method="edmc", dt=dt)
+        assert says(run) is slack and (run.tension_error == 1.0) is slack
+
+
 def test_what_stays_taut_keeps_its_largest_tension():
     scene = hung(Fixed("o", (0, 0, 0)), segments=4, mass_per_length=0.2)
     run = simulate(scene, 3.0, start=from_bottom(scene, 2.0))
