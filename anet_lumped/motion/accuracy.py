@@ -246,7 +246,8 @@ def _without_loss(run: Run, choice: Choice, known: Known, wanted: Wanted, march:
         if seen.apart <= wanted.of_places(run):
             return known
         if together == 1:
-            return seen._replace(tension_error=known.tension_error, apart=known.apart)
+            of_damper = at_least(seen.apart, seen, run)  # with the same steps, what they differ by is what the damper did
+            return of_damper._replace(tension_error=known.tension_error, apart=known.apart)
     return at_least(lost_sway(run), known, run)
 
 

@@ -44,6 +44,18 @@ def test_default_runs_keep_places(speed):
     assert off(run, scene, start, 1.7) < allowed
 
 
+@pytest.mark.parametrize("t_end", [4.0, 6.0])
+def test_default_runs_of_a_weight_let_go_on_an_unloaded_cable_keep_places(t_end):
+    """It bounces and swings. A run without the numerical damper, at the same step, was 8 mm off, of which 1 to 2 mm were told."""
+    points = [Fixed("o", (0.0, 0.0, 0.0)), Free("b", 2.0, at=(1.5, 0.0, -3.7081))]
+    cable = Cable("o", "b", length=LENGTH, mass_per_length=0.05, EA=1e5, segments=8, zeta=0.02)
+    scene = Scene(points, [cable], [Gravity(G)])
+    run = simulate(scene, t_end, start="straight")
+    allowed = Wanted(None, TENSION_ERROR).of_places(run)
+    assert run.error_estimate < allowed
+    assert off(run, scene, "straight", t_end) < allowed
+
+
 def test_a_run_at_a_given_step_says_so():
     """It is off by 21 mm and tells 2: the vibrations that are missing could move nodes by 40 mm."""
     scene, start = struck(3.0)
