@@ -3,7 +3,8 @@
 A dual number x + x_1 d_1 + x_2 d_2 + x_3 d_3, with d_i d_j = 0, is a value x and its slopes x_i. Arithmetic on dual numbers
 computes the slopes of the result together with its value, exact to rounding, through branches and loops alike. A dual number
 whose parts are dual themselves carries second derivatives. Numba compiles any function for dual numbers whose operations, and
-whose functions of `math` and numpy, are in `RULES` and `OF_TWO`.
+whose functions of `math` and numpy, are in `RULES` and `OF_TWO`. A root of zero, as in the length of a vector
+of nothing, has the slope 0, the mean of those about it: so a drag k |v| v has one at rest.
 Source: Griewank & Walther, Evaluating Derivatives (2nd ed., 2008), ch. 3 (forward mode, vector version).
 """
 
@@ -135,7 +136,7 @@ CHAINED, CHAINED_TWO = _of_each(_chained), _of_each(_chained_two)
 
 
 RULES = {  # function of one argument: its slope, from x and the value f of the function
-    math.sqrt: lambda x, f: 0.5 / f,
+    math.sqrt: lambda x, f: 0.5 / f if value_of(f) > 0.0 else 0.0 * f,
     math.exp: lambda x, f: f,
     math.expm1: lambda x, f: f + 1.0,
     math.log: lambda x, f: 1.0 / x,
@@ -161,7 +162,7 @@ OF_TWO = {  # function of two arguments: its slopes in both, from x, y and the v
     operator.mul: lambda x, y, f: (y, x),
     operator.truediv: lambda x, y, f: (1.0 / y, -f / y),
     math.atan2: lambda x, y, f: (y / (x * x + y * y), -x / (x * x + y * y)),
-    math.hypot: lambda x, y, f: (x / f, y / f),
+    math.hypot: lambda x, y, f: (x / f, y / f) if value_of(f) > 0.0 else (0.0 * f, 0.0 * f),
 }
 NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arcsinh", "atan2": "arctan2", "erf": "", "fabs": "fabs"}
 NAMES = sorted({function.__name__ for function in (*RULES, *OF_TWO) if function.__module__ == "math"} | {"min", "max"})
@@ -256,7 +257,8 @@ def _pow(x, y):
     if isinstance(x, Dual) and _is_number(y):
 
         def apply(x, y):
-            return chained(x, x.value**y, y * x.value ** (y - 1))
+            at_tip = y < 1 and value_of(x) == 0.0
+            return chained(x, x.value**y, 0.0 * x.value if at_tip else y * x.value ** (y - 1))
 
     elif isinstance(x, Dual) and isinstance(y, Dual):
 

@@ -167,5 +167,22 @@ def test_branches_and_loops(x, y, scale, of_x):
     assert slopes_of_branching(20.0, 1.0) == (0.0, 0.0, 0.0)
 
 
+@njit
+def slopes_at_rest():
+    """Slopes of three lengths of a vector of nothing, times its first number: those of |v| v."""
+    a, b, c = seeded(0.0, 0.0, 0.0)
+    found = np.zeros((3, 4))
+    k = 0
+    for length in (math.sqrt(a * a + b * b + c * c), (a * a + b * b + c * c) ** 0.5, math.hypot(a, b)):
+        f = length * a
+        found[k, 0], found[k, 1], found[k, 2], found[k, 3] = value_of(f), slope(f, 0), slope(f, 1), slope(f, 2)
+        k += 1
+    return found
+
+
+def test_a_root_of_zero_has_a_slope():
+    assert (slopes_at_rest() == 0.0).all()
+
+
 def test_what_is_understood_is_listed():
     assert {"sqrt", "atan2", "erf", "max"} <= set(NAMES) and "add" not in NAMES

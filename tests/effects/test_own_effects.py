@@ -491,3 +491,19 @@ def test_a_law_that_is_no_number_stops_the_run():
     scene = Scene([Driven("a", paths.line((0, 0, 0), (0.1, 0, 0), 1.0)), Free("b")], loose_cable().cables, [Gravity(), bursts()])
     run = simulate(scene, 0.3, method="verlet", dt=1e-4)
     assert run.status != "done" and run.t[-1] < 0.2
+
+
+@node_force
+def own_square_drag(t, q, v, k):
+    speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    return -k * speed * v[0], -k * speed * v[1], -k * speed * v[2]
+
+
+def test_a_drag_without_a_smooth_root_begins_at_rest():
+    """A weight falls on a slack cable: sinking by u^2/g ln cosh(g t/u), u^2 = m g/k."""
+    cable = Cable("o", "b", length=8.0, mass_per_length=1e-6, EA=1e3, segments=1)
+    points = [Fixed("o", (0.0, 0.0, 0.0)), Free("b", 2.0, at=(0.0, 0.0, -1.0))]
+    run = simulate(Scene(points, [cable], [Gravity(9.81), own_square_drag(k=1.0, points=["b"])]), 1.2, start="straight")
+    sunk = 2.0 * math.log(math.cosh(9.81 * 1.2 / math.sqrt(2.0 * 9.81)))
+    assert run.ok and run.kept
+    assert -1.0 - run.position("b")[-1, 2] == pytest.approx(sunk, abs=8e-3)  # 1 mm a metre of the cable
