@@ -3,8 +3,8 @@
 A dual number x + x_1 d_1 + x_2 d_2 + x_3 d_3, with d_i d_j = 0, is a value x and its slopes x_i. Arithmetic on dual numbers
 computes the slopes of the result together with its value, exact to rounding, through branches and loops alike. A dual number
 whose parts are dual themselves carries second derivatives. Numba compiles any function for dual numbers whose operations, and
-whose functions of `math` and numpy, are in `RULES` and `OF_TWO`. A root of zero, as in the length of a vector
-of nothing, has the slope 0, the mean of those about it: so a drag k |v| v has one at rest.
+whose functions of `math` and numpy, are in `RULES` and `OF_TWO`. The length of a vector of nothing, as in a drag k |v| v at
+rest, has the slope 0, the mean of those about it.
 Source: Griewank & Walther, Evaluating Derivatives (2nd ed., 2008), ch. 3 (forward mode, vector version).
 """
 
@@ -132,11 +132,18 @@ def _chained_two(x, y, f, of_x, of_y):
     return dual(f, of_x * x.d1 + of_y * y.d1, of_x * x.d2 + of_y * y.d2, of_x * x.d3 + of_y * y.d3)
 
 
-CHAINED, CHAINED_TWO = _of_each(_chained), _of_each(_chained_two)
+def _chained_root(x, f, of_x):
+    """A root of x, as `_chained`; slopes of 0 at x = 0 stay 0, as in a sum of squares, whose root is a length."""
+    if value_of(x) == 0.0 and value_of(x.d1) == 0.0 and value_of(x.d2) == 0.0 and value_of(x.d3) == 0.0:
+        return dual(f, 0.0 * x.d1, 0.0 * x.d2, 0.0 * x.d3)
+    return dual(f, of_x * x.d1, of_x * x.d2, of_x * x.d3)
+
+
+CHAINED, CHAINED_TWO, CHAINED_ROOT = _of_each(_chained), _of_each(_chained_two), _of_each(_chained_root)
 
 
 RULES = {  # function of one argument: its slope, from x and the value f of the function
-    math.sqrt: lambda x, f: 0.5 / f if value_of(f) > 0.0 else 0.0 * f,
+    math.sqrt: lambda x, f: 0.5 / f,
     math.exp: lambda x, f: f,
     math.expm1: lambda x, f: f + 1.0,
     math.log: lambda x, f: 1.0 / x,
@@ -181,7 +188,7 @@ def _teach(function, rule):
     def of_dual(x):
         if not isinstance(x, Dual):
             return None
-        rule, chained = rules[x], CHAINED[x]
+        rule, chained = rules[x], (CHAINED_ROOT if function is math.sqrt else CHAINED)[x]
 
         def apply(x):
             f = function(x.value)
@@ -253,12 +260,12 @@ def _pow(x, y):
     kind = x if isinstance(x, Dual) else y
     if not isinstance(kind, Dual):
         return None
-    chained, chained_two = CHAINED[kind], CHAINED_TWO[kind]
+    chained, chained_two, chained_root = CHAINED[kind], CHAINED_TWO[kind], CHAINED_ROOT[kind]
     if isinstance(x, Dual) and _is_number(y):
 
         def apply(x, y):
-            at_tip = y < 1 and value_of(x) == 0.0
-            return chained(x, x.value**y, 0.0 * x.value if at_tip else y * x.value ** (y - 1))
+            f, of_x = x.value**y, y * x.value ** (y - 1)
+            return chained_root(x, f, of_x) if 0.5 <= y < 1.0 else chained(x, f, of_x)
 
     elif isinstance(x, Dual) and isinstance(y, Dual):
 
