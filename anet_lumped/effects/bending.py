@@ -17,6 +17,8 @@ Therefore these forces, in place of the derivatives above, do exactly the work b
 
 apart from the numerical damper alpha. Across t1 the mean of t2 - t1 is as good as that of t2. But e is shorter than one where a
 segment turns by an angle a: of t2 a pull B S a^2/4 along the segment would be left, which its tension would have to carry.
+Nothing asks for the own tangent's share of w, so it is left out beside a segment that is slack (`share_of_own`): there t turns so
+far in one step that its mean is no direction across it, and Newton's iteration found no solution.
 
 The numerical damper takes 2 alpha times the energy of the change k. It damps motion that a step does not resolve: alpha =
 `ALPHA` s^2/(1 + s^2), s = h omega/2, with the highest frequency omega = 4 sqrt(EI/mu)/L0^2.
@@ -56,6 +58,7 @@ from .laws.rod import (
     own_block,
     own_step_block,
     projected,
+    share_of_own,
     slope_of_turn,
     step_of,
     tangent_of_segment,
@@ -275,8 +278,9 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         t1a, t1, l1a, l1, S1, e1, turn1 = step_of(base, q, i, j, L0)
         t2a, t2, l2a, l2, S2, e2, turn2 = step_of(base, q, j, k, L0)
         bend = combined(1.0, turn2, -1.0, turn1)
-        w1 = mean_bend(t1a, t1, t2a, t2, alpha, bend)
-        w2 = combined(-1.0, w1, 0.0, w1)
+        share = share_of_own(l1a, l2a, L0)
+        w1 = mean_bend(share, t1a, t1, t2a, t2, alpha, bend)
+        w2 = mean_bend(share, t2a, t2, t1a, t1, -alpha, bend)
         g1, g2 = projected(-B * S1, e1, w1), projected(-B * S2, e2, w2)
         add_row(f, i, g1, 1.0)
         add_row(f, j, g1, -1.0)
@@ -284,9 +288,9 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         add_row(f, k, g2, -1.0)
         by_method += alpha * B * dot(bend, bend)
         own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
-        add_turn_block(H11, (0.5 + alpha) * B, S1, e1, t1, l1)
+        add_turn_block(H11, (0.5 * share + alpha) * B, S1, e1, t1, l1)
         own_step_block(H22, B, S2, e2, t2, l2a, l2, w2)
-        add_turn_block(H22, (0.5 + alpha) * B, S2, e2, t2, l2)
+        add_turn_block(H22, (0.5 * share + alpha) * B, S2, e2, t2, l2)
         H12[:, :] = 0.0
         H21[:, :] = 0.0
         add_turn_block(H12, -(0.5 + alpha) * B, S1, e1, t2, l2)
@@ -300,14 +304,15 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         t1a, t1, l1a, l1, S1, e1, turn1 = step_of(base, q, i, j, L0)
         turned = combined(1.0, c_b, -1.0, c_a)
         bend = combined(1.0, turn1, -1.0, turned)
-        w1 = mean_bend(t1a, t1, c_a, c_b, -alpha, bend)
+        share = share_of_own(l1a, l1a, L0)
+        w1 = mean_bend(share, t1a, t1, c_a, c_b, -alpha, bend)
         g1 = projected(-B * S1, e1, w1)
         add_row(f, i, g1, 1.0)
         add_row(f, j, g1, -1.0)
         by_method += alpha * B * dot(bend, bend)
         dissipated += B * (0.5 * (dot(t1a, turned) + dot(t1, turned)) + alpha * dot(bend, turned))
         own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
-        add_turn_block(H11, (0.5 + alpha) * B, S1, e1, t1, l1)
+        add_turn_block(H11, (0.5 * share + alpha) * B, S1, e1, t1, l1)
         add_clamp_block(1.0, j, H11, D)
         i_index, i_params = i_index + 4, i_params + _clamp_numbers(pieces, sine)
     return dissipated, by_method

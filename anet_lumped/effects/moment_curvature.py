@@ -38,6 +38,7 @@ from .laws.rod import (
     own_block,
     own_step_block,
     projected,
+    share_of_own,
     slope_of_turn,
     step_of,
     tangent_of_segment,
@@ -312,8 +313,9 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         a, b = _curvature(t1a, t2a, L), _curvature(t1, t2, L)
         B, slope = _stiffness_over_step(a, b, L, params, curves, index[at + 4], index[at + 5])
         bend = combined(1.0, turn2, -1.0, turn1)
-        w1 = mean_bend(t1a, t1, t2a, t2, alpha, bend)
-        w2 = combined(-1.0, w1, 0.0, w1)
+        share = share_of_own(l1a, l2a, L0)
+        w1 = mean_bend(share, t1a, t1, t2a, t2, alpha, bend)
+        w2 = mean_bend(share, t2a, t2, t1a, t1, -alpha, bend)
         u1, u2 = projected(-S1, e1, w1), projected(-S2, e2, w2)
         add_row(f, i, u1, B)
         add_row(f, j, u1, -B)
@@ -322,9 +324,9 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         by_method += alpha * B * dot(bend, bend)
         y1, y2 = slope_of_turn(1.0, l1, t1, t2), slope_of_turn(1.0, l2, t2, t1)
         own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
-        add_turn_block(H11, (0.5 + alpha) * B, S1, e1, t1, l1)
+        add_turn_block(H11, (0.5 * share + alpha) * B, S1, e1, t1, l1)
         own_step_block(H22, B, S2, e2, t2, l2a, l2, w2)
-        add_turn_block(H22, (0.5 + alpha) * B, S2, e2, t2, l2)
+        add_turn_block(H22, (0.5 * share + alpha) * B, S2, e2, t2, l2)
         H12[:, :] = 0.0
         H21[:, :] = 0.0
         add_turn_block(H12, -(0.5 + alpha) * B, S1, e1, t2, l2)
@@ -341,13 +343,14 @@ def whole_step(t, h, damper, base, q, index, params, f, D, near, far):
         t1a, t1, l1a, l1, S1, e1, turn1 = step_of(base, q, i, j, L0)
         a, b = _curvature(c, t1a, L), _curvature(c, t1, L)
         B, slope = _stiffness_over_step(a, b, L, params, curves, index[at + 2], index[at + 3])
-        w1 = mean_bend(t1a, t1, c, c, -alpha, turn1)
+        share = share_of_own(l1a, l1a, L0)
+        w1 = mean_bend(share, t1a, t1, c, c, -alpha, turn1)
         u1 = projected(-S1, e1, w1)
         add_row(f, i, u1, B)
         add_row(f, j, u1, -B)
         by_method += alpha * B * dot(turn1, turn1)
         own_step_block(H11, B, S1, e1, t1, l1a, l1, w1)
-        add_turn_block(H11, (0.5 + alpha) * B, S1, e1, t1, l1)
+        add_turn_block(H11, (0.5 * share + alpha) * B, S1, e1, t1, l1)
         _add_product(H11, slope, u1, slope_of_turn(1.0, l1, t1, c))
         add_clamp_block(1.0, j, H11, D)
         at, n = at + CLAMP, n + OF_CLAMP

@@ -205,6 +205,14 @@ def test_energy_never_rises_however_stiff(EI_, dt, seed):
     assert error_of_steps(run) < 1e-5
 
 
+@pytest.mark.parametrize(("EA", "EI_"), [(1e5, 0.5), (1e6, 0.05)])
+def test_a_cable_let_go_stretched_goes_slack_and_on(EA, EI_):
+    """By a fifth, at the default step: slack segments turn right over within one."""
+    cable = Cable("a", "b", length=0.5, mass_per_length=MU, EA=EA, EI=EI_, segments=8)
+    scene = Scene([Fixed("a", (0, 0, 0)), Free("b", 0.01, at=(0.6, 0, 0))], [cable], [Gravity(), Bending()])
+    assert simulate(scene, 0.2, start="straight").ok
+
+
 def test_moving_clamp_and_two_clamps():
     """A beam clamped at both ends under its weight: mu g L^4/(384 EI); one end may be driven."""
     stiff = 10.0

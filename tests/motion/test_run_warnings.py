@@ -108,9 +108,9 @@ def test_an_extrapolation_of_places_is_no_length(swing):
 
 
 def test_steps_that_are_taken_in_many_parts_say_so():
-    """A stiff cable that bends, let go stretched six times: steps of 50 ms are taken in some thirty parts each."""
+    """A stiff cable that bends, let go stretched four times: steps of 50 ms are taken in some forty parts each."""
     cable = Cable("a", "b", length=0.5, mass_per_length=0.1, EA=1e8, segments=8, EI=100.0, diameter=0.004)
-    points = [Fixed("a", (0.0, 0.0, 0.0)), Free("b", mass=0.01, at=(3.0, 0.0, 0.0))]
+    points = [Fixed("a", (0.0, 0.0, 0.0)), Free("b", mass=0.01, at=(2.0, 0.0, 0.0))]
     scene = Scene(points, [cable], [Gravity(9.81), Bending()])
     run = simulate(scene, 0.2, method="edmc", dt=0.05, start="straight")
     said = findings(run)[Finding.TAKEN_IN_PARTS]

@@ -4,6 +4,7 @@ import math
 
 from anet_lumped.compiled.jit import inlined_law, law
 
+SLACK = 0.9  # of its length at rest: a shorter segment is slack
 ALPHA = 0.05  # numerical damper in full, see `bending`
 SHORT = 1e-6  # of L0: a shorter segment counts as this long, since a segment of no length has no direction
 
@@ -104,9 +105,15 @@ def step_of(base, q, i, j, L0):
 
 
 @inlined_law
-def mean_bend(t1_a, t1_b, t2_a, t2_b, alpha, change):
-    """The mean of t2 - t1 over a step, and alpha times what its numerical damper acts on."""
-    return combined(1.0, combined(0.5, combined(1.0, t2_a, -1.0, t1_a), 0.5, combined(1.0, t2_b, -1.0, t1_b)), alpha, change)
+def share_of_own(l1_a, l2_a, L0):
+    """Share of its own mean tangent in what bends a segment: 1, and 0 beside one that is slack; see `bending`."""
+    return 1.0 if min(l1_a, l2_a) > SLACK * L0 else 0.0
+
+
+@inlined_law
+def mean_bend(share, t1_a, t1_b, t2_a, t2_b, alpha, change):
+    """The mean of t2 - share t1 over a step, and alpha times what its numerical damper acts on."""
+    return combined(1.0, combined(0.5, combined(1.0, t2_a, -share, t1_a), 0.5, combined(1.0, t2_b, -share, t1_b)), alpha, change)
 
 
 @inlined_law
