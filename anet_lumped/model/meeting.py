@@ -71,12 +71,13 @@ def too_far_to_meet(scene, t, driven=None):
         lambda x: x[-1],
         x,
         jac=lambda x: last,
+        bounds=[(None, None)] * (len(x) - 1) + [(-1.0, None)],  # below it lengths grow again
         constraints={"type": "ineq", "fun": room, "jac": slopes},
         method="SLSQP",
         options={"ftol": 1e-13, "maxiter": 500},
     )
     stretch = np.linalg.norm(across(found.x), axis=1) / L - 1.0
-    if not found.success or stretch.max() < LEAST_STRETCH:
+    if not found.success or not stretch.max() >= LEAST_STRETCH:
         return None
     short = [k for k in np.flatnonzero(stretch > stretch.max() - BINDING) if k < len(cables)]
     names = ", ".join(quoted(cables[k].name) for k in short)

@@ -18,6 +18,7 @@ ROUNDED = 1e-9  # of a length, what rounding may leave too short
 LOOKS = 200  # at where points are driven, over a run
 BISECTIONS = 50
 OVERLONG = 1e-7  # of a length that must not change: more than the flattest cable stretches that statics take for one
+OFF_LENGTH = 1e-4  # of its length, a segment at the start of a run: more than what `edmc` leaves at coarse steps
 
 
 class Shortfall(NamedTuple):
@@ -54,7 +55,7 @@ class Shortfall(NamedTuple):
         )
 
 
-def shortfall(scene, t, free=None, straight=False, driven=None):
+def shortfall(scene, t, free=None, straight=False, driven=None, without=()):
     """The cables of a scene that do not reach at a time, or None.
 
     Parameters
@@ -67,12 +68,14 @@ def shortfall(scene, t, free=None, straight=False, driven=None):
         Whether cables may be straight between held points.
     driven : dict of str and (3,) [m], or None
         Where driven points are, in place of where their paths have them.
+    without : container of str
+        Cables that are broken, which hold nothing together.
 
     Returns
     -------
     Shortfall or None
     """
-    rigid = [cable for cable in scene.cables if cable.inextensible]
+    rigid = [cable for cable in scene.cables if cable.inextensible and cable.name not in without]
     if not rigid:
         return None
     lengths, at = rest_lengths.at_time(scene, t), held_places(scene, t, free, driven)
@@ -157,6 +160,43 @@ def first_shortfall(scene, t0, t_end):
             return found
         before = float(t)
     return None
+
+
+def off_length(model, q, t, broken):
+    """Words for the segment at the start of a run that is farthest from a length which must not change, or None.
+
+    A segment that cannot push may be shorter than its length: then it is slack.
+
+    Parameters
+    ----------
+    model : Model
+    q : (n, 3) float64 [m]
+    t : float [s]
+    broken : dict of str and tuple of int, the segments of each cable that are broken, counted from its start
+
+    Returns
+    -------
+    str or None
+    """
+    lengths, worst, found = rest_lengths.at_time(model.scene, t), OFF_LENGTH, None
+    for cable in model.scene.cables:
+        if not cable.inextensible:
+            continue
+        L, nodes = lengths.get(cable.name, cable.length) / cable.segments, model.nodes(cable.name)
+        apart = np.linalg.norm(np.diff(q[nodes], axis=0), axis=1)
+        off = np.where(np.minimum(nodes[1:], nodes[:-1]) < model.n_free, apart / L - 1.0, 0.0)
+        off[list(broken.get(cable.name, ()))] = 0.0
+        k = int(np.abs(off).argmax() if cable.compression == "linear" else off.argmax())
+        if abs(off[k]) > worst and (off[k] > 0.0 or cable.compression == "linear"):
+            worst, found = abs(off[k]), (cable.name, k, L, apart[k])
+    if found is None:
+        return None
+    name, k, L, apart = found
+    less = "" if apart > L else ' or take compression="none"'
+    return (
+        f"Segments of cables with EA=inf must have their length at the start, but segment {k} of cable {quoted(name)} is {L:.9g} m "
+        f"long, and its nodes are {apart:.9g} m apart at t={t:.4g} s; start from a rest, give EA to let it stretch{less}."
+    )
 
 
 def overlong(model, q):

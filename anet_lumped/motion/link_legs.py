@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from anet_lumped.checks import InputError, quoted
+from anet_lumped.model.tables import AXIAL_PUSH_SHARE
 from anet_lumped.results.events import BLOW, SLACK, TAUT
 
 from .choice import FIRST_CHOSEN
@@ -21,7 +22,6 @@ SLACK_METHOD = "edmc"
 SHORTEST_SLACK = 8.0  # steps that it marches at least
 SLACK_ALLOWED = 0.1  # of a run, in which cables may be slack for links to be chosen
 JUST_BEFORE = 1e-12  # of a leg, by which it ends before velocities jump
-MOST_STRETCHED = 1e-4  # of its length, a segment at the start of a run: more than what `edmc` leaves at coarse steps
 REDUNDANT = (
     "The lengths of some segments follow from those of others, as in a cable that is straight between two points: of the tensions "
     "that are possible there, links take the smallest."
@@ -96,20 +96,17 @@ class Handover:
         return run
 
     def _check_start(self, model, caught):
-        """Refuse a state at the start of a run from which no motion of cables that do not stretch can go on."""
-        cable_of, off, method = [model.scene.cables[c] for c in model.cable_of], caught.off, self.choice.method
-        pushes = np.array([cable.compression == "linear" for cable in cable_of])
-        beyond = np.maximum(off / MOST_STRETCHED, np.where(pushes, np.abs(off) / STRAIGHT, 0.0))
-        if beyond.max(initial=0.0) > 1.0:
+        """Refuse a state at the start of a run from which links cannot go on."""
+        pushes = model.axial[model.cable_of, AXIAL_PUSH_SHARE] > 0.0
+        beyond, method = np.where(pushes, np.abs(caught.off), 0.0), self.choice.method
+        cable_of = [model.scene.cables[c] for c in model.cable_of]
+        if beyond.max(initial=0.0) > STRAIGHT:
             worst = int(beyond.argmax())
-            length, which, advice = (
-                ("of their own length", ", which can push,", ' or take compression="none"')
-                if pushes[worst]
-                else ("no longer than they are", "", "")
-            )
+            off = caught.off[worst]
             raise InputError(
-                f'Method "{method}" needs segments {length} at the start, but one of cable {quoted(cable_of[worst].name)}{which} '
-                f"is {abs(off[worst]):.2g} of its length too {'long' if off[worst] > 0.0 else 'short'}; start from a rest{advice}."
+                f'Method "{method}" needs segments of their own length at the start, but one of cable '
+                f"{quoted(cable_of[worst].name)}, which can push, is {abs(off):.2g} of its length too "
+                f'{"long" if off > 0.0 else "short"}; start from a rest or take compression="none".'
             )
         if caught.blocked >= 0:
             raise InputError(

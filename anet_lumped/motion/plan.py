@@ -8,8 +8,9 @@ import numpy as np
 
 from anet_lumped.checks import SMALLEST, InputError, number, quoted, shown
 from anet_lumped.model import rest_lengths
+from anet_lumped.model.reach import off_length
 from anet_lumped.model.remainder import lightest
-from anet_lumped.results.events import released
+from anet_lumped.results.events import broken_at, released
 from anet_lumped.results.state import State
 from anet_lumped.scene.origin import largest_distance
 from anet_lumped.scene.scene import Driven, Scene
@@ -99,9 +100,10 @@ def planned(scene: Scene, begin: State, asked: Asked) -> Plan:
 
 
 def check_start(scene: Scene, begin: State) -> None:
-    """Refuse a start whose nodes are too far from each other, or whose points that a session drives are elsewhere."""
+    """Refuse a start whose nodes are too far from each other, or which is not one of what is held, driven or does not stretch."""
     _check_external(scene, begin)
     _check_held(scene, begin)
+    check_lengths(scene, begin)
     most, places = largest_distance(scene), begin.q.ravel()
     if 2.0 * math.sqrt(float(places @ places)) < 0.9 * most:
         return  # the farthest from the origin, and any two from each other, are no farther than that
@@ -112,6 +114,13 @@ def check_start(scene: Scene, begin: State) -> None:
             f"Nodes must start within {most:.3g} m of each other, beyond which a motion counts as diverged, but they are "
             f"{apart:.3g} m apart."
         )
+
+
+def check_lengths(scene: Scene, begin: State) -> None:
+    """Refuse a start from which no motion of cables that do not stretch can go on: every step would have to give lengths back."""
+    words = off_length(begin.model, begin.q, begin.t, broken_at(scene, begin.events, begin.t))
+    if words is not None:
+        raise InputError(words)
 
 
 def _check_held(scene: Scene, begin: State) -> None:

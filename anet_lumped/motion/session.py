@@ -39,6 +39,7 @@ from .given_motions import GivenMotions
 from .inner_states import inner_of_net, shedding_of_net, split_inner
 from .legs import Legs
 from .own_methods import net_and_system
+from .plan import check_lengths
 from .readings import Sight, compiled_see, readings_of, sight_of, words_in_memory
 from .session_mark import Mark, SessionError, arrays_of_legs, check_mark, own_arrays
 from .session_start import start_near
@@ -92,6 +93,7 @@ class Session:
         self._origin = np.array(near.origin, float)
         pushed = replace(near.scene, effects=(*near.scene.effects, Push()))
         begin = start_near(near, start)
+        check_lengths(near.scene, begin)
         choice = choose(lightest(near.scene), method, self.dt, False, begin.least_tension, transverse_frequency(begin))
         self.method, self.reason, self._choice = choice.method, choice.reason, choice
         self._scheme = schemes.scheme(choice.method)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from anet_lumped.checks import quoted
 
@@ -58,6 +59,16 @@ def broken(events: Iterable[Event]) -> dict[str, tuple[int, ...]]:
     for event in events:
         if event.kind == BREAK and event.segment is not None:
             found[event.where] = tuple(sorted((*found.get(event.where, ()), event.segment)))
+    return found
+
+
+def broken_at(scene: Any, events: Iterable[Event], t: float) -> dict[str, tuple[int, ...]]:
+    """`broken` by a time [s]: by events, and by the cuts of the scene that are due by then, whether events say so or not."""
+    found = broken(events)
+    for cut in scene.cable_cuts:
+        if cut.t <= t:
+            segment = cut.segment % scene.cable(cut.cable).segments
+            found[cut.cable] = tuple(sorted({*found.get(cut.cable, ()), segment}))
     return found
 
 

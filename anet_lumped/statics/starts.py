@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from anet_lumped.checks import InputError, nearest, number, quoted, shown
 from anet_lumped.model.model import Model
 from anet_lumped.model.reach import shortfall
+from anet_lumped.results.events import broken_at
 from anet_lumped.results.run import Run
 from anet_lumped.results.state import State
 from anet_lumped.scene.scene import Driven, Fixed, Free, OnBody, SceneError
@@ -44,7 +45,8 @@ def start_state(model: Model, start: Start, straight_between: bool = False) -> S
     state = _adopt(model, start) if isinstance(start, State) else _at_rest(model, start)
     scene = model.scene
     free = {point.name: state.position(point.name) for point in scene.all_points if isinstance(point, Free)}
-    short = shortfall(scene, state.t, straight=straight_between) or shortfall(scene, state.t, free)
+    gone = broken_at(scene, state.events, state.t)
+    short = shortfall(scene, state.t, straight=straight_between, without=gone) or shortfall(scene, state.t, free, without=gone)
     if short is not None:
         raise InputError(short.words)
     return state

@@ -72,3 +72,10 @@ def test_a_session_says_so():
             session.drive(f"s{k}", 1.02 * np.array(at), 2.0 * np.array(at))
         with pytest.raises(SessionError, match=r"is 1.01 m long, and lengthened alike they meet where it is 1.02 m"):
             session.step()
+
+
+@pytest.mark.parametrize("length", [1.0, 5.0, 20.0])
+def test_a_cable_that_reaches_anything_is_none_that_is_too_short(length):
+    """It hangs on one support, and the search may go to where it is of no length at all."""
+    points = [Fixed("a", (0.0, 0.0, 0.0)), Fixed("far", (10.0, 0.0, 0.0)), Free("m", mass=1.0)]
+    assert too_far_to_meet(Scene(points, [Cable("a", "m", length=length, **LIKE)], [Gravity(9.81)]), 0.0) is None

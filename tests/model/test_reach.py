@@ -1,9 +1,25 @@
 """Cables that do not stretch and do not reach: refused at rest, at the start and where they are driven to, with both numbers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from anet_lumped import Cable, Driven, Fixed, Free, InputError, NoRestError, Scene, equilibrium, paths, signals, simulate
+from anet_lumped import (
+    Cable,
+    CableCut,
+    Driven,
+    Fixed,
+    Free,
+    InputError,
+    NoRestError,
+    Scene,
+    Session,
+    equilibrium,
+    paths,
+    signals,
+    simulate,
+)
 from anet_lumped.effects import Gravity, LineChange
 from anet_lumped.model.reach import first_shortfall, shortfall
 
@@ -91,3 +107,42 @@ def test_what_reaches_is_left_alone():
     points = [Fixed("a", (0, 0, 0)), Driven("b", paths.line((0.5, 0, 0), (0.1, 0, 0), 0.1))]
     scene = Scene(points, [rigid("a", "b")], [Gravity()])
     assert first_shortfall(scene, 0.0, 1.0) is None and simulate(scene, 0.2).ok
+
+
+def zigzag(middle, compression):
+    """A cable of two segments of 0.5 m, of which the first is longer or shorter, hanging on a support."""
+    scene = Scene([Fixed("a", (0, 0, 0)), Free("b", mass=1.0)], [rigid("a", "b", segments=2, compression=compression)], [Gravity()])
+    return dict(scene=scene, start={"a-b": [(0, 0, 0), (0, 0, -middle), (0.3, 0, -middle - 0.4)]})
+
+
+@pytest.mark.parametrize("method", ["edmc", "links"])
+@pytest.mark.parametrize(("middle", "compression"), [(0.51, "none"), (0.51, "linear"), (0.49, "linear")])
+def test_a_start_of_segments_of_another_length_is_refused(method, middle, compression):
+    """Every step would have to give the segments their lengths back, with tensions that are as large as the step is short."""
+    made = zigzag(middle, compression)
+    numbers = rf'segment 0 of cable "a-b" is 0.5 m long, and its nodes are {middle} m apart at t=0 s; start from a rest'
+    with pytest.raises(InputError, match=numbers):
+        simulate(made["scene"], 0.1, start=made["start"], method=method)
+    with pytest.raises(InputError, match=numbers):
+        Session(made["scene"], 0.01, start=made["start"])
+
+
+def test_a_start_of_slack_segments_is_taken():
+    made = zigzag(0.49, "none")
+    assert simulate(made["scene"], 0.1, start=made["start"]).ok
+
+
+@pytest.mark.parametrize("segment", [0, 2])
+def test_a_run_goes_on_past_the_cut_of_a_cable_that_does_not_stretch(segment):
+    """What has fallen is farther from the support than the cable is long. The end that hangs on falls freely, or swings on."""
+    scene = Scene(
+        [Fixed("a", (0, 0, 0)), Free("b", mass=1.0)], [rigid("a", "b")], [Gravity()], events=[CableCut("a-b", 0.05, segment)]
+    )
+    run = simulate(scene, 0.6, dt=1e-3)
+    on = simulate(scene, 0.1, start=run.final, dt=1e-3)
+    assert run.ok and on.ok and on.events == run.events
+    assert on.position("b")[-1, 2] == pytest.approx(-1.0 - 0.5 * 9.81 * 0.65**2, abs=1e-2)
+    with Session(scene, 1e-3, start=run.final) as session:
+        session.step()
+    late = replace(equilibrium(scene), t=1.0)
+    assert simulate(scene, 0.1, start=late, dt=1e-3).ok
