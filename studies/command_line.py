@@ -22,6 +22,7 @@ from studies.options import (
     PLACE,
     TIME,
     At,
+    Audit,
     Changes,
     Full,
     Json,
@@ -133,7 +134,7 @@ def simulate(
     winch: Winches = (),
     error: Annotated[float | None, typer.Option(help="Error of places to keep, as in 1mm; chosen if not given.", **LENGTH)] = None,
     tension_error: Annotated[float | None, typer.Option(help="Error of the largest tension to keep, over it; 0.02 is 2 %.")] = None,
-    audit: Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")] = False,
+    audit: Audit = False,
     out: Out = None,
     as_json: Json = False,
     whole: Whole = False,
@@ -185,6 +186,7 @@ def fly(
     save_every: Annotated[float | None, typer.Option(help="Time between saved states.", **TIME)] = None,
     change: Changes = (),
     effect: Added = (),
+    audit: Audit = False,
     out: Out = None,
     as_json: Json = False,
     whole: Whole = False,
@@ -205,7 +207,9 @@ def fly(
     quadrotors = known_quadrotors(loaded)
     flight = scenario_of(loaded, scene, controller=controller, t_end=t_end, by=by, within=within)
     try:
-        run = fly(loaded, controller_for(loaded, flight), flight.t_end, dt=dt, quadrotors=quadrotors, save_every=save_every)
+        run = fly(
+            loaded, controller_for(loaded, flight), flight.t_end, dt=dt, quadrotors=quadrotors, save_every=save_every, audit=audit
+        )
     except RunInterrupt as stopped:
         run = stopped.run
     give(run_summary(run), as_json, out, "run", lambda: _save_run(run, out), whole)

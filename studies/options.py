@@ -27,6 +27,7 @@ def folder(out):
 
 Out = Annotated[Path | None, typer.Option(help="Folder for the results.", callback=folder)]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables (SI units).")]
+Audit = Annotated[bool, typer.Option("--audit", help="Run again with half the step, and estimate the error.")]
 Whole = Annotated[bool, typer.Option("--all", help="Print long tables in full.")]
 TIME = {"parser": seconds, "metavar": "TIME"}
 LENGTH = {"parser": metres, "metavar": "LENGTH"}

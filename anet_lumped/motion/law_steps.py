@@ -1,4 +1,4 @@
-"""Steps of a session under a compiled law, which gives the forces and torques on its bodies at the start of each.
+"""Steps of a session under a compiled law, which gives the forces and torques on its bodies at the start of each or of some.
 
 A step is that of `Session.step`, bit for bit. Python is asked only where the law asks it, and at events.
 """
@@ -52,6 +52,7 @@ class Given(NamedTuple):
     evaluates_force : 1 if a step takes over the force at the end of the last one
     law, law_data : addresses
     first_t, dt : float [s]
+    parts : steps from one call of the law to the next
     """
 
     q: np.ndarray
@@ -75,10 +76,11 @@ class Given(NamedTuple):
     law_data: int
     first_t: float
     dt: float
+    parts: int
 
 
 GIVEN = types.NamedTuple(
-    (_f2, _f2, _f2, _f2, _i2, _i1, _i1, TABLE, _i1, _f1, _i1, _f2, _f1, _i1) + (int64,) * 5 + (float64,) * 2, Given
+    (_f2, _f2, _f2, _f2, _i2, _i1, _i1, TABLE, _i1, _f1, _i1, _f2, _f1, _i1) + (int64,) * 5 + (float64,) * 2 + (int64,), Given
 )
 _given_at = view_at(GIVEN)
 
@@ -95,9 +97,10 @@ def steps_under_law(address, t, first, last):
     given = _given_at(address)
     table, law = given.table, as_law(given.law)
     for k in range(first, last):
-        reason = law(given.law_data, t)
-        if reason != GO_ON:
-            return k, t, reason, DONE, -1
+        if k % given.parts == 0:
+            reason = law(given.law_data, t)
+            if reason != GO_ON:
+                return k, t, reason, DONE, -1
         spread(
             0.5 * given.dt, given.q, given.v, given.force, given.torque, given.axes, given.of_body, given.slot, table.first,
             table.node, table.weights, table.directions, table.share, given.rows, given.params,
@@ -134,10 +137,11 @@ class LawSteps:
     ----------
     session : Session
     law : StepLaw
+    parts : int, steps from one call of the law to the next, through which its forces and torques are held
     """
 
-    def __init__(self, session: Any, law: StepLaw) -> None:
-        self.session, self.law = session, law
+    def __init__(self, session: Any, law: StepLaw, parts: int = 1) -> None:
+        self.session, self.law, self.parts = session, law, parts
         held_march.compiled()
         self._march = entry_point(compile_for(steps_under_law, (int64, float64, int64, int64)))
         self._call = entry_point(compile_for(law_at_start, (int64, float64)))
@@ -156,7 +160,7 @@ class LawSteps:
             self._attach()
             end = self._steps_in_one(last)
             if end == session._steps:
-                while (reason := self._call(self._at, session.t)) != GO_ON:
+                while session._steps % self.parts == 0 and (reason := self._call(self._at, session.t)) != GO_ON:
                     self.law.ask(session.t, reason)
                 session.step()
                 continue
@@ -190,7 +194,7 @@ class LawSteps:
             state.q, state.v, forces.force, forces.torque, forces.axes, forces.of_body, forces._slot, session._table, forces._rows,
             forces._params, forces._node, np.zeros((len(forces._node), 3)), session._legs.carried, session.readings.at_end,
             int(session._scheme.explicit), session._address, int(session._scheme.evaluates_force), self.law.address,
-            self.law.attach(session), session._first_t, session.dt,
+            self.law.attach(session), session._first_t, session.dt, self.parts,
         )  # fmt: skip
         self._words = np.array(words_of(self._given), np.int64)
         self._at = self._words.ctypes.data

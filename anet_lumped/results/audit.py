@@ -74,6 +74,17 @@ class Audit:
         return not self.reason
 
 
+def _unless_stopped(finer: Callable[[int], Any], parts: int, run: Any) -> Any:
+    """A finer run; where the user stops it, what is kept is the run that was done."""
+    from .run import RunInterrupt  # which has an Audit
+
+    try:
+        return finer(parts)
+    except KeyboardInterrupt:
+        message = "The run was done, but its audit was stopped by the user."
+        raise RunInterrupt(replace(run, status="interrupted", message=message)) from None
+
+
 def audited(run: Any, finer: Callable[[int], Any], order: float | None, allowed: float | None = None) -> Any:
     """A run that reached its end, with its audit; its status is "audit failed" if it did not pass.
 
@@ -97,7 +108,7 @@ def audited(run: Any, finer: Callable[[int], Any], order: float | None, allowed:
         moved = float(np.linalg.norm(run.q - run.q[0], axis=2).max())
         allowed = max(min(SHARE * longest, SHARE_OF_MOTION * moved), LEAST * longest)
     began = time.perf_counter()
-    other = finer(2)
+    other = _unless_stopped(finer, 2, run)
     rows, _, apart = distances(run, other)
     row, node = np.unravel_index(np.argmax(apart), apart.shape)
     # q_h - q_(h/2) = (1 - 2^-p) of the error of q_h; a tenth of the tolerance leaves next to nothing of it
@@ -105,7 +116,7 @@ def audited(run: Any, finer: Callable[[int], Any], order: float | None, allowed:
     error, told = float(apart[row, node]) / left, run.error_estimate
     disagree = bool(told) and not run.extrapolated and not 1.0 / DISAGREE < error / told < DISAGREE
     if other.ok and order is not None and disagree and error > 0.1 * allowed:
-        third = finer(4)
+        third = _unless_stopped(finer, 4, run)
         if third.ok:
             nearer = float(apart[row, node]) / max(float(distances(other, third).apart[row, node]), 1e-300)
             error = float(apart[row, node]) / (1.0 - 1.0 / nearer) if nearer > SLOWEST else np.inf

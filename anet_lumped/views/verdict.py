@@ -33,7 +33,7 @@ def _how_it_ended(run: Any) -> str:
 def _estimated(run: Any) -> str:
     """What a run without an audit tells of its errors, and where it has that from."""
     if run.error_estimate is None:
-        places = f"not known ({'one with half the step tells' if run.pushed else '--audit tells'})"
+        places = "not known (--audit tells)"
     else:
         places = as_length(run.error_estimate) + (f", perhaps {run.multiplies:.2g} times that" if run.multiplies > 1.0 else "")
     source = "two runs compared" if run.was_compared else "from its own steps, not audited"

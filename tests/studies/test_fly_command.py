@@ -38,3 +38,10 @@ def test_what_cannot_be_flown_is_one_sentence_and_exit_2(words, sentence, capsys
     assert call("fly", *words) == 2
     said = capsys.readouterr().err
     assert sentence in said and len(said.strip().splitlines()) == 1
+
+
+def test_a_flight_is_audited(tmp_path, capsys):
+    words = ("fly", "quadrotors_net", "--t-end", "0.4", "--dt", "20ms", "--audit", "--out", str(tmp_path))
+    assert call(*words) == 0 and load_run(tmp_path / "run.nc").audit.passed
+    assert call("fly", "quadrotors_break", "--t-end", "3", "--dt", "20ms", "--audit") == 1
+    assert "audit failed" in capsys.readouterr().out

@@ -54,7 +54,7 @@ def test_a_run_without_an_audit_gives_what_it_estimates():
     assert verdict(replace(run, kept=False)).endswith("(two runs compared, more than wanted)")
     assert "; estimated errors: places not known (--audit tells), largest" in verdict(replace(run, error_growth=None))
     flown = replace(run, error_growth=None, pushed=True)  # of a flight there is no audit
-    assert "places not known (one with half the step tells), largest" in verdict(flown)
+    assert "places not known (--audit tells), largest" in verdict(flown)
     whip = simulate(loose_cable(1e4), 0.6, method="edmc", dt=0.005, start="straight")
     assert f"places {as_length(whip.error_estimate)}, perhaps {whip.multiplies:.2g} times that" in verdict(whip)
 
