@@ -11,7 +11,7 @@ import numpy as np
 from anet_lumped.checks import InputError, check_number, nearest, quoted, shown
 from anet_lumped.motion.law_steps import LawSteps
 from anet_lumped.motion.session import Session, SessionError
-from anet_lumped.results.audit import audited
+from anet_lumped.results.auditing import audited
 from anet_lumped.results.run import STATUS, Run, RunInterrupt
 from anet_lumped.scene.scene import Scene, check_scene
 from integrators.system import INTERRUPTED

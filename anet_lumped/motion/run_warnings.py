@@ -15,7 +15,7 @@ import numpy as np
 from anet_lumped.checks import quoted
 from anet_lumped.effects import REGISTRY
 from anet_lumped.results.amplification import is_hardly_seen
-from anet_lumped.results.audit import SHARE
+from anet_lumped.results.auditing import SHARE
 from anet_lumped.results.buckling import first_buckled
 from anet_lumped.results.energy_balance import error_of_steps
 from anet_lumped.results.free_flight import MULTIPLIED, first_loose, times_at_most

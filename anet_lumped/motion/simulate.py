@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from anet_lumped.checks import number, quoted
-from anet_lumped.results.audit import audited
+from anet_lumped.results.auditing import audited
 from anet_lumped.results.near_origin import computed_near_origin
 from anet_lumped.results.run import Run, RunInterrupt
 from anet_lumped.results.state import State
